@@ -63,6 +63,7 @@ class Springs:
     searching: wp.array(dtype=wp.int32)  # flag: a pass is needed
     listing: wp.array(dtype=wp.int32)  # flag: a list of tiles is needed, before any pass
     trial: wp.array2d(dtype=wp.float64)  # what a pass finds, a column a slot
+    near: wp.array2d(dtype=Cells)  # gaps inside the bracket of a bearing area, a line a slot, or none [mm]
 
 
 @wp.func

@@ -3,6 +3,10 @@
 The area rises with the approach in steps, cell by cell, so the approach is looked for in a bracket. The first
 approach that meets the tolerance is taken, and the pressure is load/area. Where cells tie, so that no
 approach meets it, the tied cells share what is missing.
+
+A pass over the listed tiles counts the cells below a trial and gathers those inside the bracket. Where they
+all have room, the decision after it counts the next trials among them, up to the last one; else a pass
+follows, on a smaller bracket. Few cells take one pass, many cells a few.
 """
 
 import warp as wp
@@ -38,11 +42,16 @@ UP_TO_TIE = wp.constant(wp.int32(3))
 
 
 @wp.func
-def area_between(springs: Springs, margin: wp.float64):
-    """A search of which nothing is known: all that lies up to the highest gap before wear is halved."""
+def area_between(springs: Springs, start: wp.float64, scatter: wp.float64):
+    """A search in a bracket of all that lies up to the highest gap before wear, whatever is expected.
+
+    scatter: how far from the start the approach may be; 0 where that is not known [mm].
+    """
     s = Search()
     s.bracket = bracket_at(springs.highest + TWO * TIE, ZERO)  # so that the highest cell counts
-    s.margin = margin
+    s.start = start
+    s.scatter = scatter
+    s.margin = scatter
     s.is_cold = 1
     s.stiffness = RIGID
     s.above = NONE
@@ -63,7 +72,7 @@ def area_near(approach: wp.float64, scatter: wp.float64):
 
 
 @wp.func
-def counted(
+def bracketed(
     springs: Springs,
     before: Search,
     lists_before: Listing,
@@ -71,34 +80,42 @@ def counted(
     lowest: wp.float64,
     highest: wp.float64,
 ):
-    """The search after a pass, the list of tiles that it needs, and the law of the pressures at its end.
+    """The search of which nothing was known, with a bracket, or the list of all tiles that it needs for that.
 
-    count: of cells below the level. lowest, highest: gap listed [mm].
+    count: of cells listed. lowest, highest: gap of them [mm].
     """
     s = before
     lists = lists_before
     b = s.bracket
+    needed = springs.load / (springs.cap * springs.cell_area)
+    if count < needed and lists.limit < NONE:
+        lists.limit = NONE
+        lists.asked = NONE
+    else:
+        # What is listed may be worn beyond the limit of the list, where lower tiles that are not may lie.
+        b.low = wp.min(lowest, lists.limit)
+        b.high = b.offset
+        if count < needed:  # all cells are worn beyond it
+            b.high = highest + TWO * TIE
+        b.offset = HALF * (b.low + b.high)
+        s.phase = TRIAL
+        s.bracket = b
+    return s, lists
+
+
+@wp.func
+def counted(springs: Springs, before: Search, law_before: Law, count: wp.float64):
+    """The search after a trial, and the law of the pressures at its end. count: of cells below the trial."""
+    s = before
+    law = law_before
+    b = s.bracket
     level = b.offset
-    law = springs.law[0]
     full = springs.cap * springs.cell_area  # load of a cell
     needed = springs.load / full
-    allowed = springs.tolerance / full
-    if s.phase == ALL:
-        if count < needed and lists.limit < NONE:
-            lists.limit = NONE
-            lists.asked = NONE
-        else:
-            # What is listed may be worn beyond the limit of the list, where lower tiles that are not may lie.
-            b.low = wp.min(lowest, lists.limit)
-            b.high = level
-            if count < needed:  # all cells are worn beyond it
-                b.high = highest + TWO * TIE
-            b.offset = HALF * (b.low + b.high)
-            s.phase = TRIAL
-    elif s.phase == TRIAL:
-        s.evaluations = s.evaluations + 1
+    s.evaluations = s.evaluations + 1
+    if s.phase == TRIAL:
         width = b.high - b.low
-        if wp.abs(count - needed) < allowed and count > ZERO:
+        if wp.abs(count - needed) < springs.tolerance / full and count > ZERO:
             b.state = MET
             s.residual = (count - needed) * full
             law.base = level
@@ -134,13 +151,11 @@ def counted(
             if s.evaluations >= EVALUATIONS and s.phase == TRIAL:
                 b.state = STUCK
     elif s.phase == BELOW_TIE:
-        s.evaluations = s.evaluations + 1
         s.below = count
         s.phase = UP_TO_TIE
         up = s.start + TIE
         b.offset = up + HALF_ULP * wp.abs(up)  # the next number
     else:
-        s.evaluations = s.evaluations + 1
         s.above = count
         tied = count - s.below
         part = (needed - s.below) / tied
@@ -154,9 +169,64 @@ def counted(
             law.tie_width = TIE
             law.tie_pressure = part * springs.cap
             s.residual = (s.below + part * tied) * full - springs.load
-    if b.state == LOOKS and s.phase != ALL:
-        lists = reached(lists, b.offset, s.margin)
     s.bracket = b
+    return s, law
+
+
+@wp.func_native("return are_gathered(springs);")
+def _are_gathered(springs: Springs) -> wp.bool: ...
+
+
+@wp.func_native("return count_gathered(springs, level);")
+def _count_gathered(springs: Springs, level: wp.float64) -> wp.float64: ...
+
+
+@wp.func_native("return inside_up_to(springs);")
+def _inside_up_to(springs: Springs) -> wp.float64: ...
+
+
+@wp.func
+def judged_area(springs: Springs):
+    """The search after a pass, the list of tiles that it needs, and the law of the pressures at its end.
+
+    Every thread of the deciding slot follows it.
+    """
+    s = springs.search[0]
+    lists = springs.lists[0]
+    law = springs.law[0]
+    count = sum_of(springs.trial, 0)
+    lowest = -most_of(springs.trial, 1)
+    highest = most_of(springs.trial, 2)
+    is_gathered = _are_gathered(springs)
+    below = s.below  # below the bracket
+    low = s.bracket.low
+    high = _inside_up_to(springs)
+    up_to_high = below + sum_of(springs.trial, 3)
+    full = springs.cap * springs.cell_area
+    # A bracket that begins far up is halved without counting until it is down to where cells are looked at.
+    is_beyond = s.is_cold == 1 and up_to_high - springs.load / full >= springs.tolerance / full
+    if s.phase == ALL:
+        s, lists = bracketed(springs, s, lists, count, lowest, highest)
+    elif s.bracket.offset <= lists.limit:
+        s, law = counted(springs, s, law, count)
+    is_known = s.phase != ALL
+    while is_known and s.bracket.state == LOOKS:
+        level = s.bracket.offset
+        if level > high:
+            is_known = is_beyond and s.phase == TRIAL
+            count = up_to_high
+        else:
+            is_known = is_gathered and level >= low
+            if is_known:
+                count = below + _count_gathered(springs, level)
+        if is_known:
+            s, law = counted(springs, s, law, count)
+    if s.bracket.state == LOOKS and s.phase != ALL:
+        level = s.bracket.offset
+        if s.is_cold == 1 and s.scatter > ZERO and level > high and springs.near.shape[0] > 0:
+            s.scatter = GROWS * s.scatter  # too few lie within: look further
+            level = wp.min(level, s.start + s.scatter)
+        lists = reached(lists, level, s.margin)
     return s, lists, law
 
 
@@ -178,22 +248,21 @@ def begin(first_slot: wp.int32, slots: wp.int32, springs: Springs, lowest: wp.fl
             lists.limit = lowest
             lists.asked = lowest
         ask_for(springs, lists)
-        springs.search[0] = area_between(springs, ZERO)
+        springs.search[0] = area_between(springs, lowest, ZERO)
         springs.searching[0] = 1
 
 
-@wp.func_native("count_level(slot, slots, tiles, count, level, gap, parts, trial);")
+@wp.func_native("count_level(slot, slots, tiles, count, springs, gap, parts);")
 def count_of(
     slot: wp.int32,
     slots: wp.int32,
     tiles: wp.array2d(dtype=wp.int32),
     count: wp.array(dtype=wp.int32),
-    level: wp.float64,
+    springs: Springs,
     gap: wp.array2d(dtype=Cells),
     parts: wp.array2d(dtype=Cells),
-    trial: wp.array2d(dtype=wp.float64),
 ) -> None:
-    """Counts the cells of a slot below a level, and finds the lowest and highest gap."""
+    """Counts cells of a slot below the trial, gathers those inside the bracket, finds the extreme gaps."""
     ...
 
 
@@ -209,16 +278,12 @@ def counted_below(
 ):
     """Counts cells in contact at the trial, in cells at the cap: of each its part of it, if it has one."""
     slot = first_slot + wp.tid() // wp.block_dim()
-    level = springs.search[0].bracket.offset
-    count_of(slot, slots, tiles, count, level, gap, parts, springs.trial)
+    count_of(slot, slots, tiles, count, springs, gap, parts)
 
 
 @wp.kernel
 def judge_area(first_slot: wp.int32, slots: wp.int32, springs: Springs):
     """Decides what follows from a pass over a bearing area."""
-    count = sum_of(springs.trial, 0)
-    lowest = -most_of(springs.trial, 1)
-    highest = most_of(springs.trial, 2)
+    s, lists, law = judged_area(springs)
     if wp.tid() == 0:
-        s, lists, law = counted(springs, springs.search[0], springs.lists[0], count, lowest, highest)
         conclude_area(springs, s, lists, law)

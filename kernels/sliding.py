@@ -49,28 +49,6 @@ class Bodies:
 
 
 @wp.struct
-class OfTiles:
-    """Bounds and sums that are kept of every tile of either body, rows × tiles."""
-
-    lowest: wp.array2d(dtype=wp.float64)  # height of the sphere [mm]
-    highest: wp.array2d(dtype=wp.float64)  # of the disc [mm]
-    touched: wp.array2d(dtype=wp.float64)  # cells of the sphere
-    worn_sphere: wp.array2d(dtype=wp.float64)  # sums [mm]
-    worn_disc: wp.array2d(dtype=wp.float64)
-    pressed_disc: wp.array2d(dtype=wp.float64)  # displaced for good; one row where the disc springs back
-
-
-@wp.struct
-class OfEightTiles:
-    """The sums of `OfTiles`, eight neighbouring tiles in a vector."""
-
-    touched: wp.array2d(dtype=Cells)
-    worn_sphere: wp.array2d(dtype=Cells)
-    worn_disc: wp.array2d(dtype=Cells)
-    pressed_disc: wp.array2d(dtype=Cells)
-
-
-@wp.struct
 class OfRows:
     """The sums of `OfTiles` over every row of the sphere and of the disc."""
 
@@ -81,6 +59,20 @@ class OfRows:
 
 
 @wp.struct
+class OfTiles:
+    """Bounds and sums that are kept of every tile of either body, rows × tiles."""
+
+    lowest: wp.array2d(dtype=wp.float64)  # height of the sphere [mm]
+    highest: wp.array2d(dtype=wp.float64)  # of the disc [mm]
+    gap: wp.array2d(dtype=wp.float64)  # lowest, of tiles listed; none where more than wear changes it [mm]
+    touched: wp.array2d(dtype=wp.float64)  # cells of the sphere
+    worn_sphere: wp.array2d(dtype=wp.float64)  # sums [mm]
+    worn_disc: wp.array2d(dtype=wp.float64)
+    pressed_disc: wp.array2d(dtype=wp.float64)  # displaced for good; one row where the disc springs back
+    rows: OfRows
+
+
+@wp.struct
 class Bounds:
     """What gaps of pairs of tiles are bounded by [mm]. It may be out of date: wear only opens gaps."""
 
@@ -88,6 +80,8 @@ class Bounds:
     highest_of_row: wp.array(dtype=wp.float64)  # of the disc
     lowest: wp.array2d(dtype=Cells)  # of the sphere's tiles, eight in a vector
     highest: wp.array2d(dtype=Cells)  # of the disc's
+    gap: wp.array2d(dtype=Cells)  # lowest of pairs of tiles; 0 where it was never made
+    stays: wp.int32  # 1 where that and the gap stay as they are made and worn
 
 
 @wp.struct
@@ -211,32 +205,8 @@ def wear_step(
     """One increment of wear in place: each body loses K p ΔL.
 
     What goes beyond the full depth is displaced from the disc for good, not worn. Of the tiles listed the
-    gap, the bounds and what `totals` sums are made anew. Columns count that lie beyond the known ones.
+    gap, the bounds and the sums are made anew, also of their rows. Columns count that lie beyond the
+    known ones.
     """
     slot = first_slot + wp.tid() // wp.block_dim()
     _wear_tiles(slot, slots, tiles, count, slides, springs, of_cells, bodies, of_tiles, tables)
-
-
-@wp.func_native("total_rows(slot, slots, count, slides, of_tiles, of_rows);")
-def _total_rows(
-    slot: wp.int32,
-    slots: wp.int32,
-    count: wp.array(dtype=wp.int32),
-    slides: wp.array(dtype=Slide),
-    of_tiles: OfEightTiles,
-    of_rows: OfRows,
-): ...
-
-
-@wp.kernel
-def totals(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    count: wp.array(dtype=wp.int32),
-    slides: wp.array(dtype=Slide),
-    of_tiles: OfEightTiles,
-    of_rows: OfRows,
-):
-    """Sums over the rows with listed tiles, of the sphere and of the disc beneath it."""
-    slot = first_slot + wp.tid() // wp.block_dim()
-    _total_rows(slot, slots, count, slides, of_tiles, of_rows)

@@ -7,7 +7,7 @@ which it may be off by as much as it has lately changed.
 
 import warp as wp
 
-from warpwear.kernels.balance import Springs, search_from, search_from_lowest
+from warpwear.kernels.balance import Springs, ask_for, search_from, search_from_lowest
 from warpwear.kernels.bearing import area_between, area_near
 from warpwear.kernels.cells import NONE, ONE, ZERO, TrackMost, TrackSum
 from warpwear.kernels.newton import HALF, STUCK
@@ -35,6 +35,8 @@ OF_ROWS = wp.constant(wp.int32(len(BALANCE) + len(TrackSum) + len(TrackMost)))
 #: Changes of the approach from which the next is expected, and how many times the largest it may be.
 CHANGES = wp.constant(wp.int32(8))
 TIMES = wp.constant(wp.float64(2.0))
+#: Of a list that serves several steps: how many times further it reaches.
+AHEAD = wp.constant(wp.float64(1.0))
 #: What the approach may change by when nothing is known of it, and at least [mm].
 FIRST_SCATTER = wp.constant(wp.float64(1.0e-4))
 LEAST_SCATTER = wp.constant(wp.float64(1.0e-6))
@@ -73,6 +75,7 @@ class Steps:
     solved: wp.array(dtype=wp.int32)  # flag: its balance was found
     is_rigid: wp.int32  # 1 for a bearing area
     moves: wp.int32  # 1 where the disc does
+    stays: wp.int32  # 1 where a list serves several steps
     hardness: wp.float64  # of a disc that keeps its dents; else NONE [MPa]
     rows: wp.int32  # and columns, of the grid
     columns: wp.int32
@@ -111,25 +114,26 @@ def begin_step(springs: Springs, steps: Steps):
     steps.slides[0] = with_columns(slide, c, steps)
     scatter = scatter_of(steps.changes)
     lists = springs.lists[0]
-    lists.limit = -NONE  # the list of another displacement is none
-    lists.asked = -NONE
+    if steps.stays == 0:
+        lists.limit = -NONE  # the list of another displacement is none
+        lists.asked = -NONE
     if c.is_begun == 0 and steps.is_rigid * steps.moves == 0:
         lists.limit = c.first_limit
         if steps.is_rigid == 1:
-            springs.search[0] = area_between(springs, scatter)
+            springs.search[0] = area_between(springs, c.first_limit, scatter)
         else:
             springs.search[0] = search_from_lowest(springs, c.smallest, stiffness, c.softest)
     else:
         approach = wp.where(c.is_begun == 1, c.approach, c.smallest)
-        lists = reached(lists, approach, scatter)
+        ahead = wp.where(steps.stays == 1, AHEAD * scatter, ZERO)
+        lists = reached(lists, approach + scatter, ahead)
         if steps.is_rigid == 0:
             springs.search[0] = search_from(approach, ZERO, scatter, stiffness)
         elif steps.moves == 1:
             springs.search[0] = area_near(approach, scatter)
         else:
-            springs.search[0] = area_between(springs, scatter)
-    springs.lists[0] = lists
-    springs.listing[0] = 1
+            springs.search[0] = area_between(springs, approach, scatter)
+    ask_for(springs, lists)
     springs.searching[0] = 1
 
 

@@ -23,7 +23,7 @@ from warpwear.kernels.balance import (
     search_from_lowest,
     sum_of,
 )
-from warpwear.kernels.bearing import area_between, conclude_area, counted
+from warpwear.kernels.bearing import area_between, conclude_area, judged_area
 from warpwear.kernels.cells import NONE, ONE, ZERO, Cells, TileSums, WearMost, WearSum
 from warpwear.kernels.contact import Law
 from warpwear.kernels.newton import HALF, LOOKS, STUCK
@@ -128,7 +128,8 @@ def begin_step(springs: Springs, steps: Steps):
     steps.stepping[0] = 1
     if steps.is_rigid == 1:
         ask_for(springs, lists)
-        springs.search[0] = area_between(springs, STEPS_AHEAD * removal * springs.cap)
+        start = wp.where(c.is_begun == 1, c.approach, steps.smallest)
+        springs.search[0] = area_between(springs, start, STEPS_AHEAD * removal * springs.cap)
         springs.searching[0] = 1
     elif c.is_begun == 0:
         ask_for(springs, lists)
@@ -215,20 +216,17 @@ def expect(steps: Steps, s: Search, lists_before: Listing, approach: wp.float64,
 @wp.kernel
 def judge(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps):
     """Decides what follows from a pass of the search of a step."""
-    first = sum_of(springs.trial, 0)
     if steps.is_rigid == 1:
-        low = -most_of(springs.trial, 1)
-        high = most_of(springs.trial, 2)
+        s, lists, law = judged_area(springs)
         if wp.tid() == 0:
-            s, lists, law = counted(springs, springs.search[0], springs.lists[0], first, low, high)
             if s.bracket.state != LOOKS:
                 lists = expect(steps, s, lists, law.base, law.cap)
             conclude_area(springs, s, lists, law)
     else:
+        force = sum_of(springs.trial, 0) * springs.cell_area
         slope = sum_of(springs.trial, 1) * springs.cell_area
         near = -most_of(springs.trial, 2)
         if wp.tid() == 0:
-            force = first * springs.cell_area
             s, lists = judged(springs, evaluated(springs.search[0]), springs.lists[0], force, slope, near)
             conclude_step(springs, steps, s, lists)
 

@@ -16,7 +16,6 @@ PHASES = {
     "recession": "wear",
     "sliding.select": "gap",
     "sliding.wear_step": "wear",
-    "sliding.totals": "wear",
 }
 
 

@@ -168,6 +168,15 @@ WARPWEAR_FN double most_of_line(const Table& table, int line, int first, int col
 {
     const double* const v = &wp::index(table, line, first);
     double largest = -NO_LIMIT;
-    for (int i = lane_of_slot(); i < columns; i += width_of_slot()) largest = largest > v[i] ? largest : v[i];
+    int i = lane_of_slot();
+#if !defined(__CUDA_ARCH__)
+    Lanes most_here = largest;
+    for (; i + LANES <= columns; i += LANES) {
+        const Lanes here = *(const Stored*)(v + i);
+        most_here = most_here > here ? most_here : here;
+    }
+    largest = most(most_here);
+#endif
+    for (; i < columns; i += width_of_slot()) largest = largest > v[i] ? largest : v[i];
     return of_slot(largest, false);
 }

@@ -41,8 +41,9 @@ WARPWEAR_FN Lanes gap_of_tile(int t, int of_row, const Stored* sphere, const Sto
 }
 
 // List, row by row, the tiles with a gap that does not exceed the limit, and make their gaps. Where the
-// bounds of a pair of tiles let it touch, its gap decides: a list holds no tile too many. The lowest of eight
-// tiles of the sphere with the highest of the disc's row spares a CPU most bounds.
+// bounds of a pair of tiles let it touch, its gap decides: a list holds no tile too many. The lowest gap of a
+// tile is noted; under a disc that lies still it stays known, as 0 where the gap was never made. The lowest
+// of eight tiles of the sphere with the highest of the disc's row spares a CPU most bounds.
 template <typename Lists, typename Slides, typename Bounds, typename Bodies, typename List, typename Count>
 WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Slides& slides,
                               const Bounds& bounds, const Bodies& bodies, const List& list,
@@ -51,12 +52,18 @@ WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Sli
     const double limit = wp::index(lists, 0).limit;
     const int shift = wp::index(slides, 0).shift, of_row = bodies.gap.shape[1] * OF_VECTOR;
     const int tiles = (of_row + OF_TILE - 1) / OF_TILE;
+    const bool stays = bounds.stays == 1;
     for (int row = slot; row < bodies.gap.shape[0]; row += slots) {
         const int under = under_row(row, shift, bodies.disc.shape[0]);
         const Stored *const sphere = row_of(bodies.sphere, row), *const disc = row_of(bodies.disc, under);
         const Stored *const lowest = row_of(bounds.lowest, row), *const highest =
                                                                      row_of(bounds.highest, under);
-        Stored* const gap = row_of(bodies.gap, row);
+        Stored *const gap = row_of(bodies.gap, row), *const of_tiles = row_of(bounds.gap, row);
+        const auto lowest_gap = [&](int t) {
+            const double low = -of_team(most(-gap_of_tile(t, of_row, sphere, disc, gap)), false);
+            if (lane_of_team() == 0) ((double*)of_tiles)[t] = low;
+            return low;
+        };
         int listed = 0;
 #if defined(__CUDA_ARCH__)
         // A warp a tile says whether it touches; then each thread enters one behind those before it.
@@ -66,8 +73,10 @@ WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Sli
         for (int first = 0; first < tiles; first += blockDim.x) {
             for (int n = warp; n < blockDim.x && first + n < tiles; n += warps) {
                 const int t = first + n;
-                bool here = lowest[t] - highest[t] <= limit;
-                if (here) here = __any_sync(0xffffffff, gap_of_tile(t, of_row, sphere, disc, gap) <= limit);
+                const double low = stays ? of_tiles[t] : 0.0;
+                bool here = (low != 0.0 ? low : lowest[t] - highest[t]) <= limit;
+                __syncwarp(); // before the first thread of the warp notes another
+                if (here && low == 0.0) here = lowest_gap(t) <= limit;
                 if (lane == 0) touches[n] = here;
             }
             __syncthreads();
@@ -84,14 +93,18 @@ WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Sli
         if (threadIdx.x == 0) wp::index(counts, row) = listed;
 #else
         const double highest_here = wp::index(bounds.highest_of_row, under);
+        const Lanes zero = 0.0;
         for (int m = 0; m < bounds.lowest.shape[1]; ++m) {
             if (wp::index(bounds.lowest_of_eight, row, m) - highest_here > limit) continue;
-            const Lanes bound = lowest[m] - highest[m];
+            const Lanes low = stays ? (Lanes)of_tiles[m] : zero;
+            const Lanes bound = low != zero ? low : lowest[m] - highest[m];
             if (!any(bound <= limit)) continue;
-            for (int j = 0; j < LANES && m * LANES + j < tiles; ++j) {
+            const int end = tiles - m * LANES < LANES ? tiles - m * LANES : LANES;
+            for (int j = 0; j < end; ++j) {
                 const int t = m * LANES + j;
-                if (bound[j] <= limit && any(gap_of_tile(t, of_row, sphere, disc, gap) <= limit))
-                    wp::index(list, row, listed++) = t;
+                const bool is_made = low[j] != 0.0 || bound[j] > limit;
+                wp::index(list, row, listed) = t; // another takes its place where it is not to stay
+                listed += (is_made ? bound[j] : lowest_gap(t)) <= limit;
             }
         }
         wp::index(counts, row) = listed;
@@ -129,11 +142,40 @@ template <typename Array> WARPWEAR_FN double end_of_rows(const Array& of_rows, b
     return of_slot(end, false);
 }
 
+// Sum what is kept of the tiles of a row, by all threads of the slot.
+template <typename Numbers> WARPWEAR_FN double sum_of_tiles(const Numbers& numbers, int row)
+{
+    const Stored* const values = row_of(numbers, row);
+    Lanes sum = 0.0;
+    for (int i = lane_of_slot(); i * LANES < numbers.shape[1]; i += width_of_slot()) sum += values[i];
+    return of_slot(total(sum), true);
+}
+
+// Sum the tiles of a row of the sphere, and of the disc's row beneath it. Sums over the fields as they are:
+// increments added up would drift.
+template <typename OfTiles>
+WARPWEAR_FN void total_rows(int row, int under, bool presses, const OfTiles& of_tiles)
+{
+#if defined(__CUDA_ARCH__)
+    __syncthreads(); // other threads have worn tiles of the row
+#endif
+    const double touched = sum_of_tiles(of_tiles.touched, row);
+    const double sphere = sum_of_tiles(of_tiles.worn_sphere, row);
+    const double disc = sum_of_tiles(of_tiles.worn_disc, under);
+    const double pressed = presses ? sum_of_tiles(of_tiles.pressed_disc, under) : 0.0;
+    if (lane_of_slot() != 0) return;
+    of_tiles.rows.touched.data[row] = touched;
+    of_tiles.rows.worn_sphere.data[row] = sphere;
+    of_tiles.rows.worn_disc.data[under] = disc;
+    if (presses) of_tiles.rows.pressed_disc.data[under] = pressed;
+}
+
 // Wear the listed tiles by one increment: each body loses K p dL. What goes beyond the full depth is
-// displaced from the disc for good, not worn. Bounds and sums of the tiles are made anew. Each sum grows lane
-// by lane, in the order of the cells. FACTORED: the sliding distance of the disc's cells has a factor each;
-// RARE: cells have a stiffness or a part of the cap each, carry a film, keep their dents, or belong to a
-// sphere that does not wear.
+// displaced from the disc for good, not worn. Bounds and sums of the tiles and rows are made anew; tiles that
+// do not touch stay as they are, where their lowest gaps are known. Each sum grows lane by lane, in the order
+// of the cells. FACTORED: the sliding distance of the disc's cells has a factor each; RARE: cells have a
+// stiffness or a part of the cap each, carry a film, keep their dents, or belong to a sphere that does not
+// wear.
 template <bool FACTORED, bool RARE, typename List, typename Count, typename Slides, typename Springs,
           typename OfCells, typename Bodies, typename OfTiles, typename Tables>
 WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& counts, const Slides& slides,
@@ -152,7 +194,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
     const bool keeps_reached = RARE && bodies.reached.shape[0] == bodies.gap.shape[0];
     const bool presses = RARE && full_depth < NO_LIMIT, factored = FACTORED;
     const bool own = RARE && of_cells.stiffness.shape[0] > 0, parted = RARE && of_cells.parts.shape[0] > 0;
-    const bool filmed = RARE && of_cells.bare.shape[0] > 0;
+    const bool filmed = RARE && of_cells.bare.shape[0] > 0, is_known = of_tiles.gap.shape[0] > 0;
     const int of_row = bodies.gap.shape[1] * OF_VECTOR;
     const Lanes zero = 0.0, one = 1.0, none = NO_INDEX;
     const Counts no = 0, yes = 1;
@@ -160,6 +202,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
     Lanes deepest_disc = 0.0, bared = 0.0;
     Counts contact = 0, capped = 0;
     double first_column = NO_INDEX, last_column = NO_INDEX;
+    bool wears = width_of_slot() > 1;
     for (int row = slot; row < bodies.gap.shape[0]; row += slots) {
         const int listed = wp::index(counts, row);
         if (listed == 0) continue; // most rows
@@ -176,9 +219,12 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
         for (int n = team_of_slot(); n < listed; n += teams_of_slot()) {
             const int t = wp::index(list, row, n), first = t * OF_TILE;
             const int last = first + OF_TILE < of_row ? first + OF_TILE : of_row;
+            if (is_known && (base - wp::index(of_tiles.gap, row, t)) + offset < -tie_width) continue;
+            wears = true;
             // Extents are known up to tiles that lie beyond them: all but a few of the first steps'.
             const bool beyond_known = first * LANES < step.first_column || last * LANES > step.end_column;
-            Lanes low = ABSENT, high = -ABSENT, worn_sphere = 0.0, worn_disc = 0.0, pressed = 0.0;
+            Lanes low = ABSENT, high = -ABSENT, apart = ABSENT, worn_sphere = 0.0, worn_disc = 0.0,
+                  pressed = 0.0;
             Counts touched = 0;
             Lanes was_touched[OF_TILE / TEAM];
             for (int i = first + lane_of_team(); i < last; i += TEAM) {
@@ -199,7 +245,8 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
                 const Lanes f = factored ? (Lanes)factor[i] : one, da = of_sphere * p, db = of_disc * f * p;
                 const Lanes s = sphere[i] + da, a = wear_sphere[i] + da, b = wear_disc[i] + db;
                 d -= db;
-                gap[i] = s - d;
+                const Lanes g = s - d;
+                gap[i] = g;
                 sphere[i] = s;
                 disc[i] = d;
                 wear_sphere[i] = a;
@@ -214,6 +261,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
                 if (filmed) bared += p > zero ? (Lanes)bare[i] : zero;
                 low = smaller_of(low, s);
                 high = larger_of(high, d);
+                apart = smaller_of(apart, g);
                 worn_sphere += a;
                 worn_disc += b;
                 deepest_sphere = larger_of(deepest_sphere, a);
@@ -229,21 +277,30 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
                 last_column = wp::max(last_column, most(ever > zero ? column : none));
             }
             const double lowest = -of_team(most(-low), false), largest = of_team(most(high), false);
+            const double smallest = is_known ? -of_team(most(-apart), false) : 0.0;
             const double sums[] = {of_team(total(worn_sphere), true), of_team(total(worn_disc), true),
                                    of_team(count(touched), true), of_team(total(pressed), true)};
             if (lane_of_team() != 0) continue;
             wp::index(of_tiles.lowest, row, t) = lowest;
             wp::index(of_tiles.highest, under, t) = largest;
+            if (is_known) wp::index(of_tiles.gap, row, t) = smallest;
             wp::index(of_tiles.worn_sphere, row, t) = sums[0];
             wp::index(of_tiles.worn_disc, under, t) = sums[1];
             wp::index(of_tiles.touched, row, t) = sums[2];
             if (presses) wp::index(of_tiles.pressed_disc, under, t) = sums[3];
         }
+        if (wears) total_rows(row, under, presses, of_tiles);
     }
     const auto sum = [&](int line, double v) { return Left{v, &wp::index(tables.sums, line, slot), true}; };
     const auto largest = [&](int line, double v) {
         return Left{v, &wp::index(tables.maxima, line, slot), false};
     };
+    if (!wears) { // most rows
+        for (int line = 0; line < tables.sums.shape[0]; ++line) wp::index(tables.sums, line, slot) = 0.0;
+        for (int line = 0; line < tables.maxima.shape[0]; ++line)
+            wp::index(tables.maxima, line, slot) = line < 3 ? 0.0 : NO_INDEX;
+        return;
+    }
     leave_each({sum(0, total(pressure)), sum(1, total(deviation)), sum(2, count(contact)),
                 sum(3, count(capped)), sum(4, total(weighted)), sum(5, total(bared)),
                 largest(0, most(highest)), largest(1, most(deepest_sphere)), largest(2, most(deepest_disc)),
@@ -269,32 +326,4 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
     if (rare) by(Is<true>(), Is<true>());
     if (!rare && factored) by(Is<true>(), Is<false>());
     if (!rare && !factored) by(Is<false>(), Is<false>());
-}
-
-// Sum the tiles of every row with a listed one, and those of the disc's row beneath it. Sums over the fields
-// as they are: increments added up would drift.
-template <typename Count, typename Slides, typename OfEight, typename OfRows>
-WARPWEAR_FN void total_rows(int slot, int slots, const Count& counts, const Slides& slides,
-                            const OfEight& of_tiles, const OfRows& of_rows)
-{
-    const int of_row = of_tiles.touched.shape[1] * OF_VECTOR, shift = wp::index(slides, 0).shift;
-    const bool presses = of_tiles.pressed_disc.shape[0] == of_tiles.worn_disc.shape[0];
-    const auto sum_of = [&](const auto& field, int row) {
-        const Stored* const values = row_of(field, row);
-        Lanes sum = 0.0;
-        for (int i = lane_of_slot(); i < of_row; i += width_of_slot()) sum += values[i];
-        return of_slot(total(sum), true);
-    };
-    for (int row = slot; row < of_tiles.touched.shape[0]; row += slots) {
-        if (wp::index(counts, row) == 0) continue;
-        const int under = under_row(row, shift, of_tiles.worn_disc.shape[0]);
-        const double touched = sum_of(of_tiles.touched, row), sphere = sum_of(of_tiles.worn_sphere, row);
-        const double disc = sum_of(of_tiles.worn_disc, under);
-        const double pressed = presses ? sum_of(of_tiles.pressed_disc, under) : 0.0;
-        if (lane_of_slot() != 0) continue;
-        of_rows.touched.data[row] = touched;
-        of_rows.worn_sphere.data[row] = sphere;
-        of_rows.worn_disc.data[under] = disc;
-        if (presses) of_rows.pressed_disc.data[under] = pressed;
-    }
 }

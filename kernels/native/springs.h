@@ -139,15 +139,40 @@ WARPWEAR_FN void carry(int slot, int slots, const List& list, const Count& count
     if (own && parted) by(Is<true>(), Is<true>());
 }
 
-// The cells below a level, each as the part of the cap that it bears, and the lowest and highest gap listed.
-template <typename List, typename Count, typename Field, typename Table>
-WARPWEAR_FN void count_level(int slot, int slots, const List& list, const Count& counts, double level,
-                             const Field& gap_in, const Field& parts_in, Table& trial)
+// Up to where the cells inside the bracket of a bearing area are looked at: as far as all tiles are listed,
+// and the approach may be.
+template <typename Springs> WARPWEAR_FN double inside_up_to(const Springs& springs)
 {
-    const int of_row = gap_in.shape[1] * OF_VECTOR;
-    const Lanes zero = 0.0, one = 1.0, none = -ABSENT;
-    const bool parted = parts_in.shape[0] > 0;
+    const auto& search = wp::index(springs.search, 0);
+    const double limit = wp::min(wp::index(springs.lists, 0).limit, 0.5 * ABSENT); // where there is a surface
+    const double expected = search.scatter > 0.0 ? search.start + search.scatter : NO_LIMIT;
+    return wp::min(wp::min(search.bracket.high, limit), expected);
+}
+
+// The cells below the trial of a search, each as the part of the cap that it bears; the lowest and the
+// highest gap listed; and how many lie inside the bracket, see above. Those are gathered in the slot's line
+// of `near`, as far as it has room, so that what follows may count them there: on a CPU in vectors as they
+// stand in the row, without the others. Nothing is gathered where cells bear parts of the cap.
+template <typename List, typename Count, typename Springs, typename Field>
+WARPWEAR_FN void count_level(int slot, int slots, const List& list, const Count& counts,
+                             const Springs& springs, const Field& gap_in, const Field& parts_in)
+{
+    const auto& search = wp::index(springs.search, 0);
+    const double level = search.bracket.offset, from = search.bracket.low, to = inside_up_to(springs);
+    const int of_row = gap_in.shape[1] * OF_VECTOR, room = springs.near.shape[1] * OF_VECTOR;
+    const Lanes zero = 0.0, one = 1.0, absent = ABSENT, none = -ABSENT;
+    const Counts no = 0, yes = 1;
+    const bool parted = parts_in.shape[0] > 0, gathers = springs.near.shape[0] > 0;
+    Stored* const near = gathers ? row_of(springs.near, slot) : nullptr;
+#if defined(__CUDA_ARCH__)
+    __shared__ int places;
+    if (threadIdx.x == 0) places = 0;
+    __syncthreads();
+#else
+    int places = 0;
+#endif
     Lanes below = 0.0, lowest = ABSENT, highest = -ABSENT;
+    Counts inside = 0;
     for (int row = slot; row < gap_in.shape[0]; row += slots) {
         const Stored* const gap = row_of(gap_in, row);
         const Stored* const parts = parted ? row_of(parts_in, row) : nullptr;
@@ -160,10 +185,47 @@ WARPWEAR_FN void count_level(int slot, int slots, const List& list, const Count&
                 const Lanes there = g < 0.5 * ABSENT ? g : none; // places without a surface do not count
                 lowest = lowest < g ? lowest : g;
                 highest = highest > there ? highest : there;
+                if (!gathers) continue;
+                const Mask is_inside = (g >= from) & (g < to);
+                inside += is_inside ? yes : no;
+#if defined(__CUDA_ARCH__)
+                if (!is_inside) continue;
+                const int place = atomicAdd(&places, 1); // in any order: they are only counted
+                if (place < room) near[place] = g;
+#else
+                near[places < room ? places : room - 1] = is_inside ? g : absent;
+                places += any(is_inside);
+#endif
             }
         });
     }
-    leave_each({{total(below), &wp::index(trial, 0, slot), true},
-                {most(-lowest), &wp::index(trial, 1, slot), false},
-                {most(highest), &wp::index(trial, 2, slot), false}});
+#if defined(__CUDA_ARCH__)
+    __syncthreads();
+#endif
+    const double filled = places;
+    leave_each({{total(below), &wp::index(springs.trial, 0, slot), true},
+                {most(-lowest), &wp::index(springs.trial, 1, slot), false},
+                {most(highest), &wp::index(springs.trial, 2, slot), false},
+                {count(inside), &wp::index(springs.trial, 3, slot), true},
+                {filled, &wp::index(springs.trial, 4, slot), false}});
+}
+
+// Whether all cells inside the bracket are gathered. Every thread of a deciding slot gets the answer.
+template <typename Springs> WARPWEAR_FN bool are_gathered(const Springs& springs)
+{
+    const double fullest = most_of_line(springs.trial, 4, 0, springs.trial.shape[1]);
+    return springs.near.shape[0] > 0 && fullest <= springs.near.shape[1] * OF_VECTOR;
+}
+
+// The gathered cells below a level, likewise.
+template <typename Springs> WARPWEAR_FN double count_gathered(const Springs& springs, double level)
+{
+    const Counts no = 0, yes = 1;
+    Counts below = 0;
+    for (int slot = lane_of_slot(); slot < springs.near.shape[0]; slot += width_of_slot()) {
+        const Stored* const near = row_of(springs.near, slot);
+        const int places = int(wp::index(springs.trial, 4, slot));
+        for (int i = 0; i < places; ++i) below += near[i] < level ? yes : no;
+    }
+    return of_slot(count(below), true);
 }

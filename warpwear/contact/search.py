@@ -15,6 +15,9 @@ from warpwear.kernels.cells import Cells
 from warpwear.kernels.contact import Law
 from warpwear.kernels.newton import STUCK
 
+#: Vectors for the gaps that a slot gathers inside the bracket of a bearing area.
+NEAR = 64
+
 
 class LoadSearch:
     """Searches for the approach at which a gap carries a load, in passes over its listed tiles.
@@ -43,6 +46,8 @@ class LoadSearch:
         parts = none if parts is None else parts
         self._gap, self._parts, self._stiffness = gap, parts, none if stiffness is None else stiffness
         self._search = wp.zeros(1, dtype=balance.Search, device=device)
+        slots = executor.slots_of(executor.grid.nx)
+        gathers = self.is_rigid and parts.shape[0] == 0
         #: What the pressures follow from, when a search has ended.
         self.law: Field = wp.zeros(1, dtype=Law, device=device)
         #: For kernels.
@@ -57,7 +62,8 @@ class LoadSearch:
             lists=tiles.lists.array,
             searching=wp.zeros(1, dtype=wp.int32, device=device),
             listing=tiles.listing,
-            trial=wp.zeros((3, executor.slots_of(executor.grid.nx)), dtype=wp.float64, device=device),
+            trial=wp.zeros((5, slots), dtype=wp.float64, device=device),
+            near=wp.zeros((slots if gathers else 0, NEAR), dtype=Cells, device=device),
         )
         if self.is_rigid:
             self._launch_once(bearing.counted_below, self.springs, gap, parts)

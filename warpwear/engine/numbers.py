@@ -34,16 +34,18 @@ class Table:
 
 
 class Numbers:
-    """An instance of a struct in an array of one, which kernels read and write.
+    """An instance of a struct in an array of one, which kernels read and, by default, write.
 
-    On a CPU the host writes into the memory of the array, on a GPU it copies it.
+    On a CPU the host writes into the memory of the array, on a GPU it copies it. written: whether kernels
+    write it; else a GPU's need not be read.
     """
 
     STATE: ClassVar = {"values": dict}
 
-    def __init__(self, kind: Any, device: Any, **values: float) -> None:
+    def __init__(self, kind: Any, device: Any, *, written: bool = True, **values: float) -> None:
         self.array: Field = wp.zeros(1, dtype=kind, device=device)
-        self._host = self.array.numpy() if device.is_cpu else None
+        self._on_gpu = not device.is_cpu
+        self._host = None if self._on_gpu and written else self.array.numpy()
         self.set(**values)
 
     def __getitem__(self, name: str) -> Any:
@@ -54,7 +56,7 @@ class Numbers:
         host = self._read()
         for name, value in values.items():
             host[name] = value
-        if self._host is None:
+        if self._on_gpu:
             self.array.assign(host)
 
     @property

@@ -65,7 +65,7 @@ class BareCells:
             setattr(self.films, AS[body], arguments(Coat, wear=field, **coat))
         self._heals = heals
         #: For those who look between steps.
-        self._slides = Numbers(Slide, executor.device)
+        self._slides = Numbers(Slide, executor.device, written=False)
         self._sums = wp.zeros(
             (1, executor.slots_of(executor.grid.nx)), dtype=wp.float64, device=executor.device
         )

@@ -137,6 +137,12 @@ class Search:
         if self._extends:
             self._solve.neighbours = operator.neighbours
         self._room: Any = room_for_few(self._few, device) if self._few else None
+        #: Where the host sees numbers and groups; on a CPU in place.
+        self._host = [
+            array if on_cpu else wp.zeros_like(array, device="cpu", pinned=True)
+            for array in (self._solve.numbers, self._solve.groups)
+        ]
+        self._seen = [array.numpy() for array in self._host]
         self._slots = slots
         self._program = self._say()
 
@@ -149,16 +155,24 @@ class Search:
         executor.put(self._solve.loads, np.resize(loads, self._solve.loads.shape))
         values = np.array([request.get(name, 0.0) for name in Request])
         executor.put(self._solve.request, values)
-        self._program.run()
-        self.numbers = self._solve.numbers.numpy()[0]
+        self._replay()
         if self.numbers["status"] == solve.NEEDS_COEFFICIENTS:
             self._take_coefficients()
             values[Request.RESUMES] = 1.0
             executor.put(self._solve.request, values)
-            self._program.run()
-            self.numbers = self._solve.numbers.numpy()[0]
-        self.groups = self._solve.groups.numpy()[: self._visited_groups]
+            self._replay()
         return int(self.numbers["status"])
+
+    def _replay(self) -> None:
+        """Run the program, and take what the search knows then."""
+        self._program.run()
+        arrays = self._solve.numbers, self._solve.groups
+        for array, host in zip(arrays, self._host, strict=True):
+            if array is not host:
+                wp.copy(host, array)
+        wp.synchronize_device(self._executor.device)
+        self.numbers, groups = self._seen[0][0], self._seen[1]
+        self.groups = groups[: 1 if len(groups) == 1 else self._operator.rows_visited]
 
     def _say(self) -> Program:
         """Say the search: how it starts, and an iteration, which is made until a decision ends it."""
@@ -285,11 +299,6 @@ class Search:
         operator = self._operator
         chunks = None if operator.chunks is None else lambda: operator.chunks or [(0, self._slots)]
         program.launch(kernel, self._solve, *more, slots=self._slots, chunks=chunks)
-
-    @property
-    def _visited_groups(self) -> int:
-        groups: int = self._solve.groups.shape[0]
-        return groups if groups == 1 else self._operator.rows_visited
 
     def _kernel_rules(self, groups: int) -> Any:
         """The rules as kernels take them."""

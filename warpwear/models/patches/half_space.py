@@ -106,7 +106,7 @@ class HalfSpacePatches(Model):
             for lines in (PressureSum, PressureMost)
         )
         self._of_rows = arguments(OfRows)
-        self._slides = Numbers(Slide, executor.device, window=1)
+        self._slides = Numbers(Slide, executor.device, written=False, window=1)
         self._worn_by: Field = None
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:

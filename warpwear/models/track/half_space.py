@@ -123,7 +123,7 @@ class SlidingHalfSpace:
             name: wp.zeros(disc.shape[0], dtype=wp.float64, device=device)
             for name in ("worn_disc", "pressed_disc")
         }
-        self._slides = Numbers(Slide, executor.device, rows=executor.grid.nx, window=1)
+        self._slides = Numbers(Slide, executor.device, written=False, rows=executor.grid.nx, window=1)
         self._programs: dict[str, tuple[Field, Program]] = {}
         self._goes = wp.zeros(1, dtype=wp.int32, device=device)
         self._of_pieces = wp.zeros((1, 2 * len(OF_BODY)), dtype=wp.float64, device=device)
@@ -175,8 +175,14 @@ class SlidingHalfSpace:
             start = before["distance"] + increment * (done / cells)
             removals = self.task.removals(start, increment * weight)
             first, end = columns
-            self._slides.set(shift=shift, first_column=first, end_column=end, start=start)
-            self._slides.set(end=start + increment * weight, window=self.cells_passing(increment * weight))
+            self._slides.set(
+                shift=shift,
+                first_column=first,
+                end_column=end,
+                start=start,
+                end=start + increment * weight,
+                window=self.cells_passing(increment * weight),
+            )
             last = done + of_part == cells
             contact = self._solve(
                 increment * weight, removals, certified=True if self.certified and last else None

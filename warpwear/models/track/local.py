@@ -20,7 +20,7 @@ from warpwear.kernels import balance, bearing, sliding, sliding_steps
 from warpwear.kernels.cells import NO_INDEX, PADDING, TrackMost, TrackSum, names_of
 from warpwear.kernels.running_in import recession
 from warpwear.kernels.slide import Slide
-from warpwear.kernels.sliding import Bodies, OfCells, OfEightTiles, OfRows, OfTiles, StepTables
+from warpwear.kernels.sliding import Bodies, OfCells, OfRows, OfTiles, StepTables
 from warpwear.kernels.wear import BALANCE
 from warpwear.laws.archard import distance_factor, removals_of
 from warpwear.laws.bearing_curve import Logistic
@@ -96,7 +96,12 @@ class SlidingContact:
         self._slides = Numbers(Slide, device)
         self._bodies = arguments(Bodies, **self.state.fields, gap=executor.zeros())
         fully = task.load / (task.least_hardness * grid.cell_area)
-        self.tiles = SlidingTiles(executor, self._bodies, self._slides.array, least=SPARE * fully)
+        # Pieces and a disc that recedes change heights after the pass that wears.
+        self._wears_alone = task.pieces is None and bearing_curve is None
+        stays = self._wears_alone and not moves
+        self.tiles = SlidingTiles(
+            executor, self._bodies, self._slides.array, least=SPARE * fully, stays=stays
+        )
         # Of every tile and of every row: cells of the sphere ever touched, wear of the sphere, of the disc,
         # what is displaced of the disc.
         rows = (grid.nx, grid.nx, disc.shape[0], self.state.plastic_disc.shape[0])
@@ -139,9 +144,10 @@ class SlidingContact:
         self._of_cells.parts = none if self.film is None or self.film.parts is None else self.film.parts
         numbers = {name: kept.numbers for name, kept in self._kept.items()}
         bounds = {"lowest": tiles.lowest.numbers, "highest": tiles.highest.numbers}
-        self._of_tiles = arguments(OfTiles, **bounds, **numbers)
-        self._of_eight = arguments(OfEightTiles, **{name: kept.vectors for name, kept in self._kept.items()})
+        if self._wears_alone:
+            bounds["gap"] = tiles.gap.numbers
         self._of_rows = arguments(OfRows, **self._totals)
+        self._of_tiles = arguments(OfTiles, rows=self._of_rows, **bounds, **numbers)
         slots = executor.slots_of(executor.grid.nx)
         lines = {"sums": len(SUMS), "maxima": len(MAXIMA), "bearing": 1}
         tables = {name: wp.zeros((n, slots), dtype=wp.float64, device=device) for name, n in lines.items()}
@@ -164,6 +170,7 @@ class SlidingContact:
             stepping=wp.zeros(1, dtype=wp.int32, device=device),
             solved=wp.zeros(1, dtype=wp.int32, device=device),
             moves=int(self._moves),
+            stays=int(self._wears_alone and not self._moves),
             hardness=self.task.hardness if self.keeps_dents else NO_LIMIT,
             rows=executor.grid.nx,
             columns=executor.grid.ny,
@@ -244,14 +251,6 @@ class SlidingContact:
                 *(*listed, slides, springs, of_cells, *both, self._tables),
                 chunks=lambda: tiles.chunks,
             )
-            program.launch(
-                sliding.totals,
-                tiles.count,
-                slides,
-                self._of_eight,
-                self._of_rows,
-                chunks=lambda: tiles.chunks,
-            )
             if self._recession is not None:
                 self._recession.say_recede(program)
         steps = self._steps
@@ -327,15 +326,16 @@ class SlidingContact:
         task, row = self.task, self._ledger.row
         removals = removals_of(task.wear, row["distance"], increments)
         own, dust, track = task.compliance_at(row["area_contact"]), task.dust, self._track_fraction
-        plan, start = np.empty((len(removals), len(sliding_steps.PLAN))), row["distance"]
-        for number, (sphere, disc) in enumerate(removals):
-            shift, end = self.state.row_of(shifts[number], periodic=self.periodic), start + increments[number]
-            of_sphere, of_disc = dust * sphere, dust * track * disc
-            pending = (1.0 - dust) * sphere, (1.0 - dust) * (track * disc)
-            compliance = own + (of_sphere + of_disc) * task.implicit
-            alike = 0.0 if self._differs else stiffness_of(compliance)
-            plan[number] = shift, start, end, of_sphere, of_disc, *pending, own, compliance, alike
-            start = end
+        rows = [self.state.row_of(shift, periodic=self.periodic) for shift in shifts[: len(removals)]]
+        sphere, disc = np.array(removals).T
+        of_sphere, of_disc = dust * sphere, dust * track * disc
+        pending = (1.0 - dust) * sphere, (1.0 - dust) * (track * disc)
+        compliance = own + (of_sphere + of_disc) * task.implicit
+        alike = [0.0 if self._differs else stiffness_of(one) for one in compliance.tolist()]
+        ends = np.add.accumulate([row["distance"], *increments[: len(removals)]])
+        owns = np.full(len(rows), own)
+        each = rows, ends[:-1], ends[1:], of_sphere, of_disc, *pending, owns, compliance, alike
+        plan = np.stack(each, axis=1)
         compliances = plan[:, sliding_steps.PLAN.index("compliance")]
         rigid = bool(compliances[0] == 0.0)
         count = int(np.argmax((compliances == 0.0) != rigid)) or len(plan)  # a replay has steps of one kind

@@ -46,12 +46,15 @@ class SlidingTiles:
 
     bodies: heights as worn, of nx rows and of at least as many, and room for the gap; places without a
     surface stand infinitely high on the sphere and low on the disc. slides: a `Slide` in an array. least:
-    cells that a list holds at least, so that a capped contact can carry its load on them.
+    cells that a list holds at least, so that a capped contact can carry its load on them. stays: whether the
+    disc lies still and nothing but the pass that wears changes a gap, which is made once then.
     """
 
     STATE: ClassVar = {"lowest": PerTile, "highest": PerTile}
 
-    def __init__(self, executor: Executor, bodies: Arguments, slides: Field, *, least: float) -> None:
+    def __init__(
+        self, executor: Executor, bodies: Arguments, slides: Field, *, least: float, stays: bool = False
+    ) -> None:
         self._executor, self._bodies, self._slides = executor, bodies, slides
         device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
         self._cells_of_tile = executor.grid.ny / columns
@@ -65,6 +68,7 @@ class SlidingTiles:
         self._split: tuple[int, list[tuple[int, int]]] | None = None  # for the number of a list
         self.lowest = PerTile(nx, columns, device)  # of the sphere
         self.highest = PerTile(bodies.disc.shape[0], columns, device)  # of the disc
+        self.gap = PerTile(nx, columns, device)  # the lowest of each pair, where it was made
         find = Program(executor, records=False)
         for field, kept, low in ((bodies.sphere, self.lowest, True), (bodies.disc, self.highest, False)):
             other = PerTile(field.shape[0], columns, device)
@@ -80,6 +84,8 @@ class SlidingTiles:
             highest_of_row=wp.array(highest, dtype=wp.float64, device=device),
             lowest=self.lowest.vectors,
             highest=self.highest.vectors,
+            gap=self.gap.vectors,
+            stays=int(stays),
         )
 
     def add_to(self, program: Program) -> None:
