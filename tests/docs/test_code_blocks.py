@@ -22,6 +22,12 @@ LEFT_OUT = {
     "README.md": {"plt.subplots": "tests/test_readme.py runs it"},
     "docs/how-to/sweeps.md": {"SLURMCluster": "needs a cluster"},
     "docs/how-to/inference.md": {"warpwear.infer(": "takes a minute; tests/inference runs one like it"},
+    "docs/developer/programs.md": {"program.loop(": "a part of warpwear/contact/search.py"},
+    "docs/developer/kernels.md": {
+        "def carried(": "a part of kernels/half_space/passes.py",
+        "def wear_slot(": "a part of kernels/wear.py",
+        "compile_aot_module(": "takes half a minute",
+    },
 }
 #: Sections that are no keys of a run.
 OTHER_SECTIONS = ("sweep", "infer")
