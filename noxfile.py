@@ -27,9 +27,11 @@ def release_notes() -> str:
 @nox.session
 def lint(session: nox.Session) -> None:
     """Check style and format."""
-    session.install("ruff>=0.12")
+    session.install("ruff>=0.12", "clang-format>=23.1,<23.2")
     session.run("ruff", "check", ".")
     session.run("ruff", "format", "--check", ".")
+    headers = [str(header) for header in Path("kernels/native").glob("*.h")]
+    session.run("clang-format", "--dry-run", "-Werror", *headers)
 
 
 @nox.session(python=["3.11", "3.12", "3.13", "3.14"])

@@ -75,7 +75,7 @@ class Steps:
     solved: wp.array(dtype=wp.int32)  # flag: its balance was found
     is_rigid: wp.int32  # 1 for a bearing area
     moves: wp.int32  # 1 where the disc does
-    stays: wp.int32  # 1 where a list serves several steps
+    stays: wp.int32  # 1 where a list may serve several steps
     hardness: wp.float64  # of a disc that keeps its dents; else NONE [MPa]
     rows: wp.int32  # and columns, of the grid
     columns: wp.int32
@@ -114,9 +114,12 @@ def begin_step(springs: Springs, steps: Steps):
     steps.slides[0] = with_columns(slide, c, steps)
     scatter = scatter_of(steps.changes)
     lists = springs.lists[0]
-    if steps.stays == 0:
+    # How near a spring is to its cap depends on the list, so that each of their steps has its own.
+    stays = steps.stays == 1 and steps.is_rigid == 1
+    if not stays:
         lists.limit = -NONE  # the list of another displacement is none
         lists.asked = -NONE
+        springs.listing[0] = 1
     if c.is_begun == 0 and steps.is_rigid * steps.moves == 0:
         lists.limit = c.first_limit
         if steps.is_rigid == 1:
@@ -125,8 +128,10 @@ def begin_step(springs: Springs, steps: Steps):
             springs.search[0] = search_from_lowest(springs, c.smallest, stiffness, c.softest)
     else:
         approach = wp.where(c.is_begun == 1, c.approach, c.smallest)
-        ahead = wp.where(steps.stays == 1, AHEAD * scatter, ZERO)
-        lists = reached(lists, approach + scatter, ahead)
+        if stays:
+            lists = reached(lists, approach + scatter, AHEAD * scatter)
+        else:
+            lists = reached(lists, approach, scatter)
         if steps.is_rigid == 0:
             springs.search[0] = search_from(approach, ZERO, scatter, stiffness)
         elif steps.moves == 1:

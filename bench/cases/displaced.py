@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 from contenders.baselines import FloatArray, Problem, Solved, sag_of, sliding_step, work_for
 from contenders.roster import Setting, Trace, check, heights_of, named, study_on
-from measure.phases import kernel_times
+from measure.phases import kernel_times, not_recorded
 from measure.timing import Row, Unit, measure
 
 from warpwear import Study
@@ -103,7 +103,11 @@ def sliding(cells: int, setting: Setting) -> list[Row]:
                 trials = [found.evaluations for found in model.trace[-TOGETHER:]]
                 row(name, times, f"{statistics.mean(trials):.1f} evaluations")
                 if threads == 1 and law == "implicit":
-                    rows.extend(_parts(cells, model, times, unit, setting))
+                    with not_recorded():
+                        walked = Package(study, track.copy(), executor)
+                        for _ in range(BEFORE):
+                            walked.advance()
+                        rows.extend(_parts(cells, walked, times, unit, setting))
                 _check_archard(study, model.trace)
                 if law != "implicit":
                     compared[name] = model.trace[:COMPARED]

@@ -23,7 +23,7 @@ from contenders.roster import (
     steps,
     study_on,
 )
-from measure.phases import kernel_times
+from measure.phases import kernel_times, not_recorded
 from measure.timing import Row, Unit, measure, ratio_note
 
 from cases.cold import cold
@@ -145,7 +145,7 @@ def phases(cells: int, setting: Setting) -> list[Row]:
     unit = Unit(cells)
     rows = []
     for when, before, increment in (("early", EARLY, EARLY_STEP), ("late", LATE, LATE_STEP)):
-        with package(study, setting, 1) as fresh:
+        with not_recorded(), package(study, setting, 1) as fresh:
             model = fresh()
             trace = list(in_a_row(model, [*before, increment]))
             spent: list[dict[str, float]] = []

@@ -13,7 +13,7 @@ from warpwear.kernels.newton import Bracket
 
 #: Kernels of a search are compiled together: each file of its own would compile Warp's headers again.
 TOGETHER = wp.get_module("warpwear.kernels.half_space.solve")
-wp.set_module_options(native_code.options("search.h", "extension.h", "few.h", "extents.h"), module=TOGETHER)
+wp.set_module_options(native_code.options("search.h", "extension.h", "few.h", "tiles.h"), module=TOGETHER)
 
 #: How a search ended; `NEEDS_COEFFICIENTS`: it goes on once the operator's coefficients are there.
 RUNS = wp.constant(wp.int32(0))

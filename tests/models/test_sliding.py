@@ -245,3 +245,20 @@ def test_a_track_has_ends() -> None:
                 contact.step(shift, 1e-2)
         with pytest.raises(ValueError, match="does not fit"):
             SlidingContact(study_of("implicit").contact_task, np.zeros(SHAPE)[1:], executor)
+
+
+def test_steps_that_wear_nothing_stand_between_others() -> None:
+    """An implicit step without wear is on rigid cells, whatever was asked of the steps before it."""
+    study = study_of("implicit")
+    disc = rough(np.random.default_rng(3))
+
+    def rows(asked: tuple[bool, ...]) -> list[dict[str, float]]:
+        with Executor(Grid(*SHAPE, CELL), threads=1) as executor:
+            contact = SlidingContact(study.contact_task, disc.copy(), executor, periodic=True)
+            steps = zip((0.0, 0.3, 0.0, 0.3), asked, strict=True)
+            return [contact.step(5, length, with_pressure=of_it).row for length, of_it in steps]
+
+    plain = rows((False, False, False, False))
+    for asked in ((True, True, False, False), (True, False, False, True)):
+        for row, expected in zip(rows(asked), plain, strict=True):
+            assert row == expected

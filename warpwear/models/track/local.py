@@ -201,7 +201,7 @@ class SlidingContact:
         """The search, and programs: of many steps; of one as far as its balance, and of its wear."""
         search, executor = self._search(rigid=rigid), self._executor
         shares = executor.is_shared and self.tiles.cells > SMALL
-        self._steps.is_rigid = int(rigid)  # each time: launches that are not recorded read it anew
+        self._steps.is_rigid = int(rigid)  # each time: a program is recorded when first run
         if (rigid, shares) not in self._said:
             many, to_search, to_wear = (Program(executor, shares=shares) for _ in range(3))
             many.decide(sliding_steps.begin, self._steps)
