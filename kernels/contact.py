@@ -6,9 +6,10 @@ contact by more than 1e-12 of it; `base − gap` is exact near contact, so the o
 
 import warp as wp
 
+from warpwear.kernels import native_code
 from warpwear.kernels.cells import ABSENT, LANES, ONE, ZERO, Cells
 
-wp.set_module_options({"enable_backward": False})
+wp.set_module_options(native_code.options("law.h"))
 
 
 @wp.struct
@@ -22,12 +23,10 @@ class Law:
     tie_pressure: wp.float64  # of cells tied with the approach [MPa]
 
 
-@wp.func
-def pressure_of(law: Law, gap: wp.float64, stiffness: wp.float64):
+@wp.func_native("return pressure_by(law, gap, stiffness);")
+def pressure_of(law: Law, gap: wp.float64, stiffness: wp.float64) -> wp.float64:
     """Capped foundation; cells tied with the approach (overlap within ± tie_width) share one pressure."""
-    overlap = (law.base - gap) + law.offset
-    p = wp.min(wp.max((overlap - law.tie_width) * stiffness, ZERO), law.cap)
-    return wp.where(wp.abs(overlap) <= law.tie_width, law.tie_pressure, p)
+    ...
 
 
 @wp.func

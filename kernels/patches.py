@@ -21,7 +21,7 @@ from warpwear.kernels.cells import (
     Layout,
     lowest_of,
 )
-from warpwear.kernels.contact import sag
+from warpwear.kernels.contact import Law, pressure_of, sag
 from warpwear.kernels.two_scale.curves import Curves
 from warpwear.kernels.two_scale.sharing import Flags, Load, Search, judge_shares
 from warpwear.kernels.two_scale.steps import (
@@ -127,11 +127,12 @@ def pressures(
 ):
     """The pressure field of solved approaches."""
     patch = first_slot + wp.tid() // wp.block_dim()
-    base = curves.base[patch]
-    offset = curves.offset[patch]
+    law = Law()
+    law.base = curves.base[patch]
+    law.offset = curves.offset[patch]
     cap = steps.load.hardness
     stiffness = steps.now[0].stiffness
-    touches = (base - curves.lowest[patch]) + offset > ZERO
+    touches = (law.base - curves.lowest[patch]) + law.offset > ZERO
     for k in range(wp.tid() % wp.block_dim(), surfaces.gap.shape[1], wp.block_dim()):
         p = Cells(ZERO)
         if touches:
@@ -140,8 +141,8 @@ def pressures(
             if surfaces.parts.shape[0] > 0:
                 part = surfaces.parts[patch, k]
             for j in range(LANES):
-                overlap = (base - g[j]) + offset
-                p[j] = wp.min(wp.min(wp.max(overlap * stiffness, ZERO), cap), cap * part[j])
+                law.cap = cap * part[j]
+                p[j] = pressure_of(law, g[j], stiffness)
         pressure_out[patch, k] = p
 
 

@@ -101,13 +101,11 @@ WARPWEAR_FN void carry_patch(int patch, double cap, double stiffness, Curves& cu
     visit_patch(surfaces.layout, patch, reaches, [&](int line, int place) {
         const int i = line * of_line + place;
         const Lanes most_here = parted ? Lanes(cap * parts[i]) : Lanes(cap);
-        const Lanes q = ((base - gap[i]) + offset) * stiffness;
-        Lanes p = q > zero ? q : zero;
-        p = p < most_here ? p : most_here;
+        const Lanes q = on_spring((base - Lanes(gap[i])) + offset, Lanes(stiffness)),
+                    p = clipped(q, most_here);
         pressure += p;
         between += p > zero && q < most_here ? yes : no;
-        const Lanes open = size_of(q), full = size_of(q - most_here);
-        const Lanes near = open < full ? open : full;
+        const Lanes near = to_bound(q, most_here);
         nearest = nearest < near ? nearest : near;
     });
     leave_each(

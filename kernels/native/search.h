@@ -5,7 +5,7 @@
 // (level), H the cap. At the solution t = L on cells with 0 < p < H, t >= L where p = 0, t <= L where p = H.
 // A cell is free if it may move: p > 0 or t < L, and p < H or t > L. Lines of the table are those of the
 // kernels in `half_space/passes.py`.
-#include "lanes.h"
+#include "law.h"
 
 // Rounding of a sum of two numbers, relatively.
 static const double ROUNDING_OF_SUM = 4.0e-16;
@@ -64,14 +64,6 @@ WARPWEAR_FN Mask inside(int i, int columns)
 
 WARPWEAR_FN Mask is_free(Lanes p, Lanes t, Lanes level, Lanes cap)
 { return ((p > Lanes(0.0)) | (t < level)) & ((p < cap) | (t > level)); }
-
-// x between 0 and the cap.
-WARPWEAR_FN Lanes clipped(Lanes x, Lanes cap)
-{
-    const Lanes zero = 0.0;
-    x = x > zero ? x : zero;
-    return x < cap ? x : cap;
-}
 
 // x + shift between 0 and the cap; at a bound where it is off it by the rounding of the sum alone.
 WARPWEAR_FN Lanes shifted(Lanes x, Lanes shift, Lanes cap)

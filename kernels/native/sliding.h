@@ -229,10 +229,9 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
             Lanes was_touched[OF_TILE / TEAM];
             for (int i = first + lane_of_team(); i < last; i += TEAM) {
                 const Lanes overlap = (base - gap[i]) + offset;
-                Lanes p = (overlap - tie_width) * (own ? (Lanes)stiffness[i] : (Lanes)stiffness_of_all);
+                const Lanes of_cell = own ? (Lanes)stiffness[i] : (Lanes)stiffness_of_all;
                 const Lanes part = parted ? (Lanes)parts[i] : one, most_here = cap * part;
-                p = p > zero ? p : zero;
-                p = p < most_here ? p : most_here;
+                Lanes p = clipped(on_spring(overlap - tie_width, of_cell), most_here);
                 p = size_of(overlap) > tie_width ? p : tie_pressure * part;
                 Lanes d = disc[i];
                 if (presses) {

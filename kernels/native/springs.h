@@ -2,7 +2,7 @@
 // Cells of a list of tiles: how they are visited, what they carry at an approach, and what lies below a
 // level.
 
-#include "lanes.h"
+#include "law.h"
 
 #if defined(__CUDA_ARCH__)
 static const int AT_ONCE =
@@ -102,13 +102,10 @@ WARPWEAR_FN void carry_by(int slot, int slots, const List& list, const Count& co
                 if (AT_ONCE > 1 && at[j] < 0) continue;
                 const Lanes s = OWN ? Lanes(own[at[j]]) : Lanes(stiffness);
                 const Lanes most_here = PARTED ? Lanes(cap * parts[at[j]]) : Lanes(cap);
-                const Lanes q = ((base - g[j]) + offset) * s;
-                Lanes p = q > zero ? q : zero;
-                p = p < most_here ? p : most_here;
+                const Lanes q = on_spring((base - g[j]) + offset, s), p = clipped(q, most_here);
                 pressure += p;
                 slope += p > zero && q < most_here ? s : zero;
-                const Lanes open = size_of(q), full = size_of(q - most_here);
-                const Lanes near = open < full ? open : full;
+                const Lanes near = to_bound(q, most_here);
                 nearest = nearest < near ? nearest : near;
             }
         });

@@ -26,9 +26,8 @@ WARPWEAR_FN Lanes wear_cell(WearSums& sums, const WearBy& by, Lanes g, Lanes unw
 #endif
     const Lanes zero = 0.0;
     const Counts no = 0, yes = 1;
-    Lanes p = ((by.base - g) + (by.offset - by.tie_width)) * by.stiffness;
-    p = p > zero ? p : zero;
-    p = p < cap ? p : cap;
+    const Lanes stiffness = by.stiffness, stiffness_next = by.stiffness_next;
+    Lanes p = clipped(on_spring((by.base - g) + (by.offset - by.tie_width), stiffness), cap);
     if (by.tie_width > 0.0) p = size_of((by.base - g) + by.offset) > by.tie_width ? p : by.tie_pressure;
     g += by.wear_per_pressure * p;
     sums.pressure += p;
@@ -44,13 +43,11 @@ WARPWEAR_FN Lanes wear_cell(WearSums& sums, const WearBy& by, Lanes g, Lanes unw
     sums.worn += w;
     sums.deepest = sums.deepest > w ? sums.deepest : w;
 
-    const Lanes r = ((by.base_next - g) + by.offset_next) * by.stiffness_next;
-    Lanes q = r > zero ? r : zero;
-    q = q < by.cap ? q : by.cap;
+    const Lanes r = on_spring((by.base_next - g) + by.offset_next, stiffness_next);
+    const Lanes cap_next = by.cap, q = clipped(r, cap_next);
     sums.pressure_next += q;
     sums.between_next += r == q ? yes : no;
-    const Lanes open = size_of(r), full = size_of(r - by.cap);
-    const Lanes near = open < full ? open : full;
+    const Lanes near = to_bound(r, cap_next);
     sums.nearest_next = sums.nearest_next < near ? sums.nearest_next : near;
     return g;
 }
@@ -58,14 +55,7 @@ WARPWEAR_FN Lanes wear_cell(WearSums& sums, const WearBy& by, Lanes g, Lanes unw
 // Whether a worn cell was ever touched. Where nothing wears the gap is as it was, and what touched does so
 // still.
 WARPWEAR_FN bool was_touched(const WearBy& by, double g, double unworn)
-{
-    const double overlap = (by.base - g) + by.offset;
-    double p = (overlap - by.tie_width) * by.stiffness;
-    p = p > 0.0 ? p : 0.0;
-    p = p < by.cap ? p : by.cap;
-    p = fabs(overlap) <= by.tie_width ? by.tie_pressure : p;
-    return p + (g - unworn) > 0.0;
-}
+{ return pressure_by(by, g, by.stiffness) + (g - unworn) > 0.0; }
 
 // First and last row and column of what was ever touched; the first ones negated, so that the largest count.
 struct Extents {
