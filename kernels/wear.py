@@ -281,6 +281,14 @@ def total_of(
     ...
 
 
+@wp.func_native("return total_step(tables, &wp::index(history, row, column));")
+def total_step(
+    tables: Tables, history: wp.array2d(dtype=wp.float64), row: wp.int32, column: wp.int32
+) -> wp.vec3d:
+    """Brings the tables to numbers, in a row from a column on; returns those of what was looked at ahead."""
+    ...
+
+
 @wp.kernel
 def record(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps, tables: Tables):
     """Writes the row of a step, and begins the next one, if there is one.
@@ -290,11 +298,10 @@ def record(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps
     """
     row = steps.course[0].step
     history = steps.history
-    total_of(tables.sums, 1, history, row, TOTALS)
-    total_of(tables.maxima, 0, history, row, MAXIMA)
-    force = sum_of(tables.ahead, 0) * springs.cell_area
-    slope = sum_of(tables.ahead, 1) * springs.cell_area
-    near = -most_of(tables.ahead, 2)
+    ahead = total_step(tables, history, row, TOTALS)
+    force = ahead[0] * springs.cell_area
+    slope = ahead[1] * springs.cell_area
+    near = -ahead[2]
     if wp.tid() == 0:
         c = steps.course[0]
         law = springs.law[0]

@@ -191,30 +191,76 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
     leave_wear(tables, slot, sums, extents, by.stiffness_next, rest_touched, rest_worn, NO_LIMIT);
 }
 
+// The sum of a line of a table, or its largest number: on a GPU by the threads of a warp.
+template <typename Table> WARPWEAR_FN double total_of_line(const Table& table, int line, bool adds)
+{
+    const int columns = table.shape[1];
+#if defined(__CUDA_ARCH__)
+    double v = adds ? 0.0 : -NO_LIMIT;
+#pragma unroll 8
+    for (int i = threadIdx.x % 32; i < columns; i += 32) {
+        const double other = wp::index(table, line, i);
+        v = adds ? v + other : (v > other ? v : other);
+    }
+    for (int apart = 16; apart > 0; apart /= 2) {
+        const double other = __shfl_down_sync(0xffffffff, v, apart);
+        v = adds ? v + other : (v > other ? v : other);
+    }
+    return v;
+#else
+    return adds ? sum_in_pairs(&wp::index(table, line, 0), columns) : most_of_line(table, line, 0, columns);
+#endif
+}
+
+// Where a line is brought to one number, among the warps of a slot, and whether a thread writes it.
+WARPWEAR_FN bool is_of_warp(int line)
+{
+#if defined(__CUDA_ARCH__)
+    return line % (blockDim.x / 32) == threadIdx.x / 32;
+#else
+    return true;
+#endif
+}
+
+WARPWEAR_FN bool is_first_of_warp() { return lane_of_slot() % 32 == 0; }
+
 // Bring every line of a table to one number, its sum or its largest. Every thread of a deciding slot calls
 // it.
 template <typename Table> WARPWEAR_FN void total_lines(const Table& table, bool adds, double* totals)
 {
-    const int columns = table.shape[1];
-#if defined(__CUDA_ARCH__)
-    const int warp = threadIdx.x / 32, lane = threadIdx.x % 32, warps = blockDim.x / 32;
-    for (int line = warp; line < table.shape[0]; line += warps) {
-        double v = adds ? 0.0 : -NO_LIMIT;
-#pragma unroll 8
-        for (int i = lane; i < columns; i += 32) {
-            const double other = wp::index(table, line, i);
-            v = adds ? v + other : (v > other ? v : other);
-        }
-        for (int apart = 16; apart > 0; apart /= 2) {
-            const double other = __shfl_down_sync(0xffffffff, v, apart);
-            v = adds ? v + other : (v > other ? v : other);
-        }
-        if (lane == 0) totals[line] = v;
+    for (int line = 0; line < table.shape[0]; ++line) {
+        if (!is_of_warp(line)) continue;
+        const double total = total_of_line(table, line, adds);
+        if (is_first_of_warp()) totals[line] = total;
     }
+#if defined(__CUDA_ARCH__)
     __syncthreads();
-#else
-    for (int line = 0; line < table.shape[0]; ++line)
-        totals[line] =
-            adds ? sum_in_pairs(&wp::index(table, line, 0), columns) : most_of_line(table, line, 0, columns);
 #endif
+}
+
+// Bring the tables of a step to numbers likewise, all lines at once: sums and maxima to a row of the history,
+// and what was looked at ahead, two sums and a maximum, to what is returned.
+template <typename Tables> WARPWEAR_FN wp::vec_t<3, double> total_step(const Tables& tables, double* totals)
+{
+    const int sums = tables.sums.shape[0], lines = sums + tables.maxima.shape[0];
+#if defined(__CUDA_ARCH__)
+    __shared__ double ahead[3];
+#else
+    double ahead[3];
+#endif
+    for (int line = 0; line < lines + 3; ++line) {
+        if (!is_of_warp(line)) continue;
+        double total = 0.0;
+        if (line < sums)
+            total = total_of_line(tables.sums, line, true);
+        else if (line < lines)
+            total = total_of_line(tables.maxima, line - sums, false);
+        else
+            total = total_of_line(tables.ahead, line - lines, line - lines < 2);
+        if (is_first_of_warp()) *(line < lines ? totals + line : ahead + line - lines) = total;
+    }
+#if defined(__CUDA_ARCH__)
+    __syncthreads();
+#endif
+    return wp::vec_t<3, double>(ahead[0], ahead[1], ahead[2]);
 }
