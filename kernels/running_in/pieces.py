@@ -16,7 +16,7 @@ from warpwear.kernels.contact import pressure_of
 from warpwear.kernels.slide import Slide, beneath
 from warpwear.kernels.sliding import OfCells
 
-wp.set_module_options({**native_code.options("law.h", "pieces.h"), "fuse_fp": False})
+wp.set_module_options({**native_code.options("law.h", "bodies.h"), "fuse_fp": False})
 
 #: Counts of a body: cells listed, peaks of a round and those that are cut, rounds in which pieces left, cells
 #: that wait for the next step, whether any had waited for this one, how far the step is, its pieces.
