@@ -1,5 +1,6 @@
 """A program does what it says: loops, branches and passes, however it is replayed."""
 
+import gc
 from typing import Any
 
 import numpy as np
@@ -291,6 +292,31 @@ def test_nothing_is_added_to_a_program_that_has_run() -> None:
     growing.run()
     with pytest.raises(AssertionError):
         growing.program.decide(weigh, LIMIT, growing.values, growing.searching, growing.rounds)
+
+
+def test_what_python_forgets_in_the_middle_of_a_recording(device: str) -> None:
+    """Memory that a GPU sees is not freed then: that would end the recording."""
+    growing = Growing(device, 1)
+    kept: list[Any] = []
+    for _ in range(20):
+        circle: list[Any] = [wp.zeros(8, dtype=wp.float64, device="cpu", pinned=device != "cpu")]
+        circle.append(circle)  # so that only the garbage collector frees it
+        kept.append(circle)
+    del circle
+
+    def forgets() -> None:
+        kept.clear()
+        if gc.isenabled():  # then it may begin at any time
+            gc.collect()
+
+    table = wp.zeros((1, ROWS), dtype=wp.float64, device=device)
+    program = Program(growing.executor)
+    program.launch(grow, growing.numbers, growing.values, table, slots=ROWS)
+    program.call(forgets)
+    program.launch(grow, growing.numbers, growing.values, table, slots=ROWS)
+    program.run()
+    start = 1.0 / (1.0 + np.arange(ROWS * COLUMNS).reshape(ROWS, COLUMNS))
+    np.testing.assert_allclose(growing.values.numpy(), 1.25 * (1.25 * start + 0.25) + 0.25, rtol=1e-15)
 
 
 def test_a_launch_of_its_own(device: str, threads: int) -> None:

@@ -168,8 +168,10 @@ class Executor:
             field.assign(host)
 
     def put(self, array: Any, values: Any) -> None:
-        """Give an array of Warp's other values, in place."""
+        """Give an array of Warp's other values, in place; a number goes to all its places."""
         if self.device.is_cpu:
             array.numpy()[...] = values
+        elif np.ndim(values) == 0:
+            array.fill_(values)
         else:
             array.assign(np.ascontiguousarray(values, dtype=wp.dtype_to_numpy(array.dtype)))

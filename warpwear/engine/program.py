@@ -16,6 +16,7 @@ run to the next lives in arrays. A recording knows a kernel by its module and it
 a generic kernel need names of their own.
 """
 
+import gc
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, Protocol
@@ -169,13 +170,25 @@ class Recording:
 
     def __init__(self, block: Block, device: Any) -> None:
         self._block = block  # whose arrays the graph reads
-        with GATE, wp.ScopedCapture(device=device) as capture:
+        with GATE, _nothing_collected(), wp.ScopedCapture(device=device) as capture:
             block.run()
         self._graph = capture.graph
 
     def run(self) -> None:
         """Replay the graph."""
         wp.capture_launch(self._graph)
+
+
+@contextmanager
+def _nothing_collected() -> Iterator[None]:
+    """Keep Python's garbage collector still: page-locked memory that it frees would end a GPU's recording."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
 
 
 class Program:
