@@ -181,7 +181,7 @@ class Recording:
 
 @contextmanager
 def _nothing_collected() -> Iterator[None]:
-    """Keep Python's garbage collector still: page-locked memory that it frees would end a GPU's recording."""
+    """Keep Python's garbage collector still: a plan of cuFFT that it frees ends a GPU's recording."""
     was_enabled = gc.isenabled()
     gc.disable()
     try:
