@@ -13,6 +13,7 @@ from typing import Any, Self
 import numpy as np
 
 from warpwear.engine.executor import Executor
+from warpwear.figures.describe import chosen
 from warpwear.figures.view import (
     About,
     Bodies,
@@ -57,17 +58,21 @@ MARGIN = 1.15
 STRIP = 0.125
 #: Room around the macro contact [macro cells].
 ROOM = 1
-#: What every figure may use.
-ALWAYS = ("about", "history", "course", "distances")
 
 
 class FigureData:
     """History, study and reduced snapshots of a result, each made when it is first asked for."""
 
-    def __init__(self, result: ResultFile) -> None:
+    def __init__(
+        self, result: ResultFile, snapshots: Sequence[int] | None = None, *, blocks: int = MAP_BLOCKS
+    ) -> None:
+        """Look at a result. snapshots: numbers of those that figures show; blocks: most along a side."""
         self.result = result
         self.study = result.study
         self.history: dict[str, FloatArray] = dict(result.history)
+        count = result.snapshot_distances.size
+        self.shown = chosen(count, SHOWN) if snapshots is None else [*snapshots]
+        self.blocks = blocks
         self._read: tuple[int, Snapshot] | None = None
 
     def __enter__(self) -> Self:
@@ -77,10 +82,9 @@ class FigureData:
         """Let go the snapshot at hand."""
         self._read = None
 
-    def packed(self, names: Sequence[str]) -> dict[str, Any]:
-        """Return what these names of attributes and `ALWAYS` come to: all that some figures need."""
-        with self:
-            return {name: getattr(self, name) for name in (*ALWAYS, *names)}
+    def with_snapshots(self, snapshots: Sequence[int], blocks: int) -> "FigureData":
+        """Look at more of the same result's snapshots, in at most so many blocks along a side."""
+        return self if [*snapshots] == self.shown and blocks == self.blocks else FigureData(self.result, snapshots, blocks=blocks)
 
     @cached_property
     def about(self) -> About:
@@ -114,13 +118,6 @@ class FigureData:
         return {name: values[whole] for name, values in self.history.items()}
 
     @cached_property
-    def shown(self) -> list[int]:
-        """Numbers of the snapshots that figures show: the first, the last and some between."""
-        kept = self.result.snapshot_distances.size
-        places = np.linspace(0, kept - 1, min(SHOWN, kept))
-        return sorted({round(float(place)) for place in places})
-
-    @cached_property
     def distances(self) -> list[float]:
         """Distances of the snapshots shown [mm]."""
         return [float(self.result.snapshot_distances[index]) for index in self.shown]
@@ -137,9 +134,9 @@ class FigureData:
         """The contact at the snapshots shown, in order of distance."""
         return [self.view(index) for index in reversed(self.shown)][::-1]  # the last has set the window
 
-    def view(self, index: int, *, most: int = MAP_BLOCKS) -> View:
-        """Return the contact at snapshot number `index`, in at most `most` blocks along a side."""
-        snapshot, window = self.snapshot(index), self.window_of(most)
+    def view(self, index: int) -> View:
+        """Return the contact at snapshot number `index`."""
+        snapshot, window = self.snapshot(index), self.window
         row = self.row_of(snapshot.distance)
         pressure = window.largest(snapshot.pressure)
         least: Any = self.study.hardness * (1.0 - 1e-9)
@@ -174,9 +171,9 @@ class FigureData:
         """Both bodies at the snapshots shown, in order of distance."""
         return [self.bodies_at(index) for index in reversed(self.shown)][::-1]
 
-    def bodies_at(self, index: int, *, most: int = MAP_BLOCKS) -> Bodies:
+    def bodies_at(self, index: int, *, most: int = 0) -> Bodies:
         """Return both bodies at snapshot number `index`, in at most `most` blocks along a side."""
-        snapshot, window = self.snapshot(index), self.window_of(most)
+        snapshot, window = self.snapshot(index), self.window_of(most or self.blocks)
         sphere, disc = (worn_heights(self.result, snapshot, body) for body in ("sphere", "disc"))
         wear = snapshot.wear_sphere, snapshot.lost_beneath
         return Bodies(*(window.means(field) for field in (sphere, disc, *wear)))
@@ -192,7 +189,7 @@ class FigureData:
     @cached_property
     def window(self) -> Window:
         """The scar at the end and some room: what maps show. Touched cells only ever become more."""
-        return self.window_of(MAP_BLOCKS)
+        return self.window_of(self.blocks)
 
     def window_of(self, most: int) -> Window:
         """Return the scar at the end and some room, in at most `most` blocks along a side."""

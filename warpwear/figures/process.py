@@ -1,6 +1,8 @@
 """Figures drawn in a second process: it starts while a run computes, and draws while the run is written.
 
-What it cannot draw is missing among its pictures, whatever the reason, and is drawn by who asked.
+It imports neither a result nor a study, which would take it longer than most figures. What it cannot draw is
+missing among its pictures, whatever the reason, and is drawn by who asked. It is no worker of `multiprocessing`,
+which would run a user's script once more where that has no `if __name__ == "__main__"`.
 """
 
 import os
@@ -8,20 +10,26 @@ import pickle
 import subprocess
 import sys
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from queue import SimpleQueue
-from threading import Thread
 from types import TracebackType
 from typing import Any, Self
 
-from warpwear.figures.table import ESSENTIAL, FIGURES, Plotter
+import numpy as np
 
+from warpwear import lazy
+from warpwear.figures.describe import Axis, Chart, Figure, Line
+
+painter, style = lazy.module("warpwear.figures.paint"), lazy.module("warpwear.figures.style")
+
+#: A figure that loads what most of them need.
+WARM_UP = Figure([Chart("", Axis("x", "log"), Axis("y"), [Line(np.array([1.0, 10.0]), np.zeros(2), "x")])])
 #: Figures of what is computed last.
 LATE = ("roughness",)
 #: Longest time that pictures are waited for [s].
 PATIENCE = 60.0
 #: What the other process runs: with the paths of this one, wherever warpwear was imported from.
-COMMAND = "import sys; sys.path[:] = {path!r}; from warpwear.figures.drawing import main; main()"
+COMMAND = "import sys; sys.path[:] = {path!r}; from warpwear.figures.process import draw; draw()"
 
 
 class Painter:
@@ -29,10 +37,8 @@ class Painter:
 
     def __init__(self, cores: int) -> None:
         self._ordered: set[str] = set()
-        self._pictures: dict[str, bytes] = {}
-        self._orders: SimpleQueue[bytes | None] = SimpleQueue()
+        self._hands = ThreadPoolExecutor(1)  # orders are handed over while the run goes on
         self._process: subprocess.Popen[bytes] | None = None
-        self._thread = Thread(target=self._serve, daemon=True)
         if cores < 2 or not sys.executable or getattr(sys, "frozen", False):
             return
         with suppress(OSError):
@@ -44,7 +50,6 @@ class Painter:
                 env=os.environ | {"MPLBACKEND": "agg", "OPENBLAS_NUM_THREADS": "1"},
                 start_new_session=True,  # Ctrl-C is for who asks
             )
-            self._thread.start()
 
     def __enter__(self) -> Self:
         return self
@@ -55,20 +60,22 @@ class Painter:
         if self._process is not None:
             self._process.kill()
             self._process.wait()
+        self._hands.shutdown(wait=False, cancel_futures=True)
 
     @property
     def draws(self) -> bool:
         """Whether there is another process."""
         return self._process is not None
 
-    def order(self, plot: Plotter, *, but: Sequence[str] = ()) -> None:
-        """Ask for the essential figures of a result, `but` some, that were not asked for yet; do not wait."""
+    def order(self, plot: Any, *, but: Sequence[str] = ()) -> None:
+        """Ask for the essential figures of a result, `but` some, that were not asked for yet; do not wait.
+
+        plot: its `Plotter`.
+        """
         if self._process is not None:
             names = [n for n in plot.names("essential") if n not in but and n not in self._ordered]
-            needed = dict.fromkeys(need for name in names for need in ESSENTIAL[name])
-            places = {name: FIGURES[name].place for name in names}
-            self._orders.put(pickle.dumps((plot.data.packed([*needed]), places)))
             self._ordered.update(names)
+            self._hands.submit(self._hand_over, {name: (None, plot.declared(name)) for name in names})
 
     def order_page(self, name: str, content: dict[str, Any], maker: str) -> None:
         """Ask for a page of content and of all pictures, to be found among these by its name; do not wait.
@@ -76,23 +83,42 @@ class Painter:
         maker: place of what makes it of both, which the other process imports.
         """
         if self._process is not None:
-            self._orders.put(pickle.dumps((content, {name: maker})))
+            self._hands.submit(self._hand_over, {name: (maker, content)})
 
     def pictures(self) -> dict[str, bytes]:
         """Wait for the pictures; return the PNG files that there are by the figure's name, and the page."""
+        pictures: dict[str, bytes] = {}
         if self._process is not None:
-            self._orders.put(None)
-            self._thread.join(PATIENCE)
-        return self._pictures
+            with suppress(Exception):  # the other process has gone, or takes too long
+                pictures = self._hands.submit(self._collect).result(PATIENCE)
+        return pictures
 
-    def _serve(self) -> None:
-        """Hand over orders, and take the pictures at the end."""
+    def _hand_over(self, orders: dict[str, Any]) -> None:
+        assert self._process is not None
+        assert self._process.stdin is not None
+        pickle.dump(orders, self._process.stdin)
+        self._process.stdin.flush()
+
+    def _collect(self) -> Any:
         assert self._process is not None
         assert self._process.stdin is not None
         assert self._process.stdout is not None
-        with suppress(OSError, EOFError, pickle.UnpicklingError):  # the other process has gone
-            while (order := self._orders.get()) is not None:
-                self._process.stdin.write(order)
-                self._process.stdin.flush()
-            self._process.stdin.close()
-            self._pictures = pickle.load(self._process.stdout)
+        self._process.stdin.close()
+        return pickle.load(self._process.stdout)
+
+
+def draw() -> None:
+    """Draw what comes on standard input until it ends; then hand over the pictures on standard output."""
+    orders = sys.stdin.buffer
+    pictures: dict[str, bytes] = {}
+    style.bytes_of(painter.paint(WARM_UP))  # loads fonts meanwhile
+    with suppress(EOFError):
+        while True:
+            for name, (maker, content) in pickle.load(orders).items():
+                with suppress(Exception):  # who ordered it draws it then, and says what is wrong
+                    if maker is None:
+                        pictures[name] = style.bytes_of(painter.paint(content))
+                    else:
+                        pictures[name] = lazy.resolve(maker)(content, pictures)
+    pickle.dump(pictures, sys.stdout.buffer)
+    sys.stdout.flush()

@@ -37,6 +37,8 @@ PRESSURES = LinearSegmentedColormap.from_list(
 )
 HEIGHTS = matplotlib.colormaps["cividis"]
 DEPTHS = matplotlib.colormaps["magma_r"]
+COLOURS: dict[str, Any] = {"pressures": PRESSURES, "heights": HEIGHTS, "depths": DEPTHS}
+COLOURS["signed"] = matplotlib.colormaps["RdBu_r"]
 
 #: Formats of files, each with the metadata of them in which Matplotlib would write the date.
 FORMATS: dict[str, dict[str, None]] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}

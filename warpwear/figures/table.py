@@ -1,6 +1,6 @@
-"""The table of a result's figures: their names, what draws them, why a run has none; how they are written.
+"""The table of a result's figures: their names, what declares them, why a run has none; how they are written.
 
-Nothing here imports Matplotlib: a run only asks which figures there are, and another process draws them.
+Nothing here imports Matplotlib: a run only declares its figures, and another process draws them.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -13,7 +13,7 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.figures import words
+from warpwear.figures import describe, fields, history, shape, snapshots, track, words
 from warpwear.figures.data import FigureData
 from warpwear.results.file import ResultFile
 from warpwear.results.manifest import add_figure
@@ -21,26 +21,21 @@ from warpwear.results.manifest import add_figure
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-fs, layout = lazy.module("warpwear.figures.style"), lazy.module("warpwear.figures.axes")
+style, painter = lazy.module("warpwear.figures.style"), lazy.module("warpwear.figures.paint")
 colours = lazy.module("matplotlib.colors")
 
 
 class Entry(NamedTuple):
-    """A figure of the table: what draws it, what stands below it, and why a run may have none.
+    """A figure of the table: what declares it, what stands below it, and why a run may have none.
 
-    place: file:function of this folder. caption: a template with fields of `words.FIELDS`; the law of contact
-    is said behind it.
+    caption: a template with fields of `words.FIELDS`; the law of contact is said behind it. essential: whether
+    it goes into a paper, and is drawn by default.
     """
 
-    place: str
+    declare: Callable[[FigureData], describe.Figure]
     caption: str
     reasons: tuple[words.Reason, ...] = ()
-
-    @property
-    def draw(self) -> Callable[..., "Figure"]:
-        """The function that draws it."""
-        found: Callable[..., Figure] = lazy.resolve(f"{__package__}.{self.place}")
-        return found
+    essential: bool = False
 
 
 _FIELD = (words.NO_SNAPSHOT, words.ONLY_SAMPLES)
@@ -52,199 +47,165 @@ _ROUGHNESS = (words.TRACK, words.SMOOTH_DISC, words.ONE_SNAPSHOT, words.UNWORN_D
 
 FIGURES: dict[str, Entry] = {
     "setup": Entry(
-        "shape:setup",
+        shape.setup,
         "The {slider} on the unworn disc at first contact, its near half cut away; heights are "
         "exaggerated as the figure says.",
-        _FIELD,
-    ),
+        _FIELD, essential=True),
     "cof": Entry(
-        "history:cof",
+        history.cof,
         "Coefficient of friction over the sliding distance. {friction}{passes}",
-        (words.NO_COURSE, words.NO_COF),
-    ),
+        (words.NO_COURSE, words.NO_COF), essential=True),
     "cof_time": Entry(
-        "history:cof_time",
+        history.cof_time,
         "Coefficient of friction over the sliding time. {friction}",
         (words.NO_COURSE, words.NO_COF, words.NO_TIME),
     ),
     "areas": Entry(
-        "history:areas",
+        history.areas,
         "Real areas of contact and the nominal area of the scar, its ellipse, over the sliding "
         "distance.{passes}",
-        (words.NO_COURSE,),
-    ),
+        (words.NO_COURSE,), essential=True),
     "pressure": Entry(
-        "history:pressure",
+        history.pressure,
         "Mean and largest pressure of the cells in contact over the sliding distance.{fall}{passes}",
         (words.NO_COURSE,),
     ),
     "contact_radius": Entry(
-        "history:contact_radius",
+        history.contact_radius,
         "Radii of circles of the scar's nominal area and of the area in contact over the sliding "
         "distance: where they meet the contact fills its scar.{passes}",
         (words.NO_COURSE, words.NO_RADIUS),
     ),
     "volumes": Entry(
-        "history:volumes",
+        history.volumes,
         "Worn volume and depth of the deepest cell of {slider} and disc over the sliding distance.",
-        (words.NO_COURSE, words.UNWORN),
-    ),
+        (words.NO_COURSE, words.UNWORN), essential=True),
     "pressure_map": Entry(
-        "fields:pressure_map",
+        fields.pressure_map,
         "Pressure of the cells in contact {shown}, all on one scale; above each its mean and standard "
         "deviation over these cells.{blocks}",
-        _FIELD,
-    ),
+        _FIELD, essential=True),
     "pressure_3d": Entry(
-        "fields:pressure_3d",
+        fields.pressure_3d,
         "Load over area of coarse squares, cells without contact included, at the first and the last "
         "distance kept; axes differ, colours are of one scale.",
         _FIELD,
     ),
     "pressure_profiles": Entry(
-        "fields:pressure_profiles",
+        fields.pressure_profiles,
         "Pressure along and across sliding in a strip through the middle {shown}, means that include "
         "cells without contact.",
         _FIELD,
     ),
     "contact_map": Entry(
-        "fields:contact_map", "State of the cells {shown}; above each the area in contact.{blocks}", _FIELD
-    ),
+        fields.contact_map, "State of the cells {shown}; above each the area in contact.{blocks}", _FIELD, essential=True),
     "bare_map": Entry(
-        "fields:bare_map",
+        fields.bare_map,
         "Where the film is gone {shown}; above each the bare part of the area in contact.{blocks}",
-        (words.NO_FILM, *_FIELD),
-    ),
+        (words.NO_FILM, *_FIELD), essential=True),
     "bare_fraction": Entry(
-        "history:bare_fraction",
+        history.bare_fraction,
         "Part of the area in contact that is bare of film over the sliding distance, and its fitted "
         "course.{passes}",
-        (words.NO_FILM, words.NO_COURSE),
-    ),
+        (words.NO_FILM, words.NO_COURSE), essential=True),
     "wear_map": Entry(
-        "shape:wear_map", "Wear depth of {slider} and disc {end}.", (words.TRACK, *_FIELD, words.UNWORN)
+        shape.wear_map, "Wear depth of {slider} and disc {end}.", (words.TRACK, *_FIELD, words.UNWORN)
     ),
     "sphere_map": Entry(
-        "shape:sphere_map",
+        shape.sphere_map,
         "Height of the {slider}, turned over, unworn and at distances slid; lines are of equal height, "
         "and far apart where it is worn flat.",
         _SPHERE,
     ),
     "sphere_3d": Entry(
-        "shape:sphere_3d", "The {slider}, turned over, unworn and {end}; pale where it is worn.", _SPHERE
+        shape.sphere_3d, "The {slider}, turned over, unworn and {end}; pale where it is worn.", _SPHERE
     ),
     "sphere_profiles": Entry(
-        "shape:sphere_profiles", "Sections of the {slider} through the middle, unworn and {shown}.", _SPHERE
+        shape.sphere_profiles, "Sections of the {slider} through the middle, unworn and {shown}.", _SPHERE
     ),
     "disc_map": Entry(
-        "shape:disc_map", "Height of the disc, unworn and at distances slid, on one scale.", _DISC
+        shape.disc_map, "Height of the disc, unworn and at distances slid, on one scale.", _DISC
     ),
-    "disc_3d": Entry("shape:disc_3d", "The disc, unworn and {end}.", _DISC),
+    "disc_3d": Entry(shape.disc_3d, "The disc, unworn and {end}.", _DISC),
     "disc_profiles": Entry(
-        "shape:disc_profiles", "Sections of the disc through the middle, unworn and {shown}.", _DISC
+        shape.disc_profiles, "Sections of the disc through the middle, unworn and {shown}.", _DISC
     ),
     "profiles": Entry(
-        "shape:profiles",
+        shape.profiles,
         "Sections of both bodies through the middle in contact {end}, and without their wear.",
-        _FIELD,
-    ),
+        _FIELD, essential=True),
     "roughness": Entry(
-        "snapshots:roughness",
+        snapshots.roughness,
         "Height parameters (ISO 25178-2) of the disc in the middle of the scar, its bowl taken off, over "
         "the sliding distance.",
-        _ROUGHNESS,
-    ),
+        _ROUGHNESS, essential=True),
     "texture": Entry(
-        "snapshots:texture",
+        snapshots.texture,
         "Root mean square height Sq and gradient Sdq of both bodies in the inner scar over the sliding "
         "distance; dashed, the exponential course fitted to Sq.",
         (words.ONE_SNAPSHOT, words.UNWORN, words.SMOOTH, words.NO_TEXTURE),
     ),
     "spectrum": Entry(
-        "snapshots:spectrum",
+        snapshots.spectrum,
         "Power spectral density of both bodies in the inner scar {shown}.",
         (words.NO_SNAPSHOT, words.UNWORN, words.SMOOTH, words.NO_SPECTRUM),
     ),
     "islands": Entry(
-        "snapshots:islands",
+        snapshots.islands,
         "Number of islands of contact over the sliding distance, and of those at least as large as an "
         "area {shown}; islands of one cell are limits of the mesh.",
         (words.SMOOTH_DISC, words.ONE_SNAPSHOT, words.ONLY_SAMPLES),
     ),
     "junctions": Entry(
-        "snapshots:junctions",
+        snapshots.junctions,
         "Share of the area in contact that lies in islands larger than a diameter {shown}.{critical}",
         (words.SMOOTH_DISC, words.NO_JUNCTIONS, *_FIELD),
     ),
     "pieces": Entry(
-        "history:pieces",
+        history.pieces,
         "Diameters of the pieces as they were cut, and how many left {slider} and disc per distance slid.",
-        (words.NO_PIECES,),
-    ),
-    "load_share": Entry("patches:load_share", "Load of each patch over its area {shown}{smooth}.", _PATCHES),
+        (words.NO_PIECES,), essential=True),
+    "load_share": Entry(fields.load_share, "Load of each patch over its area {shown}{smooth}.", _PATCHES, essential=True),
     "patch_zoom": Entry(
-        "patches:patch_zoom",
+        fields.patch_zoom,
         "From the load of the patches to the pressure of the cells of one that carries half of the most.",
         _PATCHES,
     ),
     "hertz": Entry(
-        "fields:hertz",
+        fields.hertz,
         "Pressure along sliding through the middle at the first and the last distance kept, beside "
         "Hertz's of the unworn bodies.",
-        (words.ROUGH, words.NO_HERTZ, words.NO_SNAPSHOT),
-    ),
+        (words.ROUGH, words.NO_HERTZ, words.NO_SNAPSHOT), essential=True),
     "distance_factor": Entry(
-        "fields:factor",
+        fields.factor,
         "Sliding distance of cells of the disc over that of the middle.",
         (words.TRACK_FACTOR, words.NO_FACTOR, words.NO_SNAPSHOT),
     ),
     "groove": Entry(
-        "track:groove_figure",
+        track.groove,
         "Mean cross-section of the groove {shown}, and its mean depth along the track {end}.",
-        _GROOVE,
-    ),
+        _GROOVE, essential=True),
     "track_map": Entry(
-        "track:track_map",
+        track.track_map,
         "Height of the whole track {end}, and what wear and plastic flow took off it.",
-        _GROOVE,
-    ),
+        _GROOVE, essential=True),
     "wear_per_pass": Entry(
-        "track:wear_per_pass",
+        track.wear_per_pass,
         "Mean depth that each pass adds to the groove, over the width of the contact.",
-        (words.STILL, words.NO_COURSE, words.NO_GROOVE),
-    ),
+        (words.STILL, words.NO_COURSE, words.NO_GROOVE), essential=True),
     "cof_stroke": Entry(
-        "track:cof_stroke",
+        track.cof_stroke,
         "Coefficient of friction over the position in the stroke, of some passes. {friction}",
         (words.STILL, words.NO_COURSE, words.NO_COF),
     ),
     "track_roughness": Entry(
-        "track:track_roughness",
+        track.track_roughness,
         "Height parameters (ISO 25178-2) of the disc in the middle of the groove over the passes.",
         (*_GROOVE, words.SMOOTH_DISC),
     ),
 }
 #: The file of captions beside figures, and its first line, by which it is known as ours.
 CAPTIONS, HEAD = "captions.md", "# Captions of the figures, by warpwear"
-#: Figures that are drawn by default, what goes into a paper -> the attributes of `FigureData` that they need.
-ESSENTIAL: dict[str, tuple[str, ...]] = {
-    "setup": ("relief",),
-    "pressure_map": ("views", "window"),
-    "contact_map": ("views", "window"),
-    "bare_map": ("views", "window"),
-    "bare_fraction": ("bare_fit",),
-    "areas": (),
-    "cof": (),
-    "profiles": ("views",),
-    "volumes": (),
-    "hertz": ("hertz", "middle"),
-    "load_share": ("loads",),
-    "groove": ("grooves", "depth_along"),
-    "track_map": ("track",),
-    "wear_per_pass": ("passes",),
-    "roughness": ("roughness",),
-    "pieces": ("pieces",),
-}
 
 
 class Plotter:
@@ -264,24 +225,27 @@ class Plotter:
     def __getattr__(self, name: str) -> Callable[..., "Figure"]:
         if name not in FIGURES:
             raise AttributeError(_unknown(name))
-        draw = FIGURES[name].draw
 
         def figure(ax: Any = None, *, label: str | None = None, color: Any = None) -> "Figure":
-            reason = self.reason(name)
-            if reason is not None:
-                raise InputError(f"there is no figure '{name}': {reason}")
+            declared = self.declared(name)
             if ax is None and label is None and color is None:
-                with self.data:
-                    return draw(self.data)
-            _check_overlay(name, draw, ax, color)
-            with self.data:
-                return draw(self.data, ax, label=label, color=color)
+                return painter.paint(declared)
+            _check_overlay(name, declared, ax, color)
+            return painter.paint_over(declared, ax, label=label, color=color)
 
-        figure.__name__, figure.__doc__ = name, draw.__doc__
+        figure.__name__, figure.__doc__ = name, FIGURES[name].declare.__doc__
         return figure
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *FIGURES]
+
+    def declared(self, name: str) -> describe.Figure:
+        """Say what a figure shows. Raises InputError for an unknown name, and for one that the run has not."""
+        reason = self.reason(name)
+        if reason is not None:
+            raise InputError(f"there is no figure '{name}': {reason}")
+        with self.data:
+            return FIGURES[name].declare(self.data)
 
     def reason(self, name: str) -> str | None:
         """Say in a sentence why the run has no such figure; None if it has. Unknown names: InputError."""
@@ -296,7 +260,8 @@ class Plotter:
 
     def names(self, plots: str = "all") -> list[str]:
         """Names of the figures that the run has: "all", or only "essential" ones."""
-        return [name for name in (ESSENTIAL if plots == "essential" else FIGURES) if not self.reason(name)]
+        wanted = [name for name, entry in FIGURES.items() if entry.essential or plots != "essential"]
+        return [name for name in wanted if not self.reason(name)]
 
     def save_all(
         self,
@@ -330,12 +295,12 @@ class Plotter:
     def save_captions(self, folder: Path) -> None:
         """Write captions.md, of the figures that lie in the folder; a file of others is left alone."""
         path = folder / CAPTIONS
-        drawn = [name for name in FIGURES if any(folder.glob(f"{name}.*")) and not self.reason(name)]
+        names = [name for name in FIGURES if any(folder.glob(f"{name}.*")) and not self.reason(name)]
         try:
-            if not drawn or (path.exists() and not path.read_bytes().startswith(HEAD.encode())):
+            if not names or (path.exists() and not path.read_bytes().startswith(HEAD.encode())):
                 return
-            told = [f"**{name}**: {self.caption(name)}" for name in drawn]
-            path.write_text("\n\n".join([HEAD, *told]) + "\n", encoding="utf-8")
+            texts = [f"**{name}**: {self.caption(name)}" for name in names]
+            path.write_text("\n\n".join([HEAD, *texts]) + "\n", encoding="utf-8")
             add_figure(path)
         except OSError as error:
             raise InputError(f"{path} cannot be written: {error.strerror}.") from error
@@ -347,7 +312,7 @@ class Plotter:
         """
         if drawn is None:
             self.check([name], file_format=file_format)
-            drawn = fs.bytes_of(getattr(self, name)(), file_format)
+            drawn = style.bytes_of(getattr(self, name)(), file_format)
         path = folder / f"{name}.{file_format}"
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -359,28 +324,28 @@ class Plotter:
 
     def png(self, name: str, *, dpi: int) -> bytes:
         """Draw one figure; returns the bytes of a PNG file. Raises InputError for an unknown name."""
-        found: bytes = fs.bytes_of(getattr(self, name)(), dpi=dpi)
-        return found
+        png: bytes = style.bytes_of(getattr(self, name)(), dpi=dpi)
+        return png
 
     def check(self, names: Sequence[str], *, file_format: str = "png") -> None:
         """Raise InputError for a name or a format that is not known, before anything is drawn."""
-        fs.check_format(file_format)
+        style.check_format(file_format)
         for name in names:
             if name not in FIGURES:
                 raise InputError(_unknown(name))
 
 
-def _check_overlay(name: str, draw: Callable[..., "Figure"], ax: Any, color: Any) -> None:
+def _check_overlay(name: str, figure: describe.Figure, ax: Any, color: Any) -> None:
     """Raise InputError where a figure cannot be drawn into these axes, or in this colour."""
-    if not isinstance(draw, layout.Panels):
+    if not all(isinstance(panel, describe.Chart) for panel in figure.panels):
         raise InputError(
             f"the figure '{name}' is a map or drawn in three dimensions: it needs a figure of its own, "
             "without ax, label and color"
         )
-    if ax is not None and np.size(ax) != draw.columns:
+    if ax is not None and np.size(ax) != len(figure.panels):
         raise InputError(
             f"the figure '{name}' needs as many axes as it has panels: ax has {np.size(ax)}, and "
-            f"plt.subplots(1, {draw.columns}) makes {draw.columns}"
+            f"plt.subplots(1, {len(figure.panels)}) makes {len(figure.panels)}"
         )
     if color is not None and not colours.is_color_like(color):
         raise InputError(f"color = {color!r} is not a colour of matplotlib, such as 'C1' or '#D55E00'")

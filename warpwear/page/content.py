@@ -3,18 +3,16 @@
 Another process may make the page of its content: it needs neither the result nor the study.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.figures.data import FigureData
 from warpwear.figures.table import Plotter
-from warpwear.page import courses, maps, paper, shapes, words
+from warpwear.page import paper, words
 from warpwear.page.limits import limits_of
-from warpwear.page.parts import Section
+from warpwear.page.sections import SECTIONS
 from warpwear.results import manifest
 from warpwear.results.file import ResultFile
 from warpwear.results.summary import summarise
@@ -35,24 +33,11 @@ MAKER = "warpwear.page.html:run_page"
 MARK = b'<meta name="generator" content="warpwear'
 
 
-#: What makes each section of a run's page, in the page's order.
-SECTIONS: tuple[Callable[[Plotter, FigureData], Section], ...] = (
-    maps.maps,
-    courses.courses,
-    courses.pieces,
-    shapes.profiles,
-    shapes.roughness,
-    shapes.groove,
-    maps.loads,
-    shapes.bodies,
-)
-
-
 def content_of(result: ResultFile, plot: Plotter) -> dict[str, Any]:
     """Collect what the page of a run shows. plot: of the same result, whose reduced data are used again."""
     with plot.data as data:
-        found = [section for make in SECTIONS if (section := make(plot, data)).plots]
-    return words_of(result.study, summarise(result)) | {"sections": [asdict(section) for section in found]}
+        sections = [section for make in SECTIONS if (section := make(plot, data)).figures]
+    return words_of(result.study, summarise(result)) | {"sections": sections}
 
 
 def top_of(study: Study, summary: dict[str, Any]) -> dict[str, Any]:
@@ -95,7 +80,7 @@ def made_here(content: dict[str, Any], pictures: Mapping[str, bytes]) -> bytes:
 
 def statics(content: Mapping[str, Any]) -> list[str]:
     """Names of the figures that stand for plots where no script draws."""
-    return [*dict.fromkeys(p["static"] for s in content["sections"] for p in s["plots"] if p["static"])]
+    return [*dict.fromkeys(name for section in content["sections"] for name in section.figures)]
 
 
 def write_page(folder: Path, page: bytes) -> Path:

@@ -7,18 +7,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.util import find_spec
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.colors import Colormap, to_hex
-from matplotlib.figure import Figure
 
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.figures import style as fs
-from warpwear.page.relief import relief
+from warpwear.figures.describe import Bodies, Figure, Section
+from warpwear.figures.paint import paint
+from warpwear.page.plots import plots_of
 from warpwear.results.folder import whole_folder
 
 jinja2 = lazy.module("jinja2")
@@ -38,8 +38,6 @@ STROKES = {
     "longdash": "14 5",
     "longdashdot": "14 4 2 4",
 }
-#: Colours that have to stand out from a dark page as well: the script takes the text's instead.
-INKS = {"HARDNESS": "ink", "NEUTRAL": "ink", "NOMINAL": "soft", "clear": "clear"}
 
 
 def render(template: str, filters: Mapping[str, Callable[..., Any]], **content: Any) -> str:
@@ -66,13 +64,11 @@ class Picture:
     width: int  # [% of the text's], so that lettering is equally large in all
 
 
-def embedded(figure: Figure) -> Picture:
+def embedded(figure: Any) -> Picture:
     """Make a picture of a figure that a page can hold."""
-    picture = BytesIO()
-    with fs.style():
-        figure.savefig(picture, format="png", dpi=DPI)
-    source = "data:image/png;base64," + base64.b64encode(picture.getvalue()).decode("ascii")
-    return Picture(source, round(100.0 * min(1.0, figure.get_figwidth() / fs.PAGE)))
+    drawn = paint(figure) if isinstance(figure, Figure) else figure
+    source = f"data:image/png;base64,{_base64(fs.bytes_of(drawn, dpi=DPI))}"
+    return Picture(source, round(100.0 * min(1.0, drawn.get_figwidth() / fs.PAGE)))
 
 
 def write_report(folder: Path, files: Mapping[str, str]) -> None:
@@ -88,45 +84,51 @@ def run_page(content: Mapping[str, Any], pictures: Mapping[str, bytes]) -> bytes
 
 
 def page_of(template: str, content: Mapping[str, Any], pictures: Mapping[str, bytes]) -> bytes:
-    """Make a page with plots. content: name in the template -> value, "sections" of `warpwear.page.parts` as
-    mappings among them. pictures: name of a figure -> PNG file, for a page without scripts.
+    """Make a page with plots, all that it needs in it.
 
-    Data and plotting library lie compressed in the page, where no character of a name can end a script.
+    content: name in the template -> value, of which "sections" are those of `warpwear.figures.describe`.
+    pictures: name of a figure -> PNG file, for a page without scripts. Data and plotting library lie
+    compressed in the page, where no character of a name can end a script.
     """
-    for section in content["sections"]:
-        section["legend"] = _legend(section) if section["one_legend"] else []
-    plots = [plot for section in content["sections"] for plot in section["plots"]]
-    shown: set[str] = set()
+    sections = [_section(section) for section in content["sections"]]
+    figures = {name: figure for section in content["sections"] for name, figure in section.figures.items()}
+    turned = {n: f for n, f in figures.items() if any(isinstance(panel, Bodies) for panel in f.panels)}
+    pictures = {**pictures, **{name: fs.bytes_of(paint(figure), dpi=DPI) for name, figure in turned.items()}}
+    plots = [plot for section in sections for plot in section["plots"]]
+    seen: set[str] = set()
     for plot in plots:
-        png = None if plot["static"] in shown else pictures.get(plot["static"])
-        if plot["kind"] == "bodies":
-            png = relief(plot)
-        shown.add(plot["static"])
+        png = None if plot["static"] in seen else pictures.get(plot["static"])
+        seen.add(plot["static"])
         plot["picture"] = f"data:image/png;base64,{_base64(png)}" if png else ""
-        for line in plot.get("lines", ()):
-            line["colour"] = colour_of(line["colour"])
-        if "states" in plot:
-            plot["states"] = [(label, colour_of(colour)) for label, colour in plot["states"]]
     drawn = [{k: v for k, v in plot.items() if k not in ("picture", "caption", "static")} for plot in plots]
-    data = {"plots": drawn, "pressures": _scale(fs.PRESSURES), "heights": _scale(fs.HEIGHTS)}
+    scales = {name: _scale(colours) for name, colours in fs.COLOURS.items()}
     text = render(
         template,
         {"number": _number},
-        **content,
-        data=_packed(json.dumps(data, default=_plain).encode()),
+        **{**content, "sections": sections},
+        data=_packed(json.dumps({"plots": drawn, "scales": scales}, default=_plain).encode()),
         plotly=_plotly(),
         script=_template("plots.js"),
     )
     return text.encode()
 
 
-def _legend(section: dict[str, Any]) -> list[tuple[str, str, str]]:
-    """Take the lines' names off the plots of a section; return each with its colour and strokes once."""
-    found: dict[str, tuple[str, str]] = {}
-    for plot in section["plots"]:
+def _section(section: Section) -> dict[str, Any]:
+    """Turn a section into what the templates fill in: its plots, its slider, its legend."""
+    plots = [plot for name, figure in section.figures.items() for plot in plots_of(name, figure)]
+    maps = [plot for plot in plots if plot["kind"] == "map"]
+    legend: dict[str, tuple[str, str]] = {}
+    for plot in plots if section.one_legend else ():
         plot["bare"] = True
-        found |= {line["name"]: (colour_of(line["colour"]), STROKES[line["dash"]]) for line in plot["lines"]}
-    return [(name, *look) for name, look in found.items()]
+        legend |= {line["name"]: (line["colour"], STROKES[line["dash"]]) for line in plot["lines"]}
+    return {
+        "title": section.title,
+        "id": section.id,
+        "text": section.text,
+        "plots": plots,
+        "slider": maps[0]["labels"] if maps else [],
+        "legend": [(name, *look) for name, look in legend.items()],
+    }
 
 
 def _scale(colours: Colormap) -> list[str]:
@@ -138,14 +140,6 @@ def _number(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.4g}" if np.isfinite(value) else "–"
     return "–" if value is None else str(value)
-
-
-def colour_of(name: str) -> str:
-    """Give the colour of figures that a name stands for, or the name of one that depends on the page.
-
-    A colour as #rrggbb is returned as it is.
-    """
-    return name if name.startswith("#") else INKS.get(name) or str(getattr(fs, name))
 
 
 @lru_cache(1)  # it takes a quarter of a second

@@ -56,7 +56,7 @@
   const plain = (text, most = 48) => (text.length > most ? `${text.slice(0, most - 1)}…` : text)
     .replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;");
   // Little pressure is near the paper's own lightness.
-  const pressures = () => (isDark() ? [...data.pressures].reverse().slice(2) : data.pressures);
+  const pressures = () => (isDark() ? [...data.scales.pressures].reverse().slice(2) : data.scales.pressures);
   const scaleOf = (colours) => colours.map((c, i) => [i / (colours.length - 1), c]);
   const axis = (title, more = {}) => ({
     title: { text: title, standoff: 8 }, gridcolor: ink("grid"), linecolor: ink("soft"), zeroline: false, showline: true,
@@ -87,22 +87,24 @@
     const traces = plot.lines.flatMap((line, i) => {
       const [x, y, low, high] = arrays[i], common = { type: "scatter", x, legendgroup: String(i) };
       const trace = {
-        ...common, y: shownOf(y), mode: line.marks, name: plain(line.name), line: { color: colour(line.colour), dash: line.dash, width: line.wide ? 5 : 2 },
+        ...common, y: shownOf(y), mode: line.marks, name: plain(line.name), opacity: line.opacity, showlegend: line.named && !plot.bare,
+        line: { color: colour(line.colour), dash: line.dash, width: line.width, shape: line.shape },
         marker: { color: colour(line.colour), size: line.marks === "markers" ? 7 : 6, opacity: line.marks === "markers" ? 0.7 : 1 },
         hovertemplate: many || line.marks === "markers" ? `${plain(line.name)}<br>%{x:.4~g}: %{y:.4~g}<extra></extra>` : "%{y:.4~g}",
       };
       if (!low) return [trace];
+      if (line.marks === "none") Object.assign(trace, { mode: "lines", line: { width: 0 }, hoverinfo: "skip", hovertemplate: null });
       const edge = { ...common, mode: "lines", line: { width: 0 }, showlegend: false, hoverinfo: "skip" };
       return [{ ...edge, y: shownOf(low) }, { ...edge, y: shownOf(high), fill: "tonexty", fillcolor: pale(line.colour) }, trace];
     });
     const least = arrays.every(([, y]) => y.every((v) => !(v < 0)));
-    const named = plot.lines.length > 1 || plot.lines.some((line) => line.marks === "markers");
-    const longest = Math.max(...plot.lines.map((line) => Math.min(48, line.name.length)));
+    const named = plot.lines.filter((line) => line.named);
+    const longest = Math.max(1, ...named.map((line) => Math.min(48, line.name.length)));
     const beside = Math.max(1, Math.floor((widthOf(node) - 80) / (7 * longest + 50)));
-    const rows = named && !plot.bare ? Math.ceil(plot.lines.length / beside) : 0;
+    const rows = plot.bare ? 0 : Math.ceil(named.length / beside);
     node.style.height = `${21 + 1.25 * Math.max(0, rows - 2)}rem`;
     return [traces, layout({
-      hovermode: many || plot.lines.some((line) => line.marks === "markers") ? "closest" : "x unified", showlegend: plot.lines.length > 1 && !plot.bare,
+      hovermode: many || plot.lines.some((line) => line.marks === "markers") ? "closest" : "x unified", showlegend: named.length > 0 && !plot.bare,
       legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", font: { size: 12 }, maxheight: 0.6 },
       margin: { l: 65, r: 15, t: 10, b: 45 },
       xaxis: axis(plain(plot.x, 80), { ...(logX ? logarithmic(...arrays.map(([x]) => x)) : {}), hoverformat: ".5~g" }),
@@ -115,7 +117,7 @@
     const values = arrayOf(plot.values), places = [...values].map((_, i) => -i), names = plot.names.map((name) => plain(name, 40));
     node.style.height = `${2.4 * names.length + 5}rem`;
     const traces = [{
-      type: "bar", orientation: "h", x: values, y: places, marker: { color: data.heights[4] }, width: 0.6, showlegend: false,
+      type: "bar", orientation: "h", x: values, y: places, marker: { color: data.scales.heights[4] }, width: 0.6, showlegend: false,
       customdata: names, hovertemplate: "%{customdata}: %{x:.3~g}<extra></extra>",
     }];
     if (plot.ends) {
@@ -137,7 +139,7 @@
     node.style.height = `${Math.min(40, 2.6 * rows.length + 7)}rem`;
     const few = rows.length <= 12 && rows[0].length <= 12, ticks = (names) => ({ type: "category", tickvals: names.map((_, i) => i), ticktext: names.map((n) => plain(n, 16)), showgrid: false });
     const trace = {
-      type: "heatmap", z: rows, x: plot.across.map((_, i) => i), y: plot.down.map((_, i) => i), colorscale: scaleOf(data.heights), xgap: 2, ygap: 2,
+      type: "heatmap", z: rows, x: plot.across.map((_, i) => i), y: plot.down.map((_, i) => i), colorscale: scaleOf(data.scales.heights), xgap: 2, ygap: 2,
       text: rows.map((row) => [...row].map(label)), texttemplate: few ? "%{text}" : "", hovertemplate: "%{text}<extra></extra>", hoverongaps: false,
       colorbar: { thickness: 12 },
     };
@@ -173,7 +175,7 @@
         }
       trace = {
         ...common, z: values, customdata: field.log ? values.map((row) => row.map((v) => 10 ** v)) : values,
-        colorscale: scaleOf(pressures()), zmin: low, zmax: high,
+        colorscale: scaleOf(plot.colours === "pressures" ? pressures() : data.scales[plot.colours]), zmin: low, zmax: high,
         hovertemplate: `%{customdata:.3~g} ${plot.unit}<br>%{x:.4~g}, %{y:.4~g} mm<extra></extra>`,
         colorbar: { thickness: 12, len: 1, tickfont: { size: 11 }, title: { text: plot.unit, side: "right", font: { size: 12 } },
           ...(ticks.length ? { tickvals: ticks.map(([at]) => at), ticktext: ticks.map(([, text]) => text) } : {}) },
@@ -199,7 +201,7 @@
     const coded = Object.values(plot.bodies)[body], [nx, ny] = coded.codes.shape, [x0, x1, y0, y1] = plot.extent;
     const axis3 = (title) => ({ title: { text: title, font: { size: 12 } }, gridcolor: ink("grid"), color: ink("ink"), showbackground: false, ...(NARROW ? { nticks: 4, tickfont: { size: 10 } } : {}) });
     const trace = {
-      type: "surface", x: places(x0, x1, nx), y: places(y0, y1, ny), z: decoded(coded), colorscale: scaleOf(data.heights),
+      type: "surface", x: places(x0, x1, nx), y: places(y0, y1, ny), z: decoded(coded), colorscale: scaleOf(data.scales.heights),
       // On a narrow page it lies below: beside the bodies it would cost the labels of their heights their room.
       colorbar: NARROW ? { title: { text: "height, µm", side: "top" }, thickness: 12, orientation: "h", y: -0.02, yanchor: "top" }
         : { title: { text: "height, µm", side: "right" }, thickness: 12, len: 0.7 },

@@ -1,0 +1,418 @@
+"""What a figure shows, in plain arrays and words, once: Matplotlib draws it, and so does a page's script.
+
+Nothing here imports Matplotlib: a run declares its figures, and another process draws them.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warpwear.grid import FloatArray
+
+#: Widths of one and of two columns of a journal, and height of a row of panels [inch].
+COLUMN, PAGE, ROW = 3.5, 7.0, 2.6
+
+# Okabe and Ito's colours, told apart by colour-blind readers. A body keeps its colour in every figure, and
+# so does each kind of contact; where two could meet in grey, their lines differ too.
+SPHERE, DISC = "#0072B2", "#D55E00"
+CONTACT, TOUCHED, HARDNESS, NOMINAL, SUM = "#009E73", "#56B4E9", "#000000", "#777777", "#E69F00"
+NEUTRAL, MEAN_PRESSURE = "#444444", "#A3487F"
+UNWORN, CLEAR = "#999999", "#FFFFFF"
+BODIES = {"sphere": SPHERE, "disc": DISC}
+#: Colours of groups of runs beside each other, and of what was measured, which they are held against.
+GROUPS = (SPHERE, DISC, CONTACT, MEAN_PRESSURE, SUM, TOUCHED)
+GREYS = ("#000000", "#888888", "#555555")
+
+Dash = Literal["solid", "dash", "dashdot", "dot", "longdash", "longdashdot", ""]
+#: Kinds of line, from the plainest; "" draws none.
+DASHES: tuple[Dash, ...] = ("solid", "dash", "dashdot", "dot", "longdash", "longdashdot")
+MARKERS = ("o", "s", "^", "v", "D")
+#: How powers of ten are written, and from where on thousands are set apart by a narrow space, as SI does.
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+THOUSANDS = 1e4
+#: Values over more than this many times the least are drawn on a logarithmic scale; distances alike.
+WIDE, WIDE_DISTANCE = 5.0, 30.0
+DISTANCE, ALONG, ACROSS = "sliding distance, mm", "along sliding, x, mm", "across sliding, y, mm"
+
+Ends: TypeAlias = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class Look:
+    """How a line looks. width: [points]; marker: of Matplotlib, and its size [points]; hollow: unfilled."""
+
+    colour: str = NEUTRAL
+    dash: Dash = "solid"
+    width: float = 1.2
+    marker: str = ""
+    size: float = 3.0
+    alpha: float = 1.0
+    hollow: bool = False
+
+
+@dataclass(frozen=True)
+class Line:
+    """Values over places, both (points,). low, high: ends of a band around it, as y.
+
+    step: a value holds from its place on ("post") or around it ("mid"). clipped: cut off at the panel's
+    edge. every: points from a marker to the next. hatch: of the band. cut: parts of the way of a Level.
+    """
+
+    x: FloatArray
+    y: FloatArray
+    label: str = ""
+    look: Look = Look()
+    low: FloatArray | None = None
+    high: FloatArray | None = None
+    step: Literal["", "post", "mid"] = ""
+    clipped: bool = True
+    every: int = 1
+    hatch: str = ""
+
+
+@dataclass(frozen=True)
+class Level:
+    """A straight line through the whole panel, at a value of y, or of x."""
+
+    value: float
+    label: str = ""
+    look: Look = Look(width=0.8)
+    axis: Literal["x", "y"] = "y"
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """How often two values meet, (x, y): areas that enclose parts of all, and lines around them."""
+
+    x: FloatArray
+    y: FloatArray
+    counts: FloatArray
+    levels: tuple[float, ...]
+    colours: tuple[str, ...]
+    edge: str = SPHERE
+
+
+@dataclass(frozen=True)
+class Axis:
+    """An axis: its label with the unit, its scale, and its ends where the lines do not choose them.
+
+    scale: "auto" is logarithmic where values span more than `wide` times the least, and else begins at zero;
+    "unworn" is logarithmic with a place for 0. least: a logarithmic axis begins no lower. places: ticks with
+    their labels. numbered: whether ticks have labels.
+    """
+
+    label: str = ""
+    scale: Literal["linear", "log", "auto", "unworn"] = "linear"
+    low: float | None = None
+    high: float | None = None
+    wide: float = WIDE
+    least: float = 0.0
+    integer: bool = False
+    inverted: bool = False
+    numbered: bool = True
+    ticks: int = 6
+    places: tuple[tuple[float, str], ...] = ()
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Lines over one axis. title: its heading on a page; note: said above it on paper, and below it there.
+
+    told: what is said instead of the note of a panel whose place is known, with a field for how many times
+    larger `told_unit` of y is drawn than one of x.
+    """
+
+    title: str
+    x: Axis
+    y: Axis
+    lines: Sequence[Line | Level | Cloud]
+    note: str = ""
+    told: str = ""
+    told_unit: float = 1.0
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Colours of values from `low` to `high`. beyond: which end of it values go past; grey-safe colours."""
+
+    label: str = ""
+    low: float = 0.0
+    high: float = 1.0
+    log: bool = False
+    colours: Literal["pressures", "heights", "depths", "signed"] = "pressures"
+    beyond: Literal["neither", "min", "max", "both"] = "neither"
+
+
+@dataclass(frozen=True)
+class Outline:
+    """A frame (first x, last x, first y, last y), or the circle within it, on a map [mm]."""
+
+    ends: Ends
+    look: Look = Look(DISC, width=1.0)
+    round: bool = False
+
+
+@dataclass(frozen=True)
+class Map:
+    """Fields (x, y) over one extent [mm]: side by side on paper, under a slider on a page.
+
+    labels, notes: when each is, and what is said of it. states: label and colour of each code, where fields
+    hold codes. hidden: where nothing is known, grey. contours: about how many lines of equal value. lit: as
+    if light fell on heights. square: whether x and y are of one
+    scale. heading: whether the title stands above each on paper. told: as of a Chart.
+    """
+
+    title: str
+    fields: Sequence[NDArray[Any]]
+    extent: Ends
+    scale: Scale = Scale()
+    labels: Sequence[str] = ()
+    notes: Sequence[str] = ()
+    states: tuple[tuple[str, str], ...] = ()
+    hidden: NDArray[Any] | None = None
+    contours: int = 0
+    outlines: Sequence[Outline] = ()
+    levels: Sequence[Level] = ()
+    lit: bool = False
+    square: bool = True
+    heading: bool = False
+    told: str = ""
+    x: str = ALONG
+    y: str = ACROSS
+
+
+@dataclass(frozen=True)
+class Bars:
+    """A bar a name, the first on top, or upright the first at the left.
+
+    ends: of an interval, (2, names). dots: second values, (names,). written: format of values over bars.
+    """
+
+    title: str
+    names: Sequence[str]
+    values: FloatArray
+    axis: Axis
+    ends: FloatArray | None = None
+    dots: FloatArray | None = None
+    colours: Sequence[str] = (SPHERE,)
+    upright: bool = False
+    written: str = ""
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A value for each pair of two keys' values, (across, down). x, y: what they are; unit: of the values."""
+
+    title: str
+    across: Sequence[str]
+    down: Sequence[str]
+    values: FloatArray
+    x: str
+    y: str
+    unit: str
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Heights [µm], (x, y), lit in shades of a colour from `low` to `high`; pale where `scar` is above 0.5.
+
+    cap: the largest circle alone is shown.
+    """
+
+    heights: FloatArray
+    colour: str
+    low: float
+    high: float
+    scar: FloatArray | None = None
+    cap: bool = False
+
+
+@dataclass(frozen=True)
+class Glass:
+    """A surface that is seen through, heights [µm] over x and y [mm], with its nearest edge drawn."""
+
+    x: FloatArray
+    y: FloatArray
+    heights: FloatArray
+    colour: str
+
+
+@dataclass(frozen=True)
+class Towers:
+    """A tower a square of `side` [mm] from `corner`, (x, y), in colours of a scale; none at zero."""
+
+    values: FloatArray
+    corner: tuple[float, float]
+    side: float
+    scale: Scale
+
+
+@dataclass(frozen=True)
+class Arrow:
+    """An arrow along x with its text, over the near edge at a height [µm]."""
+
+    start: float
+    end: float
+    height: float
+    text: str
+
+
+@dataclass(frozen=True)
+class Box:
+    """Bodies in three dimensions, true to scale in x and y [mm]. note: with a field for the exaggeration."""
+
+    title: str
+    extent: Ends
+    label: str
+    low: float
+    high: float
+    parts: Sequence[Surface | Glass | Towers | Arrow]
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """Bodies by name, heights [µm] (x, y): a page's script turns them, paper shows those worn from above."""
+
+    title: str
+    extent: Ends
+    heights: dict[str, FloatArray]
+    still: Sequence[str]
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Text:
+    """Rows of label and text, in a panel of their own."""
+
+    rows: Sequence[tuple[str, str]]
+    title: str = ""
+
+
+@dataclass(frozen=True)
+class Empty:
+    """A place without a panel."""
+
+    title: str = ""
+
+
+Panel: TypeAlias = Chart | Map | Bars | Grid | Box | Bodies | Text | Empty
+
+
+@dataclass(frozen=True)
+class Figure:
+    """Panels, row after row. columns: panels in a row, all of them by default; width, height of a row [inch].
+
+    legend: columns of one legend over all panels, 0 for none. shared: axes that panels have in common.
+    """
+
+    panels: Sequence[Panel]
+    columns: int = 0
+    legend: int = 0
+    shared: Literal["", "x", "y", "xy"] = ""
+    width: float = 0.0
+    height: float = ROW
+    more: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Section:
+    """Figures under one heading of a page by name, which share a slider where they have one.
+
+    one_legend: of the first one's lines for all. only: numbers of the panels of a figure that are shown.
+    """
+
+    title: str
+    figures: dict[str, Figure]
+    id: str = ""
+    text: str = ""
+    one_legend: bool = False
+
+
+def is_wide(*values: FloatArray, wide: float = WIDE) -> bool:
+    """Tell whether values above zero differ so much that they need a logarithmic scale."""
+    known = np.concatenate([np.ravel(v)[np.isfinite(np.ravel(v)) & (np.ravel(v) > 0.0)] for v in values])
+    return bool(known.size and known.max() >= wide * known.min())
+
+
+def scaled(axis: Axis, *values: FloatArray) -> Axis:
+    """Settle the scale of an axis that leaves it to these values, and where it begins and ends then."""
+    if axis.scale != "auto":
+        return axis
+    if is_wide(*values, wide=axis.wide):
+        return replace(axis, scale="log")
+    known = [float(np.nanmax(v)) for v in values if np.isfinite(v).any()]
+    top = 1.15 * max(known) if known and max(known) > 0.0 else None
+    return replace(axis, scale="linear", low=0.0 if axis.low is None else axis.low, high=axis.high or top)
+
+
+def over_distance(*distances: FloatArray, label: str = DISTANCE, low: float | None = None) -> Axis:
+    """Make the axis of distances slid [mm], logarithmic where steps span decades."""
+    first = min((float(d[0]) for d in distances if d.size), default=0.0)
+    last = max((float(d[-1]) for d in distances if d.size), default=0.0)
+    return Axis(label, "log" if 0.0 < WIDE_DISTANCE * first < last else "linear", low=low)
+
+
+def in_time(colour: str, count: int) -> list[Look]:
+    """Choose lines for `count` states in time: a body's colour from pale to dark, the last one solid."""
+    places = np.linspace(0.0, 1.0, count) if count > 1 else [0.5]
+    kinds: list[Dash] = [*(("dot", "dashdot", "dash")[: count - 1]), "solid"]
+    return [Look(shade(colour, float(at)), kind, 1.1) for at, kind in zip(places, kinds, strict=True)]
+
+
+def shade(colour: str, place: float) -> str:
+    """Give a shade of a colour, from a pale (0) over itself (0.5) to a dark one (1)."""
+    base = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255.0
+    dark, pale = 0.35 * base, base + 0.4 * (1.0 - base)
+    start, end, part = (pale, base, 2.0 * place) if place <= 0.5 else (base, dark, 2.0 * place - 1.0)
+    return "#" + "".join(f"{round(255.0 * v):02x}" for v in start + part * (end - start))
+
+
+def look_of_group(index: int, *, alone: bool = False) -> Look:
+    """Choose the line of a group of runs, the same in every figure. alone: its runs have one step.
+
+    Colours repeat after six groups, together with their dashes only after thirty-six.
+    """
+    dash = DASHES[(index + index // len(GROUPS)) % len(DASHES)]
+    return Look(GROUPS[index % len(GROUPS)], dash, marker="o" if alone else "", size=4.0)
+
+
+def look_of_measured(index: int) -> Look:
+    """Choose the line of a measured course, the same in every figure."""
+    return Look(GREYS[index % len(GREYS)], width=0.6, marker=MARKERS[index % len(MARKERS)], size=2.2)
+
+
+def chosen(count: int, most: int) -> list[int]:
+    """Choose at most so many of `count` numbers, the first and the last among them."""
+    return sorted({round(float(at)) for at in np.linspace(0, count - 1, min(most, count))})
+
+
+def after(distance: float) -> str:
+    """Say in words when a snapshot was taken. distance: [mm]"""
+    return f"after {distance:.4g} mm" if distance else "static contact"
+
+
+def short(value: float) -> str:
+    """Write a number as people do: 0.001, 20, 20 000, 10⁻⁵, 2·10⁶."""
+    if THOUSANDS <= abs(value) < 1e5 and value == round(value):
+        return f"{value:,.0f}".replace(",", "\u202f")  # a narrow space
+    if 1e-3 <= abs(value) < 1e5 or value == 0.0:
+        return f"{value:g}"
+    digits, _, power = f"{value:e}".partition("e")
+    raised = str(int(power)).translate(RAISED)
+    return f"10{raised}" if float(digits) == 1.0 else f"{float(digits):g}·10{raised}"
+
+
+def with_scatter(mean: float, scatter: float) -> str:
+    """Write mean ± standard deviation, to the same digit; the latter left out where it is only round-off."""
+    if not scatter > 1e-6 * mean:
+        return f"{float(f'{mean:.3g}'):g}"
+    decimals = 1 - math.floor(math.log10(scatter))
+    places = max(decimals, 0)
+    return f"{round(mean, decimals):.{places}f} ± {float(f'{scatter:.2g}'):.{places}f}"

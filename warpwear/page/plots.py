@@ -1,0 +1,187 @@
+"""Figures as what a page's script draws: numbers, words and codes of few bits, of `warpwear.figures.describe`."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from warpwear.figures.describe import (
+    HARDNESS,
+    NEUTRAL,
+    NOMINAL,
+    Axis,
+    Bars,
+    Bodies,
+    Chart,
+    Figure,
+    Grid,
+    Level,
+    Line,
+    Map,
+    chosen,
+    is_wide,
+)
+from warpwear.grid import FloatArray
+
+#: Most points of a line.
+POINTS = 1500
+#: Colours that have to stand out from a dark page as well: the script takes the text's instead.
+INKS = {HARDNESS: "ink", NEUTRAL: "ink", NOMINAL: "soft"}
+#: The colour of a state that is not drawn.
+CLEAR = "#FFFFFF"
+#: Pixels of a point of a line's width.
+PIXELS = 5.0 / 3.0
+#: How a value holds between places, as the script has it.
+SHAPES = {"": "linear", "post": "hv", "mid": "hvh"}
+
+
+@dataclass(frozen=True)
+class Coded:
+    """An array as whole numbers of few bits: value = low + step · code, of its logarithm to 10 where `log`.
+
+    codes: uint8 or uint16, 0 where there is no value.
+    """
+
+    codes: "np.ndarray[Any, Any]"
+    low: float
+    step: float
+    log: bool = False
+
+    @classmethod
+    def of(cls, values: FloatArray, low: float, high: float, *, bits: int = 8, log: bool = False) -> "Coded":
+        """Code the finite values (above zero, where `log`) between low and high; beyond these the nearest."""
+        most = 2**bits - 2
+        known = np.isfinite(values) & ((values > 0.0) | (not log))
+        filled = np.where(known, values, low)
+        if log:
+            low, high, filled = math.log10(low), math.log10(high), np.log10(filled)
+        step = (high - low) / most or 1.0
+        codes = np.where(known, 1.0 + np.clip(np.rint((filled - low) / step), 0.0, most), 0.0)
+        return cls(codes.astype(f"u{bits // 8}"), float(low - step), float(step), log)
+
+
+def plots_of(name: str, figure: Figure) -> list[dict[str, Any]]:
+    """Turn the panels of a figure into plots; `name` is that of the picture where no script draws."""
+    return [KINDS[type(panel)](panel) | {"static": name} for panel in figure.panels if type(panel) in KINDS]
+
+
+def colour_of(colour: str) -> str:
+    """Give the name of a colour that depends on the page, or the colour as it is."""
+    return INKS.get(colour, colour)
+
+
+def thinned(places: FloatArray) -> "np.ndarray[Any, Any]":
+    """Choose at most about `POINTS` of rising places: evenly in number and in the places' logarithm."""
+    count = places.size
+    if count <= POINTS:
+        return np.arange(count)
+    if not (np.diff(places) >= 0.0).all() or places[-1] <= 0.0:
+        return np.array(chosen(count, POINTS))
+    first = max(float(places[0]), 1e-6 * float(places[-1]))
+    spaced = np.searchsorted(places, np.geomspace(first, float(places[-1]), POINTS // 2))
+    evenly = np.linspace(0, count - 1, POINTS // 2).round().astype(int)
+    return np.unique(np.concatenate([evenly, np.minimum(spaced, count - 1)]))
+
+
+def _chart(chart: Chart) -> dict[str, Any]:
+    lines = [line for line in chart.lines if isinstance(line, Line) and np.isfinite(line.y).any()]
+    levels = [_across(level, lines) for level in chart.lines if isinstance(level, Level)]
+    return {
+        "kind": "chart",
+        "id": chart.title.lower(),
+        "title": chart.title,
+        "caption": chart.note.replace("\n", "; "),
+        "x": chart.x.label,
+        "y": chart.y.label,
+        "lines": [_line(line, chart.title) for line in [*lines, *levels]],
+        "log_x": _is_log(chart.x, [line.x for line in lines]),
+        "log_y": _is_log(chart.y, [line.y for line in lines]),
+        "inverted": [chart.x.inverted, chart.y.inverted],
+        "ends": [[_end(axis.low), _end(axis.high)] for axis in (chart.x, chart.y)],
+    }
+
+
+def _end(value: float | None) -> float | None:
+    return None if value is None else float(value)
+
+
+def _is_log(axis: Axis, values: list[FloatArray]) -> bool:
+    is_auto = axis.scale == "auto" and bool(values)
+    return axis.scale == "log" or (is_auto and is_wide(*values, wide=axis.wide))
+
+
+def _across(level: Level, lines: list[Line]) -> Line:
+    """Make the line through a whole chart at a level, where the lines have their places."""
+    if not lines:
+        return Line(np.zeros(0), np.zeros(0), level.label, level.look)
+    if level.axis == "y":
+        longest = max((line.x for line in lines), key=lambda places: places.size)
+        return Line(longest, np.full(longest.size, level.value), level.label, level.look)
+    ends = np.array([min(np.nanmin(v.y) for v in lines), max(np.nanmax(v.y) for v in lines)])
+    return Line(np.full(2, level.value), ends, level.label, level.look)
+
+
+def _line(line: Line, title: str) -> dict[str, Any]:
+    at, look = thinned(line.x), line.look
+    marks = "+".join(["lines"] * bool(look.dash) + ["markers"] * bool(look.marker or line.x.size == 1))
+    return {
+        "name": line.label or ("steps" if look.alpha < 1.0 else title),
+        "named": bool(line.label),
+        "colour": colour_of(look.colour),
+        "dash": look.dash or "solid",
+        "width": PIXELS * look.width,
+        "opacity": look.alpha,
+        "marks": marks or "none",
+        "shape": SHAPES[line.step],
+        **{key: None if (of := getattr(line, key)) is None else of[at] for key in ("x", "y", "low", "high")},
+    }
+
+
+def _map(field: Map) -> dict[str, Any]:
+    scale = field.scale
+    coded = [
+        Coded(values, 0.0, 1.0) if field.states else Coded.of(values, scale.low, scale.high, log=scale.log)
+        for values in field.fields
+    ]
+    return {
+        "kind": "map",
+        "id": field.title.lower(),
+        "title": field.title,
+        "caption": "",
+        "labels": [*field.labels] or [""] * len(field.fields),
+        "says": [*field.notes] or [""] * len(field.fields),
+        "extent": field.extent,
+        "fields": [vars(code) for code in coded],
+        "unit": scale.label.rpartition(", ")[2],
+        "colours": scale.colours,
+        "states": [(label, "clear" if c == CLEAR else colour_of(c)) for label, c in field.states],
+    }
+
+
+def _bodies(bodies: Bodies) -> dict[str, Any]:
+    coded = {
+        name: vars(Coded.of(heights, float(np.nanmin(heights)), float(np.nanmax(heights)), bits=16))
+        for name, heights in bodies.heights.items()
+        if np.isfinite(heights).any()
+    }
+    words = {"kind": "bodies", "id": "bodies", "title": bodies.title, "caption": bodies.note}
+    return words | {"extent": bodies.extent, "bodies": coded, "still": [*bodies.still]}
+
+
+def _bars(bars: Bars) -> dict[str, Any]:
+    words = {"kind": "bars", "id": bars.title.lower(), "title": bars.title, "caption": bars.note}
+    words |= {"names": [*bars.names], "x": bars.axis.label, "limits": (bars.axis.low, bars.axis.high)}
+    return words | {"values": bars.values, "ends": bars.ends, "dots": bars.dots}
+
+
+def _grid(grid: Grid) -> dict[str, Any]:
+    words = {"kind": "grid", "id": grid.title.lower(), "title": grid.title, "caption": grid.note}
+    words |= {"across": [*grid.across], "down": [*grid.down], "values": grid.values}
+    return words | {"x": grid.x, "y": grid.y, "unit": grid.unit}
+
+
+#: Kind of panel -> what turns it into a plot; what is none of these is on paper alone.
+KINDS: dict[type, Callable[[Any], dict[str, Any]]] = {Chart: _chart, Map: _map, Bodies: _bodies}
+KINDS |= {Bars: _bars, Grid: _grid}

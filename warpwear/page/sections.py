@@ -1,0 +1,105 @@
+"""Sections of a run's page: which figures stand under which heading, and what is said of them."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from warpwear.figures import shape
+from warpwear.figures.data import FigureData
+from warpwear.figures.describe import Figure, Section, chosen
+from warpwear.figures.table import FIGURES, Plotter
+from warpwear.page.plots import POINTS
+
+#: Most snapshots under a slider, and points along a side of a map.
+SNAPSHOTS, SIDE = 12, 500
+#: Snapshots whose maps may have the full number of points: more of them get coarser.
+FULL_MAPS = 6
+
+
+def _figures(plot: Plotter, data: FigureData, *names: str) -> dict[str, Figure]:
+    """Declare those of some figures that the run has."""
+    return {name: FIGURES[name].declare(data) for name in names if not plot.reason(name)}
+
+
+def maps(plot: Plotter, data: FigureData) -> Section:
+    """Show pressure and state of contact over more snapshots than paper holds, in the window of the scar."""
+    indices = chosen(data.result.snapshot_distances.size, SNAPSHOTS)
+    more = data.with_snapshots(indices, int(SIDE * min(1.0, math.sqrt(FULL_MAPS / max(len(indices), 1)))))
+    figures = _figures(plot, more, "pressure_map", "contact_map", "bare_map")
+    text = ""
+    if figures:
+        n = more.window.factor
+        text = "A point is a cell."
+        if n > 1:
+            text = (
+                f"A point is {n} × {n} cells and shows the largest of them, so that areas look larger than "
+                "the numbers say."
+            )
+    return Section("Contact and pressure", figures, "maps", text)
+
+
+def courses(plot: Plotter, data: FigureData) -> Section:
+    """Show everything that has one value a step."""
+    figures = _figures(plot, data, "areas", "cof", "pressure", "volumes", "bare_fraction")
+    text = "Move over a chart to read its values."
+    if data.steps > POINTS:
+        text += f" Of {data.steps} steps about {POINTS} are shown, as they are; history.csv has all."
+    return Section("Courses", figures, "courses", text)
+
+
+def pieces(plot: Plotter, data: FigureData) -> Section:
+    """Show how many pieces have left each body in a distance, and how wide they were."""
+    figures = _figures(plot, data, "pieces")
+    texts = []
+    for body in data.pieces.cut if figures else ():
+        cut, name = 1e3 * data.pieces.cut[body], data.about.name_of(body)
+        text = f"{data.history[f'pieces_{body}'].sum():.0f} off the {name}"
+        texts.append(f"{text}, {np.median(cut):.3g} µm wide in the median" if cut.size else text)
+    text = "; ".join(texts) + ". Those of a disc are counted on its whole stroke, of which a track may stand for a part."
+    return Section("Pieces that have left", figures, "pieces", text)
+
+
+def profiles(plot: Plotter, data: FigureData) -> Section:
+    """Show both bodies before and after, in contact, through the middle."""
+    text = (
+        "Through the middle, at the end, in contact, without elastic deformation: where the bodies overlap, "
+        "they are pressed in. Unworn: without the wear of the run."
+    )
+    return Section("The scar in section", _figures(plot, data, "profiles"), "profiles", text)
+
+
+def roughness(plot: Plotter, data: FigureData) -> Section:
+    """Show the disc's height parameters in the scar, or in the groove of a track."""
+    place, name = ("groove", "track_roughness") if data.study.is_swept else ("scar", "roughness")
+    text = f"Height parameters (ISO 25178-2) of the disc in the middle of the {place}, its form taken off."
+    return Section(f"Roughness in the {place}", _figures(plot, data, name), "roughness", text)
+
+
+def groove(plot: Plotter, data: FigureData) -> Section:
+    """Show the groove's cross-section at the snapshots, and its depth along the track."""
+    return Section("The groove", _figures(plot, data, "groove"), "groove")
+
+
+def loads(plot: Plotter, data: FigureData) -> Section:
+    """Show loads of the patches over their area, beside those of a smooth contact."""
+    return Section("Load shares of the patches", _figures(plot, data, "load_share"), "loads")
+
+
+def bodies(plot: Plotter, data: FigureData) -> Section:
+    """Show both bodies at the end and before, to turn by hand."""
+    figures = {} if plot.reason("setup") else {"bodies": shape.turned_bodies(data)}
+    return Section("The bodies in 3-D", figures, "bodies-3d")
+
+
+#: What makes each section of a run's page, in the page's order.
+SECTIONS: tuple[Callable[[Plotter, FigureData], Section], ...] = (
+    maps,
+    courses,
+    pieces,
+    profiles,
+    roughness,
+    groove,
+    loads,
+    bodies,
+)
