@@ -71,7 +71,7 @@ class FigureData:
         self.study = result.study
         self.history: dict[str, FloatArray] = dict(result.history)
         count = result.snapshot_distances.size
-        self.shown = chosen(count, SHOWN) if snapshots is None else [*snapshots]
+        self.indices = chosen(count, SHOWN) if snapshots is None else [*snapshots]
         self.blocks = blocks
         self._read: tuple[int, Snapshot] | None = None
 
@@ -84,7 +84,11 @@ class FigureData:
 
     def with_snapshots(self, snapshots: Sequence[int], blocks: int) -> "FigureData":
         """Look at more of the same result's snapshots, in at most so many blocks along a side."""
-        return self if [*snapshots] == self.shown and blocks == self.blocks else FigureData(self.result, snapshots, blocks=blocks)
+        return (
+            self
+            if [*snapshots] == self.indices and blocks == self.blocks
+            else FigureData(self.result, snapshots, blocks=blocks)
+        )
 
     @cached_property
     def about(self) -> About:
@@ -120,7 +124,7 @@ class FigureData:
     @cached_property
     def distances(self) -> list[float]:
         """Distances of the snapshots shown [mm]."""
-        return [float(self.result.snapshot_distances[index]) for index in self.shown]
+        return [float(self.result.snapshot_distances[index]) for index in self.indices]
 
     def snapshot(self, index: int) -> Snapshot:
         """Return snapshot number `index`, from 0; the one asked for last is at hand."""
@@ -132,7 +136,7 @@ class FigureData:
     @cached_property
     def views(self) -> list[View]:
         """The contact at the snapshots shown, in order of distance."""
-        return [self.view(index) for index in reversed(self.shown)][::-1]  # the last has set the window
+        return [self.view(index) for index in reversed(self.indices)][::-1]  # the last has set the window
 
     def view(self, index: int) -> View:
         """Return the contact at snapshot number `index`."""
@@ -169,7 +173,7 @@ class FigureData:
     @cached_property
     def bodies(self) -> list[Bodies]:
         """Both bodies at the snapshots shown, in order of distance."""
-        return [self.bodies_at(index) for index in reversed(self.shown)][::-1]
+        return [self.bodies_at(index) for index in reversed(self.indices)][::-1]
 
     def bodies_at(self, index: int, *, most: int = 0) -> Bodies:
         """Return both bodies at snapshot number `index`, in at most `most` blocks along a side."""
@@ -228,7 +232,7 @@ class FigureData:
     def spectra(self) -> dict[str, list[tuple[float, Spectrum]]]:
         """Distance [mm] and power spectrum in the inner scar of the snapshots shown, by body."""
         found: dict[str, list[tuple[float, Spectrum]]] = {body: [] for body in BODIES}
-        for index in self.shown:
+        for index in self.indices:
             snapshot = self.snapshot(index)
             for body in BODIES:
                 spectrum = spectrum_in_scar(self.result, index, snapshot, body)
@@ -249,7 +253,7 @@ class FigureData:
     def grooves(self) -> list[SimpleNamespace]:
         """The groove of a track at the snapshots shown, see `warpwear.results.track.Groove`."""
         found, derived = (
-            (groove(self.result, index) for index in self.shown),
+            (groove(self.result, index) for index in self.indices),
             ("depth", "width", "mean_depth"),
         )
         return [SimpleNamespace(**vars(g), **{name: getattr(g, name) for name in derived}) for g in found]
@@ -257,12 +261,12 @@ class FigureData:
     @cached_property
     def depth_along(self) -> tuple[FloatArray, FloatArray]:
         """Places along a track and the groove's depth there at the end [mm]."""
-        return depth_along(self.result, self.shown[-1], TRACK_BINS)
+        return depth_along(self.result, self.indices[-1], TRACK_BINS)
 
     @cached_property
     def track(self) -> Any:
         """The whole track at the end, see `warpwear.results.track.Blocks`."""
-        return SimpleNamespace(**vars(blocks(self.result, self.shown[-1], TRACK_BLOCKS)))
+        return SimpleNamespace(**vars(blocks(self.result, self.indices[-1], TRACK_BLOCKS)))
 
     @cached_property
     def track_roughness(self) -> dict[str, FloatArray]:
@@ -284,7 +288,7 @@ class FigureData:
         """The pressure along the middle at the first and the last snapshot [MPa], and its median at last."""
         result, row = self.result, self.result.y.size // 2
         lines = []
-        for index in (self.shown[0], self.shown[-1]):
+        for index in (self.indices[0], self.indices[-1]):
             snapshot = self.snapshot(index)
             lines.append((snapshot.distance, np.array(snapshot.pressure[:, row])))
         median = float(np.median(snapshot.pressure[snapshot.pressure > 0.0]))
@@ -313,7 +317,7 @@ class FigureData:
         places, cell = self.result.x, self.study.grid.cell
         if self.study.sphere.curvature == 0.0:
             return float(places[-1]) + 0.5 * cell
-        touched = self.snapshot(self.shown[-1]).touched
+        touched = self.snapshot(self.indices[-1]).touched
         reach = max(float(np.abs(places[touched.any(axis=axis)]).max()) for axis in (0, 1))
         return min(MARGIN * reach + cell, float(places[-1]))
 

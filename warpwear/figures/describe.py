@@ -122,8 +122,8 @@ class Axis:
 class Chart:
     """Lines over one axis. title: its heading on a page; note: said above it on paper, and below it there.
 
-    told: what is said instead of the note of a panel whose place is known, with a field for how many times
-    larger `told_unit` of y is drawn than one of x.
+    stretch_note: what is said instead of the note of a panel whose place is known, with a field for how many times
+    larger `stretch_factor` of y is drawn than one of x.
     """
 
     title: str
@@ -131,8 +131,8 @@ class Chart:
     y: Axis
     lines: Sequence[Line | Level | Cloud]
     note: str = ""
-    told: str = ""
-    told_unit: float = 1.0
+    stretch_note: str = ""
+    stretch_factor: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -163,7 +163,7 @@ class Map:
     labels, notes: when each is, and what is said of it. states: label and colour of each code, where fields
     hold codes. hidden: where nothing is known, grey. contours: about how many lines of equal value. lit: as
     if light fell on heights. square: whether x and y are of one
-    scale. heading: whether the title stands above each on paper. told: as of a Chart.
+    scale. heading: whether the title stands above each on paper. stretch_note: as of a Chart.
     """
 
     title: str
@@ -180,7 +180,7 @@ class Map:
     lit: bool = False
     square: bool = True
     heading: bool = False
-    told: str = ""
+    stretch_note: str = ""
     x: str = ALONG
     y: str = ACROSS
 

@@ -79,7 +79,9 @@ def pressure_map(data: FigureData) -> Figure:
     return _of_views(data, "Pressure in contact", [*map(positive, fields)], notes, scale=scale)
 
 
-def _of_views(data: FigureData, title: str, fields: Sequence[Any], notes: Sequence[str], **more: Any) -> Figure:
+def _of_views(
+    data: FigureData, title: str, fields: Sequence[Any], notes: Sequence[str], **more: Any
+) -> Figure:
     labels = [after(view.distance) for view in data.views]
     shown = Map(title, fields, data.window.extent, labels=labels, notes=notes, **more)
     return Figure([shown], legend=4 if len(fields) > 1 else 2)
@@ -87,7 +89,7 @@ def _of_views(data: FigureData, title: str, fields: Sequence[Any], notes: Sequen
 
 def pressure_3d(data: FigureData) -> Figure:
     """Load over area on coarse squares at the first and the last snapshot, as towers."""
-    indices = sorted({data.shown[0], data.shown[-1]})
+    indices = sorted({data.indices[0], data.indices[-1]})
     fields = [coarsen(data.window.means(data.snapshot(index).pressure), TOWERS) for index in indices]
     # The axes differ, as the pressures do; the colours are of one scale.
     means = [float(field[field > 0.0].mean()) for field, _ in fields]
@@ -202,7 +204,7 @@ def patch_zoom(data: FigureData) -> Figure:
     """
     patches, window = data.study.patch_layout, data.loads.window
     maps = []
-    for index in data.shown[:ZOOMED]:
+    for index in data.indices[:ZOOMED]:
         snapshot = data.snapshot(index)
         share = data.result.load_share[data.row_of(snapshot.distance)]
         half = int(np.where(share > 0.0, np.abs(share - 0.5 * share.max()), np.inf).argmin())

@@ -9,17 +9,27 @@ from typing import Any
 
 import numpy as np
 from matplotlib.animation import FFMpegWriter, PillowWriter
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from warpwear.errors import OVERWRITE_IT, InputError
-from warpwear.figures import style as fs
-from warpwear.figures.axes import draw_map
+from warpwear.figures import style
 from warpwear.figures.data import FigureData
+from warpwear.figures.describe import (
+    NEUTRAL,
+    SPHERE,
+    Axis,
+    Chart,
+    Figure,
+    Level,
+    Line,
+    Look,
+    Map,
+    Scale,
+    after,
+    with_scatter,
+)
 from warpwear.figures.fields import pressure_scale
-from warpwear.figures.view import View, positive
+from warpwear.figures.paint import paint
+from warpwear.figures.view import positive
 from warpwear.grid import FloatArray
 from warpwear.results.file import ResultFile
 from warpwear.results.track import blocks
@@ -50,13 +60,12 @@ def animate(
     path = _check(result, out, frames_per_second=frames_per_second, overwrite=overwrite)
     partial = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
     try:
-        with fs.style():
-            film = _Film(result)
-            writer = WRITERS[path.suffix.lower()](fps=frames_per_second)
-            with writer.saving(film.figure, str(partial), DPI):
-                for index in range(result.snapshot_distances.size):
-                    film.show(index)
-                    writer.grab_frame()
+        film = _Film(result)
+        writer = WRITERS[path.suffix.lower()](fps=frames_per_second)
+        with style.style(), writer.saving(paint(film.frame(0)), str(partial), DPI):
+            for index in range(result.snapshot_distances.size):
+                writer.fig = paint(film.frame(index))
+                writer.grab_frame()
         partial.replace(path)
     except OSError as error:
         raise InputError(f"out = {path} cannot be written: {error.strerror or error}") from error
@@ -96,70 +105,60 @@ def _check(result: ResultFile, out: str | Path | None, *, frames_per_second: flo
 
 
 class _Film:
-    """The figure whose contents change from frame to frame; scales stay."""
+    """Declares the frames of a film, whose scales stay."""
 
     def __init__(self, result: ResultFile) -> None:
-        self._data = FigureData(result)
-        self._rows = [self._data.row_of(distance) for distance in result.snapshot_distances]
-        self.figure = Figure(figsize=SIZE, layout="constrained")
-        FigureCanvasAgg(self.figure)
-        self._disc_axes, self._pressure_axes, friction = self.figure.subplots(1, 3)
-        window, means = self._data.window_of(BLOCKS), self._data.history["pressure_mean"][self._rows]
-        disc = np.stack([self._disc_at(index) for index in (0, len(self._rows) - 1)])
-        ends: dict[str, Any] = {"low": float(np.nanmin(disc)), "high": float(np.nanmax(disc))}
+        self._data = data = FigureData(result, range(result.snapshot_distances.size), blocks=BLOCKS)
+        self._swept, ends = result.study.is_swept, (0, result.snapshot_distances.size - 1)
+        means = [float(data.history["pressure_mean"][data.row_of(at)]) for at in data.distances]
+        pressures = [data.view(index).pressure for index in ends]
+        self._pressure = pressure_scale(pressures, means, "pressure, MPa")
+        disc = np.stack([self._disc_at(index) for index in ends])
         label = "height of the disc, µm"
-        self._disc = draw_map(self._disc_axes, disc[0], window, fs.HEIGHTS, label, **ends)
-        self._apex = None
-        if result.study.is_swept:  # the whole track, as wide as the panel
-            self._disc.set_extent(blocks(result, 0, BLOCKS).extent)
-            self._disc_axes.set_aspect("auto")
-            self._disc_axes.set_xlabel("along the track, x, mm (line: the sphere)")
-            self._apex = self._disc_axes.axvline(0.0, color=fs.SPHERE, lw=1.2)
-        seen = [self._read(index).pressure for index in (0, len(self._rows) - 1)]
-        first, norm = positive(seen[0]), pressure_scale(seen, [float(mean) for mean in means])
-        self._pressure = draw_map(
-            self._pressure_axes, first, window, fs.PRESSURES, "pressure, MPa", norm=norm
-        )
-        if result.study.is_swept:
-            self._pressure_axes.set_xlabel("along sliding, from the sphere's apex, mm")
-        self._line, self._point = self._course(friction)
+        self._height = Scale(label, float(np.nanmin(disc)), float(np.nanmax(disc)), colours="heights")
+        self._is_friction = bool(np.isfinite(data.course["cof"]).any())
 
-    def show(self, index: int) -> None:
-        """Draw snapshot number `index`."""
-        view = self._read(index)
-        self._disc.set_data(self._disc_at(index).T)
-        self._pressure.set_data(positive(view.pressure).T)
-        history = self._data.history
-        self._disc_axes.set_title(f"{'track' if self._apex else 'disc'} {fs.after(view.distance)}")
-        if self._apex is not None:
-            self._apex.set_xdata([history["position"][view.row]] * 2)
-        told = fs.with_scatter(*(float(history[f"pressure_{name}"][view.row]) for name in ("mean", "std")))
-        self._pressure_axes.set_title(f"{told} MPa in contact")
-        course = self._data.course["distance"]
-        so_far = slice(0, max(int(np.searchsorted(course, view.distance, side="right")), 1))
-        self._line.set_data(course[so_far], self._values[so_far])
-        self._point.set_data(course[so_far][-1:], self._values[so_far][-1:])
+    def frame(self, index: int) -> Figure:
+        """Declare the frame of snapshot number `index`."""
+        data, window = self._data, self._data.window
+        view = data.view(index)
+        when, position = after(view.distance), [Level(self._position(view.row), look=Look(SPHERE), axis="x")]
+        if self._swept:  # the whole track, as wide as the panel
+            extent, label = (
+                blocks(data.result, index, BLOCKS).extent,
+                "along the track, x, mm (line: the sphere)",
+            )
+            more: dict[str, Any] = {"square": False, "levels": position, "x": label}
+            near: dict[str, Any] = {"x": "along sliding, from the sphere's apex, mm"}
+        else:
+            extent, more, near = window.extent, {}, {}
+        disc = f"{'track' if self._swept else 'disc'} {when}"
+        mean, deviation = (float(data.history[f"pressure_{name}"][view.row]) for name in ("mean", "std"))
+        contact = f"{with_scatter(mean, deviation)} MPa in contact"
+        panels = [
+            Map(disc, [self._disc_at(index)], extent, self._height, [disc], **more),
+            Map(contact, [positive(view.pressure)], window.extent, self._pressure, [contact], **near),
+            self._course(view.distance),
+        ]
+        return Figure(panels, width=SIZE[0], height=SIZE[1])
+
+    def _position(self, row: int) -> float:
+        return float(self._data.history["position"][row]) if self._swept else 0.0
 
     def _disc_at(self, index: int) -> FloatArray:
         """Return heights of the disc [µm]: under the sphere, or of the whole track that it slides over."""
-        result = self._data.result
-        if result.study.is_swept:
-            return 1e3 * blocks(result, index, BLOCKS).heights
-        return np.asarray(1e3 * self._data.bodies_at(index, most=BLOCKS).disc)
+        if self._swept:
+            return 1e3 * blocks(self._data.result, index, BLOCKS).heights
+        return np.asarray(1e3 * self._data.bodies_at(index).disc)
 
-    def _read(self, index: int) -> View:
-        return self._data.view(index, most=BLOCKS)
-
-    def _course(self, axes: Axes) -> Any:
-        """Draw the third panel's line up to now and its end, of the area where there is no friction."""
-        history = self._data.course
-        known = bool(np.isfinite(history["cof"]).any())
-        self._values = history["cof" if known else "area_contact"]
-        axes.set_ylabel("coefficient of friction, –" if known else "area in contact, mm²")
-        axes.set_xlabel("sliding distance, mm")
-        axes.set_xlim(0.0, 1.03 * float(history["distance"][-1]))
-        axes.set_ylim(0.0, 1.05 * float(np.nanmax(self._values)))
-        axes.xaxis.set_major_locator(MaxNLocator(5))
-        (line,) = axes.plot([], [], color=fs.NEUTRAL)
-        (point,) = axes.plot([], [], "o", color=fs.NEUTRAL, ms=4, clip_on=False)
-        return line, point
+    def _course(self, slid: float) -> Chart:
+        """Declare the course up to a distance and its end, of the area where there is no friction."""
+        course = self._data.course
+        values = course["cof" if self._is_friction else "area_contact"]
+        label = "coefficient of friction, –" if self._is_friction else "area in contact, mm²"
+        count = max(int(np.searchsorted(course["distance"], slid, side="right")), 1)
+        x, y = course["distance"][:count], values[:count]
+        dot = Line(x[-1:], y[-1:], look=Look(NEUTRAL, "", marker="o", size=4.0), clipped=False)
+        distance = Axis("sliding distance, mm", low=0.0, high=1.03 * float(course["distance"][-1]), ticks=5)
+        value = Axis(label, low=0.0, high=1.05 * float(np.nanmax(values)))
+        return Chart(label, distance, value, [Line(x, y), dot])

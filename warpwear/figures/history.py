@@ -4,7 +4,6 @@ Where a sphere slides over a track, steps that are cut short are not drawn, exce
 the means of many passes are drawn over their steps, which vary along the track.
 """
 
-
 import numpy as np
 
 from warpwear.figures.data import FigureData

@@ -13,7 +13,19 @@ from matplotlib.patches import Ellipse, Patch, Rectangle
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from warpwear.figures import describe, style
-from warpwear.figures.describe import Bodies, Chart, Cloud, Empty, Figure, Level, Line, Look, Map, Panel, Scale
+from warpwear.figures.describe import (
+    Bodies,
+    Chart,
+    Cloud,
+    Empty,
+    Figure,
+    Level,
+    Line,
+    Look,
+    Map,
+    Panel,
+    Scale,
+)
 from warpwear.figures.paint_others import PAINT_3D, PAINT_OTHERS
 
 #: Kinds of line as Matplotlib has them.
@@ -68,7 +80,9 @@ def paint(figure: Figure) -> sheets.Figure:
         handles = labels or _handles(grid.ravel())
         beside = legend_columns([*handles], figure.legend or len(handles), width)
         if handles and (figure.legend or labels):
-            sheet.legend([*handles.values()], [*handles], loc="outside upper center", ncols=beside, borderaxespad=0.1)
+            sheet.legend(
+                [*handles.values()], [*handles], loc="outside upper center", ncols=beside, borderaxespad=0.1
+            )
         legend = LEGEND_ROW * -(-len(handles) // beside) if figure.legend or labels else 0.0
         if cells and all(isinstance(cell, Map) and cell.square for cell in cells):
             sheet.set_figheight(_height(cells, rows, columns, width) + legend)
@@ -102,9 +116,16 @@ def named(chart: Chart, label: str | None) -> Chart:
         return chart
     lines = list(chart.lines)
     if any(getattr(line, "label", "") for line in lines):
-        lines = [replace(line, label=f"{label}: {line.label}") if getattr(line, "label", "") else line for line in lines]
+        lines = [
+            replace(line, label=f"{label}: {line.label}") if getattr(line, "label", "") else line
+            for line in lines
+        ]
     elif lines:
-        plain = [i for i, line in enumerate(lines) if isinstance(line, Line) and line.look.alpha == 1.0 and line.x.size > 1]
+        plain = [
+            i
+            for i, line in enumerate(lines)
+            if isinstance(line, Line) and line.look.alpha == 1.0 and line.x.size > 1
+        ]
         last = (plain or [len(lines) - 1])[-1]
         lines[last] = replace(lines[last], label=label)
     return replace(chart, lines=lines)
@@ -136,7 +157,9 @@ def _over(axes: Axes, chart: Chart, color: Any) -> None:
 
 def _in_unit_of(axes: Axes, chart: Chart) -> Chart:
     """Give times of a chart the unit of time that stands at the axis already."""
-    (what, _, unit), (there, _, held) = (label.rpartition(", ") for label in (chart.x.label, axes.get_xlabel()))
+    (what, _, unit), (there, _, held) = (
+        label.rpartition(", ") for label in (chart.x.label, axes.get_xlabel())
+    )
     if what != there or unit == held or unit not in SECONDS:
         return chart
     factor = SECONDS[unit] / SECONDS[held]
@@ -154,7 +177,7 @@ def paint_chart(axes: Axes, chart: Chart) -> None:
         if getattr(axes, f"get_{which}scale")() == "log" and axis.scale == "auto":
             axis = replace(axis, scale="log")
         set_axis(axes, which, describe.scaled(axis, *values))
-    axes.set_title(chart.note or (" " if chart.told else ""))
+    axes.set_title(chart.note or (" " if chart.stretch_note else ""))
 
 
 def set_axis(axes: Axes, which: str, axis: describe.Axis) -> None:
@@ -264,14 +287,21 @@ def paint_map(axes: Axes, field: Map) -> Any:
         _contours(axes, field)
     for outline in field.outlines:
         x0, x1, y0, y1 = outline.ends
-        line: Any = {"fill": False, "ec": outline.look.colour, "lw": outline.look.width, "ls": DASHES[outline.look.dash]}
+        line: Any = {
+            "fill": False,
+            "ec": outline.look.colour,
+            "lw": outline.look.width,
+            "ls": DASHES[outline.look.dash],
+        }
         middle = (0.5 * (x0 + x1), 0.5 * (y0 + y1))
         round_one = Ellipse(middle, x1 - x0, y1 - y0, **line)
         axes.add_patch(round_one if outline.round else Rectangle((x0, y0), x1 - x0, y1 - y0, **line))
     for level in field.levels:
         _level(axes, level)
     axes.set(xlabel=field.x, ylabel=field.y)
-    axes.set_title("\n".join(filter(None, [*field.labels, *field.notes])) or (" " if field.told else ""))
+    axes.set_title(
+        "\n".join(filter(None, [*field.labels, *field.notes])) or (" " if field.stretch_note else "")
+    )
     for axis, most in ((axes.xaxis, 4 if field.square else 8), (axes.yaxis, 4)):
         axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 5, 10]))
     if not field.square:
@@ -282,7 +312,9 @@ def paint_map(axes: Axes, field: Map) -> Any:
 def _colours(field: Map) -> tuple[Any, Normalize]:
     """Choose colours and scale of a map."""
     if field.states:
-        return ListedColormap([colour for _, colour in field.states]), Normalize(-0.5, len(field.states) - 0.5)
+        return ListedColormap([colour for _, colour in field.states]), Normalize(
+            -0.5, len(field.states) - 0.5
+        )
     scale = field.scale
     return style.COLOURS[scale.colours], (LogNorm if scale.log else Normalize)(scale.low, scale.high)
 
@@ -354,7 +386,15 @@ def _bars(sheet: Any, grid: Any, cells: Sequence[Panel]) -> None:
     scaled = [(axes, cell) for axes, cell in maps if not cell.states]
     one = len({cell.scale for _, cell in scaled}) == 1 and len(scaled) == len(cells) > 1
     if one:
-        bar = sheet.colorbar(scaled[0][0].images[-1], ax=grid.ravel().tolist(), aspect=30, shrink=0.85, pad=0.015, fraction=0.05, extend=scaled[0][1].scale.beyond)
+        bar = sheet.colorbar(
+            scaled[0][0].images[-1],
+            ax=grid.ravel().tolist(),
+            aspect=30,
+            shrink=0.85,
+            pad=0.015,
+            fraction=0.05,
+            extend=scaled[0][1].scale.beyond,
+        )
         _number_bar(bar, scaled[0][1].scale)
     for axes, cell in maps:
         if not one and not cell.states and cell.scale.label:
@@ -424,13 +464,17 @@ def _height(cells: Sequence[Any], rows: int, columns: int, width: float) -> floa
 
 def _tell_scales(sheet: Any, grid: Any, cells: Sequence[Panel]) -> None:
     """Say above panels how many times larger y is drawn than x, once they have their places."""
-    told = [(axes, cell) for axes, cell in zip(grid.ravel(), cells, strict=False) if getattr(cell, "told", "")]
-    if told:
+    stretch_note = [
+        (axes, cell)
+        for axes, cell in zip(grid.ravel(), cells, strict=False)
+        if getattr(cell, "stretch_note", "")
+    ]
+    if stretch_note:
         sheet.get_layout_engine().execute(sheet)
         sheet.set_layout_engine("none")
-    for axes, cell in told:
-        unit = cell.told_unit if isinstance(cell, Chart) else 1.0
-        axes.set_title(cell.told.format(describe.short(float(f"{unit * stretch(axes):.2g}"))))
+    for axes, cell in stretch_note:
+        unit = cell.stretch_factor if isinstance(cell, Chart) else 1.0
+        axes.set_title(cell.stretch_note.format(describe.short(float(f"{unit * stretch(axes):.2g}"))))
 
 
 def stretch(panel: Axes) -> float:

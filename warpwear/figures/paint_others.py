@@ -133,7 +133,9 @@ def _lit(surface: Surface, step: float) -> FloatArray:
     heights, low, high = surface.heights, surface.low, surface.high
     flat = high - low <= FLAT
     level = np.full(heights.shape, 0.7) if flat else np.nan_to_num((heights - low) / (high - low))
-    colours = LinearSegmentedColormap.from_list("shades", [describe.shade(surface.colour, at) for at in (0.0, 0.5, 1.0)])
+    colours = LinearSegmentedColormap.from_list(
+        "shades", [describe.shade(surface.colour, at) for at in (0.0, 0.5, 1.0)]
+    )
     shades = colours(1.0 - 0.8 * level)
     relief = np.zeros_like(heights) if flat else 1e-3 * np.nan_to_num(heights)
     light = LIGHT.hillshade(relief, vert_exag=3.0, dx=step, dy=step)
@@ -191,8 +193,13 @@ def paint_text(axes: Axes, text: Text) -> None:
     for label, words in text.rows:
         for number, line in enumerate(textwrap.wrap(words, LINE)):
             down -= HIGH
-            for place, words_here, colour in ((0.0, "" if number else label, describe.NEUTRAL), (INDENT, line, "black")):
-                written = axes.text(place, down, words_here, color=colour, fontsize=7, transform=axes.transAxes)
+            for place, words_here, colour in (
+                (0.0, "" if number else label, describe.NEUTRAL),
+                (INDENT, line, "black"),
+            ):
+                written = axes.text(
+                    place, down, words_here, color=colour, fontsize=7, transform=axes.transAxes
+                )
                 written.set_in_layout(False)
 
 

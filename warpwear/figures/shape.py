@@ -81,7 +81,9 @@ def wear_map(data: FigureData) -> Figure:
     for body, depth in depths.items():
         high = deepest[body] if unlike else max(deepest.values())
         scale, name = Scale("wear depth, µm", 0.0, high or 1.0, colours="depths"), data.about.name_of(body)
-        maps.append(Map(f"Wear of the {name}", [positive(depth)], data.window.extent, scale, [f"{name} {when}{own}"]))
+        maps.append(
+            Map(f"Wear of the {name}", [positive(depth)], data.window.extent, scale, [f"{name} {when}{own}"])
+        )
     return Figure(maps)
 
 
@@ -185,7 +187,9 @@ def _profiles(data: FigureData, body: str) -> Figure:
 
 def _section(title: str, label: str, heights: Axis, lines: list[Line], before: list[Chart]) -> Chart:
     """Make a section along or across sliding; the first one says how much larger heights are drawn."""
-    return Chart(title, Axis(label), heights, lines, told="" if before else LARGER, told_unit=1e3)
+    return Chart(
+        title, Axis(label), heights, lines, stretch_note="" if before else LARGER, stretch_factor=1e3
+    )
 
 
 def profiles(data: FigureData) -> Figure:
@@ -222,7 +226,7 @@ def _seen(cut: Profile, approach: float) -> tuple[float, float]:
 
 def turned_bodies(data: FigureData) -> Figure:
     """Both bodies at the end and before, which a page's reader turns by hand."""
-    last, window = data.bodies_at(data.shown[-1], most=TURNED), data.window_of(TURNED)
+    last, window = data.bodies_at(data.indices[-1], most=TURNED), data.window_of(TURNED)
     slider, side = data.about.slider, 1e3 * window.factor * data.about.cell
     heights = {
         "disc, worn": last.disc,

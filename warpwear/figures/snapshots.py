@@ -108,9 +108,11 @@ def islands(data: FigureData) -> Figure:
     table, areas = evolution.table, evolution.island_areas
     number = [
         Line(table["distance"], table["islands"], "islands, all", Look(CONTACT, marker="o")),
-        Line(table["distance"], table["islands_of_one_cell"], "of one cell", Look(HARDNESS, "dot", marker="x")),
+        Line(
+            table["distance"], table["islands_of_one_cell"], "of one cell", Look(HARDNESS, "dot", marker="x")
+        ),
     ]
-    indices = [index for index in data.shown if areas[index].size]
+    indices = [index for index in data.indices if areas[index].size]
     sizes = []
     for index, look in zip(indices, in_time(CONTACT, len(indices)), strict=True):
         falling = np.sort(areas[index])[::-1]
@@ -136,7 +138,7 @@ def junctions(data: FigureData) -> Figure:
     neither.
     """
     evolution, critical = data.evolution, data.study.critical_diameter
-    indices = [index for index in data.shown if evolution.island_areas[index].size]
+    indices = [index for index in data.indices if evolution.island_areas[index].size]
     lines: list[Line | Level] = []
     for index, look in zip(indices, in_time(CONTACT, len(indices)), strict=True):
         areas = np.sort(evolution.island_areas[index])

@@ -50,11 +50,15 @@ FIGURES: dict[str, Entry] = {
         shape.setup,
         "The {slider} on the unworn disc at first contact, its near half cut away; heights are "
         "exaggerated as the figure says.",
-        _FIELD, essential=True),
+        _FIELD,
+        essential=True,
+    ),
     "cof": Entry(
         history.cof,
         "Coefficient of friction over the sliding distance. {friction}{passes}",
-        (words.NO_COURSE, words.NO_COF), essential=True),
+        (words.NO_COURSE, words.NO_COF),
+        essential=True,
+    ),
     "cof_time": Entry(
         history.cof_time,
         "Coefficient of friction over the sliding time. {friction}",
@@ -64,7 +68,9 @@ FIGURES: dict[str, Entry] = {
         history.areas,
         "Real areas of contact and the nominal area of the scar, its ellipse, over the sliding "
         "distance.{passes}",
-        (words.NO_COURSE,), essential=True),
+        (words.NO_COURSE,),
+        essential=True,
+    ),
     "pressure": Entry(
         history.pressure,
         "Mean and largest pressure of the cells in contact over the sliding distance.{fall}{passes}",
@@ -79,12 +85,16 @@ FIGURES: dict[str, Entry] = {
     "volumes": Entry(
         history.volumes,
         "Worn volume and depth of the deepest cell of {slider} and disc over the sliding distance.",
-        (words.NO_COURSE, words.UNWORN), essential=True),
+        (words.NO_COURSE, words.UNWORN),
+        essential=True,
+    ),
     "pressure_map": Entry(
         fields.pressure_map,
         "Pressure of the cells in contact {shown}, all on one scale; above each its mean and standard "
         "deviation over these cells.{blocks}",
-        _FIELD, essential=True),
+        _FIELD,
+        essential=True,
+    ),
     "pressure_3d": Entry(
         fields.pressure_3d,
         "Load over area of coarse squares, cells without contact included, at the first and the last "
@@ -98,16 +108,24 @@ FIGURES: dict[str, Entry] = {
         _FIELD,
     ),
     "contact_map": Entry(
-        fields.contact_map, "State of the cells {shown}; above each the area in contact.{blocks}", _FIELD, essential=True),
+        fields.contact_map,
+        "State of the cells {shown}; above each the area in contact.{blocks}",
+        _FIELD,
+        essential=True,
+    ),
     "bare_map": Entry(
         fields.bare_map,
         "Where the film is gone {shown}; above each the bare part of the area in contact.{blocks}",
-        (words.NO_FILM, *_FIELD), essential=True),
+        (words.NO_FILM, *_FIELD),
+        essential=True,
+    ),
     "bare_fraction": Entry(
         history.bare_fraction,
         "Part of the area in contact that is bare of film over the sliding distance, and its fitted "
         "course.{passes}",
-        (words.NO_FILM, words.NO_COURSE), essential=True),
+        (words.NO_FILM, words.NO_COURSE),
+        essential=True,
+    ),
     "wear_map": Entry(
         shape.wear_map, "Wear depth of {slider} and disc {end}.", (words.TRACK, *_FIELD, words.UNWORN)
     ),
@@ -133,12 +151,16 @@ FIGURES: dict[str, Entry] = {
     "profiles": Entry(
         shape.profiles,
         "Sections of both bodies through the middle in contact {end}, and without their wear.",
-        _FIELD, essential=True),
+        _FIELD,
+        essential=True,
+    ),
     "roughness": Entry(
         snapshots.roughness,
         "Height parameters (ISO 25178-2) of the disc in the middle of the scar, its bowl taken off, over "
         "the sliding distance.",
-        _ROUGHNESS, essential=True),
+        _ROUGHNESS,
+        essential=True,
+    ),
     "texture": Entry(
         snapshots.texture,
         "Root mean square height Sq and gradient Sdq of both bodies in the inner scar over the sliding "
@@ -164,8 +186,12 @@ FIGURES: dict[str, Entry] = {
     "pieces": Entry(
         history.pieces,
         "Diameters of the pieces as they were cut, and how many left {slider} and disc per distance slid.",
-        (words.NO_PIECES,), essential=True),
-    "load_share": Entry(fields.load_share, "Load of each patch over its area {shown}{smooth}.", _PATCHES, essential=True),
+        (words.NO_PIECES,),
+        essential=True,
+    ),
+    "load_share": Entry(
+        fields.load_share, "Load of each patch over its area {shown}{smooth}.", _PATCHES, essential=True
+    ),
     "patch_zoom": Entry(
         fields.patch_zoom,
         "From the load of the patches to the pressure of the cells of one that carries half of the most.",
@@ -175,7 +201,9 @@ FIGURES: dict[str, Entry] = {
         fields.hertz,
         "Pressure along sliding through the middle at the first and the last distance kept, beside "
         "Hertz's of the unworn bodies.",
-        (words.ROUGH, words.NO_HERTZ, words.NO_SNAPSHOT), essential=True),
+        (words.ROUGH, words.NO_HERTZ, words.NO_SNAPSHOT),
+        essential=True,
+    ),
     "distance_factor": Entry(
         fields.factor,
         "Sliding distance of cells of the disc over that of the middle.",
@@ -184,15 +212,21 @@ FIGURES: dict[str, Entry] = {
     "groove": Entry(
         track.groove,
         "Mean cross-section of the groove {shown}, and its mean depth along the track {end}.",
-        _GROOVE, essential=True),
+        _GROOVE,
+        essential=True,
+    ),
     "track_map": Entry(
         track.track_map,
         "Height of the whole track {end}, and what wear and plastic flow took off it.",
-        _GROOVE, essential=True),
+        _GROOVE,
+        essential=True,
+    ),
     "wear_per_pass": Entry(
         track.wear_per_pass,
         "Mean depth that each pass adds to the groove, over the width of the contact.",
-        (words.STILL, words.NO_COURSE, words.NO_GROOVE), essential=True),
+        (words.STILL, words.NO_COURSE, words.NO_GROOVE),
+        essential=True,
+    ),
     "cof_stroke": Entry(
         track.cof_stroke,
         "Coefficient of friction over the position in the stroke, of some passes. {friction}",

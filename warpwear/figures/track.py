@@ -52,8 +52,12 @@ def groove(data: FigureData) -> Figure:
     deepest = -1.2e3 * max(float(np.nanmax(depths)), last.mean_depth)
     width = f"mean over the groove's width of {last.width:.3g} mm"
     panels = [
-        Chart("Mean section", Axis(ACROSS, low=-reach, high=reach), Axis(CHANGE), across, "mean along sliding"),
-        Chart("Depth along the track", Axis(ALONG), Axis(CHANGE, low=deepest or None, high=0.0), along, width),
+        Chart(
+            "Mean section", Axis(ACROSS, low=-reach, high=reach), Axis(CHANGE), across, "mean along sliding"
+        ),
+        Chart(
+            "Depth along the track", Axis(ALONG), Axis(CHANGE, low=deepest or None, high=0.0), along, width
+        ),
     ]
     return Figure(panels, legend=6)
 
@@ -62,13 +66,24 @@ def track_map(data: FigureData) -> Figure:
     """The whole track at the end: its heights, and what is gone of them; x and y not to one scale."""
     track, when = data.track, f"track {after(data.distances[-1])}"
     heights, loss = 1e3 * track.heights, positive(1e3 * track.loss)
-    ends = [np.percentile(of[np.isfinite(of)], (0.1, 99.9)) if np.isfinite(of).any() else (0.0, 1.0) for of in (heights, loss)]
+    ends = [
+        np.percentile(of[np.isfinite(of)], (0.1, 99.9)) if np.isfinite(of).any() else (0.0, 1.0)
+        for of in (heights, loss)
+    ]
     scale = Scale("height, µm", *map(float, ends[0]), colours="heights", beyond="both")
-    told = f"{when} (y drawn {{}} times as large as x)"
+    stretch_note = f"{when} (y drawn {{}} times as large as x)"
     gone = Scale("depth, µm", 0.0, float(ends[1][1]), colours="depths", beyond="max")
     note = "what is gone of it, worn or pressed down"
     maps = [
-        Map("Height of the track", [heights], track.extent, scale, square=False, told=told, x=""),
+        Map(
+            "Height of the track",
+            [heights],
+            track.extent,
+            scale,
+            square=False,
+            stretch_note=stretch_note,
+            x="",
+        ),
         Map("What is gone of it", [loss], track.extent, gone, [note], square=False),
     ]
     return Figure(maps, columns=1, width=PAGE, height=1.9, shared="x")

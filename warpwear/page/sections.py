@@ -56,7 +56,10 @@ def pieces(plot: Plotter, data: FigureData) -> Section:
         cut, name = 1e3 * data.pieces.cut[body], data.about.name_of(body)
         text = f"{data.history[f'pieces_{body}'].sum():.0f} off the {name}"
         texts.append(f"{text}, {np.median(cut):.3g} µm wide in the median" if cut.size else text)
-    text = "; ".join(texts) + ". Those of a disc are counted on its whole stroke, of which a track may stand for a part."
+    text = (
+        "; ".join(texts)
+        + ". Those of a disc are counted on its whole stroke, of which a track may stand for a part."
+    )
     return Section("Pieces that have left", figures, "pieces", text)
 
 
