@@ -11,10 +11,23 @@ from matplotlib.patches import Polygon
 from matplotlib.text import Text
 
 from warpwear import Result
+from warpwear.figures import words
+from warpwear.figures.table import FIGURES
 
-OF_TRACKS = {"groove", "track_map", "wear_per_pass", "cof_stroke", "track_roughness"}
-OF_PATCHES = {"load_share", "patch_zoom"}
-OF_FILMS = {"bare_map", "bare_fraction"}
+
+def left_out_for(*reasons: words.Reason) -> set[str]:
+    """Names of the figures that the table leaves out for one of these reasons."""
+    return {name for name, entry in FIGURES.items() if {*reasons} & {*entry.reasons}}
+
+
+OF_TRACKS = left_out_for(words.STILL)
+OF_PATCHES = left_out_for(words.ONE_SCALE)
+OF_FILMS = left_out_for(words.NO_FILM)
+
+
+def is_map(axes: Axes) -> bool:
+    """Whether axes show a map, and not lines or a scale of colours."""
+    return bool(axes.images) and not hasattr(axes, "_colorbar")
 
 
 def drawn(result: Result, name: str) -> tuple[Figure, Any]:

@@ -9,19 +9,34 @@ import h5py
 import numpy as np
 import pytest
 from cases_drawn import RUNS, SMALL
-from cases_figures import OF_FILMS, OF_PATCHES, OF_TRACKS, axes_lines, drawn, faults_of, shown_ticks
+from cases_figures import (
+    OF_FILMS,
+    OF_PATCHES,
+    OF_TRACKS,
+    axes_lines,
+    drawn,
+    faults_of,
+    is_map,
+    left_out_for,
+    shown_ticks,
+)
 from matplotlib.colors import LogNorm
 from PIL import Image
 
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.cli.main import main
+from warpwear.figures import words
 from warpwear.figures.data import FigureData
-from warpwear.figures.style import legend_above, new_figure, short, with_scatter
+from warpwear.figures.describe import Axis, Chart, Figure, Line, short, with_scatter
+from warpwear.figures.paint import paint
 from warpwear.figures.table import ESSENTIAL
 from warpwear.figures.view import State, last_at_hardness
 
-STATIC = {"setup", "pressure_map", "pressure_3d", "pressure_profiles", "contact_map", "profiles", "junctions"}
+#: What a run without sliding has not.
+NOT_STATIC = left_out_for(
+    words.NO_COURSE, words.ONE_SNAPSHOT, words.UNWORN, words.UNWORN_SPHERE, words.UNWORN_DISC, words.NO_GROOVE
+)
 
 
 @pytest.mark.parametrize("run", ["rough", "static", "smooth"])
@@ -51,18 +66,24 @@ def test_what_makes_no_sense_is_left_out_with_its_reason(
     results: dict[str, Result], tmp_path: Path, quick_pictures: Any
 ) -> None:
     plot = results["static"].plot
-    assert set(plot.NAMES) - set(plot.left_out) == STATIC
+    of_others = {
+        *OF_TRACKS,
+        *OF_PATCHES,
+        *OF_FILMS,
+        *left_out_for(words.ROUGH, words.NO_FACTOR, words.NO_PIECES),
+    }
+    static = set(plot.NAMES) - NOT_STATIC - of_others
+    assert {"setup", "contact_map", "junctions"} < static == set(plot.names())
     with quick_pictures(blank=True):
         written = plot.save_all(tmp_path)
-    assert {path.stem for path in written} == STATIC
+    assert {path.stem for path in written} == static
     with pytest.raises(InputError, match="there is no figure 'cof': the run has one step"):
         plot.cof()
-    of_others = {"hertz", "distance_factor", "pieces", *OF_TRACKS, *OF_PATCHES, *OF_FILMS}
     assert set(results["rough"].plot.left_out) == of_others
     assert set(results["flat"].plot.left_out) == {"contact_radius"} | of_others
     assert results["flat"].plot.left_out["contact_radius"] == "a rigid flat has no radius of contact"
-    of_rough = {"roughness", "texture", "spectrum", "islands", "junctions"}
-    assert set(results["smooth"].plot.left_out) == of_rough | {"pieces", *OF_TRACKS, *OF_PATCHES, *OF_FILMS}
+    of_rough = left_out_for(words.SMOOTH_DISC, words.SMOOTH, words.NO_PIECES)
+    assert set(results["smooth"].plot.left_out) == of_rough | {*OF_TRACKS, *OF_PATCHES, *OF_FILMS}
     no_speed = warpwear.run(
         Study.load("v3").replace({"grid.cell": "20 um", "sliding.speed": None, "sliding.distance": "3 mm"})
     )
@@ -91,7 +112,7 @@ def test_all_maps_of_pressure_share_one_scale(results: dict[str, Result]) -> Non
     """62, 13 and 6 MPa are told apart by their colours, and the hardness is at the end of the scale."""
     for run, logarithmic in (("rough", True), ("static", False)):
         figure = results[run].plot.pressure_map()
-        norms = [axes.images[0].norm for axes in figure.axes if axes is not figure.bar]
+        norms = [axes.images[0].norm for axes in figure.axes if is_map(axes)]
         assert len({(type(norm), norm.vmin, norm.vmax) for norm in norms}) == 1
         assert isinstance(norms[0], LogNorm) == logarithmic
         assert norms[0].vmax == results[run].history["pressure_max"].max() == pytest.approx(590.0, rel=0.01)
@@ -162,13 +183,9 @@ def test_heights_are_told_to_be_larger(results: dict[str, Result]) -> None:
 
 def test_a_legend_stays_on_its_page() -> None:
     """In fewer columns where names are long."""
-    figure = new_figure(
-        lambda axes: (
-            [axes.plot([0, 1], label=f"after {n} mm, a name") for n in range(6)]
-            and legend_above(axes, columns=6)
-        ),
-        fixed=True,
-    )
+    y = np.array([0.0, 1.0])
+    lines = [Line(y, y, f"after {n} mm, a name") for n in range(6)]
+    figure = paint(Figure([Chart("", Axis("x"), Axis("y"), lines)], legend=6))
     figure.canvas.draw()
     box = figure.legends[0].get_window_extent()
     assert box.x0 >= 0.0
@@ -276,8 +293,8 @@ def test_plot_on_the_command_line(
 
 def test_reduction_keeps_what_it_promises(results: dict[str, Result]) -> None:
     result = results["rough"]
-    data = FigureData(result)
-    view, bodies, snapshot = data.view(0, most=20), data.bodies_at(0, most=20), result.snapshot(0)
+    data = FigureData(result, blocks=20)
+    view, bodies, snapshot = data.view(0), data.bodies_at(0), result.snapshot(0)
     window = data.window_of(20)
     side = (window.extent[1] - window.extent[0]) / view.pressure.shape[0]
     assert window.factor > 1
@@ -286,7 +303,7 @@ def test_reduction_keeps_what_it_promises(results: dict[str, Result]) -> None:
     volume = snapshot.wear_disc.sum() * result.study.cells.cell_area
     assert bodies.wear_disc.sum() * side**2 == pytest.approx(volume, rel=1e-12)
     assert view.pressure.max() == snapshot.pressure.max()
-    last = data.views[-1]
+    last = FigureData(result).views[-1]
     assert (last.state > State.TOUCHED).sum() * (20e-3) ** 2 == pytest.approx(
         result.history["area_contact"][-1]
     )

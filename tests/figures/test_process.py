@@ -90,8 +90,8 @@ def test_figures_are_there_whatever_happens_to_the_other_process(
         monkeypatch.setattr(process, "COMMAND", "import time; time.sleep(60)  # {path!r}")
         monkeypatch.setattr(process, "PATIENCE", 0.2)
     else:
-        nothing = process.FIGURES["setup"]._replace(place="shape:nothing")
-        monkeypatch.setattr(process, "FIGURES", process.FIGURES | {"setup": nothing})
+        broken = "; import warpwear.figures.paint as p; p.paint_map = None"
+        monkeypatch.setattr(process, "COMMAND", process.COMMAND.replace("; draw()", f"{broken}; draw()"))
     with (
         quick_pictures(blank=True, second_process=True),
         warpwear.run(study_of("static"), out=tmp_path / "run") as result,
@@ -101,7 +101,7 @@ def test_figures_are_there_whatever_happens_to_the_other_process(
 
 def test_the_other_process_imports_neither_studies_nor_results() -> None:
     """Nor Warp: they take as long as all figures together."""
-    code = "import sys, warpwear.figures.drawing; print(*sys.modules)"
+    code = "import sys; from warpwear.figures.process import painter; painter.paint; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     slow = {"warp", "pydantic", "pint", "h5py", "scipy.ndimage", "warpwear.study.study"}
     assert not slow & set(done.stdout.split())

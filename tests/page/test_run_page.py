@@ -24,7 +24,7 @@ from warpwear.page.effects import EFFECTS, Weight
 from warpwear.page.html import run_page
 from warpwear.page.limits import limits_of
 from warpwear.page.paper import to_latex
-from warpwear.page.parts import Coded, thinned
+from warpwear.page.plots import Coded, thinned
 
 MOST = 6e6  # bytes of a page
 PLAIN = {"grid.cell": "20 um", "sliding.distance": "10 mm", "output.snapshots": ["0.3 mm", "3 mm"]}
@@ -105,7 +105,7 @@ def test_a_run_leaves_a_page_that_needs_nothing(page_of: Callable[..., Path], ki
             course = array_of(areas["lines"][0]["y"])
             np.testing.assert_allclose(course, result.plot.data.course["area_contact"], rtol=1e-6)
         if result.plot.reason("pressure_map") is None:
-            field = next(p for p in data_of(page)["plots"] if p["id"] == "pressure_map")["fields"][-1]
+            field = next(p for p in data_of(page)["plots"] if p["id"] == "pressure in contact")["fields"][-1]
             codes = array_of(field["codes"])
             values = field["low"] + field["step"] * codes[codes > 0].astype(float)
             values = 10.0**values if field["log"] else values

@@ -335,9 +335,17 @@ class Section:
     one_legend: bool = False
 
 
+def values_of(chart: Chart, which: str) -> list[FloatArray]:
+    """Collect the values along x or y that lines and levels of a chart have."""
+    lines = [getattr(line, which) for line in chart.lines if isinstance(line, Line)]
+    levels = [level.value for level in chart.lines if isinstance(level, Level) and level.axis == which]
+    return [*lines, *(np.array([value]) for value in levels)]
+
+
 def is_wide(*values: FloatArray, wide: float = WIDE) -> bool:
     """Tell whether values above zero differ so much that they need a logarithmic scale."""
-    known = np.concatenate([np.ravel(v)[np.isfinite(np.ravel(v)) & (np.ravel(v) > 0.0)] for v in values])
+    every = np.concatenate([np.zeros(1), *map(np.ravel, values)])
+    known = every[np.isfinite(every) & (every > 0.0)]
     return bool(known.size and known.max() >= wide * known.min())
 
 

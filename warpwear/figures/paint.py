@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib import figure as sheets
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import LightSource, ListedColormap, LogNorm, Normalize
+from matplotlib.colors import LightSource, ListedColormap, LogNorm, Normalize, to_hex
 from matplotlib.patches import Ellipse, Patch, Rectangle
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
@@ -92,62 +92,54 @@ def paint(figure: Figure) -> sheets.Figure:
     return sheet
 
 
-def paint_over(figure: Figure, axes: Sequence[Axes], *, label: str | None, color: Any) -> sheets.Figure:
-    """Draw charts into axes that are there, over what they show; return the outermost figure of these.
-
-    label: what the legend calls the run. color: of all its lines, which keep their dashes and marks.
-    """
+def paint_over(figure: Figure, axes: Sequence[Axes]) -> sheets.Figure:
+    """Draw charts into axes that are there, over what they show; return the outermost figure of these."""
     for panel, chart in zip(axes, figure.panels, strict=True):
         assert isinstance(chart, Chart)
-        _over(panel, named(chart, label), color)
-    whole: sheets.Figure = axes[0].figure.figure
+        _over(panel, chart)
     handles = _handles(axes)
-    if handles and (figure.legend or label is not None):
+    if handles and figure.legend:
         for legend in [panel.get_legend() for panel in axes]:
             if legend is not None:
                 legend.remove()
         axes[-1].legend([*handles.values()], [*handles])
+    whole: sheets.Figure = axes[0].figure.figure
     return whole
 
 
-def named(chart: Chart, label: str | None) -> Chart:
-    """Put a run's name before the labels of its lines; where none has one, the last plain line is called so."""
+def of_run(figure: Figure, *, label: str | None = None, color: Any = None) -> Figure:
+    """Give a figure of charts the name of its run, and its lines a colour, which keep their dashes and marks."""
+    colour = None if color is None else to_hex(color)
+    charts = [replace(chart, lines=_named(chart.lines, label, colour)) for chart in figure.panels]
+    return replace(figure, panels=charts, legend=figure.legend if label is None else 2)
+
+
+def _named(lines: Sequence[Any], label: str | None, colour: str | None) -> list[Any]:
+    """Put a name before the labels of lines; where none has one, the last plain line is called so."""
+    lines = [replace(line, look=replace(line.look, colour=colour or line.look.colour)) for line in lines]
     if label is None:
-        return chart
-    lines = list(chart.lines)
-    if any(getattr(line, "label", "") for line in lines):
-        lines = [
-            replace(line, label=f"{label}: {line.label}") if getattr(line, "label", "") else line
-            for line in lines
-        ]
-    elif lines:
-        plain = [
-            i
-            for i, line in enumerate(lines)
-            if isinstance(line, Line) and line.look.alpha == 1.0 and line.x.size > 1
-        ]
-        last = (plain or [len(lines) - 1])[-1]
-        lines[last] = replace(lines[last], label=label)
-    return replace(chart, lines=lines)
+        return lines
+    if any(line.label for line in lines):
+        return [replace(line, label=f"{label}: {line.label}" if line.label else "") for line in lines]
+    plain = [
+        i for i, of in enumerate(lines) if isinstance(of, Line) and of.look.alpha == 1.0 and of.x.size > 1
+    ]
+    last = (plain or [len(lines) - 1])[-1]
+    return [replace(line, label=label) if i == last else line for i, line in enumerate(lines)]
 
 
-def _over(axes: Axes, chart: Chart, color: Any) -> None:
-    """Draw a chart over what axes show, which stays in sight; a title that holds for one only goes."""
-    there = axes.has_data()
+def _over(axes: Axes, chart: Chart) -> None:
+    """Draw a chart over what axes show, which stays in sight; a title of ours that holds for one only goes."""
+    there, title = axes.has_data(), axes.get_title()
     ends = {n: (getattr(axes, f"get_{n}scale")(), *getattr(axes, f"get_{n}lim")()) for n in "xy" if there}
-    title, ours = axes.get_title(), axes.title.get_label() == OURS + axes.get_title()
-    older = [*axes.lines, *axes.collections]
+    is_ours = axes.title.get_label() == OURS + title
     axes.autoscale(True)
     paint_chart(axes, _in_unit_of(axes, chart))
-    if color is not None:
-        for artist in (*axes.lines, *axes.collections):
-            if artist not in older:
-                artist.set_color(color)
     for axis, (scale, start, end) in ends.items():
         if scale == getattr(axes, f"get_{axis}scale")():
             both = sorted([start, end, *getattr(axes, f"get_{axis}lim")()])
             getattr(axes, f"set_{axis}lim")(*(both[0], both[-1])[:: 1 if start < end else -1])
-    if title and not ours:
+    if title and not is_ours:
         axes.set_title(title)
     else:
         if there and axes.get_title() != title:
@@ -169,11 +161,12 @@ def _in_unit_of(axes: Axes, chart: Chart) -> Chart:
 
 def paint_chart(axes: Axes, chart: Chart) -> None:
     """Draw a chart into axes."""
+    older = [line for line in axes.lines if line.get_transform() == axes.transData]
     for part in chart.lines:
         PARTS[type(part)](axes, part)
-    lines = [line for line in axes.lines if len(line.get_xdata()) > 1]
     for which, axis in (("x", chart.x), ("y", chart.y)):
-        values = [np.asarray(getattr(line, f"get_{which}data")(), dtype=np.float64) for line in lines]
+        values = [np.asarray(getattr(line, f"get_{which}data")(), dtype=np.float64) for line in older]
+        values += describe.values_of(chart, which)
         if getattr(axes, f"get_{which}scale")() == "log" and axis.scale == "auto":
             axis = replace(axis, scale="log")
         set_axis(axes, which, describe.scaled(axis, *values))
@@ -193,8 +186,9 @@ def set_axis(axes: Axes, which: str, axis: describe.Axis) -> None:
     else:
         at.set_major_locator(MaxNLocator(axis.ticks, steps=[1, 2, 5, 10], integer=axis.integer))
         at.set_major_formatter(style.Thousands())
-    set_ends(axis.low, axis.high)
-    if axis.least and axis.scale == "log":
+    is_log = getattr(axes, f"get_{which}scale")() == "log"
+    set_ends(None if is_log and not (axis.low or 0.0) > 0.0 else axis.low, axis.high)
+    if axis.least and is_log:
         set_ends(max(min(at.get_view_interval()), axis.least), None)
     if axis.places:
         at.set_ticks([place for place, _ in axis.places], [text for _, text in axis.places])

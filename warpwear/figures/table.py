@@ -240,6 +240,8 @@ FIGURES: dict[str, Entry] = {
 }
 #: The file of captions beside figures, and its first line, by which it is known as ours.
 CAPTIONS, HEAD = "captions.md", "# Captions of the figures, by warpwear"
+#: Figures that are drawn by default.
+ESSENTIAL = tuple(name for name, entry in FIGURES.items() if entry.essential)
 
 
 class Plotter:
@@ -265,7 +267,8 @@ class Plotter:
             if ax is None and label is None and color is None:
                 return painter.paint(declared)
             _check_overlay(name, declared, ax, color)
-            return painter.paint_over(declared, ax, label=label, color=color)
+            declared = painter.of_run(declared, label=label, color=color)
+            return painter.paint(declared) if ax is None else painter.paint_over(declared, np.ravel(ax))
 
         figure.__name__, figure.__doc__ = name, FIGURES[name].declare.__doc__
         return figure
@@ -294,8 +297,7 @@ class Plotter:
 
     def names(self, plots: str = "all") -> list[str]:
         """Names of the figures that the run has: "all", or only "essential" ones."""
-        wanted = [name for name, entry in FIGURES.items() if entry.essential or plots != "essential"]
-        return [name for name in wanted if not self.reason(name)]
+        return [name for name in (ESSENTIAL if plots == "essential" else FIGURES) if not self.reason(name)]
 
     def save_all(
         self,

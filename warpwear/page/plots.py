@@ -11,7 +11,6 @@ from warpwear.figures.describe import (
     HARDNESS,
     NEUTRAL,
     NOMINAL,
-    Axis,
     Bars,
     Bodies,
     Chart,
@@ -21,7 +20,8 @@ from warpwear.figures.describe import (
     Line,
     Map,
     chosen,
-    is_wide,
+    scaled,
+    values_of,
 )
 from warpwear.grid import FloatArray
 
@@ -96,8 +96,8 @@ def _chart(chart: Chart) -> dict[str, Any]:
         "x": chart.x.label,
         "y": chart.y.label,
         "lines": [_line(line, chart.title) for line in [*lines, *levels]],
-        "log_x": _is_log(chart.x, [line.x for line in lines]),
-        "log_y": _is_log(chart.y, [line.y for line in lines]),
+        "log_x": scaled(chart.x, *values_of(chart, "x")).scale == "log",
+        "log_y": scaled(chart.y, *values_of(chart, "y")).scale == "log",
         "inverted": [chart.x.inverted, chart.y.inverted],
         "ends": [[_end(axis.low), _end(axis.high)] for axis in (chart.x, chart.y)],
     }
@@ -105,11 +105,6 @@ def _chart(chart: Chart) -> dict[str, Any]:
 
 def _end(value: float | None) -> float | None:
     return None if value is None else float(value)
-
-
-def _is_log(axis: Axis, values: list[FloatArray]) -> bool:
-    is_auto = axis.scale == "auto" and bool(values)
-    return axis.scale == "log" or (is_auto and is_wide(*values, wide=axis.wide))
 
 
 def _across(level: Level, lines: list[Line]) -> Line:
