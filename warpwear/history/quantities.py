@@ -5,6 +5,7 @@ CSV files, the attributes in HDF5 files, `Result.units`, the axes of figures and
 follow from this.
 """
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -31,8 +32,8 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
     "pieces": ("wear in pieces", lambda study: study.wear.sheds),
     "static area": ("output.static_area_every", lambda study: study.static_area_every > 0),
 }
-#: Unit as it is written in files -> as it is printed.
-PRINTED = {"1": "", "um": "µm", "mm^2": "mm²", "mm^3": "mm³", "mm^3/N/m": "mm³/(N·m)"}
+#: Both bodies, in the order in which they are numbered.
+BODIES = ("sphere", "disc")
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,7 @@ class Quantity:
     Where people see it: label names it alone, short beside others of its family, whose name stands at the
     axis. Its values times factor are in shown_unit. log: whether an axis of values over decades is
     logarithmic. colour: a name of `warpwear.figures.style`; dash: how its line is drawn.
+    entry: keys of its end value in a run's summary, with dots between them.
     """
 
     name: str
@@ -61,6 +63,7 @@ class Quantity:
     log: bool = False
     colour: str = "NEUTRAL"
     dash: str = "solid"
+    entry: str = ""
 
     def applies_to(self, study: Study) -> bool:
         """Whether a run of the study has it."""
@@ -86,9 +89,10 @@ class Quantity:
         return self.factor * values
 
 
-def printed(unit: str) -> str:
-    """Write a unit as people do: µm for um, mm² for mm^2, nothing for 1."""
-    return PRINTED.get(unit, unit)
+def printed(text: str) -> str:
+    """Write units as people do: µm for um, mm² for mm^2, and nothing for 1, the unit of a number."""
+    text = text.replace("mm^3/N/m", "mm³/(N·m)").replace("^2", "²").replace("^3", "³")
+    return "" if text == "1" else re.sub(r"\bum", "µm", text)
 
 
 def axis(label: str, unit: str) -> str:
