@@ -21,6 +21,7 @@ from warpwear.comparison.groups import (
 from warpwear.comparison.scar import ScarComparison, ScarFiles, compare_scar
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.history.quantities import BODIES
 from warpwear.measured.course import Experiment, check_coverage, read_experiment
 from warpwear.measured.options import optional
 from warpwear.result import Result
@@ -28,7 +29,6 @@ from warpwear.results.summary import course, shape_of_growth
 from warpwear.results.track import groove, whole_steps
 from warpwear.study.study import Study
 
-BODIES = ("sphere", "disc")
 INTERRUPTED = "interrupted before the end."
 NO_COF = "no coefficient of friction: its end calibrates it."
 NO_SNAPSHOT = "no snapshot, so no profile."

@@ -106,11 +106,11 @@ def _look(
     return {"label": label, "colour": colour, "dash": dash, "short": short or label, **others}
 
 
-def _of_bodies(prefix: str, family: str, **others: Any) -> dict[str, dict[str, Any]]:
+def _of_bodies(prefix: str, label: str, **others: Any) -> dict[str, dict[str, Any]]:
     """Looks of a quantity that both bodies have, which are told apart by one colour and dash each."""
-    lines = {"sphere": ("SPHERE", "dash"), "disc": ("DISC", "solid")}
+    lines, others = {"sphere": ("SPHERE", "dash"), "disc": ("DISC", "solid")}, {"family": label} | others
     return {
-        f"{prefix}_{body}": _look(f"{family} of the {body}", *line, short=body, family=family, **others)
+        f"{prefix}_{body}": _look(f"{label} of the {body}", *line, short=body, **others)
         for body, line in lines.items()
     }
 
@@ -135,7 +135,7 @@ LOOKS: dict[str, dict[str, Any]] = {
     "pressure_mean": _look("mean pressure in contact", "MEAN_PRESSURE", short="mean", **_PRESSURE),
     "pressure_max": _look("largest pressure in contact", dash="dot", short="largest", **_PRESSURE),
     **_of_bodies("wear_volume", "worn volume", factor=1.0e3, shown_unit="10⁻³ mm³"),
-    **_of_bodies("wear_depth", "depth of the deepest cell", **_MICRONS),
+    **_of_bodies("wear_depth", "deepest wear", family="depth of the deepest cell", **_MICRONS),
     "cof": _look("coefficient of friction"),
     "bare_fraction": _look("bare fraction of the area in contact", "DISC"),
     "pressure": _look("pressure", log=True),

@@ -4,13 +4,12 @@ The sentences stand in templates/effects.toml; here are the cases that a key has
 """
 
 import math
-import tomllib
 from collections.abc import Callable
 from enum import IntEnum
-from importlib.resources import files
 from typing import Any
 
 from warpwear.history.quantities import BODIES
+from warpwear.page.limits import prose
 from warpwear.results.report import shown
 from warpwear.study.study import Study
 
@@ -31,9 +30,7 @@ FINE = "In the preset v3-fine (local law, the disc lies still)"
 #: Key, or case of a key -> weight and sentence.
 SENTENCES: dict[str, Effect] = {
     name: (Weight[weight.upper()], sentence)
-    for weight, sentences in tomllib.loads(
-        files("warpwear.templates").joinpath("effects.toml").read_text(encoding="utf-8")
-    ).items()
+    for weight, sentences in prose("effects").items()
     for names, sentence in sentences.items()
     for name in (names.split(", ") if "." in names else [names])
 }
