@@ -35,8 +35,8 @@ END_VALUES = (
     _last("area_contact", "area_mm2.contact"),
     _last("pressure_mean", "pressure_MPa.mean"),
     _last("cof", "cof.end", label="coefficient of friction at the end"),
-    _new("cof_input", "1", "coefficient of friction that is an input", "cof_input"),
-    _new("shear_strength", "MPa", "shear strength", "shear_strength_MPa"),
+    _new("cof_input", "1", "CoF that is an input", "cof_input"),
+    _new("shear_strength", "MPa", "shear strength τ0", "shear_strength_MPa"),
     _new("exponent_m", "1", "m"),
     _new("levelling_lambda", "1", "λ"),
 )
