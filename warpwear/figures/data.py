@@ -27,6 +27,7 @@ from warpwear.figures.view import (
     sag_or_nan,
 )
 from warpwear.grid import FloatArray, Grid
+from warpwear.history.quantities import BODIES
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.elastic import Hertz
 from warpwear.laws.film import Breaking
@@ -41,7 +42,7 @@ from warpwear.results.evolution import (
     surface_evolution,
 )
 from warpwear.results.file import ResultFile
-from warpwear.results.formats.bodies import BODIES, worn_heights
+from warpwear.results.formats.bodies import worn_heights
 from warpwear.results.summary import bare_course
 from warpwear.results.track import blocks, by_pass, depth_along, groove, roughness_in_track, whole_steps
 from warpwear.surfaces.spectrum import Spectrum
