@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.axes import Axes
 
 from warpwear import Study
 from warpwear.comparison.area_load import area_load, has_loads
 from warpwear.comparison.gather import Comparison
 from warpwear.comparison.groups import Group, RunData
+from warpwear.figures.describe import Chart, Line
 
 FLAT = {
     "sphere.radius": "inf mm",
@@ -35,9 +35,10 @@ def compared(*changes: dict[str, Any]) -> Comparison:
 
 
 def lines(comparison: Comparison) -> dict[str, Any]:
-    (axes,) = area_load(comparison).axes
-    assert isinstance(axes, Axes)
-    return {str(line.get_label()): np.array(line.get_xydata()) for line in axes.lines}
+    (chart,) = area_load(comparison).panels
+    assert isinstance(chart, Chart)
+    lines = (line for line in chart.lines if isinstance(line, Line))
+    return {line.label: np.transpose([line.x, line.y]) for line in lines}
 
 
 def test_theories_beside_flats() -> None:

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import h5py
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
@@ -23,6 +22,8 @@ from warpwear.comparison.figures import FIGURES
 from warpwear.comparison.gather import gather, rms_difference, shape_of
 from warpwear.comparison.table import to_text, write_csv
 from warpwear.errors import InputError
+from warpwear.figures.describe import Chart, Line
+from warpwear.figures.paint import paint
 from warpwear.measured.course import Experiment
 from warpwear.sweeps.plan import Plan, section_of
 from warpwear.sweeps.sweep import make_runs
@@ -179,11 +180,7 @@ def test_ends_that_are_inputs_are_told_and_notes_are_said_once(tmp_path: Path) -
     assert told.notes[-1].startswith(
         "The CoF at the end of l2, l4, l8 is an input (friction.calibrate = 'end')"
     )
-    figure = plt.figure()
-    axes = figure.subplots(1, 2)
-    figures.cof(axes, told)
-    assert axes[0].get_title() == "the end is an input of 3 of 3 runs"
-    plt.close(figure)
+    assert figures.cof(told).panels[0].note == "the end is an input of 3 of 3 runs"  # type: ignore[union-attr]
     write_csv(told, tmp_path / "table.csv")
     with (tmp_path / "table.csv").open(encoding="utf-8") as file:
         assert [row["cof_input [1]"] for row in csv.DictReader(file)] == ["end", "end", "end"]
@@ -275,11 +272,12 @@ def test_gaps_of_a_measured_course_are_told_or_refused(runs: Path, tmp_path: Pat
 
 def test_both_courses_are_drawn_over_their_mean_in_the_last_tenth(runs: Path, measured: Path) -> None:
     read = gather([runs / "a"], [measured])
-    right = FIGURES["cof"](read).axes[1]
-    assert "last tenth" in right.get_title()
-    for line in right.get_lines():
-        x, y = line.get_data()
-        assert y[x >= 0.9 * x[-1]].mean() == pytest.approx(1.0, abs=2e-3)
+    right = FIGURES["cof"](read).panels[1]
+    assert isinstance(right, Chart) and "last tenth" in right.note
+    assert len(right.lines) == 2
+    for line in right.lines:
+        assert isinstance(line, Line)
+        assert line.y[line.x >= 0.9 * line.x[-1]].mean() == pytest.approx(1.0, abs=2e-3)
 
 
 def test_what_is_refused_leaves_nothing_behind(runs: Path, measured: Path, tmp_path: Path) -> None:
@@ -437,7 +435,7 @@ def test_runs_that_differ_in_a_seed_are_one_line_with_a_band(
     assert set(document["folders"]) == {run for group in document["groups"].values() for run in group}
 
     read = gather([swept], band_over=["disc.synthetic.seed"])
-    panel = FIGURES["area"](read).axes[0]
+    panel = paint(FIGURES["area"](read)).axes[0]
     assert [line.get_label() for line in panel.get_lines()] == list(cofs)
     assert panel.get_title() == "mean and 5–95 % of 3 runs"
     areas = np.array([run.history["area_contact"] for run in read.groups[0].runs])

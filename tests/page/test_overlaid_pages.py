@@ -19,6 +19,8 @@ from warpwear import Study
 from warpwear.cli.main import commands
 from warpwear.comparison.page import _than
 from warpwear.figures import style as fs
+from warpwear.figures.describe import Axis, Chart, Figure, Line
+from warpwear.figures.paint import paint
 from warpwear.results.ensemble import in_legend
 from warpwear.sweeps.report import write_report
 
@@ -153,10 +155,8 @@ def test_a_comparison_shows_what_differs(compared: Path) -> None:
 
 def test_names_are_no_formulas() -> None:
     """Of a figure either: a broken formula would end the whole comparison."""
-    figure = fs.new_figure(
-        lambda axes: (axes.plot([0.0, 1.0], label=in_legend(r"$\frac{$" + "x" * 300)), axes.legend())
-    )
-    assert fs.bytes_of(figure)
+    line = Line(np.arange(2.0), np.arange(2.0), in_legend(r"$\frac{$" + "x" * 300))
+    assert fs.bytes_of(paint(Figure([Chart("", Axis(), Axis(), [line])], legend=1)))
     assert len(in_legend("x" * 300)) == 60
 
 

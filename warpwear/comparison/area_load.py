@@ -4,12 +4,22 @@ import math
 from collections import defaultdict
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from warpwear.comparison.gather import Comparison
 from warpwear.comparison.groups import Group
-from warpwear.figures import style as fs
+from warpwear.figures.describe import (
+    CONTACT,
+    DASHES,
+    DISC,
+    MARKERS,
+    MEAN_PRESSURE,
+    SPHERE,
+    Axis,
+    Chart,
+    Figure,
+    Line,
+    Look,
+)
 from warpwear.grid import FloatArray
 from warpwear.laws.elastic import Hertz, SpectralMoments, greenwood_williamson_area, persson_area
 from warpwear.results.ensemble import band
@@ -22,8 +32,8 @@ MARGIN = 1.5
 LINES = 60
 #: Points in a surface's shortest wave; with more than two the mean squares of its slopes are exact.
 POINTS_PER_CUT_OFF = 2.5
-#: Colour and marker of each series.
-STYLES = ((fs.CONTACT, "o"), (fs.DISC, "s"), (fs.SPHERE, "^"), (fs.MEAN_PRESSURE, "D"))
+#: Colour of each series.
+COLOURS = (CONTACT, DISC, SPHERE, MEAN_PRESSURE)
 
 
 def has_loads(comparison: Comparison) -> bool:
@@ -32,32 +42,27 @@ def has_loads(comparison: Comparison) -> bool:
 
 
 def area_load(comparison: Comparison) -> Figure:
-    """Draw the area in contact after the first step over the load, a series for each law and hardness.
+    """Area in contact after the first step over the load, a series for each law and hardness.
 
-    Lines of theories are drawn where all runs have the same bodies: load over hardness; Hertz, of smooth
+    Lines of theories are there where all runs have the same bodies: load over hardness; Hertz, of smooth
     bodies; Persson, and under a flat Greenwood and Williamson, of a surface whose spectrum is known.
     """
-    series, line = series_of(comparison), loads_of(comparison)
-
-    def draw(axes: Axes) -> None:
-        for (name, points), (colour, marker) in zip(series.items(), STYLES * len(series), strict=False):
-            force, area, low, high = points
-            axes.plot(force, area, color=colour, marker=marker, ms=4, label=name)
-            axes.vlines(force, low, high, color=colour, lw=0.9)
-        axes.set(xscale="log", xlim=(line[0], line[-1]))
-        fs.logarithmic(axes)
-        low, high = axes.get_ylim()
-        theories = theories_of(comparison, line)
-        for (name, theory), style in zip(theories.items(), ("--", ":", "-."), strict=False):
-            values = 1.0e3 * theory
-            if np.any((values > low) & (values < high)):
-                axes.plot(line, values, color=fs.NEUTRAL, ls=style, lw=0.9, label=name)
-        axes.set_ylim(low / MARGIN, high * MARGIN)
-        fs.plain_numbers(axes.xaxis)
-        axes.set(xlabel="normal load, N", ylabel="area in contact at first, 10⁻³ mm²")
-        fs.legend_above(axes, columns=1)
-
-    return fs.new_figure(draw, height=3.4)
+    loads, lines = loads_of(comparison), []
+    for number, (name, (force, area, low, high)) in enumerate(series_of(comparison).items()):
+        look = Look(COLOURS[number % len(COLOURS)], marker=MARKERS[number % len(COLOURS)], size=4.0)
+        lines.append(Line(force, area, name, look))
+        ends = ((at, pair) for at, *pair in zip(force, low, high, strict=True) if pair[0] < pair[1])
+        bar = Look(look.colour, width=0.9)
+        lines += [Line(np.full(2, at), np.array(pair), look=bar) for at, pair in ends]
+    values = np.concatenate([line.y for line in lines])
+    low, high = np.nanmin(values) / MARGIN, np.nanmax(values) * MARGIN
+    for (name, theory), dash in zip(theories_of(comparison, loads).items(), DASHES[1:], strict=False):
+        if np.any((1e3 * theory > low) & (1e3 * theory < high)):
+            lines.append(Line(loads, 1e3 * theory, name, Look(dash=dash, width=0.9)))
+    along = Axis("normal load, N", "log", low=loads[0], high=loads[-1])
+    up = Axis("area in contact at first, 10⁻³ mm²", "log", low=low, high=high)
+    chart = Chart("Area in contact after the first step", along, up, lines)
+    return Figure([chart], legend=1, height=3.4)
 
 
 def series_of(comparison: Comparison) -> dict[str, FloatArray]:

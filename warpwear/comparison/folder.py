@@ -1,13 +1,15 @@
 """A comparison as a folder: figures and tables, all of them or none."""
 
+from functools import partial
 from pathlib import Path
 
-from warpwear.comparison.figures import FIGURES, drawn
+from warpwear.comparison.figures import FIGURES, figures_of
 from warpwear.comparison.gather import Comparison
 from warpwear.comparison.page import page
 from warpwear.comparison.table import write_csv, write_json
 from warpwear.figures import style as fs
-from warpwear.results.folder import check_folder, whole_folder
+from warpwear.page.folder import write_report
+from warpwear.results.folder import check_folder
 
 #: Every comparison has it, and no other folder.
 MARK = "comparison.json"
@@ -29,15 +31,12 @@ def write(
     alone.
     """
     check_out(folder, file_format=file_format, overwrite=overwrite)
-    older = [f"{name}.{kind}" for name in FIGURES for kind in fs.FORMATS]
-    with whole_folder(folder, [MARK], stale=older) as work:
-        pictures = {}
-        for name, figure in drawn(comparison):
-            pictures[name] = fs.bytes_of(figure)
-            written = pictures[name] if file_format == "png" else fs.bytes_of(figure, file_format)
-            (work / f"{name}.{file_format}").write_bytes(written)
-        (work / PAGE).write_bytes(page(comparison, pictures, folder))
-        write_csv(comparison, work / "table.csv")
-        write_json(comparison, work / MARK)
-        names = sorted((path.name for path in work.iterdir()), key=lambda name: (name == MARK, name))
-    return [folder / name for name in names]
+    return write_report(
+        folder,
+        figures_of(comparison),
+        pages={PAGE: partial(page, comparison, folder=folder)},
+        files={"table.csv": partial(write_csv, comparison), MARK: partial(write_json, comparison)},
+        marks=[MARK],
+        file_format=file_format,
+        older=list(FIGURES),
+    )

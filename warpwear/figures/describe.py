@@ -59,7 +59,7 @@ class Line:
     """Values over places, both (points,). low, high: ends of a band around it, as y.
 
     step: a value holds from its place on ("post") or around it ("mid"). clipped: cut off at the panel's
-    edge. every: points from a marker to the next. hatch: of the band. cut: parts of the way of a Level.
+    edge. every: points from a marker to the next. hatch: of the band. name: in full, on a page.
     """
 
     x: FloatArray
@@ -72,6 +72,7 @@ class Line:
     clipped: bool = True
     every: int = 1
     hatch: str = ""
+    name: str = ""
 
 
 @dataclass(frozen=True)

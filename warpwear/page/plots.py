@@ -122,8 +122,8 @@ def _line(line: Line, title: str) -> dict[str, Any]:
     at, look = thinned(line.x), line.look
     marks = "+".join(["lines"] * bool(look.dash) + ["markers"] * bool(look.marker or line.x.size == 1))
     return {
-        "name": line.label or ("steps" if look.alpha < 1.0 else title),
-        "named": bool(line.label),
+        "name": line.name or line.label or ("steps" if look.alpha < 1.0 else title),
+        "named": bool(line.label or line.name),
         "colour": colour_of(look.colour),
         "dash": look.dash or "solid",
         "width": PIXELS * look.width,

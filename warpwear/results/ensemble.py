@@ -52,9 +52,8 @@ def label_of(values: Mapping[str, Any], names: Mapping[str, str]) -> str:
 
 
 def in_legend(label: str) -> str:
-    """Write a label, which may be the name of any file, so that a figure shows it as it is: short, no "
-    "formula."""
-    return (label if len(label) <= LONGEST else f"{label[: LONGEST - 1]}…").replace("$", r"\$")
+    """Shorten a label, which may be the name of any file, for a legend."""
+    return label if len(label) <= LONGEST else f"{label[: LONGEST - 1]}…"
 
 
 def is_label(key: str) -> bool:

@@ -1,30 +1,29 @@
 """The page of a sweep: what was varied, the band of its answers, what decides them, and every run."""
 
-from collections.abc import Mapping
-from dataclasses import asdict
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from warpwear.figures.style import NOMINAL
+from warpwear.figures.describe import Section
 from warpwear.grid import FloatArray
 from warpwear.history.end_values import ENDS
 from warpwear.history.quantities import BY_NAME
 from warpwear.measured.course import Experiment
 from warpwear.page.html import page_of
 from warpwear.page.limits import limits_of
-from warpwear.page.parts import Bars, Chart, Grid, Line, Section, banded, overlaid, thinned
 from warpwear.results import manifest
 from warpwear.results.ensemble import is_label, short_names
 from warpwear.study.text import assumptions
-from warpwear.sweeps import figures
 from warpwear.sweeps.design import SAMPLED, Factor
+from warpwear.sweeps.figures import figures_of, groups_of
 from warpwear.sweeps.table import SweepResult
 from warpwear.version import __version__
 
 #: Rows of the table that the page shows; values of a key that it lists.
 MOST_ROWS, MOST_VALUES = 200, 12
+BANDS = "Mean of each group, in a band of 5 to 95 % of its runs where it has several."
 #: End values at the top and in the table of runs: column, what to call it, unit, factor to that.
 ANSWERS = tuple(
     (quantity.name, quantity.label.capitalize(), quantity.unit, quantity.factor)
@@ -36,10 +35,10 @@ ANSWERS = tuple(
 def page(
     result: SweepResult,
     pictures: Mapping[str, bytes],
-    told: Mapping[str, Any],
-    experiments: tuple[Experiment, ...],
+    texts: Mapping[str, Any],
+    experiments: Sequence[Experiment],
 ) -> bytes:
-    """Make the page. pictures: name of a figure -> PNG file. told: groups and failures, as texts."""
+    """Make the page. pictures: name of a figure -> PNG file. texts: groups and failures, as texts."""
     plan = result.plan
     total, done = len(result.rows), sum(row.status == "done" for row in result.rows)
     assumed = {key: why for key, why in assumptions(plan.study).items() if key not in plan.keys}
@@ -62,8 +61,8 @@ def page(
         ],
         "total": total,
         "study": plan.study.to_toml(),
-        "sections": [asdict(section) for section in _sections(result, experiments) if section.plots],
-        **told,
+        "sections": _sections(result, experiments),
+        **texts,
     }
     return page_of("sweep.html", content, pictures)
 
@@ -132,82 +131,19 @@ def _decides(result: SweepResult) -> str:
     return f"The coefficient of friction at the end hangs most on {key}: {what} {told}."
 
 
-def _sections(result: SweepResult, experiments: tuple[Experiment, ...]) -> list[Section]:
-    shown = figures.columns_of(result)
-    if not shown:
-        return []
-    courses = [c for column in shown if (c := _course(result, column, experiments))]
-    varied = figures.varied_of(result)
-    reached = [_scatter(result, shown[0], key, *varied[key]) for key in figures.scattered(varied)]
-    keys = figures.pair_of(result, varied)
-    maps = [_heat_map(result, shown[0], [(key, *varied[key]) for key in keys])] if keys else []
-    bars = [_bars(result, column) for column in shown[:2]] if len(result.plan.keys) > 1 else []
-    one = len(figures.groups_of(result)) + len(experiments) > 1
-    text = "Mean of each group, in a band of 5 to 95 % of its runs where it has several."
-    return [
-        Section("Courses", courses if result.distance.size > 1 else [], "courses", text, one_legend=one),
-        Section("What decides them", bars, "indices"),
-        Section("At the end, over what was varied", [*reached, *maps], "ends"),
+def _sections(result: SweepResult, experiments: Sequence[Experiment]) -> list[Section]:
+    """Lay the figures under headings."""
+    every = figures_of(result, experiments)
+    one = len(groups_of(result)) + len(experiments) > 1
+    sections = [
+        Section(title, {name: every[name] for name in names if name in every}, id_, text, one_legend=legend)
+        for title, id_, names, text, legend in (
+            ("Courses", "courses", ("courses",), BANDS, one),
+            ("What decides them", "indices", ("tornado",), "", False),
+            ("At the end, over what was varied", "ends", ("scatter", "heat_map"), "", False),
+        )
     ]
-
-
-def _course(result: SweepResult, column: str, experiments: tuple[Experiment, ...]) -> Chart | None:
-    groups = figures.groups_of(result)
-    looks, _ = figures.lines_of(result, groups)
-    factor = figures.SCALES.get(column, 1.0)
-    lines = []
-    for experiment in experiments if column == "cof" else ():
-        at = thinned(experiment.distance)
-        lines.append(Line(experiment.name, NOMINAL, experiment.distance[at], experiment.cof[at]))
-    for (label, runs), look in zip(groups, looks, strict=True):
-        lines.append(
-            banded(label or "all runs", look, result.distance, factor * result.courses(column)[runs])
-        )
-    title, unit = figures.SHOWN[column].partition(",")[0], figures.SHOWN[column]
-    return overlaid("courses", title.capitalize(), unit, lines, log=column == "area_contact")
-
-
-def _bars(result: SweepResult, column: str) -> Bars:
-    """What decides an end value, the strongest on top."""
-    found, indices = result.influence(column), result.sobol(column)
-    names = short_names(result.plan.keys)
-    title = f"{figures.SHOWN[column].partition(',')[0].capitalize()} at the end"
-    made = (column, title, [names[key] for key in found], np.array(list(found.values())))
-    if indices is None:
-        note = "Rank correlation (Spearman) sees only what rises or falls throughout; of words and seeds η²."
-        return Bars(
-            *made, "rank correlation; of words and seeds η²", (-1.05, 1.05), None, None, note, "tornado"
-        )
-    order = [result.plan.keys.index(key) for key in found]
-    reach = np.append(indices.total_interval[np.isfinite(indices.total_interval)], (0.0, 1.0))
-    least, most = 1.05 * float(reach.min()), 1.05 * float(reach.max())
-    note = (
-        "Bar: the total index, interactions included, with its interval of 95 %. Dot: the first-order index."
-    )
-    ends, dots = indices.total_interval[:, order], indices.first[order]
-    return Bars(*made, "Sobol's index: part of the variance", (least, most), ends, dots, note, "tornado")
-
-
-def _scatter(result: SweepResult, column: str, key: str, values: FloatArray, unit: str) -> Chart:
-    """An end value of every run over one key."""
-    name = figures.axis_of(short_names(result.plan.keys)[key], unit)
-    ends = figures.SCALES.get(column, 1.0) * result.ends(column)
-    line = Line("runs", figures.COLOURS[0], values, ends, marks="markers")
-    return Chart(
-        key, f"Over {name.partition(',')[0]}", name, figures.at_the_end(column), [line], static="scatter"
-    )
-
-
-def _heat_map(result: SweepResult, column: str, keys: list[tuple[str, FloatArray, str]]) -> Grid:
-    """The mean end value of each pair of values of two keys."""
-    (first, x, x_unit), (second, y, y_unit) = keys
-    names = short_names(result.plan.keys)
-    xs, ys, means = figures.means_of(result, column, x, y)
-    across, down = ([f"{v:.4g}" for v in of] for of in (xs, ys))
-    unit = figures.at_the_end(column)
-    title = f"{unit[:1].upper()}{unit[1:]}, over {names[first]} and {names[second]}"
-    axes = figures.axis_of(names[first], x_unit), figures.axis_of(names[second], y_unit)
-    return Grid("heat_map", title, across, down, means.T, *axes, unit, static="heat_map")
+    return [section for section in sections if section.figures]
 
 
 def _rows(result: SweepResult) -> list[dict[str, Any]]:

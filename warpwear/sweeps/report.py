@@ -1,17 +1,19 @@
 """What a sweep leaves in its folder: tables, figures, and a page that shows them without a network."""
 
 from collections import Counter
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from warpwear.figures import style as fs
 from warpwear.measured.course import Experiment
-from warpwear.sweeps import figures
+from warpwear.page.folder import write_report as write_folder
+from warpwear.sweeps.figures import FIGURES, figures_of
 from warpwear.sweeps.page import page
 from warpwear.sweeps.table import SweepResult
 
+TABLES, PAGE = ("table.csv", "table.parquet", "sweep.nc"), "sweep.html"
 #: Sentences of runs that failed, and numbers of them that one sentence names.
 MOST_FAILURES = 8
 
@@ -19,15 +21,16 @@ MOST_FAILURES = 8
 def write_report(result: SweepResult, folder: Path, experiments: tuple[Experiment, ...] = ()) -> list[Path]:
     """Write table.csv, table.parquet, sweep.nc, figures/ and sweep.html; return what was written."""
     result.write_tables(folder)
-    drawn = {name: fs.bytes_of(figure) for name, figure in figures.drawn(result, experiments)}
-    (folder / "figures").mkdir(exist_ok=True)
-    pictures = {name: folder / "figures" / f"{name}.png" for name in drawn}
-    for name, png in drawn.items():
-        pictures[name].write_bytes(png)
-    told = {"groups": group_rows(result), "failed": failures(result)}
-    (folder / "sweep.html").write_bytes(page(result, drawn, told, experiments))
-    names = ("table.csv", "table.parquet", "sweep.nc", "sweep.html")
-    return [folder / name for name in names if (folder / name).is_file()] + list(pictures.values())
+    texts = {"groups": group_rows(result), "failed": failures(result)}
+    written = write_folder(
+        folder,
+        figures_of(result, experiments),
+        pages={PAGE: partial(page, result, texts=texts, experiments=experiments)},
+        files={},
+        within="figures",
+        older=FIGURES,
+    )
+    return [path for name in TABLES if (path := folder / name).is_file()] + written
 
 
 def group_rows(result: SweepResult, column: str = "cof") -> list[dict[str, Any]]:
