@@ -1,27 +1,16 @@
 """Print the table of all quantities of a result, which stands in docs/reference/results.md."""
 
-from warpwear.history.quantities import QUANTITIES
+from warpwear.history.quantities import ONLY, QUANTITIES
 
 
 def markdown_table() -> str:
     """The table of all quantities for the documentation, in Markdown."""
-    limits = {
-        None: "",
-        "track": "runs over a track",
-        "half-space": "half-spaces",
-        "half-space track": "half-spaces over a track",
-        "patches": "runs with patches",
-        "dents": "tracks that keep their dents",
-        "film": "runs with a film",
-        "pieces": "wear in pieces",
-        "static area": "output.static_area_every",
-    }
     values = {"step": "step", "patch": "step and patch", "cell": "snapshot and cell", "snapshot": "snapshot"}
     values |= {"piece": "piece"}
     rows = ["| name | unit | one value for each | only in | meaning |", "|---|---|---|---|---|"]
-    rows += [
-        f"| `{q.name}` | {q.units} | {values[q.per]} | {limits[q.only]} | {q.meaning} |" for q in QUANTITIES
-    ]
+    for q in QUANTITIES:
+        limit = "" if q.only is None else ONLY[q.only][0]
+        rows.append(f"| `{q.name}` | {q.units} | {values[q.per]} | {limit} | {q.meaning} |")
     return "\n".join(rows).replace("^2", "²").replace("^3", "³") + "\n"
 
 

@@ -10,6 +10,7 @@ from warpwear.lazy import resolve
 from warpwear.results.evolution import SurfaceEvolution, surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.frames import to_dataframe, to_xarray
+from warpwear.results.report import record
 from warpwear.results.summary import summarise
 
 content, html = lazy.module("warpwear.page.content"), lazy.module("warpwear.page.html")
@@ -28,7 +29,7 @@ class Result(ResultFile):
     @cached_property
     def summary(self) -> dict[str, Any]:
         """What `summary.json` says: scar, depths, volumes, areas, residuals, conservation, assumptions."""
-        return summarise(self)
+        return record(summarise(self))
 
     @property
     def surface_evolution(self) -> SurfaceEvolution:

@@ -112,7 +112,7 @@ def test_a_run_and_an_experiment(runs: Path, measured: Path, tmp_path: Path, qui
     assert document["comparison"]["v3-fine"]["steps"] == history["distance"].size
     assert document["units"]["pressure_mean"] == "MPa"
     for words in (
-        "patch along, mm",
+        "scar, along sliding, mm",
         "CoF − sample 3 (rms)",
         "m and λ are of the coefficient",
         "from 'Distance [m]'",
@@ -166,7 +166,7 @@ def test_ends_that_are_inputs_are_told_and_notes_are_said_once(tmp_path: Path) -
         warpwear.run(loaded, out=tmp_path / name, plots=False).close()
     told = gather([tmp_path / name for name in names])
     text = to_text(told)
-    assert re.search(r"^CoF at the end +0\.55 +0\.55 +0\.55$", text, re.MULTILINE)
+    assert re.search(r"^coefficient of friction at the end +0\.55 +0\.55 +0\.55$", text, re.MULTILINE)
     assert re.search(r"^CoF that is an input +end +end +end$", text, re.MULTILINE)
     strengths = [run.summary["shear_strength_MPa"] for run in told.runs]
     assert len(set(strengths)) == 3
@@ -431,7 +431,7 @@ def test_runs_that_differ_in_a_seed_are_one_line_with_a_band(
         assert len(row["folders"].split("; ")) == 3
         assert 0.0 < float(row["rms_cof sample 3 [1]"]) < 1.0
     mean, scatter = np.mean(cofs["load 4 N"]), np.std(cofs["load 4 N"], ddof=1)
-    assert re.search(rf"CoF at the end +{mean:.4g} ± {scatter:.2g} ", done.output)
+    assert re.search(rf"coefficient of friction at the end +{mean:.4g} ± {scatter:.2g} ", done.output)
     document = json.loads((out / "comparison.json").read_text(encoding="utf-8"))
     assert document["groups"]["load 4 N"] == [f"load 4 N, seed {seed}" for seed in (1, 2, 3)]
     assert set(document["folders"]) == {run for group in document["groups"].values() for run in group}

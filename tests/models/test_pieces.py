@@ -25,7 +25,7 @@ from warpwear.laws.task import ContactTask
 from warpwear.models.track import pieces as track_pieces
 from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.pieces import OF_BODY, SlidingPieces
-from warpwear.results.summary_text import summary_text
+from warpwear.results.summary import summarise, summary_text
 from warpwear.study.surface import surface_in
 
 CELL = 0.005
@@ -444,7 +444,7 @@ def test_pieces_of_a_run_are_shown(tmp_path: Path) -> None:
     per_mm = result.history["pieces_disc"].sum() / 6.0
     assert told["disc"]["per_minute"] == pytest.approx(20.0 * per_mm)
     assert told["sphere"]["number"] == np.count_nonzero(result.pieces["body"] == 0.0)
-    told = summary_text(result.summary)
+    told = summary_text(summarise(result))
     assert (
         "diameter d* 20 µm and thickness t 0.6 µm of a piece, dust 0 %, start zero (nothing pending)" in told
     )

@@ -25,6 +25,7 @@ from warpwear.page.html import run_page
 from warpwear.page.limits import limits_of
 from warpwear.page.paper import to_latex
 from warpwear.page.plots import Coded, thinned
+from warpwear.results.summary import summarise
 
 MOST = 6e6  # bytes of a page
 PLAIN = {"grid.cell": "20 um", "sliding.distance": "10 mm", "output.snapshots": ["0.3 mm", "3 mm"]}
@@ -134,8 +135,8 @@ def test_every_assumption_says_what_it_would_change() -> None:
         assert {*assumed} <= {*EFFECTS}, preset
     study = Study.load("v3-fine").replace(PLAIN | {"disc.synthetic.fine_ra": "0.3 um"})
     with warpwear.run(study) as result:
-        rows = words_of(study, result.summary)["assumptions"]
-    assert {row["key"] for row in rows} == {*result.summary["assumptions"]}
+        rows = words_of(study, summarise(result))["assumptions"]
+        assert {row["key"] for row in rows} == {*result.summary["assumptions"]}
     assert [row["weight"] for row in rows] == sorted(row["weight"] for row in rows)
     assert rows[0]["key"] == "friction.shear_strength"
     assert rows[0]["weight"] is Weight.DECIDES
@@ -143,7 +144,7 @@ def test_every_assumption_says_what_it_would_change() -> None:
     hardness = next(row for row in rows if row["key"] == "contact.hardness")
     assert hardness["weight"] is Weight.LITTLE, "hardly a cell bears it after 10 mm"
     with warpwear.run(study.replace({"sliding.distance": "0 mm", "output.snapshots": []})) as result:
-        rows = words_of(result.study, result.summary)["assumptions"]
+        rows = words_of(result.study, summarise(result))["assumptions"]
     hardness = next(row for row in rows if row["key"] == "contact.hardness")
     assert hardness["weight"] is Weight.DECIDES, "all of a static contact bears it"
     assert "100 % of the contact" in hardness["effect"]
@@ -178,7 +179,7 @@ def test_what_is_an_input_is_marked() -> None:
         (given, "Not predicted", "not predicted"),
     ):
         with warpwear.run(study) as result:
-            words = words_of(result.study, result.summary)
+            words = words_of(result.study, summarise(result))
         assert words["answers"][-1]["given"].startswith(mark)
         assert sum(limit in sentence for sentence in words["limits"]) == 1
 

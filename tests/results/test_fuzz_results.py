@@ -22,7 +22,7 @@ from warpwear.results.export import FORMATS, export
 from warpwear.results.file import MAGIC
 from warpwear.results.report import to_json
 from warpwear.results.seal import seal
-from warpwear.results.summary_text import summary_text
+from warpwear.results.summary import summarise, summary_text
 
 #: Longest time of the processor on one file [s].
 LONGEST = 10.0
@@ -138,7 +138,7 @@ def use(folder: Path, dice: random.Random, out: Path) -> None:
         for snapshot in result.snapshots:
             repr(snapshot)
         to_json(result.summary)
-        summary_text(result.summary)
+        summary_text(summarise(result))
         assert result.surface_evolution.table
         result.to_dataframe()
         result.to_xarray()

@@ -12,7 +12,7 @@ from fuzzing import watched
 
 import warpwear
 from warpwear import InputError, Study, StudyWarning
-from warpwear.results.summary_text import summary_text
+from warpwear.results.summary import summarise, summary_text
 from warpwear.runs import console
 from warpwear.study.surface import surface_in
 
@@ -169,7 +169,7 @@ def test_a_coefficient_that_is_given_is_called_an_input() -> None:
         assert summary["cof_input"] == when
         area = result.history["area_contact"][-1 if when == "end" else 0]
         assert summary["shear_strength_MPa"] == pytest.approx(0.55 * 8.0 / area)
-        text = summary_text(summary)
+        text = summary_text(summarise(result))
         assert f"at {'the end' if when == 'end' else 'first'} (an input) 0.55" in text
         assert text.count("(an input)") == 1
         assert f"shear strength   {summary['shear_strength_MPa']:.3g} MPa, fitted to 0.55: give it as" in text
@@ -184,8 +184,8 @@ def test_a_coefficient_that_is_given_is_called_an_input() -> None:
     given = warpwear.run(study)
     assert given.summary["cof_input"] is None
     assert given.summary["shear_strength_MPa"] == 3.83
-    assert "3.83 MPa, as given" in summary_text(given.summary)
-    assert "an input" not in summary_text(given.summary)
+    assert "3.83 MPa, as given" in summary_text(summarise(given))
+    assert "an input" not in summary_text(summarise(given))
     assert "calibrated" not in given.plot.cof().axes[0].get_title()
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from warpwear.cli.options import DEVICE, PATH, THREADS
-from warpwear.cli.places import results, run_checkpoint, run_folder, runner, summary_text
+from warpwear.cli.places import results, run_checkpoint, run_folder, runner, summaries
 from warpwear.cli.study import CHANGES, STUDY, load_study
 from warpwear.version import __version__
 
@@ -83,6 +83,6 @@ def run(
             click.echo("the same command with --resume goes on from here", err=True)
         raise
     with result:
-        click.echo(summary_text.summary_text(result.summary))
+        click.echo(summaries.summary_text(summaries.summarise(result)))
     took = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in result.seconds.items() if seconds >= 0.05)
     click.echo(f"written to {folder}/" + (f" ({took})" if took else ""))

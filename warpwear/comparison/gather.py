@@ -2,37 +2,25 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from warpwear.comparison.groups import (
-    MOST_NAMES,
-    Group,
-    RunData,
-    folders_of,
-    grouped,
-    is_sweep,
-    listed,
-    unlike,
-)
+from warpwear.comparison.groups import Group, RunData, folders_of, grouped, is_sweep, unlike
+from warpwear.comparison.notes import notes_of
 from warpwear.comparison.scar import ScarComparison, ScarFiles, compare_scar
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.measured.course import Experiment, check_coverage, read_experiment
+from warpwear.history.quantities import BODIES
+from warpwear.measured.course import Experiment, read_experiment
 from warpwear.measured.options import optional
 from warpwear.result import Result
 from warpwear.results.summary import course, shape_of_growth
 from warpwear.results.track import groove, whole_steps
-from warpwear.study.study import Study
 
-BODIES = ("sphere", "disc")
-INTERRUPTED = "interrupted before the end."
-NO_COF = "no coefficient of friction: its end calibrates it."
-NO_SNAPSHOT = "no snapshot, so no profile."
-NO_FIELD = "no whole field, so no profile."
 #: Length along sliding over which profiles are averaged, as a part of the scar's.
 STRIP = 0.125
 #: Fewest points for the shape of a course.
@@ -86,55 +74,36 @@ def gather(
     a measured one to lay over those of the runs. Raises InputError.
     """
     check_number(folders, experiments, scar)
-    found, left_out = folders_of(folders)
-    check_number(found, experiments, scar)
-    for path, count in Counter(Path(p).resolve() for p in (*found, *experiments)).items():
+    run_folders, left_out = folders_of(folders)
+    check_number(run_folders, experiments, scar)
+    for path, count in Counter(Path(p).resolve() for p in (*run_folders, *experiments)).items():
         if count > 1:
             raise InputError(f"{path} is given {count} times; each run and experiment is expected once")
-    runs = [_read_run(folder) for folder in found]
-    read = [
-        read_experiment(
-            path,
-            speed=optional("--speed", speed, "mm/s") or _common([r.study.sliding.mean_speed for r in runs]),
-            stroke=optional("--stroke", stroke, "mm") or _common([r.study.sliding.stroke for r in runs]),
-            load=_common([r.study.contact.load for r in runs]),
-            columns=columns,
-        )
-        for path in experiments
-    ]
-    groups = grouped(runs, band_over)
+    groups = grouped([_read_run(folder) for folder in run_folders], band_over)
     runs = [run for group in groups for run in group.runs]
-    files = [Path(path) for path in experiments]
-    stems = Counter(path.stem for path in files)
-    labels = [path.name if stems[path.stem] > 1 else path.stem for path in files]
-    named = unlike(labels, [group.name for group in groups], of=" (experiment)")
-    measured = [replace(e, name=name) for name, e in zip(named, read, strict=True)]
-    notes = left_out + [f"{e.name}: {warning}" for e in measured for warning in e.warnings]
-    notes += _differences(groups)
-    told = [(r.name, warning) for r in runs for warning in r.summary["warnings"]]
-    notes += _together([(r.name, INTERRUPTED) for r in runs if not r.summary["finished"]], runs)
-    notes += _together(told, runs)
-    if inputs := [r.name for r in runs if r.study.friction.fitted == "end" and r.cof is not None]:
-        notes.append(
-            f"The CoF at the end of {listed(inputs, len(runs))} is an input (friction.calibrate = 'end'), "
-            "not a result: compare the shear strengths, or run all with one friction.shear_strength."
-        )
-    notes += _together([(r.name, NO_COF) for r in runs if r.cof is None], runs)
-    notes += _together(
-        [(r.name, NO_FIELD if r.study.samples_area else NO_SNAPSHOT) for r in runs if not r.wear], runs
+    measured = _read_experiments(
+        [Path(path) for path in experiments],
+        runs,
+        [group.name for group in groups],
+        speed=optional("--speed", speed, "mm/s") or _common(run.study.sliding.mean_speed for run in runs),
+        stroke=optional("--stroke", stroke, "mm") or _common(run.study.sliding.stroke for run in runs),
+        columns=columns,
     )
-    for e in measured:
-        notes += [f"{e.name}: {note}" for note in (*e.notes, *_lengths(e, runs), *_gaps(e, runs))]
     beside = None if scar is None else compare_scar(scar, runs)
-    return Comparison(tuple(groups), tuple(measured), tuple(notes), beside)
+    return Comparison(tuple(groups), measured, (*left_out, *notes_of(groups, runs, measured)), beside)
 
 
-def _together(told: Sequence[tuple[str, str]], runs: Sequence[RunData]) -> list[str]:
-    """Make one note of the runs of which the same is told. told: name of a run and what is told of it."""
-    names: dict[str, list[str]] = {}
-    for name, sentence in told:
-        names.setdefault(sentence, []).append(name)
-    return [f"{listed(of, len(runs))}: {sentence}" for sentence, of in names.items()]
+def _read_experiments(
+    paths: Sequence[Path], runs: Sequence[RunData], names: Sequence[str], **options: Any
+) -> tuple[Experiment, ...]:
+    """Read measured courses of friction, each named by its file, unlike the names of groups of runs."""
+    load = _common(run.study.contact.load for run in runs)
+    courses = [read_experiment(path, load=load, **options) for path in paths]
+    stems = Counter(path.stem for path in paths)
+    labels = unlike(
+        [path.name if stems[path.stem] > 1 else path.stem for path in paths], names, of=" (experiment)"
+    )
+    return tuple(replace(course, name=name) for name, course in zip(labels, courses, strict=True))
 
 
 def check_number(
@@ -194,10 +163,10 @@ def _shape(distance: FloatArray, cof: FloatArray) -> dict[str, float]:
     late = distance >= 0.5 * distance[-1]
     if distance.size < FEWEST or late.sum() < 3 or np.any(cof[late] <= 0.0):
         return {}
-    found = shape_of_growth(distance, cof)
+    shape = shape_of_growth(distance, cof)
     if distance[0] > LATEST_START * distance[-1]:
-        del found["levelling_lambda"]
-    return {k: v for k, v in found.items() if math.isfinite(v)}
+        del shape["levelling_lambda"]
+    return {name: value for name, value in shape.items() if math.isfinite(value)}
 
 
 def _read_run(folder: Path) -> RunData:
@@ -221,71 +190,7 @@ def _read_run(folder: Path) -> RunData:
         return RunData(study.study.name, folder, study, history, summary, cof, result.y, wear)
 
 
-def _common(values: Sequence[float | None]) -> float | None:
+def _common(values: Iterable[float | None]) -> float | None:
     """Find the value that all of them have; None where they differ."""
-    return values[0] if len(set(values)) == 1 else None
-
-
-def _of_patches(value_of: Callable[[Study], float | str]) -> Callable[[Study], float | str | None]:
-    """Make what finds a value of a study, or None where it has no patches."""
-    return lambda study: value_of(study) if study.study.model == "two-scale" else None
-
-
-#: What makes two runs unlike tests -> unit and value; None where a run has no such thing.
-CONDITIONS: dict[str, tuple[str, Callable[[Study], float | str | None]]] = {
-    "model": ("", lambda s: s.study.model),
-    "kinematics": ("", lambda s: s.sliding.kinematics),
-    "contact.law": ("", lambda s: s.contact.law),
-    "patches.macro_cell": ("µm", _of_patches(lambda s: 1.0e3 * s.patches.macro_cell)),
-    "patches.width": ("µm", _of_patches(lambda s: 1.0e3 * s.patches.patch_width)),
-    "patches.coupling": ("", _of_patches(lambda s: s.patches.coupling)),
-    "patches.bulk": ("", _of_patches(lambda s: s.patches.bulk)),
-    "contact.boundary": ("", lambda s: s.boundary if s.contact.law == "half-space" else None),
-    "sliding.plastic": ("", lambda s: s.sliding.plastic if s.is_swept else None),
-    "length of the track": ("mm", lambda s: s.lap if s.is_swept else None),
-    "load": ("N", lambda s: s.contact.load),
-    "sliding distance": ("mm", lambda s: s.sliding.total),
-    "wear coefficient of the sphere": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[0]),
-    "wear coefficient of the disc": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[1]),
-    "sphere's curvature": ("1/mm", lambda s: s.sphere.curvature),
-    "law of wear": ("", lambda s: s.wear.law),
-    "area that shears": ("", lambda s: s.friction.area),
-}
-
-
-def _lengths(experiment: Experiment, runs: list[RunData]) -> list[str]:
-    """Say whether it is far shorter or longer than every run, as in a wrong unit."""
-    whole, totals = float(experiment.distance[-1]), [float(run.summary["distance_mm"]) for run in runs]
-    if not totals or any(0.5 * total <= whole <= 2.0 * total for total in totals):
-        return []
-    lengths = list(dict.fromkeys(f"{total:.4g}" for total in totals))
-    told = f"the {'run' if len(runs) == 1 else 'runs'} {', '.join(lengths)} mm"
-    if experiment.cycles is not None:  # the whole is not known: a point stands for a cycle
-        return [f"The middle of its last cycle is at {whole:.4g} mm, {told} long."]
-    return [f"It is {whole:.4g} mm long, {told}."]
-
-
-def _gaps(experiment: Experiment, runs: list[RunData]) -> list[str]:
-    """Say what is to be said of its gaps, over the distance that it shares with any run."""
-    known = [run.history["distance"] for run in runs if run.cof is not None]
-    start = max(min((float(d[0]) for d in known), default=0.0), float(experiment.distance[0]))
-    end = min(max((float(d[-1]) for d in known), default=0.0), float(experiment.distance[-1]))
-    return check_coverage(experiment, start, end) if end > start else []
-
-
-def _differences(groups: Sequence[Group]) -> list[str]:
-    """List conditions in which groups differ: they are then unlike tests."""
-    found = []
-    for what, (unit, value_of) in CONDITIONS.items():
-        shown: dict[str, str] = {}
-        for group in groups:
-            values = [value for run in group.runs if (value := value_of(run.study)) is not None]
-            if values:
-                told = dict.fromkeys(v if isinstance(v, str) else f"{v:.6g} {unit}" for v in values)
-                shown[group.name] = ", ".join(told)
-        if len(set(shown.values())) > 1:
-            told_of = [f"{name} {text}".rstrip() for name, text in shown.items()]
-            if len(told_of) > MOST_NAMES:
-                told_of = list(dict.fromkeys(shown.values()))
-            found.append(f"Unlike tests: the runs differ in {what} ({', '.join(told_of)}).")
-    return found
+    first, *others = dict.fromkeys(values) or [None]
+    return None if others else first

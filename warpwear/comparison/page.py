@@ -19,7 +19,8 @@ from warpwear.comparison.area_load import STYLES, has_loads, loads_of, series_of
 from warpwear.comparison.gather import BODIES, Comparison
 from warpwear.comparison.groups import Course, RunData, differing, listed
 from warpwear.comparison.scar import ScarComparison, answers_of
-from warpwear.comparison.table import BANDS, PASSES, Value, columns, has_bands
+from warpwear.comparison.table import BANDS, PASSES, columns, has_bands
+from warpwear.history.end_values import ENDS, Value
 from warpwear.page.html import page_of
 from warpwear.page.limits import limits_of
 from warpwear.page.parts import Chart, Coded, Line, Map, Section, banded, overlaid, thinned
@@ -29,15 +30,10 @@ from warpwear.study.text import readable
 from warpwear.version import __version__
 
 #: What answers a comparison: name of a quantity, what to call it, its unit, and the factor to that.
-ANSWERS = (
-    ("patch_along", "scar, along", "mm", 1.0),
-    ("patch_across", "scar, across", "mm", 1.0),
-    ("area_contact", "area in contact", "mm²", 1.0),
-    ("pressure_mean", "mean pressure", "MPa", 1.0),
-    ("volume_sphere", "worn, sphere", "10⁻³ mm³", 1.0e3),
-    ("volume_disc", "worn, disc", "10⁻³ mm³", 1.0e3),
-    ("cof", "coefficient of friction", "", 1.0),
-    ("shear_strength", "shear strength", "MPa", 1.0),
+ANSWERS = tuple(
+    (name, ENDS[name].label, ENDS[name].unit, ENDS[name].factor)
+    for name in ("patch_along", "patch_across", "area_contact", "pressure_mean")
+    + ("volume_sphere", "volume_disc", "cof", "shear_strength")
 )
 #: More groups than this are rows of what differs, not columns; values of a key listed for a group.
 BESIDE, LISTED = 4, 4

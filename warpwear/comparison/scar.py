@@ -220,7 +220,7 @@ def record_of(scar: ScarComparison) -> dict[str, Any]:
     }
 
 
-def told(scar: ScarComparison) -> list[str]:
+def lines_of(scar: ScarComparison) -> list[str]:
     """Write the lines of a comparison's text about a scar."""
     computed = [(c.name, _rows_computed(scar, c)) for c in scar.computed]
     text = ["the scar measured", *lines(_rows_measured(scar))]

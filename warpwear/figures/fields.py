@@ -96,7 +96,7 @@ def pressure_3d(data: FigureData) -> Figure:
     scale = pressure_scale([field for field, _ in fields], means, "pressure, MPa")
     boxes = []
     for index, (pressure, blocks) in zip(indices, fields, strict=True):
-        side = blocks * data.window.factor * data.about.cell
+        side = blocks * data.window.factor * data.study.grid.cell
         when = after(data.snapshot(index).distance)
         towers = Towers(pressure, (data.window.extent[0], data.window.extent[2]), side, scale)
         note = f"{when}\nload over area, {1e3 * side:.3g} µm squares"
@@ -148,22 +148,25 @@ def _of_states(
 
 def hertz(data: FigureData) -> Figure:
     """Pressure along the sliding direction through the middle, beside Hertz's of the unworn bodies."""
-    theory, places = data.hertz, data.middle.places
+    theory, places, row = data.study.hertz, data.result.x, data.result.y.size // 2
     assert theory is not None  # or the figure is left out
     r = np.linspace(0.0, theory.radius, 200)
     both = np.concatenate([-r[::-1], r])
     unworn = Line(both, theory.pressure(np.abs(both)), "Hertz, unworn bodies", Look(NEUTRAL, "dash"))
     panels = []
-    for distance, values in data.middle.pressures:
+    for index in (data.indices[0], data.indices[-1]):
+        snapshot = data.snapshot(index)
+        values = np.array(snapshot.pressure[:, row])
         seen = np.flatnonzero(values > 0.0)
         seen = np.arange(max(seen[0] - 1, 0), min(seen[-1] + 2, values.size))
         worn = Line(places[seen], values[seen], "elastic foundation", Look(MEAN_PRESSURE), step="mid")
         half = MARGIN * max(theory.radius, float(np.abs(places[seen]).max()))
         pressure = Axis("pressure, MPa", low=0.0)
         if panels:
-            ends = 0.3 * data.middle.median, 2.0 * theory.peak_pressure
+            median = float(np.median(snapshot.pressure[snapshot.pressure > 0.0]))
+            ends = 0.3 * median, 2.0 * theory.peak_pressure
             pressure = Axis("pressure, MPa", "log", *ends)
-        when = after(distance)
+        when = after(snapshot.distance)
         panels.append(Chart(when, Axis(ALONG, low=-half, high=half, ticks=5), pressure, [unworn, worn], when))
     return Figure(panels, legend=2)
 

@@ -48,18 +48,18 @@ def setup(data: FigureData) -> Figure:
     Only the sphere's far half is drawn, so that the disc below it is seen; the disc is shown as far as it is
     computed.
     """
-    about = data.about
+    study, curvature = data.study, data.study.sphere.curvature
     disc, window = 1e3 * data.relief[0], data.relief[1]
     x0, x1, y0, y1 = window.extent
     x, y = np.linspace(x0, x1, 61), np.linspace(0.5 * (y0 + y1), y1, 31)
     approach = float(data.history["approach"][0])
-    sphere = 1e3 * (sag_or_nan(x, y, about.curvature) - approach)
+    sphere = 1e3 * (sag_or_nan(x, y, curvature) - approach)
     low, top, high = float(np.nanmin(disc)), float(np.nanmax(disc)), float(np.nanmax(sphere))
     middle, half = 0.5 * (x0 + x1), 0.5 * ARROW * (x1 - x0)
-    shape = f"sphere, R = {1.0 / about.curvature:.3g} mm," if about.curvature else "rigid flat"
+    shape = f"sphere, R = {1.0 / curvature:.3g} mm," if curvature else "rigid flat"
     note = (
-        f"{shape} on the disc; domain {about.extent:.4g} mm wide\n"
-        f"{about.load:.3g} N; heights drawn {{larger}} times as large"
+        f"{shape} on the disc; domain {study.grid.extent:.4g} mm wide\n"
+        f"{study.contact.load:.3g} N; heights drawn {{larger}} times as large"
     )
     parts = (
         Surface(disc, DISC, low, top),
@@ -80,7 +80,7 @@ def wear_map(data: FigureData) -> Figure:
     maps = []
     for body, depth in depths.items():
         high = deepest[body] if unlike else max(deepest.values())
-        scale, name = Scale("wear depth, µm", 0.0, high or 1.0, colours="depths"), data.about.name_of(body)
+        scale, name = Scale("wear depth, µm", 0.0, high or 1.0, colours="depths"), data.name_of(body)
         maps.append(
             Map(f"Wear of the {name}", [positive(depth)], data.window.extent, scale, [f"{name} {when}{own}"])
         )
@@ -123,7 +123,7 @@ def _maps(data: FigureData, body: str) -> Figure:
         del bodies[2]
     labels = ["unworn", *(after(distance) for distance, _ in bodies)]
     fields = [1e3 * _unworn(data, body), *(1e3 * getattr(worn, body) for _, worn in bodies)]
-    name = data.about.name_of(body)
+    name = data.name_of(body)
     is_sphere = name == "sphere"
     # A sphere's flank at the corners would take half of the colours.
     seen = [field[:, field.shape[1] // 2] for field in fields] if is_sphere else fields
@@ -141,7 +141,7 @@ def _surfaces(data: FigureData, body: str) -> Figure:
     last, extent = data.bodies[-1], data.window.extent
     states = {"unworn": _unworn(data, body), after(data.distances[-1]): getattr(last, body)}
     states = {state: 1e3 * coarsen(field, RELIEF)[0] for state, field in states.items()}
-    name, turned = data.about.name_of(body), ", turned over" if body == "sphere" else ""
+    name, turned = data.name_of(body), ", turned over" if body == "sphere" else ""
     is_sphere = name == "sphere"
     worn = coarsen((getattr(last, f"wear_{body}") > 0.0).astype(float), RELIEF)[0] if is_sphere else None
     # A cap's corners do not set the scale.
@@ -195,7 +195,7 @@ def _section(title: str, label: str, heights: Axis, lines: list[Line], before: l
 def profiles(data: FigureData) -> Figure:
     """Both bodies along and across the sliding direction through the middle, in contact, at the end."""
     last = data.views[-1]
-    approach, slider = float(data.history["approach"][last.row]), data.about.slider
+    approach, slider = float(data.history["approach"][last.row]), data.slider
     cuts = [getattr(last, name) for name, *_ in CUTS]
     worn = any(lost.any() for cut in cuts for lost in (cut.wear_sphere, cut.wear_disc))
     ends = [_seen(cut, approach) for cut in cuts]
@@ -227,7 +227,7 @@ def _seen(cut: Profile, approach: float) -> tuple[float, float]:
 def turned_bodies(data: FigureData) -> Figure:
     """Both bodies at the end and before, which a page's reader turns by hand."""
     last, window = data.bodies_at(data.indices[-1], most=TURNED), data.window_of(TURNED)
-    slider, side = data.about.slider, 1e3 * window.factor * data.about.cell
+    slider, side = data.slider, 1e3 * window.factor * data.study.grid.cell
     heights = {
         "disc, worn": last.disc,
         "disc, before": last.disc + last.wear_disc,

@@ -40,7 +40,7 @@ PARAMETERS: dict[str, tuple[str, Look]] = {
 
 def roughness(data: FigureData) -> Figure:
     """Height parameters of the disc in the middle of the scar, its bowl taken off, over the distance slid."""
-    table = data.roughness
+    table = data.evolution.table
     return of_parameters("scar", over_distance(table["distance"]), table["distance"], table)
 
 
@@ -56,12 +56,12 @@ def texture(data: FigureData) -> Figure:
 
     A disc's Sq is over that of the same cells before wear, times that of the last ones.
     """
-    table = data.roughness
+    table = data.evolution.table
     heights: list[Line] = []
     slopes: list[Line] = []
     for body, look in (("sphere", Look(SPHERE, marker="o")), ("disc", Look(DISC, marker="s"))):
         slid, sq, fit = data.settling[body]
-        name, is_fitted = data.about.name_of(body), not isinstance(fit, str)
+        name, is_fitted = data.name_of(body), not isinstance(fit, str)
         dots = Look(look.colour, "", marker=look.marker) if is_fitted else look
         heights.append(Line(slid, sq, name, dots, clipped=False))
         if not isinstance(fit, str):  # the fit is the line
@@ -97,7 +97,7 @@ def spectrum(data: FigureData) -> Figure:
                 Line(np.zeros(0), np.zeros(0), after(distance), look)
                 for (distance, _), look in zip(states, greys, strict=True)
             ]
-        name = data.about.name_of(body)
+        name = data.name_of(body)
         panels.append(Chart(name, Axis("wavelength, µm", "log", inverted=True), density, lines, name))
     return Figure(panels, legend=4, shared="y")
 

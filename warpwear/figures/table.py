@@ -90,7 +90,7 @@ FIGURES: dict[str, Entry] = {
     ),
     "pressure_map": Entry(
         fields.pressure_map,
-        "Pressure of the cells in contact {shown}, all on one scale; above each its mean and standard "
+        "Pressure of the cells in contact {when}, all on one scale; above each its mean and standard "
         "deviation over these cells.{blocks}",
         _FIELD,
         essential=True,
@@ -103,19 +103,19 @@ FIGURES: dict[str, Entry] = {
     ),
     "pressure_profiles": Entry(
         fields.pressure_profiles,
-        "Pressure along and across sliding in a strip through the middle {shown}, means that include "
+        "Pressure along and across sliding in a strip through the middle {when}, means that include "
         "cells without contact.",
         _FIELD,
     ),
     "contact_map": Entry(
         fields.contact_map,
-        "State of the cells {shown}; above each the area in contact.{blocks}",
+        "State of the cells {when}; above each the area in contact.{blocks}",
         _FIELD,
         essential=True,
     ),
     "bare_map": Entry(
         fields.bare_map,
-        "Where the film is gone {shown}; above each the bare part of the area in contact.{blocks}",
+        "Where the film is gone {when}; above each the bare part of the area in contact.{blocks}",
         (words.NO_FILM, *_FIELD),
         essential=True,
     ),
@@ -139,14 +139,14 @@ FIGURES: dict[str, Entry] = {
         shape.sphere_3d, "The {slider}, turned over, unworn and {end}; pale where it is worn.", _SPHERE
     ),
     "sphere_profiles": Entry(
-        shape.sphere_profiles, "Sections of the {slider} through the middle, unworn and {shown}.", _SPHERE
+        shape.sphere_profiles, "Sections of the {slider} through the middle, unworn and {when}.", _SPHERE
     ),
     "disc_map": Entry(
         shape.disc_map, "Height of the disc, unworn and at distances slid, on one scale.", _DISC
     ),
     "disc_3d": Entry(shape.disc_3d, "The disc, unworn and {end}.", _DISC),
     "disc_profiles": Entry(
-        shape.disc_profiles, "Sections of the disc through the middle, unworn and {shown}.", _DISC
+        shape.disc_profiles, "Sections of the disc through the middle, unworn and {when}.", _DISC
     ),
     "profiles": Entry(
         shape.profiles,
@@ -169,18 +169,18 @@ FIGURES: dict[str, Entry] = {
     ),
     "spectrum": Entry(
         snapshots.spectrum,
-        "Power spectral density of both bodies in the inner scar {shown}.",
+        "Power spectral density of both bodies in the inner scar {when}.",
         (words.NO_SNAPSHOT, words.UNWORN, words.SMOOTH, words.NO_SPECTRUM),
     ),
     "islands": Entry(
         snapshots.islands,
         "Number of islands of contact over the sliding distance, and of those at least as large as an "
-        "area {shown}; islands of one cell are limits of the mesh.",
+        "area {when}; islands of one cell are limits of the mesh.",
         (words.SMOOTH_DISC, words.ONE_SNAPSHOT, words.ONLY_SAMPLES),
     ),
     "junctions": Entry(
         snapshots.junctions,
-        "Share of the area in contact that lies in islands larger than a diameter {shown}.{critical}",
+        "Share of the area in contact that lies in islands larger than a diameter {when}.{critical}",
         (words.SMOOTH_DISC, words.NO_JUNCTIONS, *_FIELD),
     ),
     "pieces": Entry(
@@ -190,7 +190,7 @@ FIGURES: dict[str, Entry] = {
         essential=True,
     ),
     "load_share": Entry(
-        fields.load_share, "Load of each patch over its area {shown}{smooth}.", _PATCHES, essential=True
+        fields.load_share, "Load of each patch over its area {when}{smooth}.", _PATCHES, essential=True
     ),
     "patch_zoom": Entry(
         fields.patch_zoom,
@@ -211,7 +211,7 @@ FIGURES: dict[str, Entry] = {
     ),
     "groove": Entry(
         track.groove,
-        "Mean cross-section of the groove {shown}, and its mean depth along the track {end}.",
+        "Mean cross-section of the groove {when}, and its mean depth along the track {end}.",
         _GROOVE,
         essential=True,
     ),
@@ -257,6 +257,7 @@ class Plotter:
 
     def __init__(self, result: ResultFile) -> None:
         self.data = FigureData(result)
+        self._declared: dict[str, describe.Figure] = {}
 
     def __getattr__(self, name: str) -> Callable[..., "Figure"]:
         if name not in FIGURES:
@@ -281,8 +282,10 @@ class Plotter:
         reason = self.reason(name)
         if reason is not None:
             raise InputError(f"there is no figure '{name}': {reason}")
-        with self.data:
-            return FIGURES[name].declare(self.data)
+        if name not in self._declared:
+            with self.data:
+                self._declared[name] = FIGURES[name].declare(self.data)
+        return self._declared[name]
 
     def reason(self, name: str) -> str | None:
         """Say in a sentence why the run has no such figure; None if it has. Unknown names: InputError."""

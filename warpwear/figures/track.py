@@ -23,27 +23,31 @@ from warpwear.figures.describe import (
     in_time,
     shade,
 )
-from warpwear.figures.history import COF
+from warpwear.figures.history import axis_of
 from warpwear.figures.snapshots import of_parameters
 from warpwear.figures.view import positive
+from warpwear.history.quantities import BY_NAME
+from warpwear.results import track as results
 
 #: Passes in one figure.
 SHOWN = 4
+#: Bins along a track, and most blocks of its map.
+BINS, BLOCKS = 200, 600
 CHANGE = "change of height, µm"
 
 
 def groove(data: FigureData) -> Figure:
     """Mean cross-section of the groove at the snapshots; its mean depth along the track at the end."""
-    sections = data.grooves
+    sections = [results.groove(data.result, index) for index in data.indices]
     last = sections[-1]
-    reach = float(np.abs(last.y[last.depth > 0.0]).max(initial=2.0 * data.about.cell)) * 1.15
+    reach = float(np.abs(last.y[last.depth > 0.0]).max(initial=2.0 * data.study.grid.cell)) * 1.15
     across: list[Line | Level] = [
         Line(section.y, -1e3 * section.depth, after(section.distance), look)
         for section, look in zip(sections, in_time(DISC, len(sections)), strict=True)
     ]
     if last.displaced.any():
         across.append(Line(last.y, -1e3 * last.worn, "of which worn", Look(NEUTRAL, width=0.8)))
-    places, depths = data.depth_along
+    places, depths = results.depth_along(data.result, data.indices[-1], BINS)
     mean = Look(NOMINAL, "dash", 0.8)
     along: list[Line | Level] = [
         Line(places, -1e3 * depths, look=Look(shade(DISC, 1.0), width=0.9)),
@@ -64,7 +68,8 @@ def groove(data: FigureData) -> Figure:
 
 def track_map(data: FigureData) -> Figure:
     """The whole track at the end: its heights, and what is gone of them; x and y not to one scale."""
-    track, when = data.track, f"track {after(data.distances[-1])}"
+    track = results.blocks(data.result, data.indices[-1], BLOCKS)
+    when = f"track {after(data.distances[-1])}"
     heights, loss = 1e3 * track.heights, positive(1e3 * track.loss)
     ends = [
         np.percentile(of[np.isfinite(of)], (0.1, 99.9)) if np.isfinite(of).any() else (0.0, 1.0)
@@ -91,7 +96,7 @@ def track_map(data: FigureData) -> Figure:
 
 def wear_per_pass(data: FigureData) -> Figure:
     """Mean depth that each pass adds to the groove, by wear and by plastic flow."""
-    table, stroke = data.passes, data.about.lap
+    table, stroke = results.by_pass(data.result, "patch_across"), data.study.lap
     assert stroke is not None  # or the figure is left out
     whole = table["distance"] > 0.99 * stroke
     if not whole.any():
@@ -112,7 +117,7 @@ def wear_per_pass(data: FigureData) -> Figure:
 
 def cof_stroke(data: FigureData) -> Figure:
     """Coefficient of friction over the position in the stroke, for some passes."""
-    course, stroke = data.course, data.about.lap
+    course, stroke = data.course, data.study.lap
     assert stroke is not None  # or the figure is left out
     number = np.maximum(np.ceil(course["distance"] / stroke - 1e-9).astype(int), 1)
     passes = np.unique(number)
@@ -121,11 +126,11 @@ def cof_stroke(data: FigureData) -> Figure:
     for count, look in zip(numbers, in_time(NEUTRAL, numbers.size), strict=True):
         inside = number == count
         lines.append(Line(course["position"][inside], course["cof"][inside], f"pass {count}", look))
-    axes = Axis("position along the track, mm"), Axis(COF, low=0.0)
+    axes = Axis("position along the track, mm"), axis_of(BY_NAME["cof"])
     return Figure([Chart("Friction along the stroke", *axes, lines)], legend=4)
 
 
 def track_roughness(data: FigureData) -> Figure:
     """Height parameters of the disc in the middle of the groove over the passes."""
-    table = data.track_roughness
+    table = results.roughness_in_track(data.result)
     return of_parameters("groove", Axis("passes, –", "unworn"), table["passes"], table)

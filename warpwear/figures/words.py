@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from warpwear.figures.data import FigureData
-from warpwear.figures.view import PASSES, last_at_hardness
+from warpwear.figures.history import PASSES
+from warpwear.figures.view import last_at_hardness
 
 #: Pressures whose largest is less than this many times the mean are nearly the same.
 EVEN = 1.1
@@ -60,7 +61,7 @@ SMOOTH = Reason(
     lambda d: _is_smooth(d) and not d.study.wear.sheds, "smooth bodies that lose no pieces have no roughness"
 )
 NO_TEXTURE = Reason(
-    lambda d: not any(np.isfinite(d.roughness[f"sq_{body}"]).any() for body in ("sphere", "disc")),
+    lambda d: not any(np.isfinite(d.evolution.table[f"sq_{body}"]).any() for body in ("sphere", "disc")),
     "the scar has too few cells to tell its roughness",
 )
 NO_SPECTRUM = Reason(
@@ -120,9 +121,9 @@ class Fields:
         return FIELDS[name](self._data)
 
 
-def law_told(data: FigureData) -> str:
+def law_of(data: FigureData) -> str:
     """Say in a sentence by which law of contact a run found its pressures, with hardness, load and cells."""
-    study, about = data.study, data.about
+    study = data.study
     if study.contact.law == "half-space":
         law = "Elastic half-space"
     elif study.study.model == "macro":
@@ -131,14 +132,14 @@ def law_told(data: FigureData) -> str:
         law = "Local law, cell by cell"
     patches = ", patches that share the load" if study.study.model == "two-scale" else ""
     cap = f", hardness {study.hardness:.3g} MPa" if np.isfinite(study.hardness) else ""
-    return f"{law}{patches}{cap}; load {about.load:.3g} N; cells of {1e3 * about.cell:.3g} µm."
+    return f"{law}{patches}{cap}; load {study.contact.load:.3g} N; cells of {1e3 * study.grid.cell:.3g} µm."
 
 
-def _shown(data: FigureData) -> str:
-    told = [f"{distance:.4g}" for distance in data.distances]
-    if told == ["0"]:
+def _when(data: FigureData) -> str:
+    texts = [f"{distance:.4g}" for distance in data.distances]
+    if texts == ["0"]:
         return "without sliding"
-    return f"after {', '.join(told[:-1])}{' and ' if len(told) > 1 else ''}{told[-1]} mm"
+    return f"after {', '.join(texts[:-1])}{' and ' if len(texts) > 1 else ''}{texts[-1]} mm"
 
 
 def _end(data: FigureData) -> str:
@@ -146,21 +147,21 @@ def _end(data: FigureData) -> str:
 
 
 def _friction(data: FigureData) -> str:
-    about = data.about
+    friction = data.study.friction
     area = {"contact": "in contact", "cumulative": "of a running sum of contacts"}
-    sheared = f"The area {area.get(about.friction_area, about.friction_area)} shears"
-    if about.fitted_cof is None:
-        return f"{sheared}; {about.shear}."
-    place = "end" if about.fitted_cof.at_end else "start"
+    sheared = f"The area {area.get(friction.area, friction.area)} shears"
+    if friction.shear_strength is not None:
+        return f"{sheared}; {data.shear}."
+    place = "end" if friction.calibrate == "end" else "start"
     return (
-        f"{sheared}; its shear strength is {about.shear}, so that the value at the {place} (circle) is an "
+        f"{sheared}; its shear strength is {data.shear}, so that the value at the {place} (circle) is an "
         "input and only the course is a result."
     )
 
 
 def _passes(data: FigureData) -> str:
     """Say what thin and bold lines are, where there are both."""
-    lap, slid = data.about.lap, float(data.course["distance"][-1])
+    lap, slid = data.study.lap, float(data.course["distance"][-1])
     if lap is None or int(slid / lap + 1e-9) < PASSES:
         return ""
     return " Thin: steps; bold: from the middle of the first pass on the mean of each pass."
@@ -212,8 +213,8 @@ def _smooth(data: FigureData) -> str:
 
 #: Field of a caption -> what it says of a run.
 FIELDS: dict[str, Callable[[FigureData], str]] = {
-    "slider": lambda d: d.about.slider,
-    "shown": _shown,
+    "slider": lambda d: d.slider,
+    "when": _when,
     "end": _end,
     "friction": _friction,
     "passes": _passes,
@@ -221,5 +222,5 @@ FIELDS: dict[str, Callable[[FigureData], str]] = {
     "blocks": _blocks,
     "critical": _critical,
     "smooth": _smooth,
-    "law": law_told,
+    "law": law_of,
 }

@@ -1,55 +1,159 @@
-"""Every quantity of a result, declared once: its name, unit, meaning, and what it has a value for.
+"""Every quantity of a result, declared once: its name, unit, meaning, what has a value of it and its looks.
 
 The columns of the history, the fields of a snapshot, the tables of patches and of roughness, the headers of
-CSV files, the attributes in HDF5 files, `Result.units` and the table in the documentation follow from this.
+CSV files, the attributes in HDF5 files, `Result.units`, the axes of figures and the table of the docs
+follow from this.
 """
 
-from collections.abc import Iterator
+import re
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
+from warpwear.grid import FloatArray
 from warpwear.study.study import Study
 
 #: What a quantity has one value for: a step; a step and patch; a cell of a snapshot; a snapshot; a piece.
 Per = Literal["step", "patch", "cell", "snapshot", "piece"]
-#: Runs that a quantity is limited to: over a track, on the half-space, both, with patches, over a track that
-#: keeps its dents, with a film, of bodies that wear in pieces, with contacts that are also solved without
-#: wear.
-Only = Literal["track", "half-space", "half-space track", "patches", "dents", "film", "pieces", "static area"]
+#: Runs that a quantity may be limited to: name -> what they are called, and whether a study makes one.
+ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
+    "track": ("runs over a track", lambda study: study.is_swept),
+    "half-space": ("half-spaces", lambda study: study.contact.law == "half-space"),
+    "half-space track": (
+        "half-spaces over a track",
+        lambda study: study.is_swept and study.contact.law == "half-space",
+    ),
+    "patches": ("runs with patches", lambda study: study.study.model == "two-scale"),
+    "dents": (
+        "tracks that keep their dents",
+        lambda study: study.is_swept and study.sliding.plastic == "keep",
+    ),
+    "film": ("runs with a film", lambda study: study.film is not None),
+    "pieces": ("wear in pieces", lambda study: study.wear.sheds),
+    "static area": ("output.static_area_every", lambda study: study.static_area_every > 0),
+}
+#: Both bodies, in the order in which they are numbered.
+BODIES = ("sphere", "disc")
 
 
 @dataclass(frozen=True)
 class Quantity:
     """One quantity of a result.
 
-    booked: whether the step itself says it, so that checkpoints keep it; if not, it follows from the whole
-    history at the end of a run.
+    only: a name of `ONLY`, None where all runs have it. booked: whether the step itself says it, so that
+    checkpoints keep it; if not, it follows from the whole history at the end of a run.
+
+    Where people see it: label names it alone, short beside others of its family, whose name stands at the
+    axis. Its values times factor are in shown_unit. log: whether an axis of values over decades is
+    logarithmic. colour: a name of `warpwear.figures.style`; dash: how its line is drawn.
+    entry: keys of its end value in a run's summary, with dots between them.
     """
 
     name: str
     units: str
     meaning: str
     per: Per = "step"
-    only: Only | None = None
+    only: str | None = None
     booked: bool = True
+    label: str = ""
+    family: str = ""
+    short: str = ""
+    factor: float = 1.0
+    shown_unit: str = ""
+    log: bool = False
+    colour: str = "NEUTRAL"
+    dash: str = "solid"
+    entry: str = ""
 
     def applies_to(self, study: Study) -> bool:
         """Whether a run of the study has it."""
-        return {
-            None: True,
-            "track": study.is_swept,
-            "half-space": study.contact.law == "half-space",
-            "half-space track": study.is_swept and study.contact.law == "half-space",
-            "patches": study.study.model == "two-scale",
-            "pieces": study.wear.sheds,
-            "static area": study.static_area_every > 0,
-            "dents": study.is_swept and study.sliding.plastic == "keep",
-            "film": study.film is not None,
-        }[self.only]
+        return self.only is None or ONLY[self.only][1](study)
+
+    @property
+    def unit(self) -> str:
+        """The unit that people see; empty for a number without one."""
+        return self.shown_unit or printed(self.units)
+
+    @property
+    def axis(self) -> str:
+        """Text of an axis: the label with its unit."""
+        return axis(self.label or self.meaning, self.unit)
+
+    @property
+    def family_axis(self) -> str:
+        """Text of an axis that it shares with the others of its family."""
+        return axis(self.family or self.label, self.unit)
+
+    def scaled(self, values: FloatArray) -> FloatArray:
+        """Values in the unit that people see."""
+        return self.factor * values
 
 
-def _per(per: Per, *declared: tuple[str, str, str], only: Only | None = None) -> Iterator[Quantity]:
-    return (Quantity(name, units, meaning, per, only) for name, units, meaning in declared)
+def printed(text: str) -> str:
+    """Write units as people do: µm for um, mm² for mm^2, and nothing for 1, the unit of a number."""
+    text = text.replace("mm^3/N/m", "mm³/(N·m)").replace("^2", "²").replace("^3", "³")
+    return "" if text == "1" else re.sub(r"\bum", "µm", text)
+
+
+def axis(label: str, unit: str) -> str:
+    """Text of an axis, '–' for a number without unit."""
+    return f"{label}, {unit or '–'}"
+
+
+def _look(
+    label: str, colour: str = "NEUTRAL", dash: str = "solid", *, short: str = "", **others: Any
+) -> dict[str, Any]:
+    return {"label": label, "colour": colour, "dash": dash, "short": short or label, **others}
+
+
+def _of_bodies(prefix: str, label: str, **others: Any) -> dict[str, dict[str, Any]]:
+    """Looks of a quantity that both bodies have, which are told apart by one colour and dash each."""
+    lines, others = {"sphere": ("SPHERE", "dash"), "disc": ("DISC", "solid")}, {"family": label} | others
+    return {
+        f"{prefix}_{body}": _look(f"{label} of the {body}", *line, short=body, **others)
+        for body, line in lines.items()
+    }
+
+
+_AREA: dict[str, Any] = {"family": "area", "log": True}
+_PRESSURE: dict[str, Any] = {"family": "pressure in contact", "log": True}
+_MICRONS: dict[str, Any] = {"factor": 1.0e3, "shown_unit": "µm"}
+#: Name of a quantity -> how it is shown, of those that figures and tables for people have.
+LOOKS: dict[str, dict[str, Any]] = {
+    "distance": _look("sliding distance"),
+    "time": _look("sliding time"),
+    "approach": _look("approach of the bodies", **_MICRONS),
+    "load": _look("normal load"),
+    "area_contact": _look("area in contact", "CONTACT", short="in contact", **_AREA),
+    "area_plastic": _look("area at hardness", "HARDNESS", "dot", short="at hardness", **_AREA),
+    "area_touched": _look("area ever touched", "TOUCHED", "dash", short="ever touched", **_AREA),
+    "area_nominal": _look("nominal area (scar)", "NOMINAL", "dashdot", short="nominal (scar)", **_AREA),
+    "area_cumulative": _look("running sum of areas", "SUM", "longdash", short="running sum", **_AREA),
+    "area_static": _look("area without wear in the step", short="without wear in the step", log=True),
+    "patch_along": _look("scar, along sliding"),
+    "patch_across": _look("scar, across sliding"),
+    "pressure_mean": _look("mean pressure in contact", "MEAN_PRESSURE", short="mean", **_PRESSURE),
+    "pressure_max": _look("largest pressure in contact", dash="dot", short="largest", **_PRESSURE),
+    **_of_bodies("wear_volume", "worn volume", factor=1.0e3, shown_unit="10⁻³ mm³"),
+    **_of_bodies("wear_depth", "deepest wear", family="depth of the deepest cell", **_MICRONS),
+    "cof": _look("coefficient of friction"),
+    "bare_fraction": _look("bare fraction of the area in contact", "DISC"),
+    "pressure": _look("pressure", log=True),
+    **_of_bodies("wear", "wear depth", **_MICRONS),
+    "load_share": _look("load of a patch"),
+    "area_patch": _look("area in contact of a patch"),
+    **_of_bodies("sq", "Sq in the inner scar"),
+    **_of_bodies("sdq", "Sdq in the inner scar"),
+    **_of_bodies("rq", "Rq along sliding in the inner scar"),
+    "islands": _look("islands of contact"),
+    "diameter": _look("diameter as cut", **_MICRONS),
+}
+
+
+def _per(
+    per: Per, *declared: tuple[str, str, str], only: str | None = None, booked: bool = True
+) -> Iterator[Quantity]:
+    return (Quantity(*words, per, only, booked, **LOOKS.get(words[0], {})) for words in declared)
 
 
 QUANTITIES: tuple[Quantity, ...] = (
@@ -76,7 +180,11 @@ QUANTITIES: tuple[Quantity, ...] = (
         ("wear_depth_sphere", "mm", "deepest wear of a cell of the sphere"),
         ("wear_depth_disc", "mm", "deepest wear of a cell of the disc"),
     ),
-    Quantity("cof", "1", "coefficient of friction; NaN until its shear strength is calibrated", booked=False),
+    *_per(
+        "step",
+        ("cof", "1", "coefficient of friction; NaN until its shear strength is calibrated"),
+        booked=False,
+    ),
     *_per(
         "step",
         ("cells_in_contact", "1", "number of cells with pressure"),
@@ -222,6 +330,10 @@ OF_THE_TRACK = ("wear_disc", "plastic_disc")
 OF_PIECES = {quantity.name: quantity for quantity in per("piece")}
 #: Columns of the table of roughness and islands.
 EVOLUTION = per("snapshot")
+#: Every quantity by its name; what has one value a step goes before others of its name.
+BY_NAME = {quantity.name: quantity for quantity in reversed(QUANTITIES)}
+#: The areas that are drawn over each other, in the order of their legend.
+AREAS = tuple(name for name, look in LOOKS.items() if look.get("family") == "area")
 #: Name -> unit of everything.
 UNITS = {quantity.name: quantity.units for quantity in QUANTITIES}
 

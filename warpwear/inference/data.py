@@ -11,6 +11,7 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.history.quantities import printed
 from warpwear.measured.columns import NAMES, split_unit
 from warpwear.measured.course import LARGEST_COF, Experiment, read_experiment
 from warpwear.measured.record import read_record
@@ -28,7 +29,7 @@ KINDS = {
     "cof": ("", "coefficient of friction"),
 }
 #: Units as people read them.
-SHOWN = {"mm^3": "mm³", "mm^2": "mm²", "um": "µm", "mm^3/N/m": "mm³/(N·m)"}
+SHOWN = {unit: printed(unit) for unit in ("mm^3", "mm^2", "um", "mm^3/N/m")}
 #: Points that a course is thinned to, by means of neighbours.
 POINTS = 100
 #: Fewest points of a course.

@@ -10,6 +10,7 @@ import numpy as np
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.history.quantities import BODIES
 from warpwear.inference.unknowns import Unknown
 from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
@@ -38,7 +39,6 @@ REACH = 3.3
 #: A scar that the field does not hold is made smaller by this factor of the wear until it does.
 SMALLER = 0.85
 MOST_CUTS = 40
-BODIES = ("sphere", "disc")
 #: Points of a course between runs.
 POINTS = 240
 #: Points along which a smooth course is a polynomial of this degree (Savitzky and Golay, 1964).

@@ -3,7 +3,7 @@
 Another process may make the page of its content: it needs neither the result nor the study.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +15,8 @@ from warpwear.page.limits import limits_of
 from warpwear.page.sections import SECTIONS
 from warpwear.results import manifest
 from warpwear.results.file import ResultFile
-from warpwear.results.summary import summarise
-from warpwear.results.summary_text import summary_text
+from warpwear.results.report import Row, record
+from warpwear.results.summary import summarise, summary_text
 from warpwear.study.study import Study
 
 #: Commands to be typed inside the run folder, and what they do.
@@ -54,14 +54,15 @@ def top_of(study: Study, summary: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def words_of(study: Study, summary: dict[str, Any]) -> dict[str, Any]:
-    """Collect all texts of the page by name. summary: as of `summarise`."""
+def words_of(study: Study, rows: Sequence[Row]) -> dict[str, Any]:
+    """Collect all texts of the page by name. rows: as of `summarise`."""
+    summary = record(rows)
     answers = words.answers_of(study, summary)
     return top_of(study, summary) | {
         "limits": limits_of(study),
         "assumptions": words.assumptions_of(study, summary),
         "checks": words.checks_of(study, summary),
-        "summary": summary_text(summary),
+        "summary": summary_text(rows),
         "methods": paper.methods_of(study, summary),
         "table": paper.table_of(study, summary, answers),
         "latex": paper.latex_of(study, summary, answers),

@@ -1,111 +1,53 @@
-"""What the model of a run cannot show: the sentences of docs/theory/limits.md that apply to it."""
+"""What the model of a run cannot show: the sentences of docs/theory/limits.md that apply to it.
 
+The sentences stand in templates/limits.toml; here are the conditions under which they apply.
+"""
+
+import tomllib
 from collections.abc import Callable
+from importlib.resources import files
+from typing import Any
 
 from warpwear.study.study import Study
 
 
-def _slides(study: Study) -> bool:
-    return study.sliding.total > 0.0
+def prose(name: str) -> dict[str, Any]:
+    """Read the sentences of a file of `templates/`."""
+    text = files("warpwear").joinpath("templates", f"{name}.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text)
 
 
-def _is_local(study: Study) -> bool:
-    return study.contact.law == "local"
-
-
-def _is_two_scale(study: Study) -> bool:
-    return study.study.model == "two-scale"
-
-
-#: When a sentence applies, and the sentence.
-LIMITS: tuple[tuple[Callable[[Study], bool], str], ...] = (
-    (lambda s: not _slides(s), "Nothing slides: this is the contact before the first wear."),
-    (
-        lambda s: _slides(s) and not s.is_swept,
-        "The disc lies still: the same cells stay under the sphere for the whole distance. Once the bodies "
-        "conform, "
-        "area, pressure and friction are those of a smooth disc, and the disc gets far deeper than on a "
-        "track.",
+#: Names of conditions, with commas between them -> the sentences that apply where all hold.
+LIMITS: dict[str, list[str]] = prose("limits")
+CONDITIONS: dict[str, Callable[[Study], bool]] = {
+    "static": lambda study: not study.sliding.total,
+    "slides": lambda study: study.sliding.total > 0.0,
+    "at rest": lambda study: not study.is_swept,
+    "over a track": lambda study: study.is_swept,
+    "part of the stroke": lambda study: study.track.track_fraction < 1.0,
+    "local law": lambda study: study.contact.law == "local",
+    "half-space": lambda study: study.contact.law == "half-space",
+    "smooth": lambda study: not study.is_rough,
+    "rough": lambda study: study.is_rough,
+    "measured": lambda study: study.disc.synthetic is None,
+    "random": lambda study: study.disc.synthetic is not None and study.disc.synthetic.kind != "flat",
+    "sampled by patches": lambda study: study.samples_area,
+    "two scales": lambda study: study.study.model == "two-scale",
+    "loads of a smooth contact": lambda study: study.patches.coupling == "load",
+    "friction fitted": lambda study: study.friction.fitted is not None,
+    "friction not fitted": lambda study: study.friction.fitted is None,
+    "empirical friction": lambda study: (
+        study.friction.running_in is not None or study.friction.ploughing > 0.0
     ),
-    (
-        lambda s: _slides(s) and s.is_swept,
-        "On a track the area rises with the distance. Nothing there is fitted, and none of it levels off.",
-    ),
-    (
-        lambda s: s.is_swept and s.track.track_fraction < 1.0,
-        "A lap of the track stands for a whole pass: the sphere meets a short piece of the disc again and "
-        "again.",
-    ),
-    (
-        lambda s: s.is_swept and _is_local(s),
-        "Where the sphere slides, the local law yields by nothing but the wear of the step. Its area "
-        "therefore falls "
-        "with the length of the step (sliding.shift). The cure is contact.law = 'half-space'.",
-    ),
-    (lambda s: not s.is_rough, "The disc is smooth: nothing on this page comes from roughness."),
-    (
-        lambda s: s.is_rough and _is_local(s),
-        "Asperities do not feel each other: the contact law is local. How much that matters depends on "
-        "H/(E*·rms slope) of the disc. contact.law = 'half-space' couples them.",
-    ),
-    (
-        lambda s: s.is_rough and s.disc.synthetic is None,
-        "The result depends on the shortest wave of the surface, which the measurement's pixel or filter "
-        "decides.",
-    ),
-    (
-        lambda s: s.is_rough and s.disc.synthetic is not None and s.disc.synthetic.kind != "flat",
-        "The disc is made by random numbers, not measured. The result depends on its shortest wave "
-        "(disc.synthetic.cut_off).",
-    ),
-    (
-        lambda s: s.samples_area,
-        "Patches that stand for more than themselves are off by up to 40 % in the area on the way, although "
-        "they end "
-        "within 3 %.",
-    ),
-    (
-        lambda s: _is_two_scale(s) and s.patches.coupling == "load",
-        "Loads that a smooth contact prescribes lie at first to 60 % on the wrong patches.",
-    ),
-    (
-        lambda s: _is_two_scale(s) and not _is_local(s),
-        "Patches on the half-space do not lift their neighbours.",
-    ),
-    (
-        lambda s: s.friction.fitted is not None,
-        "The coefficient of friction is an input: the shear strength is fitted so that it is met. The run "
-        "computes "
-        "the shape of its course, not its height.",
-    ),
-    (
-        lambda s: s.friction.fitted is None,
-        "Friction is calibrated, not predicted: it follows the area by the shear strength that the study "
-        "gives. Every "
-        "kind of area asks for another strength; they differ by a factor of a hundred and more.",
-    ),
-    (
-        lambda s: s.friction.running_in is not None or s.friction.ploughing > 0.0,
-        "A shear strength that runs in, and an offset for ploughing, are empirical fits.",
-    ),
-    (
-        lambda s: s.wear.sheds,
-        "Size, thickness and start of the pieces are choices, which move the distances at which they leave "
-        "severalfold.",
-    ),
-    (
-        _slides,
-        "Wear debris, transfer, work hardening, heat and speed are not modelled. The speed only sets the "
-        "time axis.",
-    ),
-    (
-        _slides,
-        "Volumes equal to K F L validate nothing: any pressure field gives them. Look at areas and "
-        "pressures.",
-    ),
-)
+    "wear in pieces": lambda study: study.wear.sheds,
+}
 
 
 def limits_of(study: Study) -> list[str]:
     """List the sentences that apply to the runs of a study."""
-    return [sentence for applies, sentence in LIMITS if applies(study)]
+    return [
+        sentence
+        for names, sentences in LIMITS.items()
+        if all(CONDITIONS[name](study) for name in names.split(", "))
+        for sentence in sentences
+    ]

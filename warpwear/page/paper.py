@@ -4,22 +4,15 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
+from warpwear.history.quantities import printed
 from warpwear.page.words import Answer, disc_of, motion_of, slider_of, source_of
 from warpwear.results.report import shown
 from warpwear.study.study import Study
 
 #: Signs that LaTeX takes for commands, and others that its fonts may lack -> what to write.
 LATEX = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "µ": r"$\mu$"}
-LATEX |= {sign: f"\\{sign}" for sign in "{}$&#%_"} | {"×": r"$\times$"}
-LATEX |= {
-    "±": r"$\pm$",
-    "−": "--",
-    "–": "--",
-    "τ": r"$\tau$",
-    "·": r"$\cdot$",
-    "α": r"$\alpha$",
-    "√": r"$\surd$",
-}
+LATEX |= {sign: f"\\{sign}" for sign in "{}$&#%_"} | {"×": r"$\times$", "±": r"$\pm$", "−": "--", "–": "--"}
+LATEX |= {"τ": r"$\tau$", "·": r"$\cdot$", "α": r"$\alpha$", "√": r"$\surd$"}
 #: Raised signs, and the number with a power of ten as programs write it; neither stands in a formula yet.
 RAISED, POWER = re.compile("[⁺⁻⁰¹²³⁴-⁹]+"), re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)(?!\w)")
 LOWERED = str.maketrans("⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "+-0123456789")
@@ -35,9 +28,8 @@ def _law(study: Study, s: dict[str, Any]) -> str:
 def methods_of(study: Study, s: dict[str, Any]) -> str:
     """Write the paragraph that a paper's section on methods may begin with."""
     sphere, disc = (s["wear_coefficient_mm3_per_Nm"][body] for body in ("sphere", "disc"))
-    hardness = (
-        f", with the pressure of a cell limited to {s['hardness_MPa']:.4g} MPa" if s["hardness_MPa"] else ""
-    )
+    cap = s["hardness_MPa"]
+    hardness = f", with the pressure of a cell limited to {cap:.4g} MPa" if cap else ""
     sentences = [
         f"Contact and wear were computed with warpwear {s['version']} ({study.study.model} model).",
         f"{slider_of(study)} on {disc_of(study)} {motion_of(study, s)} under {s['load_N']:.4g} N.",
@@ -52,10 +44,9 @@ def methods_of(study: Study, s: dict[str, Any]) -> str:
     if film := s.get("film"):
         sentences.append(
             "Friction is the sum over the cells in contact of an interfacial shear strength times their "
-            "area, over "
-            f"the load: {film['shear_strength_MPa']['film']:.3g} MPa under a film of "
-            f"{film['thickness_nm']:.3g} nm, "
-            f"{s['shear_strength_MPa']:.3g} MPa where wear has broken it, {source_of(s)}."
+            f"area, over the load: {film['shear_strength_MPa']['film']:.3g} MPa under a film of "
+            f"{film['thickness_nm']:.3g} nm, {s['shear_strength_MPa']:.3g} MPa where wear has broken it, "
+            f"{source_of(s)}."
         )
     elif s["shear_strength_MPa"] is not None:
         sentences.append(
@@ -76,21 +67,16 @@ def _wear_law(study: Study) -> str:
 
 def table_of(study: Study, s: dict[str, Any], answers: Iterable[Answer]) -> list[tuple[str, str, str]]:
     """List quantity, value and unit of what went in and what came out."""
-    rows = [
+    radius, hardness, unit = study.sphere.curvature, s["hardness_MPa"], printed("mm^3/N/m")
+    return [
         ("Load", shown(s["load_N"]), "N"),
-        ("Radius of the sphere", shown(1.0 / study.sphere.curvature), "mm")
-        if study.sphere.curvature
-        else None,
+        *([("Radius of the sphere", shown(1.0 / radius), "mm")] if radius else []),
         ("Sliding distance", shown(s["distance_mm"], 6), "mm"),
         ("Cell", shown(s["cell_um"]), "µm"),
-        ("Hardness (cap of the pressure)", shown(s["hardness_MPa"]), "MPa") if s["hardness_MPa"] else None,
-        *(
-            (f"Wear coefficient, {body}", shown(value), "mm³/(N·m)")
-            for body, value in s["wear_coefficient_mm3_per_Nm"].items()
-        ),
+        *([("Hardness (cap of the pressure)", shown(hardness), "MPa")] if hardness else []),
+        *((f"Wear coefficient, {b}", shown(k), unit) for b, k in s["wear_coefficient_mm3_per_Nm"].items()),
         *((answer.label, answer.value, answer.unit) for answer in answers),
     ]
-    return [row for row in rows if row is not None]
 
 
 def to_latex(text: str) -> str:
@@ -102,21 +88,18 @@ def to_latex(text: str) -> str:
 
 def latex_of(study: Study, s: dict[str, Any], answers: Iterable[Answer]) -> str:
     """Write methods and table as LaTeX."""
-    rows = "\n".join(
-        "  " + " & ".join(to_latex(part) for part in row) + r" \\" for row in table_of(study, s, answers)
-    )
-    return "\n".join(
-        [
-            to_latex(methods_of(study, s)),
-            "",
-            r"\begin{table}",
-            rf"  \caption{{{to_latex(study.study.name)}}}",
-            r"  \begin{tabular}{lrl}",
-            "  \\hline\n  Quantity & Value & Unit \\\\\n  \\hline",
-            rows,
-            "  \\hline\n  \\end{tabular}\n\\end{table}",
-        ]
-    )
+    rows = ["  " + " & ".join(map(to_latex, row)) + r" \\" for row in table_of(study, s, answers)]
+    lines = [
+        to_latex(methods_of(study, s)),
+        "",
+        r"\begin{table}",
+        rf"  \caption{{{to_latex(study.study.name)}}}",
+        r"  \begin{tabular}{lrl}",
+        "  \\hline\n  Quantity & Value & Unit \\\\\n  \\hline",
+        *rows,
+        "  \\hline\n  \\end{tabular}\n\\end{table}",
+    ]
+    return "\n".join(lines)
 
 
 def citation_of(version: str) -> str:

@@ -18,8 +18,12 @@ FULL_MAPS = 6
 
 
 def _figures(plot: Plotter, data: FigureData, *names: str) -> dict[str, Figure]:
-    """Declare those of some figures that the run has."""
-    return {name: FIGURES[name].declare(data) for name in names if not plot.reason(name)}
+    """Declare those of some figures that the run has. data: those of the plot, or more snapshots."""
+    return {
+        name: plot.declared(name) if data is plot.data else FIGURES[name].declare(data)
+        for name in names
+        if not plot.reason(name)
+    }
 
 
 def maps(plot: Plotter, data: FigureData) -> Section:
@@ -52,8 +56,8 @@ def pieces(plot: Plotter, data: FigureData) -> Section:
     """Show how many pieces have left each body in a distance, and how wide they were."""
     figures = _figures(plot, data, "pieces")
     texts = []
-    for body in data.pieces.cut if figures else ():
-        cut, name = 1e3 * data.pieces.cut[body], data.about.name_of(body)
+    for body, diameters in data.pieces.items() if figures else ():
+        cut, name = 1e3 * diameters, data.name_of(body)
         text = f"{data.history[f'pieces_{body}'].sum():.0f} off the {name}"
         texts.append(f"{text}, {np.median(cut):.3g} µm wide in the median" if cut.size else text)
     text = (

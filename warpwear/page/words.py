@@ -5,6 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from warpwear.contact.balance import TOLERANCE
+from warpwear.history.end_values import ENDS, value_in
+from warpwear.history.quantities import BODIES, BY_NAME
 from warpwear.page.effects import Weight, effect_of
 from warpwear.results.report import shown
 from warpwear.study.keys import declarations, value_of
@@ -29,6 +31,7 @@ class Answer:
 
 
 def disc_of(study: Study) -> str:
+    """Say what the disc is."""
     disc = study.disc
     if study.study.model == "macro" or (disc.synthetic and disc.synthetic.kind == "flat"):
         return "a smooth disc"
@@ -40,11 +43,13 @@ def disc_of(study: Study) -> str:
 
 
 def slider_of(study: Study) -> str:
+    """Say what slides on it."""
     curvature = study.sphere.curvature
     return f"A sphere of {1.0 / curvature:.4g} mm radius" if curvature else "A rigid flat"
 
 
 def motion_of(study: Study, summary: dict[str, Any]) -> str:
+    """Say how it moves."""
     if not study.sliding.total:
         return "is pressed at rest"
     slid = f"slides {summary['distance_mm']:.6g} mm"
@@ -65,69 +70,70 @@ def asked_of(study: Study, summary: dict[str, Any]) -> str:
 
 def answers_of(study: Study, s: dict[str, Any]) -> list[Answer]:
     """Give the five numbers that answer the question."""
-    cell, rounding = s["cell_um"], ""
-    parts = s.get("track", {}).get("parts")
-    if parts and parts["estimated_error_at_most"] > 0.0:
-        rounding = f"± {100.0 * parts['estimated_error_at_most']:.2g} % by the length of the steps"
+    pressure = s["pressure_MPa"]
     of_pass = ", mean of the last pass" if "track" in s else ""
-    spread = s["pressure_MPa"]["std"]
-    spread_text = (
-        f"standard deviation {spread:.3g} MPa" if spread > 1e-6 * s["pressure_MPa"]["mean"] else "uniform"
-    )
-    found = [
+    spread = f"standard deviation {pressure['std']:.3g} MPa"
+    spread = spread if pressure["std"] > 1e-6 * pressure["mean"] else "uniform"
+    error = s.get("track", {}).get("parts", {}).get("estimated_error_at_most", 0.0)
+    scar = shown([s["scar_mm"]["along"], s["scar_mm"]["across"]])
+    return [
         Answer(
-            "Scar, along × across sliding",
-            shown([s["scar_mm"]["along"], s["scar_mm"]["across"]]),
-            "mm",
-            f"± {2.0 * cell:.3g} µm, a cell at each rim",
+            "Scar, along × across sliding", scar, "mm", f"± {2 * s['cell_um']:.3g} µm, a cell at each rim"
         ),
-        Answer(
-            "Area in contact",
-            shown(s["area_mm2"]["contact"]),
-            "mm²",
-            rounding,
-            f"{100.0 * s['area_real_over_nominal']:.3g} % of the scar{of_pass}",
+        _answer(
+            "area_contact",
+            s,
+            error=f"± {100.0 * error:.2g} % by the length of the steps" if error > 0.0 else "",
+            note=f"{100.0 * s['area_real_over_nominal']:.3g} % of the scar{of_pass}",
         ),
-        Answer(
-            "Mean pressure in contact",
-            shown(s["pressure_MPa"]["mean"]),
-            "MPa",
-            "",
-            f"{spread_text}, largest {shown(s['pressure_MPa']['max'])} MPa",
-        ),
+        _answer("pressure_mean", s, note=f"{spread}, largest {shown(pressure['max'])} MPa"),
+        _worn(study, s) if study.sliding.total else _approach(s),
+        _cof(s),
     ]
-    depths, volumes = s["depth_um"], [s["volume_mm3"][body] for body in ("sphere", "disc")]
-    slider = "sphere" if study.sphere.curvature else "flat"
-    if study.sliding.total:
-        less = ", less what no piece has carried off yet" if study.wear.sheds else ", whatever the contact"
-        found.append(
-            Answer(
-                f"Worn volume, {slider} and disc",
-                ", ".join(f"{1e3 * volume:.4g}" for volume in volumes),
-                "10⁻³ mm³",
-                "as good as the wear coefficients",
-                f"deepest {shown(depths['sphere'])} and {shown(depths['disc'])} µm",
-                f"Not predicted: wear coefficient × load × distance{less}",
-            )
-        )
-    else:
-        found.append(Answer("Approach of the bodies", minus(shown(s["approach_um"])), "µm", "", APPROACH))
-    cof = s["cof"]["end"]
-    if cof is None:
+
+
+def _answer(name: str, s: dict[str, Any], **words: str) -> Answer:
+    """Answer with an end value of the registry."""
+    quantity = ENDS[name]
+    value: Any = value_in(s, quantity)
+    return Answer(quantity.label.capitalize(), shown(quantity.factor * value), quantity.unit, **words)
+
+
+def _approach(s: dict[str, Any]) -> Answer:
+    quantity = BY_NAME["approach"]
+    return Answer(quantity.label.capitalize(), minus(shown(s["approach_um"])), quantity.unit, note=APPROACH)
+
+
+def _worn(study: Study, s: dict[str, Any]) -> Answer:
+    """Answer how much is worn off both bodies, which the study says rather than the run."""
+    less = ", less what no piece has carried off yet" if study.wear.sheds else ", whatever the contact"
+    volumes = [ENDS[f"volume_{body}"] for body in BODIES]
+    return Answer(
+        f"Worn volume, {'sphere' if study.sphere.curvature else 'flat'} and disc",
+        ", ".join(f"{volume.factor * s['volume_mm3'][volume.short]:.4g}" for volume in volumes),
+        volumes[0].unit,
+        "as good as the wear coefficients",
+        f"deepest {' and '.join(shown(s['depth_um'][body]) for body in BODIES)} µm",
+        f"Not predicted: wear coefficient × load × distance{less}",
+    )
+
+
+def _cof(s: dict[str, Any]) -> Answer:
+    """Answer with the coefficient of friction at the end, and say how far it is an input."""
+    if s["cof"]["end"] is None:
         note = "calibrated at the end, which the run did not reach"
-        return [*found, Answer("Coefficient of friction", "–", "", "", note)]
-    strength, film = s["shear_strength_MPa"], s.get("film")
+        return Answer(BY_NAME["cof"].label.capitalize(), "–", "", note=note)
+    strength, note = s["shear_strength_MPa"], f"the area that shears: {s['cof_area']}"
     tau = "its shear strength" if strength is None else f"its shear strength, {strength:.3g} MPa,"
-    given = f"Not predicted: {tau} is {source_of(s)}"
-    if film:
-        under = film["shear_strength_MPa"]["film"]
-        both = f"{under:.3g} MPa of film and {strength:.3g} bare"
-        given = f"Not predicted: its shear strengths, {both}, are {source_of(s)}"
+    label, value = ENDS["cof"].label.capitalize(), f"{s['cof']['end']:.3g}"
     if s["cof_input"] == "end":
-        given = f"An input: {tau} is fitted so that it is met"
-    note = f"the area that shears: {s['cof_area']}"
-    error = "" if s["cof_input"] == "end" else "as good as the shear strength"
-    return [*found, Answer("Coefficient of friction at the end", f"{cof:.3g}", "", error, note, given)]
+        return Answer(label, value, "", "", note, f"An input: {tau} is fitted so that it is met")
+    given = f"{tau} is"
+    if film := s.get("film"):
+        under = film["shear_strength_MPa"]["film"]
+        given = f"its shear strengths, {under:.3g} MPa of film and {strength:.3g} bare, are"
+    error = "as good as the shear strength"
+    return Answer(label, value, "", error, note, f"Not predicted: {given} {source_of(s)}")
 
 
 def minus(text: str) -> str:
@@ -147,41 +153,39 @@ def trust_of(study: Study, s: dict[str, Any], assumptions: list[dict[str, Any]])
     """Say what speaks for the numbers and what against them, in a few sentences."""
     good = all(row["good"] for row in checks_of(study, s))
     cells = s["area_mm2"]["contact"] / study.cells.cell_area
-    noted = sum(told in s["notes"] for told in s["warnings"])
+    noted = sum(warning in s["notes"] for warning in s["warnings"])
     warned, assumed = (
         _count(len(s["warnings"]) - noted, "warning"),
         _count(len(s["assumptions"]), "assumption"),
     )
-    warned += f", {_count(noted, 'note').lower()}"
     decisive = [row["key"] for row in assumptions if row["weight"] is Weight.DECIDES]
-    found = [
+    sentences = [
         "As a solution of its equations, yes: all checks below hold."
         if good
         else "Not as a solution of its equations: not all checks below hold, see residuals and conservation.",
-        f"The contact covers {cells:,.0f} cells of {s['cell_um']:g} µm. How much the mesh changes is told "
-        "by a run "
-        "with half the cell, not by this one.",
+        f"The contact covers {cells:,.0f} cells of {s['cell_um']:g} µm. "
+        "How much the mesh changes is told by a run with half the cell, not by this one.",
     ]
     if decisive:
-        found.append(
-            f"As a prediction of a test, no better than what is assumed: {assumed}, of which "
-            f"{', '.join(decisive)} {'decides' if len(decisive) == 1 else 'decide'} a number above."
+        which = f"{', '.join(decisive)} {'decides' if len(decisive) == 1 else 'decide'} a number above."
+        sentences.append(
+            f"As a prediction of a test, no better than what is assumed: {assumed}, of which {which}"
         )
     elif assumptions:
-        found.append(
-            f"As a prediction of a test, no better than what the study gives: {_given(study, s)}. {assumed} "
-            "besides, none of which decides a number above."
+        sentences.append(
+            f"As a prediction of a test, no better than what the study gives: {_in_proportion(study, s)}. "
+            f"{assumed} besides, none of which decides a number above."
         )
-    found.append(f"{warned}. Nothing on this page was compared with a measurement.")
+    sentences.append(
+        f"{warned}, {_count(noted, 'note').lower()}. Nothing on this page was compared with a measurement."
+    )
     if filled := s.get("load_on_filled_percent"):
-        most = filled["largest"]
-        found.append(
-            f"At most {most:.2g} % of the load rests on points that were not measured but filled in."
-        )
-    return found
+        most = f"{filled['largest']:.2g} %"
+        sentences.append(f"At most {most} of the load rests on points that were not measured but filled in.")
+    return sentences
 
 
-def _given(study: Study, s: dict[str, Any]) -> str:
+def _in_proportion(study: Study, s: dict[str, Any]) -> str:
     """Name the numbers of a study that the answers are in proportion to."""
     strength = "the coefficient of friction" if s["cof_input"] else "the shear strength, to which friction is"
     worn = ["the wear coefficients, to which the volumes are in proportion"] if study.sliding.total else []
@@ -193,8 +197,7 @@ def _count(number: int, what: str) -> str:
 
 
 def assumptions_of(study: Study, s: dict[str, Any]) -> list[dict[str, Any]]:
-    """List each assumed key with value, meaning, source and what another value would change, heaviest "
-    "first."""
+    """List each assumed key: value, meaning, source, what another value would change, heaviest first."""
     declared, values = declarations(type(study)), study.model_dump(exclude={"assumed"})
     resolved = study.resolved
     rows = []
@@ -211,18 +214,13 @@ def checks_of(study: Study, s: dict[str, Any]) -> list[dict[str, Any]]:
     """List residuals and conservation, and whether each is within its limit."""
     balance = max(study.load_tolerance if study.uses_bearing_area else 0.0, TOLERANCE * s["load_N"])
     residual = s["load_residual_N"]["largest"]
-    rows = [("load carried − load asked for, largest of a step", residual, balance, "N")]
+    rows = [("load carried − load asked for, largest of a step", residual, balance, " N")]
     for body, value in s["conservation_relative"].items():
         rows.append((f"worn volume of the {body} over Archard's K F L, less 1", abs(value), CONSERVED, ""))
     if parts := s.get("track", {}).get("parts"):
         error = parts["estimated_error_at_most"]
         rows.append(("error of the area by the length of steps, estimated", error, STEPS, ""))
     return [
-        {
-            "what": what,
-            "value": f"{value:.2g} {unit}".rstrip(),
-            "most": f"{most:.2g} {unit}".rstrip(),
-            "good": value <= most,
-        }
+        {"what": what, "value": f"{value:.2g}{unit}", "most": f"{most:.2g}{unit}", "good": value <= most}
         for what, value, most, unit in rows
     ]

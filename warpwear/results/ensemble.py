@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.grid import FloatArray
+from warpwear.history.quantities import BODIES
 from warpwear.study.study import Study
 
 #: Percentiles between which a band lies.
@@ -17,8 +18,6 @@ NO_MATTER: dict[str, tuple[str, ...] | None] = {
     "run": None,
     "assumed": None,
 }
-#: Last parts of keys that say nothing alone: what of the sphere?
-BODIES = ("sphere", "disc")
 #: Letters of a label that a figure's legend shows.
 LONGEST = 60
 

@@ -10,12 +10,12 @@ from functools import partial
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import EVOLUTION
+from warpwear.history.quantities import BODIES, EVOLUTION
 from warpwear.history.snapshot import Snapshot, extents
 from warpwear.laws.junctions import share_above
 from warpwear.laws.settling import Settling, fit_settling
 from warpwear.results.file import ResultFile
-from warpwear.results.formats.bodies import BODIES, worn_heights
+from warpwear.results.formats.bodies import worn_heights
 from warpwear.results.track import whole_rows
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.spectrum import Spectrum

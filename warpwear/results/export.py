@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from warpwear.errors import InputError
+from warpwear.history.quantities import BODIES
 from warpwear.results.file import ResultFile
-from warpwear.results.formats.bodies import BODIES, TRACK, WRITABLE, Body, Files, Job
+from warpwear.results.formats.bodies import TRACK, WRITABLE, Body, Files, Job
 from warpwear.results.formats.metrology import write_sdf, write_x3p
 from warpwear.results.formats.netcdf import netcdf_files
 from warpwear.results.formats.stl import write_stl

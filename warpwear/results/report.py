@@ -6,25 +6,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from warpwear.history.quantities import printed
+
+_UNITS = ("um", "mm", "um^2", "mm^2", "mm^3", "N", "MPa", "J", "W", "s", "N/mm^3", "mm^3/N/m", "mm/min")
 #: End of a key -> its unit as people write it.
-UNITS = {
-    "um": "µm",
-    "mm": "mm",
-    "um2": "µm²",
-    "mm2": "mm²",
-    "mm3": "mm³",
-    "N": "N",
-    "MPa": "MPa",
-    "J": "J",
-    "W": "W",
-    "s": "s",
-    "percent": "%",
-    "N_per_mm3": "N/mm³",
-    "mm3_per_Nm": "mm³/(N·m)",
-    "per_Pa": "m²/N (Pa⁻¹)",
-    "mm_per_min": "mm/min",
-    "MPa_m_per_s": "MPa·m/s",
-}
+UNITS = {unit.replace("^", "").replace("/N/m", "/Nm").replace("/", "_per_"): printed(unit) for unit in _UNITS}
+UNITS |= {"percent": "%", "per_Pa": "m²/N (Pa⁻¹)", "MPa_m_per_s": "MPa·m/s"}
 #: Column at which values start.
 VALUES = 19
 
@@ -49,6 +36,7 @@ class Row:
     error: tuple[str, float | None] | None = None
     unit: str | None = None
     scientific: bool = False
+    sentence: str | None = None
 
     @property
     def units(self) -> str:
@@ -71,37 +59,45 @@ class Row:
     @property
     def text(self) -> str:
         """Everything that stands behind the label."""
-        told = f"{self.number} {self.units}".rstrip()
+        if self.sentence is not None:
+            return self.sentence
+        number = self.number
         if _are_rows(self.value):
-            told = ", ".join(f"{row.label} {row.text}" for row in _visible(self.value))
-        return told + " " * (self.note[:1] not in ("", ",", ";", ":")) + self.note
+            number = ", ".join(f"{row.label} {row.text}" for row in _visible(self.value))
+        space = " " * (self.note[:1] not in ("", ",", ";", ":"))
+        return f"{number} {self.units}".rstrip() + space + self.note
 
 
 def record(rows: Iterable[Row]) -> dict[str, Any]:
     """Turn a report into key -> value, ready for JSON but for NaN; see `to_json`."""
-    found: dict[str, Any] = {}
+    content: dict[str, Any] = {}
     for row in rows:
         if row.key:
-            found[row.key] = _entry(row.value)
+            content[row.key] = _entry(row.value)
         elif _are_rows(row.value):
-            found |= record(row.value)
+            content |= record(row.value)
         if row.error is not None and row.error[0]:
-            found[row.error[0]] = row.error[1]
-    return found
+            content[row.error[0]] = row.error[1]
+    return content
+
+
+def entries(values: Mapping[str, Any]) -> list[Row]:
+    """Declare what JSON alone has."""
+    return [Row("", key, value) for key, value in values.items()]
 
 
 def lines(rows: Iterable[Row]) -> list[str]:
     """Write a report for people: lines of label and value; each text of a list has a line of its own."""
-    found: list[str] = []
+    text: list[str] = []
     for row in rows:
         if not row.label:
-            found += lines(_inner(row.value))
+            text += lines(_inner(row.value))
         elif _visible([row]):
             label = f"  {row.label}"
-            for text in row.value if _are_texts(row.value) else [row.text]:
-                found.append(f"{label:<{VALUES - 1}} {text}")
+            for line in row.value if _are_texts(row.value) else [row.text]:
+                text.append(f"{label:<{VALUES - 1}} {line}")
                 label = ""
-    return found
+    return text
 
 
 def table(groups: Sequence[Sequence[Row]]) -> list[str]:
@@ -156,6 +152,11 @@ def without_nan(content: Any) -> Any:
     if isinstance(content, list | tuple):
         return [without_nan(value) for value in content]
     return None if isinstance(content, float) and not math.isfinite(content) else content
+
+
+def finite(value: float) -> float | None:
+    """A number for JSON, which has no infinity and no NaN: None for these."""
+    return float(value) if math.isfinite(value) else None
 
 
 def _entry(value: Any) -> Any:

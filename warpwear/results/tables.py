@@ -12,7 +12,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import EVOLUTION, Quantity, columns_of
 from warpwear.results.evolution import surface_evolution
 from warpwear.results.file import SURFACE_FILE, ResultFile
-from warpwear.results.report import to_json
+from warpwear.results.report import record, to_json
 from warpwear.results.summary import summarise
 from warpwear.study.study import Study
 
@@ -43,5 +43,5 @@ def write_summary(folder: Path, result: ResultFile) -> None:
     """Write summary.json into a folder, in place of the one that may be there, at once."""
     path = folder / "summary.json"
     new = path.with_suffix(".new")
-    new.write_text(f"{to_json(summarise(result))}\n", encoding="utf-8")
+    new.write_text(f"{to_json(record(summarise(result)))}\n", encoding="utf-8")
     new.replace(path)

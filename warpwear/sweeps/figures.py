@@ -12,6 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from warpwear.figures import style as fs
 from warpwear.grid import FloatArray
+from warpwear.history.quantities import BY_NAME, printed
 from warpwear.measured.course import Experiment
 from warpwear.results.ensemble import band_told, in_legend, is_label, short_names
 from warpwear.sweeps.table import SweepResult
@@ -22,15 +23,11 @@ LINES = ("-", "--", "-.", ":")
 GREYS = ("#444444", "#888888", "#bbbbbb")
 #: Columns of the courses and of the scatter, each with its axis.
 SHOWN = {
-    "cof": "coefficient of friction, –",
-    "area_contact": "area in contact, mm²",
-    "wear_volume_sphere": "worn volume of the ball, 10⁻³ mm³",
-    "wear_volume_disc": "worn volume of the disc, 10⁻³ mm³",
+    name: BY_NAME[name].axis for name in ("cof", "area_contact", "wear_volume_sphere", "wear_volume_disc")
 }
 #: What values are multiplied by where the axis has another unit than the column.
-SCALES = {"wear_volume_sphere": 1.0e3, "wear_volume_disc": 1.0e3}
-#: Units as they are typed -> as they are printed; and numbers with a power of ten.
-PRINTED = {"mm^3/N/m": "mm³/(N·m)", "^2": "²", "^3": "³", "um": "µm"}
+SCALES = {name: BY_NAME[name].factor for name in SHOWN}
+#: Numbers with a power of ten.
 NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)")
 #: Groups that are drawn one by one; more are only told apart by the table.
 MOST_GROUPS = 28
@@ -271,9 +268,7 @@ def axis_of(key: str, unit: str) -> str:
 
 def _told(text: str) -> str:
     """Write quantities as papers do: 5e-4 mm^3/N/m is 5·10⁻⁴ mm³/(N·m)."""
-    for plain, printed in PRINTED.items():
-        text = text.replace(plain, printed)
-    return NUMBER.sub(lambda found: f"{found[1]}·10{str(int(found[2])).translate(fs.RAISED)}", text)
+    return NUMBER.sub(lambda found: f"{found[1]}·10{str(int(found[2])).translate(fs.RAISED)}", printed(text))
 
 
 def _mean(values: FloatArray) -> float:

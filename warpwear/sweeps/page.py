@@ -9,6 +9,8 @@ import numpy as np
 
 from warpwear.figures.style import NOMINAL
 from warpwear.grid import FloatArray
+from warpwear.history.end_values import ENDS
+from warpwear.history.quantities import BY_NAME
 from warpwear.measured.course import Experiment
 from warpwear.page.html import page_of
 from warpwear.page.limits import limits_of
@@ -24,12 +26,10 @@ from warpwear.version import __version__
 #: Rows of the table that the page shows; values of a key that it lists.
 MOST_ROWS, MOST_VALUES = 200, 12
 #: End values at the top and in the table of runs: column, what to call it, unit, factor to that.
-ANSWERS = (
-    ("patch_across", "Scar, across sliding", "mm", 1.0),
-    ("area_contact", "Area in contact", "mm²", 1.0),
-    ("pressure_mean", "Mean pressure in contact", "MPa", 1.0),
-    ("wear_volume_disc", "Worn volume, disc", "10⁻³ mm³", 1.0e3),
-    ("cof", "Coefficient of friction at the end", "", 1.0),
+ANSWERS = tuple(
+    (quantity.name, quantity.label.capitalize(), quantity.unit, quantity.factor)
+    for quantity in (ENDS["patch_across"], ENDS["area_contact"], ENDS["pressure_mean"])
+    + (BY_NAME["wear_volume_disc"], ENDS["cof"])
 )
 
 

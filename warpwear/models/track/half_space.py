@@ -17,6 +17,7 @@ from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
+from warpwear.history.quantities import BODIES
 from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import contact, fourier, wear_from_pressure
 from warpwear.kernels.cells import MAXIMA, Layout, PressureSum, names_of
@@ -27,7 +28,7 @@ from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.task import ContactTask
 from warpwear.models.film import BareCells
 from warpwear.models.track.bodies import SlidingBodies
-from warpwear.models.track.pieces import BODIES, OF_BODY, SlidingPieces
+from warpwear.models.track.pieces import OF_BODY, SlidingPieces
 
 #: What a part of a step takes off the area of a contact, relative, over its length in contact lengths and the
 #: real over the nominal area: of a smooth one 1.2 in a first pass, 2.6 after twenty, as losses add up.

@@ -15,6 +15,7 @@ from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.engine.tiles import NO_LIMIT, Tiles
 from warpwear.grid import FloatArray
+from warpwear.history.quantities import BODIES
 from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import balance, bearing, sliding, sliding_steps
 from warpwear.kernels.cells import NO_INDEX, PADDING, TrackMost, TrackSum, names_of
@@ -28,7 +29,7 @@ from warpwear.laws.task import ContactTask
 from warpwear.models.booking import Found, booked
 from warpwear.models.film import BareCells
 from warpwear.models.track.bodies import SlidingBodies
-from warpwear.models.track.pieces import BODIES, OF_BODY, SlidingPieces
+from warpwear.models.track.pieces import OF_BODY, SlidingPieces
 from warpwear.models.track.recession import Recession
 from warpwear.models.track.tiles import PerTile, SlidingTiles
 

@@ -19,7 +19,6 @@ from warpwear.laws.pieces import Pieces as PieceLaw
 from warpwear.laws.task import ContactTask
 from warpwear.models.track.bodies import SlidingBodies
 
-BODIES = ("sphere", "disc")
 #: What a row of the history says of each body.
 OF_BODY = ("pieces", "wear", "pending", "deepest")
 #: Pieces that the table holds at least.

@@ -10,14 +10,14 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import FIELDS, OF_THE_TRACK, Quantity
+from warpwear.history.quantities import BODIES, FIELDS, OF_THE_TRACK, Quantity
 from warpwear.history.snapshot import Snapshot
 from warpwear.results.file import ResultFile
 from warpwear.study.surface import surface_in
 from warpwear.surfaces.sphere import sag
 
-#: Bodies over the domain of the contact; a swept run has its whole track, too.
-BODIES, TRACK = ("sphere", "disc"), "track"
+#: Name of the whole track of a swept run, a body beside those over the domain of the contact.
+TRACK = "track"
 #: All rows or columns of a field.
 ALL = slice(None)
 #: A gap beyond this stands for a place beyond the sphere's rim [mm].

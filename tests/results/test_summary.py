@@ -5,7 +5,7 @@ from cases_track import small
 
 import warpwear
 from warpwear import InputError, Study
-from warpwear.results.summary_text import summary_text
+from warpwear.results.summary import summarise, summary_text
 
 STILL = {"grid.cell": "20 um", "sliding.distance": "60 mm", "output.snapshots": []}
 
@@ -13,7 +13,7 @@ STILL = {"grid.cell": "20 um", "sliding.distance": "60 mm", "output.snapshots": 
 def rows_of(study: Study) -> tuple[warpwear.Result, dict[str, str]]:
     """The result of a study, and its rows in the terminal by their names."""
     result = warpwear.run(study)
-    lines = summary_text(result.summary).splitlines()[1:]
+    lines = summary_text(summarise(result)).splitlines()[1:]
     return result, {line[2:18].strip(): line[18:].strip() for line in lines}
 
 

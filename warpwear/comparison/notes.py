@@ -1,0 +1,103 @@
+"""What is to be said about runs and measured courses that are laid over each other."""
+
+from collections.abc import Callable, Iterator, Sequence
+
+from warpwear.comparison.groups import MOST_NAMES, Group, RunData, listed
+from warpwear.measured.course import Experiment, check_coverage
+from warpwear.study.study import Study
+
+INTERRUPTED = "interrupted before the end."
+NO_COF = "no coefficient of friction: its end calibrates it."
+NO_SNAPSHOT = "no snapshot, so no profile."
+NO_FIELD = "no whole field, so no profile."
+
+
+def _of_patches(value_of: Callable[[Study], float | str]) -> Callable[[Study], float | str | None]:
+    """Make what finds a value of a study, or None where it has no patches."""
+    return lambda study: value_of(study) if study.study.model == "two-scale" else None
+
+
+#: What makes two runs unlike tests -> unit and value; None where a run has no such thing.
+CONDITIONS: dict[str, tuple[str, Callable[[Study], float | str | None]]] = {
+    "model": ("", lambda s: s.study.model),
+    "kinematics": ("", lambda s: s.sliding.kinematics),
+    "contact.law": ("", lambda s: s.contact.law),
+    "patches.macro_cell": ("µm", _of_patches(lambda s: 1.0e3 * s.patches.macro_cell)),
+    "patches.width": ("µm", _of_patches(lambda s: 1.0e3 * s.patches.patch_width)),
+    "patches.coupling": ("", _of_patches(lambda s: s.patches.coupling)),
+    "patches.bulk": ("", _of_patches(lambda s: s.patches.bulk)),
+    "contact.boundary": ("", lambda s: s.boundary if s.contact.law == "half-space" else None),
+    "sliding.plastic": ("", lambda s: s.sliding.plastic if s.is_swept else None),
+    "length of the track": ("mm", lambda s: s.lap if s.is_swept else None),
+    "load": ("N", lambda s: s.contact.load),
+    "sliding distance": ("mm", lambda s: s.sliding.total),
+    "wear coefficient of the sphere": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[0]),
+    "wear coefficient of the disc": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[1]),
+    "sphere's curvature": ("1/mm", lambda s: s.sphere.curvature),
+    "law of wear": ("", lambda s: s.wear.law),
+    "area that shears": ("", lambda s: s.friction.area),
+}
+
+
+def notes_of(
+    groups: Sequence[Group], runs: Sequence[RunData], experiments: Sequence[Experiment]
+) -> Iterator[str]:
+    """Say in which way runs are unlike, what misleads of each, what is an input, and what is missing."""
+    for experiment in experiments:
+        yield from (f"{experiment.name}: {warning}" for warning in experiment.warnings)
+    yield from _differences(groups)
+    yield from _of_runs([(run, INTERRUPTED) for run in runs if not run.summary["finished"]], runs)
+    yield from _of_runs([(run, text) for run in runs for text in run.summary["warnings"]], runs)
+    if inputs := [r.name for r in runs if r.study.friction.fitted == "end" and r.cof is not None]:
+        yield (
+            f"The CoF at the end of {listed(inputs, len(runs))} is an input (friction.calibrate = 'end'), "
+            "not a result: compare the shear strengths, or run all with one friction.shear_strength."
+        )
+    yield from _of_runs([(run, NO_COF) for run in runs if run.cof is None], runs)
+    missing = [(run, NO_FIELD if run.study.samples_area else NO_SNAPSHOT) for run in runs if not run.wear]
+    yield from _of_runs(missing, runs)
+    for e in experiments:
+        yield from (f"{e.name}: {note}" for note in (*e.notes, *_lengths(e, runs), *_gaps(e, runs)))
+
+
+def _of_runs(sentences: Sequence[tuple[RunData, str]], runs: Sequence[RunData]) -> Iterator[str]:
+    """Make one note of all runs that have the same sentence."""
+    names: dict[str, list[str]] = {}
+    for run, sentence in sentences:
+        names.setdefault(sentence, []).append(run.name)
+    return (f"{listed(of, len(runs))}: {sentence}" for sentence, of in names.items())
+
+
+def _lengths(experiment: Experiment, runs: Sequence[RunData]) -> list[str]:
+    """Say whether it is far shorter or longer than every run, as in a wrong unit."""
+    whole, totals = float(experiment.distance[-1]), [float(run.summary["distance_mm"]) for run in runs]
+    if not totals or any(0.5 * total <= whole <= 2.0 * total for total in totals):
+        return []
+    lengths = ", ".join(dict.fromkeys(f"{total:.4g}" for total in totals))
+    text = f"the {'run' if len(runs) == 1 else 'runs'} {lengths} mm"
+    if experiment.cycles is not None:  # the whole is not known: a point stands for a cycle
+        return [f"The middle of its last cycle is at {whole:.4g} mm, {text} long."]
+    return [f"It is {whole:.4g} mm long, {text}."]
+
+
+def _gaps(experiment: Experiment, runs: Sequence[RunData]) -> list[str]:
+    """Say what is to be said of its gaps, over the distance that it shares with any run."""
+    known = [run.history["distance"] for run in runs if run.cof is not None]
+    start = max(min((float(d[0]) for d in known), default=0.0), float(experiment.distance[0]))
+    end = min(max((float(d[-1]) for d in known), default=0.0), float(experiment.distance[-1]))
+    return check_coverage(experiment, start, end) if end > start else []
+
+
+def _differences(groups: Sequence[Group]) -> Iterator[str]:
+    """List conditions in which groups differ: they are then unlike tests."""
+    for what, (unit, value_of) in CONDITIONS.items():
+        texts: dict[str, str] = {}
+        for group in groups:
+            values = [value for run in group.runs if (value := value_of(run.study)) is not None]
+            if values:
+                each = dict.fromkeys(v if isinstance(v, str) else f"{v:.6g} {unit}" for v in values)
+                texts[group.name] = ", ".join(each)
+        if len(set(texts.values())) > 1:
+            named = [f"{name} {text}".rstrip() for name, text in texts.items()]
+            each_once = named if len(named) <= MOST_NAMES else list(dict.fromkeys(texts.values()))
+            yield f"Unlike tests: the runs differ in {what} ({', '.join(each_once)})."

@@ -1,0 +1,261 @@
+"""What the arrangement of a contact adds to a run's summary: track, half-space, patches, pieces, surfaces."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from warpwear.grid import FloatArray
+from warpwear.history.quantities import BODIES
+from warpwear.laws import friction
+from warpwear.results.evolution import settling, surface_evolution
+from warpwear.results.file import ResultFile
+from warpwear.results.report import Row, entries, finite, record, shown
+from warpwear.results.track import groove, roughness_in_track
+
+
+def arrangement(result: ResultFile) -> list[Row]:
+    """Declare half-space, pieces and patches, and what bodies yield without wear."""
+    study = result.study
+    stiffness = study.bulk_stiffness() if study.uses_bulk_stiffness else study.contact_law().stiffness
+    patches = _patches(result)
+    on_springs = study.study.model == "macro" or bool(patches.value and patches.value["bulk"] == "spring")
+    return [
+        _half_space(result),
+        *([_pieces(result)] if study.wear.sheds else []),
+        patches,
+        Row(
+            "foundation" if on_springs else "",
+            "foundation_N_per_mm3",
+            finite(stiffness),
+            note="to begin with",
+        ),
+        _hertz(result, is_line=on_springs),
+    ]
+
+
+def track(result: ResultFile) -> list[Row]:
+    """Declare groove, passes and what was displaced, of a swept run."""
+    study, history, layout = result.study, result.history, result.study.track
+    first, last = (
+        friction.mean_over(history, history["area_contact"], when, study.lap) for when in friction.WHEN
+    )
+    passes, displaced = float(history["distance"][-1]) / layout.stroke, history["plastic_volume_disc"][-1]
+    rows = [
+        Row("", "length_mm", layout.cells * layout.cell),
+        Row("", "pass_mm", layout.stroke),
+        Row(
+            "passes", "passes", passes, note=f", area in contact {shown({'first': first, 'last': last})} mm²"
+        ),
+        Row("", "shift_cells", layout.shift),
+        Row("", "area_contact_mm2_of_passes", {"first": first, "last": last}),
+        *_groove(result),
+        Row("", "plastic", study.sliding.plastic),
+        Row("displaced", "plastic_volume_mm3", float(displaced)),
+        *_parts(history),
+    ]
+    return [Row("", "track", rows)]
+
+
+def _groove(result: ResultFile) -> list[Row]:
+    """Declare the mean section of the groove, its width, its deepest place and its roughness."""
+    if not result.snapshot_distances.size:
+        return []
+    last = groove(result, result.snapshot_distances.size - 1)
+    section, deepest = 1.0e6 * last.section, 1.0e3 * float(last.depth.max())
+    sizes = {
+        "mean_depth_um": 1.0e3 * last.mean_depth,
+        "deepest_um": deepest,
+        "width_mm": last.width,
+        "section_um2": section,
+    }
+    text = f"mean section {section:.4g} µm², {last.width:.3g} mm wide"
+    text += f", mean profile {deepest:.3g} µm deep at most"
+    roughness = {name: values for name, values in roughness_in_track(result).items() if name != "passes"}
+    unworn, end = ({name: float(values[at]) for name, values in roughness.items()} for at in (0, -1))
+    return [
+        Row("groove", "groove", sizes, sentence=text),
+        Row("", "roughness_um", {"unworn": unworn, "end": end}),
+    ]
+
+
+def _parts(history: Mapping[str, FloatArray]) -> list[Row]:
+    """Declare the parts that steps on the half-space were solved in, and what their length may do."""
+    if "parts" not in history:
+        return []
+    number, error = int(history["parts"].sum()), float(history["area_error"].max())
+    numbers = {
+        "number": number,
+        "most_of_a_step": int(history["parts"].max()),
+        "estimated_error_at_most": error,
+    }
+    text = f"{number} contacts; by estimate their length changes the area by at most {100.0 * error:.2g} %"
+    return [Row("steps divided into", "parts", numbers, sentence=text)]
+
+
+def _half_space(result: ResultFile) -> Row:
+    """Declare what contacts of half-spaces were solved with, and what certificates say of their pressures."""
+    study = result.study
+    if study.contact.law != "half-space":
+        return Row("", "half_space", None)
+    transforms, modulus = float(np.median(result.history["evaluations"])), study.effective_modulus
+    rows = entries(
+        {
+            "effective_modulus_MPa": modulus,
+            "boundary": study.boundary,
+            "transforms": {"median": transforms},
+            **_certified(result.history),
+        }
+    )
+    text = f"E* {shown(1e-3 * (modulus or 0.0))} GPa, {study.boundary}"
+    text += f"; {transforms:g} pairs of Fourier transforms a step in the median"
+    return Row("half-space", "half_space", rows, sentence=text)
+
+
+def _certified(history: Mapping[str, FloatArray]) -> dict[str, Any]:
+    """What the certificates of the pressures say; nothing of a result without them."""
+    if "violation" not in history:
+        return {}
+    known = ~np.isnan(history["violation"])
+    certified: dict[str, Any] = {"steps": int(known.sum())}
+    for name in ("violation", "energy_gap", "energy_gap_relative"):
+        values = history[name][known]
+        key = f"{name}_mJ" if name == "energy_gap" else name
+        certified[key] = {"end": float(values[-1]), "largest": float(values.max())} if values.size else None
+    return {"certified": certified}
+
+
+def _hertz(result: ResultFile, *, is_line: bool) -> Row:
+    """Declare Hertz's contact of the same bodies before wear, if their elastic constants are known."""
+    hertz = result.study.hertz
+    if hertz is None:
+        return Row("", "hertz", None)
+    rows = [
+        Row("", "effective_modulus_MPa", hertz.modulus),
+        Row("radius", "radius_um", 1.0e3 * hertz.radius, digits=3),
+        Row("", "area_mm2", hertz.area),
+        Row("peak", "peak_pressure_MPa", hertz.peak_pressure),
+        Row("approach", "approach_um", 1.0e3 * hertz.approach, digits=3),
+    ]
+    return Row("Hertz, unworn", "hertz", rows) if is_line else Row("", "hertz", record(rows))
+
+
+def _patches(result: ResultFile) -> Row:
+    """Declare what the patches of a two-scale run are; None for another."""
+    study, law = result.study, result.study.patches
+    if study.study.model != "two-scale":
+        return Row("", "patches", None)
+    evaluations = result.history["evaluations"]
+    median, by_approach = float(np.median(evaluations)), law.coupling == "approach"
+    number, cover = int(result.load_share.shape[1]), (law.patch_width / law.macro_cell) ** 2
+    patches = {
+        "number": number,
+        "width_um": 1.0e3 * law.patch_width,
+        "macro_cell_um": 1.0e3 * law.macro_cell,
+        "cover": cover,
+        "coupling": law.coupling,
+        "bulk": law.bulk if by_approach else "spring",
+        "carrying_at_the_end": int(np.count_nonzero(result.load_share[-1])),
+        "evaluations": {"median": median, "most": float(evaluations.max())},
+    }
+    covered = "all" if cover == 1.0 else f"{100.0 * cover:.3g} %"
+    spring = "a bulk spring each" if patches["bulk"] == "spring" else "no bulk spring"
+    shared = f"one approach, {spring}" if by_approach else "loads as a smooth contact says"
+    iterations = "" if study.contact.law == "half-space" else f"; {median:g} iterations in the median"
+    text = f"{number} of {patches['width_um']:g} µm in macro cells of {patches['macro_cell_um']:g} µm "
+    return Row("patches", "patches", patches, sentence=f"{text}({covered} of the area), {shared}{iterations}")
+
+
+def _pieces(result: ResultFile) -> Row:
+    """Declare what bodies that wear in pieces have lost by them, and what decides its course."""
+    study, law = result.study, result.study.pieces
+    assert law is not None
+    diameter, thickness = 1.0e3 * law.diameter, 1.0e3 * law.thickness
+    volume, pending = 1.0e9 * law.volume(study.grid.cell), study.wear.pending_start
+    start = "nothing pending" if pending == "zero" else "pending at random"
+    decides = (
+        f"diameter d* {diameter:.3g} µm and thickness t {thickness:.3g} µm of a piece, "
+        f"dust {100.0 * law.dust:.3g} %, start {pending} ({start}): inputs that move distances severalfold"
+    )
+    size = f"{diameter:.3g} µm wide and {thickness:.3g} µm thick, {volume:.3g} µm³"
+    rows = [
+        Row("pieces", "", size),
+        Row("", "diameter_um", diameter),
+        Row("", "thickness_um", thickness),
+        Row("", "volume_um3", volume),
+        Row("", "dust_fraction", law.dust),
+        Row("", "pending_start", pending),
+        *(_pieces_of(result, body) for body in BODIES),
+        Row("decided by", "", decides),
+    ]
+    return Row("", "pieces", rows)
+
+
+def _pieces_of(result: ResultFile, body: str) -> Row:
+    """Declare how many pieces have left a body, how often, and how wide they were."""
+    study, history, table = result.study, result.history, result.pieces
+    speed, distance = study.sliding.speed, float(history["distance"][-1])
+    cut = table["diameter"][table["body"] == BODIES.index(body)]
+    part = study.track.track_fraction if body == "disc" and study.is_swept else 1.0
+    per_mm = float(history[f"pieces_{body}"].sum()) / distance if distance else 0.0
+    per_minute = 60.0 * speed * per_mm if speed else None
+    numbers = {
+        "number": int(cut.size),
+        "track_fraction": part,
+        "per_mm": per_mm,
+        "per_minute": per_minute,
+        "median_diameter_um": 1.0e3 * float(np.median(cut)) if cut.size else None,
+        "pending_mm3": float(history[f"pending_volume_{body}"][-1]),
+    }
+    rate = "" if per_minute is None else f", {per_minute:.3g} a minute"
+    on_a_part, on_all = (
+        ("", "") if part == 1.0 else (f" on {100.0 * part:.3g} % of the stroke", ", on all of it")
+    )
+    text = f"{cut.size}{on_a_part}, {per_mm:.3g} per mm of sliding{rate}{on_all}"
+    return Row(f"off the {body}", body, numbers, sentence=text)
+
+
+def surfaces(result: ResultFile) -> list[Row]:
+    """Declare how rough both bodies are in the inner scar, how that settles, and how large junctions are."""
+    study, shares = result.study, surface_evolution(result).table["share_above_critical"]
+    critical, diameter = study.critical_junction, study.critical_diameter
+    above, text = None, ""
+    if diameter is not None and shares.size and np.isfinite(shares[[0, -1]]).all():
+        above = {"diameter_um": 1.0e3 * diameter, "first": float(shares[0]), "end": float(shares[-1])}
+        text = f"{100.0 * above['end']:.3g} % of the area in contact (first {100.0 * above['first']:.3g} %)"
+        text += f", d* {above['diameter_um']:.3g} µm"
+    junctions = [
+        Row("", "critical_diameter_um", 1.0e3 * critical if critical else None),
+        Row("", "strength_MPa", study.junction_strength),
+        Row("junctions over d*", "share_above", above, sentence=text),
+    ]
+    return [Row("", "inner_scar", [_inner_scar(result, b) for b in BODIES]), Row("", "junctions", junctions)]
+
+
+def _inner_scar(result: ResultFile, body: str) -> Row:
+    """Declare the roughness of a body at the end and how its course settles."""
+    table = surface_evolution(result).table
+    last = {name: finite(column[-1]) for name, column in table.items() if column.size}
+    sq, sdq, rq = (last.get(f"{name}_{body}") for name in ("sq", "sdq", "rq"))
+    unworn, fit = last.get("sq_disc_unworn") if body == "disc" else 0.0, settling(result, body)
+    numbers: dict[str, Any] = {"sq_um": sq, "sdq": sdq, "rq_along_um": rq, "sq_unworn_um": unworn}
+    if isinstance(fit, str):
+        numbers |= {"settling": None, "not_settling": fit}
+    else:
+        numbers["settling"] = {
+            "equilibrium_um": fit.equilibrium,
+            "equilibrium_error_um": fit.equilibrium_error,
+            "running_in_length_mm": fit.length,
+            "running_in_length_error_mm": fit.length_error,
+            "initial_um": fit.initial,
+            "rms_um": fit.rms,
+        }
+    if sq is None:
+        return Row("", body, numbers)
+    text = f"Sq {sq:.3g} µm" + (f" of {unworn:.3g} µm unworn" if unworn else "")
+    text += f", Sdq {sdq:.2g}, along sliding Rq {rq:.3g} µm"
+    if not isinstance(fit, str):
+        error = float(f"{fit.length_error:.2g}")
+        level = f"{fit.equilibrium:.3g} ± {fit.equilibrium_error:.1g} µm"
+        text += f"; Sq settles at {level} over {fit.length:.3g} ± {error:g} mm"
+    return Row(f"{body}, inner scar", body, numbers, sentence=text)
