@@ -122,8 +122,8 @@ class Axis:
 class Chart:
     """Lines over one axis. title: its heading on a page; note: said above it on paper, and below it there.
 
-    stretch_note: what is said instead of the note of a panel whose place is known, with a field for how many times
-    larger `stretch_factor` of y is drawn than one of x.
+    stretch_note: said instead of the note once the panel has its place, with a field for how many times larger
+    `stretch_factor` of y is drawn than one of x.
     """
 
     title: str

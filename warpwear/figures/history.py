@@ -1,22 +1,18 @@
-"""Figures of what a run's history says: one value a step, over distance or time; and runs laid over others.
+"""Figures of what a run's history says: one value a step, over distance or time.
 
 Where a sphere slides over a track, steps that are cut short are not drawn, except in volumes and depths, and
 the means of many passes are drawn over their steps, which vary along the track. What a column is called, its
 unit and its line are those of its quantity.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-
 import numpy as np
 
-from warpwear.figures import describe
+from warpwear.figures import describe, words
 from warpwear.figures.data import FigureData
 from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, over_distance
-from warpwear.figures.view import last_at_hardness
+from warpwear.figures.view import PASSES, last_at_hardness
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BODIES, BY_NAME, Quantity
-from warpwear.results.ensemble import band, band_told, in_legend
 
 #: Areas in contact and of the scar.
 AREAS = ("area_contact", "area_plastic", "area_touched", "area_nominal")
@@ -26,30 +22,8 @@ SUMMED = "area_cumulative"
 LEAST = 0.03
 #: Bins of distances in which pieces are counted.
 PIECES_BINS = 30
-#: From this number of whole passes on, their means are drawn over the steps.
-PASSES = 8
 #: Shortest time shown in the unit [s], unit, seconds of it.
 TIMES = ((36000.0, "h", 3600.0), (600.0, "min", 60.0), (0.0, "s", 1.0))
-#: Figures of runs laid over others -> columns of the history, a panel each.
-OVERLAID = {
-    "cof": ("cof",),
-    "area": ("area_contact",),
-    "pressure": ("pressure_mean",),
-    "volumes": ("wear_volume_sphere", "wear_volume_disc"),
-}
-
-
-@dataclass(frozen=True)
-class Courses:
-    """Runs that are laid over others under one label.
-
-    of: gives the places, (n,), and the values, (runs, n), NaN where a run has none, of a column of the history;
-    None where there are none.
-    """
-
-    label: str
-    look: Look
-    of: Callable[[str], tuple[FloatArray, FloatArray] | None]
 
 
 def look_of(quantity: Quantity, **changes: float) -> Look:
@@ -58,45 +32,19 @@ def look_of(quantity: Quantity, **changes: float) -> Look:
 
 
 def axis_of(quantity: Quantity) -> Axis:
-    """Give the axis of a quantity that stands alone: logarithmic where its values span decades, if it may be."""
+    """Give the axis of a quantity that stands alone, logarithmic where its values span decades."""
     return Axis(quantity.axis, "auto") if quantity.log else Axis(quantity.axis, low=0.0)
 
 
-def banded(label: str, look: Look, places: FloatArray, values: FloatArray) -> Line:
-    """Make the line of a mean, in a band of 5 to 95 % where there are several. values: (runs, places)"""
-    mean, low, high = band(values)
-    ends = (low, high) if len(values) > 1 else (None, None)
-    return Line(places, mean, in_legend(label), look, *ends)
-
-
-def overlaid(name: str, groups: Sequence[Courses], *, measured: Sequence[Line] = ()) -> Figure:
-    """Lay runs over others: a panel a column of `OVERLAID`, in it a line a group; measured ones with friction."""
-    panels = []
-    for column in OVERLAID[name]:
-        quantity = BY_NAME[column]
-        courses = [(group, group.of(column)) for group in groups]
-        lines = [
-            banded(group.label, group.look, course[0], quantity.scaled(course[1]))
-            for group, course in courses
-            if course is not None
-        ]
-        over = Axis(describe.DISTANCE, low=0.0)
-        if quantity.log:
-            over = over_distance(*(line.x for line in lines))
-        lines = [*(measured if column == "cof" else ()), *lines]
-        note = band_told([len(course[1]) for _, course in courses if course is not None])
-        title = quantity.label[:1].upper() + quantity.label[1:]
-        panels.append(Chart(title, over, axis_of(quantity), lines, note))
-    return Figure(panels, legend=6)
-
-
+@words.figure(words.NO_COURSE, words.NO_COF, essential=True)
 def cof(data: FigureData) -> Figure:
-    """Coefficient of friction over the distance slid."""
+    """Coefficient of friction over the sliding distance. {friction}{passes}"""
     return _of_cof(data, data.course["distance"], _course(data, "cof"), describe.DISTANCE)
 
 
+@words.figure(words.NO_COURSE, words.NO_COF, words.NO_TIME)
 def cof_time(data: FigureData) -> Figure:
-    """Coefficient of friction over the sliding time."""
+    """Coefficient of friction over the sliding time. {friction}"""
     time = data.course["time"]
     unit, seconds = next((unit, s) for least, unit, s in TIMES if time[-1] >= least)
     line = Line(time / seconds, data.course["cof"])
@@ -141,8 +89,11 @@ def _course(
     return [means] if largest else [steps, means]
 
 
+@words.figure(words.NO_FILM, words.NO_COURSE, essential=True)
 def bare_fraction(data: FigureData) -> Figure:
-    """Part of the area in contact that is bare of film over the distance slid, and its fitted course."""
+    """Part of the area in contact that is bare of film over the sliding distance, and its fitted
+    course.{passes}
+    """
     lines = _course(data, "bare_fraction", "computed")
     fit = data.bare_fit
     if not isinstance(fit, str):
@@ -153,8 +104,10 @@ def bare_fraction(data: FigureData) -> Figure:
     return Figure([Chart("Bare of film", Axis(describe.DISTANCE, low=0.0), part, lines)], legend=1)
 
 
+@words.figure(words.NO_COURSE, essential=True)
 def areas(data: FigureData) -> Figure:
-    """Areas in contact, at the hardness, ever touched and nominal over the distance slid.
+    """Real areas of contact and the nominal area of the scar, its ellipse, over the sliding
+    distance.{passes}
 
     The running sum of areas is there where it is the one that shears.
     """
@@ -170,8 +123,9 @@ def areas(data: FigureData) -> Figure:
     return Figure([Chart("Areas", over_distance(data.course["distance"]), area, lines)], legend=3)
 
 
+@words.figure(words.NO_COURSE)
 def pressure(data: FigureData) -> Figure:
-    """Mean and largest pressure of the cells in contact over the distance slid."""
+    """Mean and largest pressure of the cells in contact over the sliding distance.{fall}{passes}"""
     course, hardness = data.course, data.study.hardness
     lines: list[Line | Level] = [
         *_course(data, "pressure_max", "largest", largest=True),
@@ -185,8 +139,11 @@ def pressure(data: FigureData) -> Figure:
     return Figure([Chart("Pressure", *axes, lines, note)], legend=3)
 
 
+@words.figure(words.NO_COURSE, words.NO_RADIUS)
 def contact_radius(data: FigureData) -> Figure:
-    """Radius of the scar and that of a circle of the area in contact over the distance slid."""
+    """Radii of circles of the scar's nominal area and of the area in contact over the sliding distance:
+    where they meet the contact fills its scar.{passes}
+    """
     lines = [
         Line(line.x, line.y / np.sqrt(np.pi), line.label, line.look)
         for name, label in (("area_nominal", "scar: √(area/π)"), ("area_contact", "in contact: √(area/π)"))
@@ -196,8 +153,9 @@ def contact_radius(data: FigureData) -> Figure:
     return Figure([Chart("Radii", *axes, lines)], legend=2)
 
 
+@words.figure(words.NO_COURSE, words.UNWORN, essential=True)
 def volumes(data: FigureData) -> Figure:
-    """Worn volume and deepest cell of both bodies over the distance slid."""
+    """Worn volume and depth of the deepest cell of {slider} and disc over the sliding distance."""
     panels = []
     for prefix, title in (("wear_volume", "Worn volume"), ("wear_depth", "Wear depth")):
         quantities = {body: BY_NAME[f"{prefix}_{body}"] for body in BODIES}
@@ -210,8 +168,9 @@ def volumes(data: FigureData) -> Figure:
     return Figure(panels, legend=2)
 
 
+@words.figure(words.NO_PIECES, essential=True)
 def pieces(data: FigureData) -> Figure:
-    """Share of the pieces up to a diameter as cut, and how many have left either body per distance.
+    """Diameters of the pieces as they were cut, and how many left {slider} and disc per distance slid.
 
     Those of a disc are counted on its whole stroke, of which a track may stand for a part.
     """

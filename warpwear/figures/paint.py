@@ -1,4 +1,4 @@
-"""Matplotlib's painter: draws what `warpwear.figures.describe` declares, in a figure or in axes that are there."""
+"""Matplotlib's painter: draws what `describe` declares, in a figure or in axes that are there."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -108,7 +108,7 @@ def paint_over(figure: Figure, axes: Sequence[Axes]) -> sheets.Figure:
 
 
 def of_run(figure: Figure, *, label: str | None = None, color: Any = None) -> Figure:
-    """Give a figure of charts the name of its run, and its lines a colour, which keep their dashes and marks."""
+    """Give a figure of charts the name of its run, and its lines a colour."""
     colour = None if color is None else to_hex(color)
     charts = [replace(chart, lines=_named(chart.lines, label, colour)) for chart in figure.panels]
     return replace(figure, panels=charts, legend=figure.legend if label is None else 2)
@@ -129,7 +129,7 @@ def _named(lines: Sequence[Any], label: str | None, colour: str | None) -> list[
 
 
 def _over(axes: Axes, chart: Chart) -> None:
-    """Draw a chart over what axes show, which stays in sight; a title of ours that holds for one only goes."""
+    """Draw a chart over what axes show, which stays in sight; a title of ours for one of both goes."""
     there, title = axes.has_data(), axes.get_title()
     ends = {n: (getattr(axes, f"get_{n}scale")(), *getattr(axes, f"get_{n}lim")()) for n in "xy" if there}
     is_ours = axes.title.get_label() == OURS + title
@@ -197,7 +197,7 @@ def set_axis(axes: Axes, which: str, axis: describe.Axis) -> None:
 
 
 def _thin_ticks(axis: Any, *, numbered: bool) -> None:
-    """Keep two ticks between decades of a logarithmic axis, numbered where decades are few: each takes time."""
+    """Keep two ticks between decades of a logarithmic axis, numbered where decades are few."""
     low, high = sorted(axis.get_view_interval())
     if axis.get_scale() == "log" and low > 0.0 and high > 10.0**LEAST_THINNED * low:
         axis.set_minor_locator(LogLocator(subs=(2.0, 5.0), numticks=50))

@@ -2,14 +2,9 @@
 
 import numpy as np
 
+from warpwear.figures import describe, words
 from warpwear.figures.data import FigureData
 from warpwear.figures.describe import (
-    ACROSS,
-    ALONG,
-    BODIES,
-    DISC,
-    SPHERE,
-    UNWORN,
     Arrow,
     Axis,
     Bodies,
@@ -37,13 +32,15 @@ RELIEF, TURNED = 70, 250
 CONTOURS = 9
 #: Length of the arrow of sliding over the domain's side.
 ARROW = 0.4
-CUTS = (("along", ALONG, "Along the sliding direction"), ("across", ACROSS, "Across it"))
+CUTS = (("along", describe.ALONG, "Along the sliding direction"), ("across", describe.ACROSS, "Across it"))
 #: What is said above sections, whose heights are in µm and places in mm.
 LARGER = "heights drawn {} times as large"
 
 
+@words.figure(*words.FIELD, essential=True)
 def setup(data: FigureData) -> Figure:
-    """The sphere over the unworn disc at first contact, true to scale in x and y.
+    """The {slider} on the unworn disc at first contact, its near half cut away; heights are exaggerated
+    as the figure says.
 
     Only the sphere's far half is drawn, so that the disc below it is seen; the disc is shown as far as it is
     computed.
@@ -62,18 +59,19 @@ def setup(data: FigureData) -> Figure:
         f"{study.contact.load:.3g} N; heights drawn {{larger}} times as large"
     )
     parts = (
-        Surface(disc, DISC, low, top),
-        Glass(x, y, sphere, SPHERE),
+        Surface(disc, describe.DISC, low, top),
+        Glass(x, y, sphere, describe.SPHERE),
         Arrow(middle - half, middle + half, top + 0.15 * (high - low), "sliding"),
     )
     ends = low, max(high, top) + 0.05 * (high - low)
     return Figure([Box("Setup", window.extent, "height, µm", *ends, parts, note)])
 
 
+@words.figure(words.TRACK, *words.FIELD, words.UNWORN)
 def wear_map(data: FigureData) -> Figure:
-    """Wear depth of both bodies at the end; on scales of their own where one lost far less."""
+    """Wear depth of {slider} and disc {end}."""
     last, when = data.bodies[-1], after(data.distances[-1])
-    depths = {body: 1.0e3 * getattr(last, f"wear_{body}") for body in BODIES}
+    depths = {body: 1.0e3 * getattr(last, f"wear_{body}") for body in describe.BODIES}
     deepest = {body: float(depth.max()) for body, depth in depths.items()}
     unlike = UNLIKE * min(deepest.values()) < max(deepest.values())
     own = ", a scale of its own" if unlike else ""
@@ -87,33 +85,41 @@ def wear_map(data: FigureData) -> Figure:
     return Figure(maps)
 
 
+@words.figure(*words.SPHERE_WORN)
 def sphere_map(data: FigureData) -> Figure:
-    """Shape of the sphere, unworn and at the snapshots."""
+    """Height of the {slider}, turned over, unworn and at distances slid; lines are of equal height, and
+    far apart where it is worn flat.
+    """
     return _maps(data, "sphere")
 
 
+@words.figure(*words.DISC_WORN)
 def disc_map(data: FigureData) -> Figure:
-    """Shape of the disc, unworn and at the snapshots."""
+    """Height of the disc, unworn and at distances slid, on one scale."""
     return _maps(data, "disc")
 
 
+@words.figure(*words.SPHERE_WORN)
 def sphere_3d(data: FigureData) -> Figure:
-    """The sphere turned over, unworn and at the end, in 3-D."""
+    """The {slider}, turned over, unworn and {end}; pale where it is worn."""
     return _surfaces(data, "sphere")
 
 
+@words.figure(*words.DISC_WORN)
 def disc_3d(data: FigureData) -> Figure:
-    """The disc, unworn and at the end, in 3-D."""
+    """The disc, unworn and {end}."""
     return _surfaces(data, "disc")
 
 
+@words.figure(*words.SPHERE_WORN)
 def sphere_profiles(data: FigureData) -> Figure:
-    """The sphere's shape through the middle, all snapshots overlaid."""
+    """Sections of the {slider} through the middle, unworn and {when}."""
     return _profiles(data, "sphere")
 
 
+@words.figure(*words.DISC_WORN)
 def disc_profiles(data: FigureData) -> Figure:
-    """The disc's shape through the middle, all snapshots overlaid."""
+    """Sections of the disc through the middle, unworn and {when}."""
     return _profiles(data, "disc")
 
 
@@ -152,7 +158,7 @@ def _surfaces(data: FigureData, body: str) -> Figure:
         scar = worn if state != "unworn" else None
         pale = " (pale: worn)" if scar is not None else ""
         note = f"{name}{turned}, {state}{pale}\nheights drawn {{larger}} times as large"
-        surface = Surface(field, BODIES[body], *ends, scar, cap=is_sphere)
+        surface = Surface(field, describe.BODIES[body], *ends, scar, cap=is_sphere)
         boxes.append(Box(f"{name} {state}", extent, "height, µm", *ends, [surface], note))
     return Figure(boxes)
 
@@ -176,8 +182,8 @@ def _profiles(data: FigureData, body: str) -> Figure:
     for cut, label, title in CUTS:
         first: Profile = getattr(views[0], cut)
         unworn = sign * getattr(first, body) + getattr(first, f"wear_{body}")
-        lines = [Line(first.place, 1e3 * unworn, "unworn", Look(UNWORN, width=0.5))]
-        for view, look in zip(views, in_time(BODIES[body], len(views)), strict=True):
+        lines = [Line(first.place, 1e3 * unworn, "unworn", Look(describe.UNWORN, width=0.5))]
+        for view, look in zip(views, in_time(describe.BODIES[body], len(views)), strict=True):
             profile: Profile = getattr(view, cut)
             heights = 1e3 * sign * getattr(profile, body)
             lines.append(Line(profile.place, heights, after(view.distance), look))
@@ -192,8 +198,9 @@ def _section(title: str, label: str, heights: Axis, lines: list[Line], before: l
     )
 
 
+@words.figure(*words.FIELD, essential=True)
 def profiles(data: FigureData) -> Figure:
-    """Both bodies along and across the sliding direction through the middle, in contact, at the end."""
+    """Sections of both bodies through the middle in contact {end}, and without their wear."""
     last = data.views[-1]
     approach, slider = float(data.history["approach"][last.row]), data.slider
     cuts = [getattr(last, name) for name, *_ in CUTS]
@@ -206,10 +213,10 @@ def profiles(data: FigureData) -> Figure:
     for cut, (_, label, title) in zip(cuts, CUTS, strict=True):
         sphere, disc = cut.sphere - approach, cut.disc
         bodies = [
-            (disc + cut.wear_disc, "disc, unworn", Look(shade(DISC, 0.0), width=0.5)),
-            (sphere - cut.wear_sphere, f"{slider}, unworn", Look(SPHERE, "dash", 0.7)),
-            (sphere, f"{slider}{state}", Look(SPHERE, width=2.6, alpha=0.4)),
-            (disc, f"disc{state}", Look(DISC, width=0.8)),
+            (disc + cut.wear_disc, "disc, unworn", Look(shade(describe.DISC, 0.0), width=0.5)),
+            (sphere - cut.wear_sphere, f"{slider}, unworn", Look(describe.SPHERE, "dash", 0.7)),
+            (sphere, f"{slider}{state}", Look(describe.SPHERE, width=2.6, alpha=0.4)),
+            (disc, f"disc{state}", Look(describe.DISC, width=0.8)),
         ]
         lines = [Line(cut.place, 1e3 * y, name, look) for y, name, look in bodies[0 if worn else 2 :]]
         panels.append(_section(title, label, heights, lines, panels))

@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 from warpwear.grid import FloatArray, Grid
 from warpwear.surfaces.sphere import sag
 
+#: From this number of whole passes on, their means are drawn over the steps.
+PASSES = 8
 #: The largest pressure falls where it ends below this part of what it was.
 FALL = 0.9
 

@@ -4,15 +4,19 @@ Each reason is a test of the run and a sentence for people. Captions are templat
 whose fields are found here.
 """
 
+import inspect
+from collections import defaultdict
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
 
 from warpwear.figures.data import FigureData
-from warpwear.figures.history import PASSES
-from warpwear.figures.view import last_at_hardness
+from warpwear.figures.describe import Figure
+from warpwear.figures.view import PASSES, last_at_hardness
 
+#: What declares a figure of a run.
+Declare = Callable[[FigureData], Figure]
 #: Pressures whose largest is less than this many times the mean are nearly the same.
 EVEN = 1.1
 
@@ -109,6 +113,55 @@ UNWORN_DISC = Reason(_lost_nothing("wear_depth_disc"), "nothing is worn off the 
 NO_GROOVE = Reason(
     _lost_nothing("wear_depth_disc", "plastic_volume_disc"), "nothing is worn or pressed off the disc"
 )
+#: Reasons of several figures.
+FIELD = (NO_SNAPSHOT, ONLY_SAMPLES)
+SPHERE_WORN = (*FIELD, UNWORN_SPHERE)
+DISC_WORN = (TRACK, *FIELD, UNWORN_DISC)
+GROOVE = (STILL, NO_SNAPSHOT, NO_GROOVE)
+PATCHES = (ONE_SCALE, NO_SNAPSHOT)
+ROUGHNESS = (TRACK, SMOOTH_DISC, ONE_SNAPSHOT, UNWORN_DISC)
+
+
+class Entry(NamedTuple):
+    """A figure of a run: what declares it, and why a run may have none.
+
+    essential: whether it goes into a paper, and is drawn by default.
+    """
+
+    declare: Declare
+    reasons: tuple[Reason, ...]
+    essential: bool
+
+    @property
+    def template(self) -> str:
+        """What stands below it, with fields of `FIELDS`: the start of what its function says of itself."""
+        return " ".join((inspect.getdoc(self.declare) or "").partition("\n\n")[0].split())
+
+    @property
+    def help(self) -> str:
+        """What the figure shows of any run."""
+        return self.template.format_map(defaultdict(str, OF_ANY_RUN)).strip()
+
+
+#: Figures of a run by name.
+FIGURES: dict[str, Entry] = {}
+#: Fields of a caption that are filled in where no run is at hand.
+OF_ANY_RUN = {"slider": "sphere", "when": "at the snapshots", "end": "at the end"}
+
+
+def figure(*reasons: Reason, essential: bool = False) -> Callable[[Declare], Declare]:
+    """Enter a function among the figures of a run; the start of its docstring is the caption."""
+
+    def enter(declare: Declare) -> Declare:
+        FIGURES[declare.__name__] = Entry(declare, reasons, essential)
+        return declare
+
+    return enter
+
+
+def caption_of(name: str, data: FigureData) -> str:
+    """Return what stands below a figure of a run; the law of contact is said at the end."""
+    return (FIGURES[name].template + " {law}").format_map(Fields(data))
 
 
 class Fields:

@@ -1,4 +1,4 @@
-"""Figures as what a page's script draws: numbers, words and codes of few bits, of `warpwear.figures.describe`."""
+"""Figures as what a page's script draws: numbers, words and codes of few bits."""
 
 import math
 from collections.abc import Callable
