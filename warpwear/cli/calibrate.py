@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from warpwear.cli.calibrate_bayes import bayes
-from warpwear.cli.options import AS_JSON, PATH
+from warpwear.cli.options import AS_JSON, COLUMNS, PATH, repeated
 from warpwear.cli.places import coefficients, energy_of_test, friction_command, printed, wear_command
 from warpwear.cli.surface import prepared, with_preparation
 
@@ -81,8 +81,8 @@ def wear(**options: Any) -> None:
     warpwear calibrate wear --diagonals "0.80 mm" "0.82 mm" --radius "3 mm" \\
         --load "8 N" --distance "2400 mm"
     """
-    asked = wear_command.WearOptions(preparation=prepared(options), **options)
-    click.echo(wear_command.calibrate_wear(asked))
+    settings = wear_command.WearOptions(preparation=prepared(options), **options)
+    click.echo(wear_command.calibrate_wear(settings))
 
 
 @calibrate.command()
@@ -97,7 +97,7 @@ def wear(**options: Any) -> None:
     type=PATH,
     help="Measured coefficient over distance: fits τ0 and μ_p with the areas of --result.",
 )
-@click.option("--columns", metavar="NAMES", help="--experiment: which of its columns to take.")
+@COLUMNS
 @click.option("--stroke", metavar="L", help="--experiment: length of one pass, where it counts cycles.")
 @click.option("--speed", metavar="V", help="--experiment: sliding speed, where it has time and no distance.")
 @AS_JSON
@@ -115,12 +115,7 @@ def friction(**options: Any) -> None:
 @DISTANCE
 @click.option("--cof", type=float, help="Constant coefficient of friction, without --result.")
 @click.option("--area", metavar="A", help="Area of the mean pressure of PV, without --result.")
-@click.option(
-    "--speed",
-    metavar="V",
-    multiple=True,
-    help="e.g. '20 mm/min'. Repeatable. [default: 10, 20, 50, 100 mm/min]",
-)
+@repeated("--speed", "V", "e.g. '20 mm/min'.", default="10, 20, 50, 100 mm/min")
 @AS_JSON
 def energy(**options: Any) -> None:
     """Dissipated energy ∫ μ F dL, and time, frictional power and PV at several speeds."""

@@ -17,8 +17,7 @@ PREPARATION = {
     "--height-sign": "down turns heights over (the file gives depths).",
     "--crop": "Part used: 'x0, x1, y0, y1' from the file's corner, or a size such as '1 mm'.",
     "--sliding-axis": "Axis of the file along sliding: x or y. [default: x]",
-    "--outliers": "Remove spikes: points farther than so many robust standard deviations from "
-    "their neighbours, e.g. 6.",
+    "--outliers": "Remove spikes: points more than this many robust standard deviations off, e.g. 6.",
     "--level": "none, plane, sphere or a degree of a polynomial. [default: plane]",
     "--s-filter": "Take off shorter waves than this, e.g. '8 um'.",
     "--l-filter": "Take off longer waves than this, e.g. '0.8 mm'.",
@@ -61,5 +60,5 @@ def surface(file: Path | None, **options: Any) -> None:
     With --before what a wear scar has lost and piled up, with --track the volume of a worn track, with
     --ball that of a worn ball.
     """
-    asked = surface_command.SurfaceOptions(preparation=prepared(options), **options)
-    click.echo(surface_command.describe(file, asked))
+    settings = surface_command.SurfaceOptions(preparation=prepared(options), **options)
+    click.echo(surface_command.describe(file, settings))

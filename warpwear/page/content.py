@@ -33,8 +33,6 @@ COMMANDS = (
 MAKER = "warpwear.page.html:run_page"
 #: What every page of ours holds near its start.
 MARK = b'<meta name="generator" content="warpwear'
-
-
 #: What makes each section of a run's page, in the page's order.
 SECTIONS: tuple[Callable[[Plotter, FigureData], Section], ...] = (
     maps.maps,
@@ -51,8 +49,8 @@ SECTIONS: tuple[Callable[[Plotter, FigureData], Section], ...] = (
 def content_of(result: ResultFile, plot: Plotter) -> dict[str, Any]:
     """Collect what the page of a run shows. plot: of the same result, whose reduced data are used again."""
     with plot.data as data:
-        found = [section for make in SECTIONS if (section := make(plot, data)).plots]
-    return words_of(result.study, summarise(result)) | {"sections": [asdict(section) for section in found]}
+        sections = [section for make in SECTIONS if (section := make(plot, data)).plots]
+    return words_of(result.study, summarise(result)) | {"sections": [asdict(section) for section in sections]}
 
 
 def top_of(study: Study, summary: dict[str, Any]) -> dict[str, Any]:
@@ -63,8 +61,8 @@ def top_of(study: Study, summary: dict[str, Any]) -> dict[str, Any]:
         "asked": words.asked_of(study, summary),
         "finished": summary["finished"],
         "answers": [vars(answer) for answer in words.answers_of(study, summary)],
-        "warnings": [told for told in summary["warnings"] if told not in summary["notes"]],
-        "notes": [told for told in summary["warnings"] if told in summary["notes"]],
+        "warnings": [text for text in summary["warnings"] if text not in summary["notes"]],
+        "notes": [text for text in summary["warnings"] if text in summary["notes"]],
         "trust": words.trust_of(study, summary, words.assumptions_of(study, summary)),
     }
 
