@@ -4,7 +4,7 @@ from typing import Any
 
 import click
 
-from warpwear.cli.options import AS_JSON, COLUMNS, DEVICE, EXPERIMENTS, PATH, repeated
+from warpwear.cli.options import AS_JSON, COLUMNS, DEVICE, EXPERIMENTS, PATH, repeated, together
 from warpwear.cli.places import inference_command
 from warpwear.cli.study import CHANGES, STUDY, parsed_changes
 
@@ -20,30 +20,17 @@ MEASURED = {
 }
 
 
-def _with_measured(command: Any) -> Any:
-    """Give a command the options of `MEASURED`."""
-    for option, (name, text) in reversed(MEASURED.items()):
-        command = click.option(option, name, metavar="X+-U", multiple=True, help=text)(command)
-    return command
-
-
 @click.command(epilog=STUDY)
 @click.argument("study")
 @CHANGES
-@repeated(
-    "--unknown", "KEY[=PRIOR]", "Key, its prior as in a sweep.", default="a factor of 5 about its value"
-)
+@repeated("--unknown", "KEY[=PRIOR]", "Key, prior as in a sweep.", default="a factor of 5 about its value")
 @EXPERIMENTS
 @COLUMNS
-@_with_measured
+@together(*(repeated(option, "X+-U", text, name) for option, (name, text) in MEASURED.items()))
 @click.option("--target", metavar="KEY", help="Unknown that the next test shall tell; ranks tests.")
 @repeated("--next", "TEST", "A test to rank, e.g. 'contact.load=16 N, repeats=3'.", "candidates")
 @click.option("--out", type=PATH, help="Folder of report, calibrated study and runs.")
-@click.option(
-    "--runs",
-    type=int,
-    help="Runs of the design, where one run does not do. [default: 8 an unknown, 16 at least]",
-)
+@click.option("--runs", type=int, help="Runs of the design. [default: 8 an unknown, 16 at least]")
 @click.option("--seed", type=int, default=0, show_default=True, help="Of all draws.")
 @DEVICE
 @AS_JSON

@@ -28,7 +28,7 @@ from warpwear.cli.surface import prepared, with_preparation
 )
 @click.option("--scar", type=PATH, help="The worn disc, a measured surface, to lay over the computed scars.")
 @click.option("--before", type=PATH, help="The same place of --scar before it was worn.")
-@with_preparation
+@with_preparation()
 def compare(
     folders: tuple[Path, ...],
     experiments: tuple[Path, ...],

@@ -1,6 +1,7 @@
 """Arguments and options that several commands have."""
 
 from collections.abc import Callable
+from functools import reduce
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,11 @@ def repeated(name: str, metavar: str, text: str, *parameter: str, default: str =
     """Make an option that may be given several times. parameter: its name in Python, another than its own."""
     text = f"{text} Repeatable." + (f" [default: {default}]" if default else "")
     return click.option(name, *parameter, metavar=metavar, multiple=True, help=text, **others)
+
+
+def together(*options: Option) -> Option:
+    """Make one decorator of several options, which `--help` lists in their order."""
+    return lambda command: reduce(lambda inner, option: option(inner), reversed(options), command)
 
 
 FOLDER = click.argument("folder", metavar="DIR", type=PATH)

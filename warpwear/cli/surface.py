@@ -1,12 +1,11 @@
 """The command `warpwear surface`, and the options that prepare a measured file."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import click
 
-from warpwear.cli.options import PATH
+from warpwear.cli.options import PATH, Option, together
 from warpwear.cli.places import surface_command
 
 #: Keys of [disc] as options: how a measured file is read and what is done to it.
@@ -24,12 +23,10 @@ PREPARATION = {
 }
 
 
-def with_preparation(command: Callable[..., Any], **other: str) -> Callable[..., Any]:
-    """Give a command the options of `PREPARATION`. other: name without dashes -> another help."""
-    for name, text in reversed(PREPARATION.items()):
-        text = other.get(name.removeprefix("--"), text)
-        command = click.option(name, metavar="VALUE", help=text)(command)
-    return command
+def with_preparation(**other: str) -> Option:
+    """Make the options of `PREPARATION`. other: name without dashes -> another help."""
+    texts = PREPARATION | {f"--{name}": text for name, text in other.items()}
+    return together(*(click.option(name, metavar="VALUE", help=text) for name, text in texts.items()))
 
 
 def prepared(options: dict[str, Any]) -> dict[str, str | None]:
@@ -39,7 +36,7 @@ def prepared(options: dict[str, Any]) -> dict[str, str | None]:
 
 @click.command()
 @click.argument("file", required=False, type=PATH)
-@with_preparation
+@with_preparation()
 @click.option("--lambda-c", default="2.5 mm", show_default=True, help="Cut-off λc of Ra profiles.")
 @click.option("--lambda-s", default="8 um", show_default=True, help="Cut-off λs of Ra profiles.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON; a figure only with --figure.")
