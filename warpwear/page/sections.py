@@ -90,7 +90,8 @@ def groove(plot: Plotter, data: FigureData) -> Section:
 
 def loads(plot: Plotter, data: FigureData) -> Section:
     """Show loads of the patches over their area, beside those of a smooth contact."""
-    return Section("Load shares of the patches", _figures(plot, data, "load_share"), "loads")
+    text = "Load over the area of each macro cell."
+    return Section("Load shares of the patches", _figures(plot, data, "load_share"), "loads", text)
 
 
 def bodies(plot: Plotter, data: FigureData) -> Section:
