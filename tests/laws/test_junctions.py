@@ -10,9 +10,9 @@ from scipy.special import ellipe
 
 import warpwear
 from warpwear import Result, Study
-from warpwear.figures.data import FigureData
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.of_run.snapshots import junctions
 from warpwear.figures.paint import paint
-from warpwear.figures.snapshots import junctions
 from warpwear.laws.junctions import critical_junction, diameters_of, junction_strength, share_above
 
 STEEL: dict[str, float] = {

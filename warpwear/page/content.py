@@ -9,7 +9,7 @@ from typing import Any
 
 from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.figures.table import Plotter
+from warpwear.figures.of_run.table import Plotter
 from warpwear.page import paper, words
 from warpwear.page.limits import limits_of
 from warpwear.page.sections import SECTIONS

@@ -19,10 +19,10 @@ from warpwear.figures.describe import (
     Level,
     Line,
     Map,
-    chosen,
     scaled,
     values_of,
 )
+from warpwear.figures.wording import chosen
 from warpwear.grid import FloatArray
 
 #: Most points of a line.

@@ -5,10 +5,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from warpwear.figures import shape
-from warpwear.figures.data import FigureData
-from warpwear.figures.describe import Figure, Section, chosen
-from warpwear.figures.table import FIGURES, Plotter
+from warpwear.figures.describe import Figure, Section
+from warpwear.figures.of_run import shape
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.of_run.table import FIGURES, Plotter
+from warpwear.figures.wording import chosen
 from warpwear.page.plots import POINTS
 
 #: Most snapshots under a slider, and points along a side of a map.

@@ -12,11 +12,12 @@ from matplotlib.animation import FFMpegWriter, PillowWriter
 
 from warpwear.errors import OVERWRITE_IT, InputError
 from warpwear.figures import describe, style
-from warpwear.figures.data import FigureData
-from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale, after, with_scatter
-from warpwear.figures.fields import pressure_scale
+from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.of_run.fields import pressure_scale
+from warpwear.figures.of_run.view import positive
 from warpwear.figures.paint import paint
-from warpwear.figures.view import positive
+from warpwear.figures.wording import after, with_scatter
 from warpwear.grid import FloatArray
 from warpwear.results.file import ResultFile
 from warpwear.results.track import blocks

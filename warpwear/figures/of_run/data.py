@@ -1,4 +1,4 @@
-"""What figures need of a result, read once and reduced to what paper shows, see `warpwear.figures.view`.
+"""What figures need of a result, read once and reduced to what paper shows, see `view.py`.
 
 A field of 1500² cells is drawn on some 700 pixels, and matplotlib takes an image's memory several times.
 So a snapshot is cropped to the scar, reduced block by block, and let go.
@@ -12,8 +12,7 @@ from typing import Any, Self
 import numpy as np
 
 from warpwear.engine.executor import Executor
-from warpwear.figures.describe import chosen
-from warpwear.figures.view import (
+from warpwear.figures.of_run.view import (
     Bodies,
     FilmState,
     Loads,
@@ -23,6 +22,7 @@ from warpwear.figures.view import (
     Window,
     sag_or_nan,
 )
+from warpwear.figures.wording import chosen
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.quantities import BODIES
 from warpwear.history.snapshot import Snapshot

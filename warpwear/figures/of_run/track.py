@@ -2,25 +2,14 @@
 
 import numpy as np
 
-from warpwear.figures import describe, words
-from warpwear.figures.data import FigureData
-from warpwear.figures.describe import (
-    Axis,
-    Chart,
-    Figure,
-    Level,
-    Line,
-    Look,
-    Map,
-    Scale,
-    after,
-    chosen,
-    in_time,
-    shade,
-)
-from warpwear.figures.history import axis_of
-from warpwear.figures.snapshots import of_parameters
-from warpwear.figures.view import positive
+from warpwear.figures import describe
+from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale, in_time, shade
+from warpwear.figures.of_run import words
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.of_run.history import axis_of
+from warpwear.figures.of_run.snapshots import of_parameters
+from warpwear.figures.of_run.view import positive
+from warpwear.figures.wording import after, chosen
 from warpwear.history.quantities import BY_NAME
 from warpwear.results import track as results
 

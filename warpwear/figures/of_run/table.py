@@ -13,9 +13,10 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.figures import describe, fields, history, shape, snapshots, track
-from warpwear.figures.data import FigureData
-from warpwear.figures.words import FIGURES, caption_of, first_of
+from warpwear.figures import describe
+from warpwear.figures.of_run import fields, history, shape, snapshots, track
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.of_run.words import FIGURES, caption_of, first_of
 from warpwear.results.file import ResultFile
 from warpwear.results.manifest import add_figure
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 style, painter = lazy.module("warpwear.figures.style"), lazy.module("warpwear.figures.paint")
+overlay = lazy.module("warpwear.figures.overlay")
 colours = lazy.module("matplotlib.colors")
 
 #: What declares the figures of a run; importing them fills `FIGURES`.
@@ -59,8 +61,8 @@ class Plotter:
             if ax is None and label is None and color is None:
                 return painter.paint(declared)
             _check_overlay(name, declared, ax, color)
-            declared = painter.of_run(declared, label=label, color=color)
-            return painter.paint(declared) if ax is None else painter.paint_over(declared, np.ravel(ax))
+            declared = overlay.of_run(declared, label=label, color=color)
+            return painter.paint(declared) if ax is None else overlay.paint_over(declared, np.ravel(ax))
 
         figure.__name__, figure.__doc__ = name, FIGURES[name].help
         return figure

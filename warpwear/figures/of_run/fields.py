@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.figures import describe, words
-from warpwear.figures.data import FigureData
+from warpwear.figures import describe
 from warpwear.figures.describe import (
     Axis,
     Box,
@@ -18,11 +17,12 @@ from warpwear.figures.describe import (
     Outline,
     Scale,
     Towers,
-    after,
     in_time,
-    with_scatter,
 )
-from warpwear.figures.view import FilmState, State, View, Window, coarsen, positive
+from warpwear.figures.of_run import words
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.of_run.view import FilmState, State, View, Window, coarsen, positive
+from warpwear.figures.wording import after, with_scatter
 from warpwear.grid import FloatArray
 from warpwear.laws import archard
 from warpwear.laws.patches import Patches

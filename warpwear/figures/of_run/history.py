@@ -7,10 +7,11 @@ unit and its line are those of its quantity.
 
 import numpy as np
 
-from warpwear.figures import describe, words
-from warpwear.figures.data import FigureData
+from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, over_distance
-from warpwear.figures.view import PASSES, last_at_hardness
+from warpwear.figures.of_run import words
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.of_run.view import PASSES, last_at_hardness
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BODIES, BY_NAME, Quantity
 

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from warpwear.figures.data import FigureData
 from warpwear.figures.describe import Figure
-from warpwear.figures.view import PASSES, last_at_hardness
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.of_run.view import PASSES, last_at_hardness
 
 #: What declares a figure of a run.
 Declare = Callable[[FigureData], Figure]

@@ -2,20 +2,11 @@
 
 import numpy as np
 
-from warpwear.figures import describe, words
-from warpwear.figures.data import FigureData
-from warpwear.figures.describe import (
-    Axis,
-    Chart,
-    Figure,
-    Level,
-    Line,
-    Look,
-    after,
-    in_time,
-    over_distance,
-    short,
-)
+from warpwear.figures import describe
+from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, in_time, over_distance
+from warpwear.figures.of_run import words
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.wording import after, short
 from warpwear.grid import FloatArray
 from warpwear.laws.junctions import diameters_of, share_above
 

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from warpwear.figures import describe, words
-from warpwear.figures.data import FigureData
+from warpwear.figures import describe
 from warpwear.figures.describe import (
     Arrow,
     Axis,
@@ -17,11 +16,13 @@ from warpwear.figures.describe import (
     Map,
     Scale,
     Surface,
-    after,
     in_time,
     shade,
 )
-from warpwear.figures.view import Profile, coarsen, positive, sag_or_nan
+from warpwear.figures.of_run import words
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.of_run.view import Profile, coarsen, positive, sag_or_nan
+from warpwear.figures.wording import after
 from warpwear.grid import FloatArray
 
 #: Where one body is worn this many times as deep as the other, each has a scale of its own.
