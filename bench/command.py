@@ -26,7 +26,7 @@ CHILD = """
 import json, sys
 from warpwear import clock
 from warpwear.cli.main import main
-from warpwear.figures import table
+from warpwear.figures.of_run import table
 from warpwear.runs import run
 clocks = []
 class Kept(clock.Clock):

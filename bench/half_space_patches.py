@@ -17,7 +17,7 @@ import numpy as np
 from measure.machine import machine
 
 from warpwear import Study
-from warpwear.figures.data import load_share_error
+from warpwear.figures.of_run.data import load_share_error
 from warpwear.runs.make import executor_of, model_of, plan_of
 from warpwear.study.surface import surface_in
 

@@ -19,7 +19,7 @@ from measure.machine import machine
 
 import warpwear
 from warpwear.figures import style as fs
-from warpwear.figures.data import load_share_error
+from warpwear.figures.of_run.data import load_share_error
 from warpwear.runs.make import executor_of, model_of, plan_of
 from warpwear.study.surface import surface_in
 

@@ -11,8 +11,8 @@ from matplotlib.patches import Polygon
 from matplotlib.text import Text
 
 from warpwear import Result
-from warpwear.figures import words
-from warpwear.figures.table import FIGURES
+from warpwear.figures.of_run import words
+from warpwear.figures.of_run.table import FIGURES
 
 
 def left_out_for(*reasons: words.Reason) -> set[str]:

@@ -16,7 +16,7 @@ from warpwear.results.summary import summarise
 content, html = lazy.module("warpwear.page.content"), lazy.module("warpwear.page.html")
 
 #: Draws the figures; Matplotlib takes as long to import as everything else together.
-PLOTTER = "warpwear.figures.table:Plotter"
+PLOTTER = "warpwear.figures.of_run.table:Plotter"
 #: Writes files for other software.
 EXPORT = "warpwear.results.export:export"
 #: Figures that a notebook shows, those of a run without a course; pixels an inch.

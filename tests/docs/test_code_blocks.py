@@ -11,7 +11,7 @@ import pytest
 
 from warpwear import Study
 from warpwear.cli.main import commands
-from warpwear.figures.table import ESSENTIAL, FIGURES
+from warpwear.figures.of_run.table import ESSENTIAL, FIGURES
 from warpwear.study.keys import declarations
 
 ROOT = Path(__file__).parents[2]

@@ -12,9 +12,9 @@ from PIL import Image
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.cli.main import main
-from warpwear.figures import film
 from warpwear.figures.describe import Chart
-from warpwear.figures.film import FFMpegWriter, animate
+from warpwear.figures.of_run import film
+from warpwear.figures.of_run.film import FFMpegWriter, animate
 
 
 def lines_of(result: Result) -> dict[str, int]:

@@ -26,12 +26,13 @@ from PIL import Image
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.cli.main import main
-from warpwear.figures import words
-from warpwear.figures.data import FigureData
-from warpwear.figures.describe import Axis, Chart, Figure, Line, short, with_scatter
+from warpwear.figures.describe import Axis, Chart, Figure, Line
+from warpwear.figures.of_run import words
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.of_run.table import ESSENTIAL
+from warpwear.figures.of_run.view import State, last_at_hardness
 from warpwear.figures.paint import paint
-from warpwear.figures.table import ESSENTIAL
-from warpwear.figures.view import State, last_at_hardness
+from warpwear.figures.wording import short, with_scatter
 
 #: What a run without sliding has not.
 NOT_STATIC = left_out_for(

@@ -15,7 +15,7 @@ import warpwear
 from warpwear import InputError, Study
 from warpwear.cli.main import commands
 from warpwear.figures import process
-from warpwear.figures.table import ESSENTIAL
+from warpwear.figures.of_run.table import ESSENTIAL
 from warpwear.results.file import ResultFile
 
 PLAIN = {"grid.cell": "20 um", "sliding.distance": "10 mm", "output.snapshots": ["0.3 mm", "3 mm"]}
@@ -147,7 +147,7 @@ def test_captions_need_no_matplotlib(tmp_path: Path) -> None:
     warpwear.run(study_of("static"), out=tmp_path / "run", plots=False).close()
     code = (
         "import sys\nfrom warpwear.results.file import ResultFile\n"
-        "from warpwear.figures.table import Plotter\n"
+        "from warpwear.figures.of_run.table import Plotter\n"
         "plot = Plotter(ResultFile.open(sys.argv[1])); print(*map(plot.caption, plot.names()))\n"
         "assert 'matplotlib' not in sys.modules"
     )

@@ -17,7 +17,7 @@ from warpwear import InputError, Result
 from warpwear.cli.main import commands
 from warpwear.comparison.gather import gather
 from warpwear.comparison.table import columns, to_text
-from warpwear.figures.film import animate
+from warpwear.figures.of_run.film import animate
 from warpwear.results.summary import course
 from warpwear.results.track import blocks, by_pass, depth_along, groove, roughness_in_track, whole_steps
 from warpwear.sweeps.run_one import row_of
@@ -92,7 +92,7 @@ def test_figures_of_a_track(result: Result, tmp_path: Path, monkeypatch: pytest.
     assert set(still.plot.left_out) >= OF_TRACKS
     with pytest.raises(InputError, match="the disc lies still"):
         still.plot.groove()
-    monkeypatch.setattr("warpwear.figures.film.DPI", 40)
+    monkeypatch.setattr("warpwear.figures.of_run.film.DPI", 40)
     film = animate(result, tmp_path / "film.gif")
     with Image.open(film) as frames:
         assert frames.n_frames == 3  # type: ignore[attr-defined]

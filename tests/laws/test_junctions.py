@@ -10,8 +10,9 @@ from scipy.special import ellipe
 
 import warpwear
 from warpwear import Result, Study
-from warpwear.figures.data import FigureData
-from warpwear.figures.snapshots import junctions
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.of_run.snapshots import junctions
+from warpwear.figures.paint import paint
 from warpwear.laws.junctions import critical_junction, diameters_of, junction_strength, share_above
 
 STEEL: dict[str, float] = {
@@ -83,8 +84,10 @@ def result() -> Result:
 
 def drawn(result: Result, critical: float | None) -> Any:
     data = FigureData(result)
-    data.study = SimpleNamespace(critical_junction=critical, critical_diameter=critical)  # type: ignore[assignment]
-    figure = junctions(data)
+    data.study = SimpleNamespace(  # type: ignore[assignment]
+        critical_junction=critical, critical_diameter=critical, cells=result.study.cells
+    )
+    figure = paint(junctions(data))
     figure.canvas.draw()
     return figure
 

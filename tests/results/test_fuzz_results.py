@@ -17,7 +17,7 @@ import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.comparison.gather import gather
 from warpwear.comparison.table import to_text
-from warpwear.figures.table import FIGURES
+from warpwear.figures.of_run.table import FIGURES
 from warpwear.results.export import FORMATS, export
 from warpwear.results.file import MAGIC
 from warpwear.results.report import to_json

@@ -1,12 +1,11 @@
 """The command group `warpwear calibrate`: wear coefficients, shear strength and energy from a test."""
 
-from collections.abc import Callable
 from typing import Any
 
 import click
 
 from warpwear.cli.calibrate_bayes import bayes
-from warpwear.cli.options import AS_JSON, PATH
+from warpwear.cli.options import AS_JSON, COLUMNS, PATH, repeated, together
 from warpwear.cli.places import coefficients, energy_of_test, friction_command, printed, wear_command
 from warpwear.cli.surface import prepared, with_preparation
 
@@ -16,23 +15,19 @@ RESULT = click.option("--result", metavar="DIR", type=PATH, help="Run folder of 
 
 #: The form of a track is that of the unworn part.
 LEVEL = "--track: none, plane or a degree, taken off beside it. [default: plane]"
-#: Option of a source -> how its values are shown, their type, and its help; one value a test.
-REPEATED = {
-    "--volume": ("V", str, "A worn volume, e.g. '0.01805 mm^3'."),
-    "--scar": ("D", str, "Diameter of a flat scar on a ball. Needs --radius."),
-    "--width": ("D", str, "Width of a circular track. Needs --radius and --track-radius."),
-    "--section": ("A", str, "Cross-section of a groove, e.g. '812.8 um^2'. Needs --length."),
-    "--track": ("FILE", PATH, "Topography of a worn track. Needs --length."),
-    "--ball": ("FILE", PATH, "Topography of a worn ball, with or without --radius."),
-}
-
-
-def _with_sources(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a command the options of `REPEATED`, and those that prepare a measured file."""
-    command = with_preparation(command, level=LEVEL)
-    for name, (metavar, kind, text) in reversed(REPEATED.items()):
-        command = click.option(name, metavar=metavar, type=kind, multiple=True, help=text)(command)
-    return command
+UNCERTAINTY = "Standard uncertainty of diameter, width, section or volume. [default: of --diagonals]"
+#: Test methods of ASTM, and which body was measured.
+METHODS = ("g99-ball", "g99-disc", "g133-ball", "g133-flat")
+#: Sources of a worn volume, one value a test.
+SOURCES = together(
+    repeated("--volume", "V", "A worn volume, e.g. '0.01805 mm^3'."),
+    repeated("--scar", "D", "Diameter of a flat scar on a ball. Needs --radius."),
+    repeated("--width", "D", "Width of a circular track. Needs --radius and --track-radius."),
+    repeated("--section", "A", "Cross-section of a groove, e.g. '812.8 um^2'. Needs --length."),
+    repeated("--track", "FILE", "Topography of a worn track. Needs --length.", type=PATH),
+    repeated("--ball", "FILE", "Topography of a worn ball, with or without --radius.", type=PATH),
+    with_preparation(level=LEVEL),
+)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -41,30 +36,17 @@ def calibrate() -> None:
 
 
 @calibrate.command()
-@_with_sources
-@click.option(
-    "--diagonals",
-    nargs=2,
-    metavar="A B",
-    multiple=True,
-    help="Two diameters of a ball's worn patch, e.g. '0.80 mm' '0.82 mm'. Needs --radius.",
+@SOURCES
+@repeated(
+    "--diagonals", "A B", "Two diameters of a ball's patch: '0.8 mm' '0.82 mm'. Needs --radius.", nargs=2
 )
 @click.option("--radius", metavar="R", help="Radius of the ball, e.g. '3 mm'.")
 @click.option("--diameter", metavar="D", help="Diameter of the ball, e.g. '6 mm', instead of --radius.")
 @click.option("--track-radius", metavar="R", help="Radius of the circle that the track runs on.")
 @click.option("--track-width", metavar="W", help="--track: width with its pile-up, when it is not found.")
 @click.option("--length", metavar="L", help="Length of the whole track, e.g. '30 mm'. [default: --stroke]")
-@click.option(
-    "--uncertainty",
-    metavar="U",
-    help="Standard uncertainty of what was measured: of the mean diameter, the width, the section or the "
-    "volume. [default of --diagonals: from their difference]",
-)
-@click.option(
-    "--standard",
-    type=click.Choice(["g99-ball", "g99-disc", "g133-ball", "g133-flat"]),
-    help="By this ASTM test method.",
-)
+@click.option("--uncertainty", metavar="U", help=UNCERTAINTY)
+@click.option("--standard", type=click.Choice(METHODS), help="By this ASTM test method.")
 @LOAD
 @DISTANCE
 @click.option("--passes", type=int, help="Number of single strokes, instead of --distance.")
@@ -81,8 +63,8 @@ def wear(**options: Any) -> None:
     warpwear calibrate wear --diagonals "0.80 mm" "0.82 mm" --radius "3 mm" \\
         --load "8 N" --distance "2400 mm"
     """
-    asked = wear_command.WearOptions(preparation=prepared(options), **options)
-    click.echo(wear_command.calibrate_wear(asked))
+    settings = wear_command.WearOptions(preparation=prepared(options), **options)
+    click.echo(wear_command.calibrate_wear(settings))
 
 
 @calibrate.command()
@@ -92,12 +74,9 @@ def wear(**options: Any) -> None:
 @click.option("--area", metavar="A", help="With --load '1.254 mm^2'; with --result a name such as contact.")
 @LOAD
 @click.option(
-    "--experiment",
-    metavar="FILE",
-    type=PATH,
-    help="Measured coefficient over distance: fits τ0 and μ_p with the areas of --result.",
+    "--experiment", metavar="FILE", type=PATH, help="Course: fits τ0 and μ_p with areas of --result."
 )
-@click.option("--columns", metavar="NAMES", help="--experiment: which of its columns to take.")
+@COLUMNS
 @click.option("--stroke", metavar="L", help="--experiment: length of one pass, where it counts cycles.")
 @click.option("--speed", metavar="V", help="--experiment: sliding speed, where it has time and no distance.")
 @AS_JSON
@@ -115,12 +94,7 @@ def friction(**options: Any) -> None:
 @DISTANCE
 @click.option("--cof", type=float, help="Constant coefficient of friction, without --result.")
 @click.option("--area", metavar="A", help="Area of the mean pressure of PV, without --result.")
-@click.option(
-    "--speed",
-    metavar="V",
-    multiple=True,
-    help="e.g. '20 mm/min'. Repeatable. [default: 10, 20, 50, 100 mm/min]",
-)
+@repeated("--speed", "V", "e.g. '20 mm/min'.", default="10, 20, 50, 100 mm/min")
 @AS_JSON
 def energy(**options: Any) -> None:
     """Dissipated energy ∫ μ F dL, and time, frictional power and PV at several speeds."""

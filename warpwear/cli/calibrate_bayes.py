@@ -4,7 +4,7 @@ from typing import Any
 
 import click
 
-from warpwear.cli.options import AS_JSON, DEVICE, PATH
+from warpwear.cli.options import AS_JSON, COLUMNS, DEVICE, EXPERIMENTS, PATH, repeated, together
 from warpwear.cli.places import inference_command
 from warpwear.cli.study import CHANGES, STUDY, parsed_changes
 
@@ -20,45 +20,17 @@ MEASURED = {
 }
 
 
-def _with_measured(command: Any) -> Any:
-    for option, (name, text) in reversed(MEASURED.items()):
-        command = click.option(option, name, metavar="X+-U", multiple=True, help=text)(command)
-    return command
-
-
 @click.command(epilog=STUDY)
 @click.argument("study")
 @CHANGES
-@click.option(
-    "--unknown",
-    metavar="KEY[=PRIOR]",
-    multiple=True,
-    help="Unknown key, with a prior as in a sweep. [default: within a factor of 5 of its value] Repeatable.",
-)
-@click.option(
-    "--experiment",
-    "experiments",
-    metavar="FILE",
-    multiple=True,
-    type=PATH,
-    help="Measured course of friction. Repeatable.",
-)
-@click.option("--columns", metavar="NAMES", help="--experiment: which of its columns to take.")
-@_with_measured
+@repeated("--unknown", "KEY[=PRIOR]", "Key, prior as in a sweep.", default="a factor of 5 about its value")
+@EXPERIMENTS
+@COLUMNS
+@together(*(repeated(option, "X+-U", text, name) for option, (name, text) in MEASURED.items()))
 @click.option("--target", metavar="KEY", help="Unknown that the next test shall tell; ranks tests.")
-@click.option(
-    "--next",
-    "candidates",
-    metavar="TEST",
-    multiple=True,
-    help="A test to rank, e.g. 'contact.load=16 N, repeats=3'.",
-)
+@repeated("--next", "TEST", "A test to rank, e.g. 'contact.load=16 N, repeats=3'.", "candidates")
 @click.option("--out", type=PATH, help="Folder of report, calibrated study and runs.")
-@click.option(
-    "--runs",
-    type=int,
-    help="Runs of the design, where one run does not do. [default: 8 an unknown, 16 at least]",
-)
+@click.option("--runs", type=int, help="Runs of the design. [default: 8 an unknown, 16 at least]")
 @click.option("--seed", type=int, default=0, show_default=True, help="Of all draws.")
 @DEVICE
 @AS_JSON

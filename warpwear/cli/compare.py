@@ -5,27 +5,15 @@ from typing import Any
 
 import click
 
-from warpwear.cli.options import FORMAT, PATH
+from warpwear.cli.options import BAND_OVER, EXPERIMENTS, FORMAT, PATH
 from warpwear.cli.places import comparison_folder, comparison_scar, comparison_table, gathered, options
 from warpwear.cli.surface import prepared, with_preparation
 
 
 @click.command()
 @click.argument("folders", metavar="[DIR]...", nargs=-1, type=PATH)
-@click.option(
-    "--band-over",
-    metavar="KEY",
-    multiple=True,
-    help="Key whose scatter a band shows: runs that differ in it alone are one line. Repeatable.",
-)
-@click.option(
-    "--experiment",
-    "experiments",
-    metavar="FILE",
-    multiple=True,
-    type=PATH,
-    help="A measured course of friction, .csv or other text. Repeatable.",
-)
+@BAND_OVER
+@EXPERIMENTS
 @click.option(
     "--out", type=PATH, default=Path("compare"), show_default=True, help="Folder for figures and table."
 )
@@ -40,7 +28,7 @@ from warpwear.cli.surface import prepared, with_preparation
 )
 @click.option("--scar", type=PATH, help="The worn disc, a measured surface, to lay over the computed scars.")
 @click.option("--before", type=PATH, help="The same place of --scar before it was worn.")
-@with_preparation
+@with_preparation()
 def compare(
     folders: tuple[Path, ...],
     experiments: tuple[Path, ...],
@@ -49,7 +37,7 @@ def compare(
     overwrite: bool,
     scar: Path | None,
     before: Path | None,
-    **given: Any,
+    **settings: Any,
 ) -> None:
     """Lay the runs in DIR... and measured courses of friction over each other.
 
@@ -72,14 +60,14 @@ def compare(
     the load too, where runs differ in it), mean pressure, worn volumes, worn profiles. compare.html
     shows all of it on one page.
     """
-    preparation = prepared(given)
+    preparation = prepared(settings)
     if scar is None:
         needless = {"before": before, **preparation}
         options.refuse({f"--{key.replace('_', '-')}": v for key, v in needless.items()}, "needs --scar")
     files = None if scar is None else comparison_scar.ScarFiles(scar, before, preparation)
     gathered.check_number(folders, experiments, files)
     comparison_folder.check_out(out, file_format=file_format, overwrite=overwrite)
-    comparison = gathered.gather(folders, experiments, scar=files, **given)
+    comparison = gathered.gather(folders, experiments, scar=files, **settings)
     click.echo(comparison_table.to_text(comparison))
     for path in comparison_folder.write(comparison, out, file_format=file_format, overwrite=overwrite):
         click.echo(path)

@@ -47,9 +47,8 @@ def main(arguments: list[str] | None = None) -> None:
     except (InputError, ConvergenceError) as error:
         _fail(str(error), at_once=isinstance(error.__cause__, MemoryError))
     except MemoryError:
-        _fail(
-            "the memory ran out; larger cells (grid.cell) or a smaller grid.extent are needed.", at_once=True
-        )
+        hint = "larger cells (grid.cell) or a smaller grid.extent are needed."
+        _fail(f"the memory ran out; {hint}", at_once=True)
     except click.ClickException as error:
         _fail(error.format_message())
     except (click.Abort, KeyboardInterrupt):
@@ -114,18 +113,6 @@ def commands() -> None:
     """
 
 
-for command in (
-    run,
-    studies,
-    show,
-    plot,
-    animate,
-    export_command,
-    list_materials,
-    surface,
-    compare,
-    sweep,
-    calibrate,
-    report,
-):
+_OF_RUNS = (run, studies, show, plot, animate, export_command, list_materials)
+for command in (*_OF_RUNS, surface, compare, sweep, calibrate, report):
     commands.add_command(command)

@@ -5,13 +5,13 @@ from typing import Any
 
 import click
 
-from warpwear.cli.options import FOLDER, FORMAT, PATH
+from warpwear.cli.options import FOLDER, FORMAT, PATH, repeated
 from warpwear.cli.places import exported, film, results
 
 
 @click.command()
 @FOLDER
-@click.option("--only", "names", metavar="NAME", multiple=True, help="Only this, e.g. cof. Repeatable.")
+@repeated("--only", "NAME", "Only this, e.g. cof.", "names")
 @FORMAT
 def plot(folder: Path, names: tuple[str, ...], file_format: str) -> None:
     """Draw the figures of the run in DIR.
@@ -51,35 +51,10 @@ def animate(folder: Path, out: Path | None, fps: float, overwrite: bool) -> None
 @click.command("export")
 @FOLDER
 @click.option("--out", type=PATH, help="Folder to write. [default: DIR/export]")
-@click.option(
-    "--format",
-    "formats",
-    metavar="NAME",
-    multiple=True,
-    help="sdf, xyz, npy, x3p, stl, csv, vti or netcdf; repeatable. [default: sdf, xyz and npy]",
-)
-@click.option(
-    "--snapshot",
-    metavar="WHICH",
-    multiple=True,
-    help="Number (-1 is the end), distance such as '30 mm', or all; repeatable. "
-    "[default: the end; all for vti and netcdf]",
-)
-@click.option(
-    "--body",
-    "bodies",
-    metavar="NAME",
-    multiple=True,
-    help="sphere, disc, or track: all of it, of a run that slides over one. Repeatable. "
-    "[default: sphere and disc]",
-)
-@click.option(
-    "--field",
-    "fields",
-    metavar="NAME",
-    multiple=True,
-    help="Field of csv, vti and netcdf, e.g. pressure. Repeatable. [default: all]",
-)
+@repeated("--format", "NAME", "One of those above.", "formats", default="sdf, xyz and npy")
+@repeated("--snapshot", "WHICH", "Number, '30 mm', or all.", default="the end; all for vti and netcdf")
+@repeated("--body", "NAME", "sphere, disc, or track of a swept run.", "bodies", default="sphere and disc")
+@repeated("--field", "NAME", "Field of csv, vti and netcdf, e.g. pressure.", "fields", default="all")
 @click.option(
     "--points", type=int, help="Most points along a side, means of blocks. [default: 250 for stl, else all]"
 )
@@ -98,6 +73,6 @@ def export_command(folder: Path, out: Path | None, overwrite: bool, **options: A
     """
     with results.Result.open(folder) as result:
         where = out if out is not None else (result.folder or folder) / "export"
-        given = {name: value for name, value in options.items() if value not in (None, ())}
-        for path in exported.export(result, where, overwrite=overwrite, **given):
+        settings = {name: value for name, value in options.items() if value not in (None, ())}
+        for path in exported.export(result, where, overwrite=overwrite, **settings):
             click.echo(path)

@@ -4,18 +4,15 @@ from typing import Any
 
 import click
 
+from warpwear.cli.options import repeated
 from warpwear.cli.places import materials, study_files, study_text, study_types
 from warpwear.errors import InputError
 
 STUDY = "STUDY is a TOML file, a run folder or the name of a preset (see 'warpwear studies')."
 
 
-CHANGES = click.option(
-    "--set",
-    "changes",
-    metavar="KEY=VALUE",
-    multiple=True,
-    help="Change a key of the study by its dotted name, e.g. --set grid.cell='2 um'. Repeatable.",
+CHANGES = repeated(
+    "--set", "KEY=VALUE", "Change a key of the study, by its name with dots: grid.cell='2 um'.", "changes"
 )
 
 

@@ -1,12 +1,11 @@
 """The command `warpwear surface`, and the options that prepare a measured file."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import click
 
-from warpwear.cli.options import PATH
+from warpwear.cli.options import PATH, Option, together
 from warpwear.cli.places import surface_command
 
 #: Keys of [disc] as options: how a measured file is read and what is done to it.
@@ -17,20 +16,17 @@ PREPARATION = {
     "--height-sign": "down turns heights over (the file gives depths).",
     "--crop": "Part used: 'x0, x1, y0, y1' from the file's corner, or a size such as '1 mm'.",
     "--sliding-axis": "Axis of the file along sliding: x or y. [default: x]",
-    "--outliers": "Remove spikes: points farther than so many robust standard deviations from "
-    "their neighbours, e.g. 6.",
+    "--outliers": "Remove spikes: points more than this many robust standard deviations off, e.g. 6.",
     "--level": "none, plane, sphere or a degree of a polynomial. [default: plane]",
     "--s-filter": "Take off shorter waves than this, e.g. '8 um'.",
     "--l-filter": "Take off longer waves than this, e.g. '0.8 mm'.",
 }
 
 
-def with_preparation(command: Callable[..., Any], **other: str) -> Callable[..., Any]:
-    """Give a command the options of `PREPARATION`. other: name without dashes -> another help."""
-    for name, text in reversed(PREPARATION.items()):
-        text = other.get(name.removeprefix("--"), text)
-        command = click.option(name, metavar="VALUE", help=text)(command)
-    return command
+def with_preparation(**other: str) -> Option:
+    """Make the options of `PREPARATION`. other: name without dashes -> another help."""
+    texts = PREPARATION | {f"--{name}": text for name, text in other.items()}
+    return together(*(click.option(name, metavar="VALUE", help=text) for name, text in texts.items()))
 
 
 def prepared(options: dict[str, Any]) -> dict[str, str | None]:
@@ -40,7 +36,7 @@ def prepared(options: dict[str, Any]) -> dict[str, str | None]:
 
 @click.command()
 @click.argument("file", required=False, type=PATH)
-@with_preparation
+@with_preparation()
 @click.option("--lambda-c", default="2.5 mm", show_default=True, help="Cut-off λc of Ra profiles.")
 @click.option("--lambda-s", default="8 um", show_default=True, help="Cut-off λs of Ra profiles.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON; a figure only with --figure.")
@@ -61,5 +57,5 @@ def surface(file: Path | None, **options: Any) -> None:
     With --before what a wear scar has lost and piled up, with --track the volume of a worn track, with
     --ball that of a worn ball.
     """
-    asked = surface_command.SurfaceOptions(preparation=prepared(options), **options)
-    click.echo(surface_command.describe(file, asked))
+    settings = surface_command.SurfaceOptions(preparation=prepared(options), **options)
+    click.echo(surface_command.describe(file, settings))

@@ -4,7 +4,7 @@ from typing import Any
 
 import click
 
-from warpwear.cli.options import DEVICE, PATH
+from warpwear.cli.options import BAND_OVER, DEVICE, EXPERIMENTS, PATH, repeated
 from warpwear.cli.places import sweep_command
 from warpwear.cli.study import CHANGES, STUDY, parsed_changes
 
@@ -12,16 +12,11 @@ from warpwear.cli.study import CHANGES, STUDY, parsed_changes
 @click.command(epilog=STUDY)
 @click.argument("study")
 @CHANGES
-@click.option(
-    "--vary",
-    metavar="KEY=VALUES",
-    multiple=True,
-    help="Vary a key: values between commas, a range 1:20, or a distribution. Repeatable.",
-)
+@repeated("--vary", "KEY=VALUES", "Vary a key: values between commas, a range 1:20, or a distribution.")
 @click.option("--design", help="grid, zip, sobol, latin-hypercube or saltelli.  [default: grid]")
 @click.option("--samples", type=int, help="Of all designs but grid and zip.")
 @click.option("--seed", type=int, help="Of the samples.")
-@click.option("--band-over", metavar="KEY", multiple=True, help="Key whose scatter a band shows. Repeatable.")
+@BAND_OVER
 @click.option("--out", type=PATH, help="Folder of the sweep. [default: the study's name and -sweep, here]")
 @click.option("--runs", type=PATH, help="Folder of runs that sweeps share.  [default: runs/ in the sweep's]")
 @click.option("--workers", type=int, help="Processes here.  [default: one a core, or one a GPU]")
@@ -31,14 +26,7 @@ from warpwear.cli.study import CHANGES, STUDY, parsed_changes
 @DEVICE
 @click.option("--resume", is_flag=True, help="Go on with the sweep that the folder holds.")
 @click.option("--dry-run", is_flag=True, help="Say what it would cost, and stop.")
-@click.option(
-    "--experiment",
-    "experiments",
-    metavar="FILE",
-    multiple=True,
-    type=PATH,
-    help="A measured course of friction.",
-)
+@EXPERIMENTS
 def sweep(study: str, changes: tuple[str, ...], vary: tuple[str, ...], **options: Any) -> int:
     """Run STUDY for many values of its keys, and lay the results together.
 
@@ -58,7 +46,7 @@ def sweep(study: str, changes: tuple[str, ...], vary: tuple[str, ...], **options
     The values may stand in the study's own section [sweep] too. A run that fails is a row that says why; the
     others are made, and the command ends with exit status 1.
     """
-    asked = {name: options.pop(name) for name in ("design", "samples", "seed")}
-    asked |= {"band_over": list(options.pop("band_over")) or None, "vary": sweep_command.varied(vary)}
-    status: int = sweep_command.command(study, parsed_changes(changes), asked, **options)
+    design = {name: options.pop(name) for name in ("design", "samples", "seed")}
+    design |= {"band_over": list(options.pop("band_over")) or None, "vary": sweep_command.varied(vary)}
+    status: int = sweep_command.command(study, parsed_changes(changes), design, **options)
     return status

@@ -70,10 +70,10 @@ def series_of(comparison: Comparison) -> dict[str, FloatArray]:
 
     Each has shape (4, groups), its loads rising.
     """
-    found: dict[str, list[Group]] = defaultdict(list)
+    series: dict[str, list[Group]] = defaultdict(list)
     for group in comparison.groups:
-        found[_law(group)].append(group)
-    return {name: np.transpose(sorted(_point(group) for group in groups)) for name, groups in found.items()}
+        series[_law(group)].append(group)
+    return {name: np.transpose(sorted(_point(group) for group in groups)) for name, groups in series.items()}
 
 
 def loads_of(comparison: Comparison) -> FloatArray:
@@ -85,7 +85,7 @@ def loads_of(comparison: Comparison) -> FloatArray:
 def _point(group: Group) -> tuple[float, float, float, float]:
     """Mean load [N] of a group, and its area in contact at first [10⁻³ mm²]: mean and ends of the band."""
     areas = np.array([[1.0e3 * run.history["area_contact"][0]] for run in group.runs])
-    mean, low, high = (float(found[0]) for found in band(areas))
+    mean, low, high = (float(values[0]) for values in band(areas))
     return float(np.mean([run.study.contact.load for run in group.runs])), mean, low, high
 
 
@@ -101,29 +101,29 @@ def theories_of(comparison: Comparison, load: FloatArray) -> dict[str, FloatArra
     """Find areas by theories: label -> area [mm²] at the loads [N]; none where the bodies differ."""
     studies = [run.study for run in comparison.runs]
     first = studies[0]
-    found: dict[str, FloatArray] = {}
+    areas: dict[str, FloatArray] = {}
     if any((s.sphere, s.disc, s.grid) != (first.sphere, first.disc, first.grid) for s in studies):
-        return found
+        return areas
     hardness = {s.hardness for s in studies if np.isfinite(s.hardness)}
     if len(hardness) == 1:
-        found["load over hardness"] = load / hardness.pop()
+        areas["load over hardness"] = load / hardness.pop()
     modulus, moments = first.effective_modulus, _moments(first)
     if modulus is None:
-        return found
+        return areas
     if first.sphere.curvature:
         if moments is not None:
             # As long as erf(x) is 2x/√π it does not matter how the load is spread.
             slope = moments.rms_slope
-            found["Persson, light loads"] = np.sqrt(8.0 / np.pi) * load / (modulus * slope)
-        areas = [Hertz(modulus, 1.0 / first.sphere.curvature, float(force)).area for force in load]
-        found["Hertz, smooth bodies"] = np.array(areas)
+            areas["Persson, light loads"] = np.sqrt(8.0 / np.pi) * load / (modulus * slope)
+        of_hertz = [Hertz(modulus, 1.0 / first.sphere.curvature, float(force)).area for force in load]
+        areas["Hertz, smooth bodies"] = np.array(of_hertz)
     elif moments is not None:
         nominal = first.cells.area
         pressure = load / nominal
-        found["Persson"] = nominal * persson_area(pressure, modulus=modulus, rms_slope=moments.rms_slope)
+        areas["Persson"] = nominal * persson_area(pressure, modulus=modulus, rms_slope=moments.rms_slope)
         summits = nominal * greenwood_williamson_area(pressure, modulus=modulus, moments=moments)
-        found["Greenwood and Williamson"] = np.where(summits <= nominal, summits, np.nan)
-    return found
+        areas["Greenwood and Williamson"] = np.where(summits <= nominal, summits, np.nan)
+    return areas
 
 
 def _moments(study: Study) -> SpectralMoments | None:

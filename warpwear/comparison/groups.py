@@ -76,16 +76,16 @@ def is_sweep(folder: Path) -> bool:
     return (folder / RUNS).is_dir() and not (folder / FILE_NAME).is_file()
 
 
-def folders_of(given: Sequence[str | Path]) -> tuple[list[Path], list[str]]:
+def folders_of(folders: Sequence[str | Path]) -> tuple[list[Path], list[str]]:
     """Put its finished runs where the folder of a sweep stands, in its table's order; also return notes.
 
     Raises InputError for a sweep that has not come to its end, or of which no run has.
     """
-    found: list[Path] = []
+    run_folders: list[Path] = []
     notes: list[str] = []
-    for folder in map(Path, given):
+    for folder in map(Path, folders):
         if not is_sweep(folder):
-            found.append(folder)
+            run_folders.append(folder)
             continue
         if not (folder / TABLE).is_file():
             raise InputError(
@@ -99,8 +99,8 @@ def folders_of(given: Sequence[str | Path]) -> tuple[list[Path], list[str]]:
             raise InputError(f"{folder} is a sweep of which no run has finished: there is nothing to compare")
         if failed := sum(status != "done" for _, status in rows):
             notes.append(f"{failed} of the {len(rows)} runs of {folder} failed and are left out.")
-        found += [folder / RUNS / run for run in done]
-    return found, notes
+        run_folders += [folder / RUNS / run for run in done]
+    return run_folders, notes
 
 
 def grouped(runs: Sequence[RunData], band_over: Sequence[str]) -> list[Group]:
@@ -112,31 +112,32 @@ def grouped(runs: Sequence[RunData], band_over: Sequence[str]) -> list[Group]:
     differ = differing(runs)
     for key in band_over:
         if key not in differ:
-            told = ", ".join(differ) or "nothing"
-            raise InputError(f"--band-over {key}: the runs do not differ in it; they differ in {told}")
+            others = ", ".join(differ) or "nothing"
+            raise InputError(f"--band-over {key}: the runs do not differ in it; they differ in {others}")
     by_keys = band_over or any(HASHED.fullmatch(run.folder.name) for run in runs)
     names = _labels(runs, differ) if by_keys else None
     named = [replace(run, name=name) for run, name in zip(runs, unlike(names or _names(runs)), strict=True)]
     if not band_over:
         return [Group(run.name, (run,)) for run in named]
-    kept = {key: values for key, values in differ.items() if key not in band_over}
-    members: dict[tuple[str, ...], list[int]] = {}
+    between = {key: values for key, values in differ.items() if key not in band_over}
+    groups: dict[tuple[str, ...], list[int]] = {}
     for number in range(len(runs)):
-        members.setdefault(tuple(values[number] for values in kept.values()), []).append(number)
-    labels = _labels(runs, kept)
-    found = []
-    for group in members.values():
-        name = labels[group[0]] or "all runs" if labels else f"{named[group[0]].name} and those like it"
-        found.append((name, tuple(named[number] for number in group)))
-    return [Group(name, of) for name, (_, of) in zip(unlike([n for n, _ in found]), found, strict=True)]
+        groups.setdefault(tuple(values[number] for values in between.values()), []).append(number)
+    labels, firsts = _labels(runs, between), [numbers[0] for numbers in groups.values()]
+    titles = [
+        labels[first] or "all runs" if labels else f"{named[first].name} and those like it"
+        for first in firsts
+    ]
+    members = [tuple(named[number] for number in numbers) for numbers in groups.values()]
+    return [Group(title, those) for title, those in zip(unlike(titles), members, strict=True)]
 
 
 def differing(runs: Sequence[RunData]) -> dict[str, list[str]]:
     """Dotted key -> its value in each run, of the keys in which they differ."""
     flat = [dotted(that_matter(run.study)) for run in runs]
     keys = dict.fromkeys(key for values in flat for key in values)
-    found = {key: [_told(values.get(key, "–")) for values in flat] for key in keys}
-    differ = {key: values for key, values in found.items() if len(set(values)) > 1}
+    texts = {key: [_written(values.get(key, "–")) for values in flat] for key in keys}
+    differ = {key: values for key, values in texts.items() if len(set(values)) > 1}
     return dict(sorted(differ.items(), key=lambda item: is_label(item[0])))  # seeds are said last
 
 
@@ -152,9 +153,10 @@ def _labels(runs: Sequence[RunData], differ: Mapping[str, list[str]]) -> list[st
     return [f"{title}, {label}" if label else title for title, label in zip(titles, said, strict=True)]
 
 
-def _told(value: Any) -> str:
-    told = value if isinstance(value, str) else json.dumps(value, default=str, ensure_ascii=False)
-    return re.sub(r"^(-?\d+)\.0(?= |$)", r"\1", told)
+def _written(value: Any) -> str:
+    """Write a value of a study, a whole number without its decimals."""
+    text = value if isinstance(value, str) else json.dumps(value, default=str, ensure_ascii=False)
+    return re.sub(r"^(-?\d+)\.0(?= |$)", r"\1", text)
 
 
 def _names(runs: Sequence[RunData]) -> list[str]:
@@ -170,13 +172,13 @@ def _names(runs: Sequence[RunData]) -> list[str]:
 
 def unlike(names: Sequence[str], taken: Sequence[str] = (), *, of: str = "") -> Iterator[str]:
     """Give names that differ from each other and from those taken. of: said of one that is taken."""
-    found = list(taken)
+    seen = list(taken)
     for label in names:
-        name = label if label not in found else f"{label}{of}"
+        name = label if label not in seen else f"{label}{of}"
         count = 2
-        while name in found:
+        while name in seen:
             name, count = f"{label} ({count})", count + 1
-        found.append(name)
+        seen.append(name)
         yield name
 
 

@@ -17,7 +17,7 @@ from warpwear.measured.surface_report import scar_rows
 from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
 from warpwear.results.report import Row, lines, record
-from warpwear.results.track import blocks
+from warpwear.results.track import blocks, extent
 from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.find_scar import Profile, mean_profile
 from warpwear.surfaces.worn.patch import Patch
@@ -74,9 +74,7 @@ class ScarComparison:
     @property
     def extent(self) -> tuple[float, float, float, float]:
         """First x, last x, first y, last y of the field [mm]."""
-        (px, py), x, y = self.measured.pixel, self.x, self.y
-        ends = (x[0] - px / 2, x[-1] + px / 2, y[0] - py / 2, y[-1] + py / 2)
-        return (float(ends[0]), float(ends[1]), float(ends[2]), float(ends[3]))
+        return extent(self.x, self.y, self.measured.pixel[0] / 2, self.measured.pixel[1] / 2)
 
 
 def compare_scar(files: ScarFiles, runs: Sequence[RunData]) -> ScarComparison:
@@ -118,21 +116,15 @@ def _computed(
         last = len(result.snapshots) - 1
         if run.study.is_swept:
             track = blocks(result, last, BLOCKS)
-            lost, extent = track.loss, track.extent
+            lost, ends = track.loss, track.extent
         else:
             lost, half = result.snapshot(last).wear_disc, 0.5 * run.study.grid.cell
-            ends = (result.x[0], result.x[-1], result.y[0], result.y[-1])
-            extent = (
-                float(ends[0]) - half,
-                float(ends[1]) + half,
-                float(ends[2]) - half,
-                float(ends[3]) + half,
-            )
+            ends = extent(result.x, result.y, half, half)
         sq = float(surface_evolution(result).table["sq_disc"][-1])
     if not lost.max() > 0.0:
         raise InputError(f"{run.folder} has worn nothing off the disc: there is no scar to compare with")
-    steps = [(b - a) / n for (a, b), n in zip((extent[:2], extent[2:]), lost.shape, strict=True)]
-    grid = [a + (np.arange(n) + 0.5) * d for a, n, d in zip(extent[::2], lost.shape, steps, strict=True)]
+    steps = [(b - a) / n for (a, b), n in zip((ends[:2], ends[2:]), lost.shape, strict=True)]
+    grid = [a + (np.arange(n) + 0.5) * d for a, n, d in zip(ends[::2], lost.shape, steps, strict=True)]
     worn = lost > FOOT * lost.max()
     along, across = (float(worn.any(axis=1 - k).sum()) * steps[k] for k in (0, 1))
     ratio = scar.across / across
@@ -154,8 +146,8 @@ def _computed(
 
     def sampled_at(*middle: float) -> FloatArray:
         at = [(p + c - g[0]) / d for p, c, g, d in zip((x, y), middle, grid, steps, strict=True)]
-        found = ndimage.map_coordinates(smooth, np.meshgrid(*at, indexing="ij"), order=1, mode="constant")
-        return np.asarray(found)
+        points = np.meshgrid(*at, indexing="ij")
+        return np.asarray(ndimage.map_coordinates(smooth, points, order=1, mode="constant"))
 
     inside = np.where(scar.patch | scar.rim, scar.lost, 0.0)
     off = _shift(inside, sampled_at(*centre), (0 if through else scar.along, scar.across), scar.pixel)
@@ -191,25 +183,25 @@ def _shift(
     lags = [np.arange(-n, n + 1) for n in most]
     near = product[np.ix_(lags[0] % size[0], lags[1] % size[1])]
     best = np.unravel_index(int(np.argmax(near)), near.shape)
-    found = []
+    shift = []
     for axis, (place, lag, step) in enumerate(zip(best, lags, pixel, strict=True)):
         line = np.take(near, best[1 - axis], axis=1 - axis)
         fine = 0.0
         if 0 < place < line.size - 1:
             below, here, above = line[place - 1 : place + 2]
             fine = 0.5 * float(below - above) / min(float(below - 2.0 * here + above), -1e-300)
-        found.append((float(lag[place]) + fine) * step)
-    return found[0], found[1]
+        shift.append((float(lag[place]) + fine) * step)
+    return shift[0], shift[1]
 
 
 def _inner(heights: FloatArray, scar: Patch) -> FloatArray:
     """Return heights [mm] in the middle of a scar, half as long and wide."""
-    found = []
+    middle = []
     for axis in (0, 1):
         line = np.flatnonzero(scar.patch.any(axis=1 - axis))
         cut = round(0.5 * (1.0 - MIDDLE) * line.size)
-        found.append(slice(int(line[0]) + cut, int(line[-1]) + 1 - cut))
-    return heights[found[0], found[1]]
+        middle.append(slice(int(line[0]) + cut, int(line[-1]) + 1 - cut))
+    return heights[middle[0], middle[1]]
 
 
 def record_of(scar: ScarComparison) -> dict[str, Any]:

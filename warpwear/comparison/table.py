@@ -160,5 +160,6 @@ def _with_scatter(value: Value, scatter: Value, factor: float) -> str:
     if not isinstance(value, float):
         return shown(value)
     text = "0" if abs(value) <= ROUND_OFF else shown(factor * value)
-    is_known = isinstance(scatter, float) and scatter > 1e-9 * abs(value)
-    return f"{text} ± {factor * scatter:.2g}" if is_known else text
+    if isinstance(scatter, float) and scatter > 1e-9 * abs(value):
+        return f"{text} ± {factor * scatter:.2g}"
+    return text

@@ -14,7 +14,7 @@ from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from warpwear.figures import style as fs
-from warpwear.figures.view import Window
+from warpwear.figures.of_run.view import Window
 from warpwear.grid import FloatArray
 
 Data = TypeVar("Data")

@@ -3,9 +3,8 @@
 Nothing here imports Matplotlib: a run declares its figures, and another process draws them.
 """
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -31,9 +30,6 @@ Dash = Literal["solid", "dash", "dashdot", "dot", "longdash", "longdashdot", ""]
 #: Kinds of line, from the plainest; "" draws none.
 DASHES: tuple[Dash, ...] = ("solid", "dash", "dashdot", "dot", "longdash", "longdashdot")
 MARKERS = ("o", "s", "^", "v", "D")
-#: How powers of ten are written, and from where on thousands are set apart by a narrow space, as SI does.
-RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-THOUSANDS = 1e4
 #: Values over more than this many times the least are drawn on a logarithmic scale; distances alike.
 WIDE, WIDE_DISTANCE = 5.0, 30.0
 DISTANCE, ALONG, ACROSS = "sliding distance, mm", "along sliding, x, mm", "across sliding, y, mm"
@@ -56,10 +52,10 @@ class Look:
 
 @dataclass(frozen=True)
 class Line:
-    """Values over places, both (points,). low, high: ends of a band around it, as y.
+    """Values over places, both (points,). low, high: ends of a band around it, as y; hatch: of the band.
 
     step: a value holds from its place on ("post") or around it ("mid"). clipped: cut off at the panel's
-    edge. every: points from a marker to the next. hatch: of the band. name: in full, on a page.
+    edge. every: points from a marker to the next. name: in full, on a page.
     """
 
     x: FloatArray
@@ -123,8 +119,8 @@ class Axis:
 class Chart:
     """Lines over one axis. title: its heading on a page; note: said above it on paper, and below it there.
 
-    stretch_note: what is said instead of the note of a panel whose place is known, with a field for how many times
-    larger `stretch_factor` of y is drawn than one of x.
+    stretch_note: said instead of the note, with a field for how many times larger `stretch_factor` of y is
+    drawn than one of x.
     """
 
     title: str
@@ -138,7 +134,7 @@ class Chart:
 
 @dataclass(frozen=True)
 class Scale:
-    """Colours of values from `low` to `high`. beyond: which end of it values go past; grey-safe colours."""
+    """Colours of values from `low` to `high`. beyond: which end of it values go past."""
 
     label: str = ""
     low: float = 0.0
@@ -279,7 +275,7 @@ class Box:
 
 @dataclass(frozen=True)
 class Bodies:
-    """Bodies by name, heights [µm] (x, y): a page's script turns them, paper shows those worn from above."""
+    """Bodies by name, heights [µm] (x, y): a page's script turns them, paper shows `still` ones from above."""
 
     title: str
     extent: Ends
@@ -300,8 +296,6 @@ class Text:
 class Empty:
     """A place without a panel."""
 
-    title: str = ""
-
 
 Panel: TypeAlias = Chart | Map | Bars | Grid | Box | Bodies | Text | Empty
 
@@ -319,15 +313,11 @@ class Figure:
     shared: Literal["", "x", "y", "xy"] = ""
     width: float = 0.0
     height: float = ROW
-    more: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Section:
-    """Figures under one heading of a page by name, which share a slider where they have one.
-
-    one_legend: of the first one's lines for all. only: numbers of the panels of a figure that are shown.
-    """
+    """Figures by name under one heading of a page. one_legend: of all lines."""
 
     title: str
     figures: dict[str, Figure]
@@ -395,33 +385,3 @@ def look_of_group(index: int, *, alone: bool = False) -> Look:
 def look_of_measured(index: int) -> Look:
     """Choose the line of a measured course, the same in every figure."""
     return Look(GREYS[index % len(GREYS)], width=0.6, marker=MARKERS[index % len(MARKERS)], size=2.2)
-
-
-def chosen(count: int, most: int) -> list[int]:
-    """Choose at most so many of `count` numbers, the first and the last among them."""
-    return sorted({round(float(at)) for at in np.linspace(0, count - 1, min(most, count))})
-
-
-def after(distance: float) -> str:
-    """Say in words when a snapshot was taken. distance: [mm]"""
-    return f"after {distance:.4g} mm" if distance else "static contact"
-
-
-def short(value: float) -> str:
-    """Write a number as people do: 0.001, 20, 20 000, 10⁻⁵, 2·10⁶."""
-    if THOUSANDS <= abs(value) < 1e5 and value == round(value):
-        return f"{value:,.0f}".replace(",", "\u202f")  # a narrow space
-    if 1e-3 <= abs(value) < 1e5 or value == 0.0:
-        return f"{value:g}"
-    digits, _, power = f"{value:e}".partition("e")
-    raised = str(int(power)).translate(RAISED)
-    return f"10{raised}" if float(digits) == 1.0 else f"{float(digits):g}·10{raised}"
-
-
-def with_scatter(mean: float, scatter: float) -> str:
-    """Write mean ± standard deviation, to the same digit; the latter left out where it is only round-off."""
-    if not scatter > 1e-6 * mean:
-        return f"{float(f'{mean:.3g}'):g}"
-    decimals = 1 - math.floor(math.log10(scatter))
-    places = max(decimals, 0)
-    return f"{round(mean, decimals):.{places}f} ± {float(f'{scatter:.2g}'):.{places}f}"

@@ -1,6 +1,6 @@
-"""Matplotlib's painter: draws what `warpwear.figures.describe` declares, in a figure or in axes that are there."""
+"""Matplotlib's painter: draws what `describe` declares, in a figure or in axes that are there."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -8,29 +8,23 @@ import numpy as np
 from matplotlib import figure as sheets
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import LightSource, ListedColormap, LogNorm, Normalize, to_hex
-from matplotlib.patches import Ellipse, Patch, Rectangle
-from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
+from matplotlib.patches import Patch
+from matplotlib.ticker import LogLocator, MaxNLocator
 
-from warpwear.figures import describe, style
+from warpwear.figures import describe, style, wording
 from warpwear.figures.describe import (
     Bodies,
     Chart,
-    Cloud,
     Empty,
     Figure,
-    Level,
-    Line,
-    Look,
     Map,
     Panel,
     Scale,
 )
+from warpwear.figures.paint_chart import paint_chart
+from warpwear.figures.paint_map import paint_map
 from warpwear.figures.paint_others import PAINT_3D, PAINT_OTHERS
 
-#: Kinds of line as Matplotlib has them.
-DASHES: dict[str, Any] = {"solid": "-", "dash": "--", "dashdot": "-.", "dot": ":", "": "none"}
-DASHES |= {"longdash": (0, (6, 1)), "longdashdot": (0, (3, 1, 1, 1))}
 #: Inches that a character of a legend takes, and a line with its room beside the text.
 CHARACTER, LEGEND_LINE = 0.05, 0.45
 #: Inches around square maps: labels at the left, a colour bar, what lies below, a line of a title, a gap.
@@ -41,21 +35,8 @@ LEGEND_ROW = 0.165
 BESIDE = (1.04, 0.0, 0.05, 1.0)
 #: Part of a map's width at either end that bears no tick where maps stand side by side.
 CORNER = 0.05
-#: Fewer decades than this keep all ticks of a logarithmic axis; more than this have no number between them.
-LEAST_THINNED, NUMBERED = 0.5, 2.3
 #: Decades of a colour bar up to which 2 and 5 have numbers.
 BAR_NUMBERED = 2.5
-#: More decades than this from the first state of a scar have a number at each only.
-DECADES = 2.2
-#: Points along a side from which lines of equal height are drawn.
-CONTOURED = 60
-HIDDEN = ListedColormap(["#E4E4E4"])
-#: Light from the upper left on bodies seen from above; how much steeper slopes look.
-LIGHT, STEEPER = LightSource(azdeg=315.0, altdeg=45.0), 4.0
-#: Seconds of a unit of time.
-SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0}
-#: Mark of a title that is ours, before its text.
-OURS = "warpwear: "
 
 
 def paint(figure: Figure) -> sheets.Figure:
@@ -77,7 +58,7 @@ def paint(figure: Figure) -> sheets.Figure:
             _paint_panel(axes, cell)
         _share(grid, figure.shared)
         _bars(sheet, grid, cells)
-        handles = labels or _handles(grid.ravel())
+        handles = labels or handles_of(grid.ravel())
         beside = legend_columns([*handles], figure.legend or len(handles), width)
         if handles and (figure.legend or labels):
             sheet.legend(
@@ -90,240 +71,6 @@ def paint(figure: Figure) -> sheets.Figure:
             sheet.set_figheight(figure.height * rows + legend - LEGEND_ROW)
         _tell_scales(sheet, grid, cells)
     return sheet
-
-
-def paint_over(figure: Figure, axes: Sequence[Axes]) -> sheets.Figure:
-    """Draw charts into axes that are there, over what they show; return the outermost figure of these."""
-    for panel, chart in zip(axes, figure.panels, strict=True):
-        assert isinstance(chart, Chart)
-        _over(panel, chart)
-    handles = _handles(axes)
-    if handles and figure.legend:
-        for legend in [panel.get_legend() for panel in axes]:
-            if legend is not None:
-                legend.remove()
-        axes[-1].legend([*handles.values()], [*handles])
-    whole: sheets.Figure = axes[0].figure.figure
-    return whole
-
-
-def of_run(figure: Figure, *, label: str | None = None, color: Any = None) -> Figure:
-    """Give a figure of charts the name of its run, and its lines a colour, which keep their dashes and marks."""
-    colour = None if color is None else to_hex(color)
-    charts = [replace(chart, lines=_named(chart.lines, label, colour)) for chart in figure.panels]
-    return replace(figure, panels=charts, legend=figure.legend if label is None else 2)
-
-
-def _named(lines: Sequence[Any], label: str | None, colour: str | None) -> list[Any]:
-    """Put a name before the labels of lines; where none has one, the last plain line is called so."""
-    lines = [replace(line, look=replace(line.look, colour=colour or line.look.colour)) for line in lines]
-    if label is None:
-        return lines
-    if any(line.label for line in lines):
-        return [replace(line, label=f"{label}: {line.label}" if line.label else "") for line in lines]
-    plain = [
-        i for i, of in enumerate(lines) if isinstance(of, Line) and of.look.alpha == 1.0 and of.x.size > 1
-    ]
-    last = (plain or [len(lines) - 1])[-1]
-    return [replace(line, label=label) if i == last else line for i, line in enumerate(lines)]
-
-
-def _over(axes: Axes, chart: Chart) -> None:
-    """Draw a chart over what axes show, which stays in sight; a title of ours that holds for one only goes."""
-    there, title = axes.has_data(), axes.get_title()
-    ends = {n: (getattr(axes, f"get_{n}scale")(), *getattr(axes, f"get_{n}lim")()) for n in "xy" if there}
-    is_ours = axes.title.get_label() == OURS + title
-    axes.autoscale(True)
-    paint_chart(axes, _in_unit_of(axes, chart))
-    for axis, (scale, start, end) in ends.items():
-        if scale == getattr(axes, f"get_{axis}scale")():
-            both = sorted([start, end, *getattr(axes, f"get_{axis}lim")()])
-            getattr(axes, f"set_{axis}lim")(*(both[0], both[-1])[:: 1 if start < end else -1])
-    if title and not is_ours:
-        axes.set_title(title)
-    else:
-        if there and axes.get_title() != title:
-            axes.set_title("")
-        axes.title.set_label(OURS + axes.get_title())
-
-
-def _in_unit_of(axes: Axes, chart: Chart) -> Chart:
-    """Give times of a chart the unit of time that stands at the axis already."""
-    (what, _, unit), (there, _, held) = (
-        label.rpartition(", ") for label in (chart.x.label, axes.get_xlabel())
-    )
-    if what != there or unit == held or unit not in SECONDS:
-        return chart
-    factor = SECONDS[unit] / SECONDS[held]
-    lines = [replace(line, x=factor * line.x) if isinstance(line, Line) else line for line in chart.lines]
-    return replace(chart, lines=lines, x=replace(chart.x, label=axes.get_xlabel()))
-
-
-def paint_chart(axes: Axes, chart: Chart) -> None:
-    """Draw a chart into axes."""
-    older = [line for line in axes.lines if line.get_transform() == axes.transData]
-    for part in chart.lines:
-        PARTS[type(part)](axes, part)
-    for which, axis in (("x", chart.x), ("y", chart.y)):
-        values = [np.asarray(getattr(line, f"get_{which}data")(), dtype=np.float64) for line in older]
-        values += describe.values_of(chart, which)
-        if getattr(axes, f"get_{which}scale")() == "log" and axis.scale == "auto":
-            axis = replace(axis, scale="log")
-        set_axis(axes, which, describe.scaled(axis, *values))
-    axes.set_title(chart.note or (" " if chart.stretch_note else ""))
-
-
-def set_axis(axes: Axes, which: str, axis: describe.Axis) -> None:
-    """Give one axis, "x" or "y", of a panel its label, scale, ends and ticks."""
-    at: Any = getattr(axes, f"{which}axis")
-    set_ends = getattr(axes, f"set_{which}lim")
-    getattr(axes, f"set_{which}label")(axis.label)
-    if axis.scale == "unworn":
-        return _scale_from_unworn(axes, axis)
-    if axis.scale == "log":
-        getattr(axes, f"set_{which}scale")("log")
-        style.plain_numbers(at)
-    else:
-        at.set_major_locator(MaxNLocator(axis.ticks, steps=[1, 2, 5, 10], integer=axis.integer))
-        at.set_major_formatter(style.Thousands())
-    is_log = getattr(axes, f"get_{which}scale")() == "log"
-    set_ends(None if is_log and not (axis.low or 0.0) > 0.0 else axis.low, axis.high)
-    if axis.least and is_log:
-        set_ends(max(min(at.get_view_interval()), axis.least), None)
-    if axis.places:
-        at.set_ticks([place for place, _ in axis.places], [text for _, text in axis.places])
-    _thin_ticks(at, numbered=axis.numbered)
-    at.set_inverted(axis.inverted)
-
-
-def _thin_ticks(axis: Any, *, numbered: bool) -> None:
-    """Keep two ticks between decades of a logarithmic axis, numbered where decades are few: each takes time."""
-    low, high = sorted(axis.get_view_interval())
-    if axis.get_scale() == "log" and low > 0.0 and high > 10.0**LEAST_THINNED * low:
-        axis.set_minor_locator(LogLocator(subs=(2.0, 5.0), numticks=50))
-        if high < 10.0**NUMBERED * low and numbered:
-            style.plain_numbers(axis, decades=NUMBERED)
-        elif not numbered:
-            axis.set_tick_params(which="minor", labelbottom=False, labelleft=False)
-
-
-def _scale_from_unworn(axes: Axes, axis: describe.Axis) -> None:
-    """Make x logarithmic from the first place above 0 on; before it 0, the unworn state, has its place."""
-    places = np.unique(np.concatenate([np.asarray(line.get_xdata()) for line in axes.lines]))
-    least, last = axis.least or float(places[places > 0.0][0]), float(places[-1])
-    start = 10.0 ** np.floor(np.log10(least))
-    axes.set_xscale("symlog", linthresh=start, linscale=0.5)
-    digits = (1.0, 2.0, 5.0) if np.log10(last / least) < DECADES else (1.0,)
-    ticks = [digit * 10.0**power for power in range(round(np.log10(start)), 10) for digit in digits]
-    axes.set_xticks([0.0, *(tick for tick in ticks if tick <= 1.05 * last)])
-    axes.xaxis.set_major_formatter(lambda value, _: describe.short(value) if value else "unworn")
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.set_xlim(0.0, 1.15 * last)
-
-
-def _line(axes: Axes, line: Line) -> None:
-    look, kind = line.look, f"steps-{line.step}" if line.step else "default"
-    is_band = not (look.dash or look.marker)
-    if line.low is not None and line.high is not None:
-        hatched: dict[str, Any] = {"facecolor": "none", "edgecolor": look.colour, "hatch": line.hatch}
-        fill = hatched if line.hatch else {"color": look.colour, "alpha": look.alpha if is_band else 0.2}
-        axes.fill_between(line.x, line.low, line.high, lw=0, label=line.label if is_band else None, **fill)
-    if not is_band:
-        axes.plot(
-            line.x,
-            line.y,
-            drawstyle=kind,
-            label=line.label or None,
-            clip_on=line.clipped,
-            markevery=line.every,
-            **of_look(look),
-        )
-
-
-def of_look(look: Look) -> dict[str, Any]:
-    """Give a look as Matplotlib's keyword arguments of a line."""
-    mark: dict[str, Any] = {"marker": look.marker, "ms": look.size} if look.marker else {}
-    if look.hollow:
-        mark |= {"mfc": "white", "zorder": 3}
-    alpha = None if look.alpha == 1.0 else look.alpha
-    return {"color": look.colour, "ls": DASHES[look.dash], "lw": look.width, "alpha": alpha, **mark}
-
-
-def _level(axes: Axes, level: Level) -> None:
-    draw = axes.axhline if level.axis == "y" else axes.axvline
-    draw(level.value, label=level.label or None, **of_look(level.look))
-
-
-def _cloud(axes: Axes, cloud: Cloud) -> None:
-    top = float(cloud.counts.max()) * 1.01
-    axes.contourf(cloud.x, cloud.y, cloud.counts.T, levels=[*cloud.levels, top], colors=cloud.colours)
-    axes.contour(cloud.x, cloud.y, cloud.counts.T, levels=cloud.levels, colors=cloud.edge, linewidths=0.7)
-
-
-PARTS: dict[type, Callable[[Axes, Any], None]] = {Line: _line, Level: _level, Cloud: _cloud}
-
-
-def paint_map(axes: Axes, field: Map) -> Any:
-    """Draw a map of one field into axes, x to the right; returns the image."""
-    values, ends = field.fields[0], field.extent
-    colours, norm = _colours(field)
-    if field.lit:
-        step = 1e3 * (ends[1] - ends[0]) / values.shape[0]
-        filled = np.where(np.isfinite(values), values, np.nanmin(values)).T
-        lit = LIGHT.shade(filled, colours, norm, blend_mode="soft", vert_exag=STEEPER, dx=step, dy=step)
-        axes.imshow(lit, origin="lower", extent=ends)
-    # Cells as they are: smoothing would invent pressures and break the categories of contact.
-    kind: Any = {"origin": "lower", "extent": ends, "interpolation": "nearest"}
-    if field.hidden is not None:
-        axes.imshow(np.where(field.hidden, 1.0, np.nan).T, cmap=HIDDEN, **kind)
-    image = axes.imshow(values.T, cmap=colours, norm=norm, visible=not field.lit, **kind)
-    if field.contours:
-        _contours(axes, field)
-    for outline in field.outlines:
-        x0, x1, y0, y1 = outline.ends
-        line: Any = {
-            "fill": False,
-            "ec": outline.look.colour,
-            "lw": outline.look.width,
-            "ls": DASHES[outline.look.dash],
-        }
-        middle = (0.5 * (x0 + x1), 0.5 * (y0 + y1))
-        round_one = Ellipse(middle, x1 - x0, y1 - y0, **line)
-        axes.add_patch(round_one if outline.round else Rectangle((x0, y0), x1 - x0, y1 - y0, **line))
-    for level in field.levels:
-        _level(axes, level)
-    axes.set(xlabel=field.x, ylabel=field.y)
-    axes.set_title(
-        "\n".join(filter(None, [*field.labels, *field.notes])) or (" " if field.stretch_note else "")
-    )
-    for axis, most in ((axes.xaxis, 4 if field.square else 8), (axes.yaxis, 4)):
-        axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 5, 10]))
-    if not field.square:
-        axes.set_aspect("auto")
-    return image
-
-
-def _colours(field: Map) -> tuple[Any, Normalize]:
-    """Choose colours and scale of a map."""
-    if field.states:
-        return ListedColormap([colour for _, colour in field.states]), Normalize(
-            -0.5, len(field.states) - 0.5
-        )
-    scale = field.scale
-    return style.COLOURS[scale.colours], (LogNorm if scale.log else Normalize)(scale.low, scale.high)
-
-
-def _contours(axes: Axes, field: Map) -> None:
-    """Draw lines of equal value over a map: where they lie far apart what it shows is flat."""
-    values, (x0, x1, y0, y1) = field.fields[0], field.extent
-    n = -(-max(values.shape) // CONTOURED)
-    nx, ny = (size // n for size in values.shape)
-    whole = np.nan_to_num(values[: nx * n, : ny * n], nan=field.scale.low)
-    coarse = whole.reshape(nx, n, ny, n).mean(axis=(1, 3))
-    x, y = np.linspace(x0, x1, 2 * nx + 1)[1::2], np.linspace(y0, y1, 2 * ny + 1)[1::2]
-    levels = MaxNLocator(field.contours).tick_values(field.scale.low, field.scale.high)
-    kind: Any = {"colors": "black", "linewidths": 0.4, "linestyles": "-", "alpha": 0.7}
-    axes.contour(x, y, coarse.T, levels=levels, **kind)
 
 
 def _cells(panel: Panel) -> list[Panel]:
@@ -426,7 +173,7 @@ def _states(cells: Sequence[Panel]) -> dict[str, Any]:
     return handles
 
 
-def _handles(panels: Any) -> dict[str, Any]:
+def handles_of(panels: Any) -> dict[str, Any]:
     """Collect what the legend of panels shows, each label once."""
     handles: dict[str, Any] = {}
     for panel in panels:
@@ -468,7 +215,7 @@ def _tell_scales(sheet: Any, grid: Any, cells: Sequence[Panel]) -> None:
         sheet.set_layout_engine("none")
     for axes, cell in stretch_note:
         unit = cell.stretch_factor if isinstance(cell, Chart) else 1.0
-        axes.set_title(cell.stretch_note.format(describe.short(float(f"{unit * stretch(axes):.2g}"))))
+        axes.set_title(cell.stretch_note.format(wording.short(float(f"{unit * stretch(axes):.2g}"))))
 
 
 def stretch(panel: Axes) -> float:

@@ -1,8 +1,8 @@
 """Figures drawn in a second process: it starts while a run computes, and draws while the run is written.
 
 It imports neither a result nor a study, which would take it longer than most figures. What it cannot draw is
-missing among its pictures, whatever the reason, and is drawn by who asked. It is no worker of `multiprocessing`,
-which would run a user's script once more where that has no `if __name__ == "__main__"`.
+missing among its pictures, whatever the reason, and is drawn by who asked. No worker of `multiprocessing`
+does it: that runs a user's script once more where it has no `if __name__ == "__main__"`.
 """
 
 import os

@@ -32,10 +32,10 @@ class Step(NamedTuple):
     pressure: FloatArray | None = None  # [MPa], shape (nx, ny), when it was asked for
 
 
-def divided(found: Mapping[str, Number], fractions: tuple[float, float]) -> dict[str, Number]:
-    """Sums or maxima of "worn", by both bodies, as those of sphere and disc: a small one is no difference."""
-    (sphere, disc), worn = fractions, found["worn"]
-    return {**found, "wear_sphere": sphere * worn, "wear_disc": disc * worn}
+def divided(sums: Mapping[str, Number], fractions: tuple[float, float]) -> dict[str, Number]:
+    """Split sums or maxima of what both bodies lose into those of sphere and disc, exact for small ones."""
+    (sphere, disc), worn = fractions, sums["worn"]
+    return {**sums, "wear_sphere": sphere * worn, "wear_disc": disc * worn}
 
 
 class Ledger:
@@ -70,12 +70,10 @@ class Ledger:
 
     def restored(self) -> None:
         """Raise ValueError for books that no step has left."""
-        books = {name: self.row.get(name) for name in RUNNING} | {
-            name: self.most.get(name) for name in MAXIMA
-        }
-        for name, value in books.items():
-            if not isinstance(value, int | float):
-                raise ValueError(f"the books have no {name}")
+        for book, names in ((self.row, RUNNING), (self.most, MAXIMA)):
+            for name in names:
+                if not isinstance(book.get(name), int | float):
+                    raise ValueError(f"the books have no {name}")
 
     @property
     def columns(self) -> tuple[int, int]:
@@ -107,7 +105,7 @@ class Ledger:
         if not total["contact"] > 0.0 or not math.isfinite(total["pressure"]):
             raise ConvergenceError(f"no cell is in contact at an approach of {balance.approach:.6g} mm.")
         # What was reached once stays so, also where the tiles visited now do not show it.
-        self.most = {name: max(most[name], kept) for name, kept in self.most.items()}
+        self.most = {name: max(most[name], before) for name, before in self.most.items()}
         largest = self.most | {"pressure": most["pressure"]}
         row = self._row(balance, increment, removal, reference, total, largest)
         row["pressure_std"] = math.sqrt(max(row["pressure_std"], 0.0))
@@ -134,20 +132,18 @@ class Ledger:
             return []
         flags = self._flags()
         grown = {
-            name: np.maximum.accumulate(np.maximum(most[name], kept)) for name, kept in self.most.items()
+            name: np.maximum.accumulate(np.maximum(most[name], before)) for name, before in self.most.items()
         }
         row = self._row(balance, increment, removal, reference, total, grown | {"pressure": most["pressure"]})
         row["pressure_std"] = np.sqrt(np.maximum(row["pressure_std"], 0.0))
         for name in RUNNING:
             row[name] = np.add.accumulate([self.row[name], *row[name]])[1:]
-        table = np.empty((count, len(row)))
-        for number, values in enumerate(row.values()):
-            table[:, number] = values
+        table = np.stack([np.broadcast_to(values, count) for values in row.values()], axis=1)
         rows = [dict(zip(row, values, strict=True)) for values in table.tolist()]
         balances = [Balance(*numbers) for numbers in zip(*(part.tolist() for part in balance), strict=True)]
         self.row = rows[-1]
         self.most = {name: float(values[-1]) for name, values in grown.items()}
-        return [Step(*made, *flags) for made in zip(balances, rows, strict=True)]
+        return [Step(*step, *flags) for step in zip(balances, rows, strict=True)]
 
     def _row(
         self,

@@ -65,8 +65,7 @@ class Snapshot:
     @property
     def wear_beneath(self) -> FloatArray:
         """Wear of the disc under the sphere's domain [mm], shape (nx, ny)."""
-        found: FloatArray = self.wear_disc if self.row is None else self.beneath(self.wear_disc)
-        return found
+        return self.wear_disc if self.row is None else np.asarray(self.beneath(self.wear_disc))
 
     @property
     def touched(self) -> BoolArray:
@@ -98,6 +97,6 @@ class Snapshot:
 
 def extents(where: BoolArray) -> tuple[slice, slice]:
     """Rows and columns from the first to the last that has a place; none where there is no place."""
-    found = (np.flatnonzero(where.any(axis=axis)) for axis in (1, 0))
-    rows, columns = (slice(at[0], at[-1] + 1) if at.size else slice(0, 0) for at in found)
+    lines = (np.flatnonzero(where.any(axis=axis)) for axis in (1, 0))
+    rows, columns = (slice(at[0], at[-1] + 1) if at.size else slice(0, 0) for at in lines)
     return rows, columns

@@ -9,7 +9,7 @@ from typing import Any
 
 from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.figures.table import Plotter
+from warpwear.figures.of_run.table import Plotter
 from warpwear.page import paper, words
 from warpwear.page.limits import limits_of
 from warpwear.page.sections import SECTIONS
@@ -48,8 +48,8 @@ def top_of(study: Study, summary: dict[str, Any]) -> dict[str, Any]:
         "asked": words.asked_of(study, summary),
         "finished": summary["finished"],
         "answers": [vars(answer) for answer in words.answers_of(study, summary)],
-        "warnings": [told for told in summary["warnings"] if told not in summary["notes"]],
-        "notes": [told for told in summary["warnings"] if told in summary["notes"]],
+        "warnings": [text for text in summary["warnings"] if text not in summary["notes"]],
+        "notes": [text for text in summary["warnings"] if text in summary["notes"]],
         "trust": words.trust_of(study, summary, words.assumptions_of(study, summary)),
     }
 

@@ -59,9 +59,9 @@ def methods_of(study: Study, s: dict[str, Any]) -> str:
 
 def _wear_law(study: Study) -> str:
     law = "" if study.wear.law == "archard" else f", by the law '{study.wear.law}'"
-    if (asked := study.pieces) is None:
+    if (pieces := study.pieces) is None:
         return law
-    size = f"{1e3 * asked.diameter:.3g} µm wide and {1e3 * asked.thickness:.3g} µm thick"
+    size = f"{1e3 * pieces.diameter:.3g} µm wide and {1e3 * pieces.thickness:.3g} µm thick"
     return f"{law}; worn volume gathered until it left in pieces {size}"
 
 
@@ -82,8 +82,8 @@ def table_of(study: Study, s: dict[str, Any], answers: Iterable[Answer]) -> list
 def to_latex(text: str) -> str:
     """Write a text so that LaTeX sets it as it is, raised digits and powers of ten as formulas."""
     written = "".join(LATEX.get(sign, sign) for sign in text)
-    written = RAISED.sub(lambda found: f"$^{{{found[0].translate(LOWERED)}}}$", written)
-    return POWER.sub(lambda found: rf"${found[1]} \cdot 10^{{{int(found[2])}}}$", written)
+    written = RAISED.sub(lambda match: f"$^{{{match[0].translate(LOWERED)}}}$", written)
+    return POWER.sub(lambda match: rf"${match[1]} \cdot 10^{{{int(match[2])}}}$", written)
 
 
 def latex_of(study: Study, s: dict[str, Any], answers: Iterable[Answer]) -> str:

@@ -1,4 +1,4 @@
-"""Figures as what a page's script draws: numbers, words and codes of few bits, of `warpwear.figures.describe`."""
+"""Figures as what a page's script draws: numbers, words and codes of few bits."""
 
 import math
 from collections.abc import Callable
@@ -19,10 +19,10 @@ from warpwear.figures.describe import (
     Level,
     Line,
     Map,
-    chosen,
     scaled,
     values_of,
 )
+from warpwear.figures.wording import chosen
 from warpwear.grid import FloatArray
 
 #: Most points of a line.

@@ -5,10 +5,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from warpwear.figures import shape
-from warpwear.figures.data import FigureData
-from warpwear.figures.describe import Figure, Section, chosen
-from warpwear.figures.table import FIGURES, Plotter
+from warpwear.figures.describe import Figure, Section
+from warpwear.figures.of_run import shape
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.of_run.table import FIGURES, Plotter
+from warpwear.figures.wording import chosen
 from warpwear.page.plots import POINTS
 
 #: Most snapshots under a slider, and points along a side of a map.
@@ -18,8 +19,12 @@ FULL_MAPS = 6
 
 
 def _figures(plot: Plotter, data: FigureData, *names: str) -> dict[str, Figure]:
-    """Declare those of some figures that the run has."""
-    return {name: FIGURES[name].declare(data) for name in names if not plot.reason(name)}
+    """Declare those of some figures that the run has. data: those of the plot, or more snapshots."""
+    return {
+        name: plot.declared(name) if data is plot.data else FIGURES[name].declare(data)
+        for name in names
+        if not plot.reason(name)
+    }
 
 
 def maps(plot: Plotter, data: FigureData) -> Section:
@@ -52,8 +57,8 @@ def pieces(plot: Plotter, data: FigureData) -> Section:
     """Show how many pieces have left each body in a distance, and how wide they were."""
     figures = _figures(plot, data, "pieces")
     texts = []
-    for body in data.pieces.cut if figures else ():
-        cut, name = 1e3 * data.pieces.cut[body], data.about.name_of(body)
+    for body, diameters in data.pieces.items() if figures else ():
+        cut, name = 1e3 * diameters, data.name_of(body)
         text = f"{data.history[f'pieces_{body}'].sum():.0f} off the {name}"
         texts.append(f"{text}, {np.median(cut):.3g} µm wide in the median" if cut.size else text)
     text = (
@@ -86,7 +91,8 @@ def groove(plot: Plotter, data: FigureData) -> Section:
 
 def loads(plot: Plotter, data: FigureData) -> Section:
     """Show loads of the patches over their area, beside those of a smooth contact."""
-    return Section("Load shares of the patches", _figures(plot, data, "load_share"), "loads")
+    text = "Load over the area of each macro cell."
+    return Section("Load shares of the patches", _figures(plot, data, "load_share"), "loads", text)
 
 
 def bodies(plot: Plotter, data: FigureData) -> Section:

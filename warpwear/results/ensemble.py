@@ -33,10 +33,10 @@ def that_matter(study: Study) -> dict[str, Any]:
 
 def dotted(sections: Mapping[str, Any], above: str = "") -> dict[str, Any]:
     """The values of tables in tables by their dotted keys."""
-    found: dict[str, Any] = {}
+    flat: dict[str, Any] = {}
     for key, value in sections.items():
-        found |= dotted(value, f"{above}{key}.") if isinstance(value, Mapping) else {f"{above}{key}": value}
-    return found
+        flat |= dotted(value, f"{above}{key}.") if isinstance(value, Mapping) else {f"{above}{key}": value}
+    return flat
 
 
 def short_names(keys: Sequence[str]) -> dict[str, str]:
@@ -73,14 +73,14 @@ def at(places: FloatArray, distance: FloatArray, values: FloatArray) -> FloatArr
 def band(values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Mean, 5th and 95th percentile of courses, (runs, places); each (places,), NaN where none is known."""
     numbers = np.isfinite(values).sum(axis=0)
-    made = np.full((3, values.shape[1]), np.nan)
+    courses = np.full((3, values.shape[1]), np.nan)
     # Of places that all runs reach at once; nanpercentile goes place by place.
     for those, percentile in ((numbers == len(values), np.percentile), (numbers > 0, np.nanpercentile)):
-        missing = those & np.isnan(made[0])
+        missing = those & np.isnan(courses[0])
         if missing.any():
-            made[0, missing] = np.nanmean(values[:, missing], axis=0)
-            made[1:, missing] = percentile(values[:, missing], BAND, axis=0)
-    return made[0], made[1], made[2]
+            courses[0, missing] = np.nanmean(values[:, missing], axis=0)
+            courses[1:, missing] = percentile(values[:, missing], BAND, axis=0)
+    return courses[0], courses[1], courses[2]
 
 
 def band_told(numbers: Sequence[int]) -> str:

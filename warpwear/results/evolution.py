@@ -41,15 +41,15 @@ def surface_evolution(result: ResultFile) -> SurfaceEvolution:
 
 
 def _surface_evolution(result: ResultFile) -> SurfaceEvolution:
-    kept = len(result.snapshots)  # none of a run that was interrupted before the first
-    if result.at_hand.keys() >= {*range(kept)}:
+    count = len(result.snapshots)  # none of a run that was interrupted before the first
+    if result.at_hand.keys() >= {*range(count)}:
         with ThreadPoolExecutor(int(result.attributes["threads"])) as pool:
-            fields = [result.at_hand[number] for number in range(kept)]
-            found = list(pool.map(partial(_of_snapshot, result), range(kept), fields))
+            fields = [result.at_hand[number] for number in range(count)]
+            rows = list(pool.map(partial(_of_snapshot, result), range(count), fields))
     else:  # one at a time in memory
-        found = [_of_snapshot(result, index, snapshot) for index, snapshot in enumerate(result.snapshots)]
-    table = {column.name: np.array([row[column.name] for row, _ in found]) for column in EVOLUTION}
-    return SurfaceEvolution(table, tuple(islands for _, islands in found))
+        rows = [_of_snapshot(result, index, snapshot) for index, snapshot in enumerate(result.snapshots)]
+    table = {column.name: np.array([row[column.name] for row, _ in rows]) for column in EVOLUTION}
+    return SurfaceEvolution(table, tuple(islands for _, islands in rows))
 
 
 def _of_snapshot(result: ResultFile, index: int, snapshot: Snapshot) -> tuple[dict[str, float], FloatArray]:
@@ -60,8 +60,8 @@ def _of_snapshot(result: ResultFile, index: int, snapshot: Snapshot) -> tuple[di
     disc = worn_heights(result, snapshot, "disc", snapshot.scar)
     row = {"distance": snapshot.distance} | _roughness_in_scar(disc)
     for body in BODIES:
-        found = _texture(result, inner_scar(result, index, snapshot, body, disc=disc))
-        row |= {f"sq_{body}": 1e3 * found.sq, f"sdq_{body}": found.sdq, f"rq_{body}": 1e3 * found.rq}
+        rough = _texture(result, inner_scar(result, index, snapshot, body, disc=disc))
+        row |= {f"sq_{body}": 1e3 * rough.sq, f"sdq_{body}": rough.sdq, f"rq_{body}": 1e3 * rough.rq}
     unworn = inner_scar(result, index, snapshot, "disc", disc=disc, unworn=True)
     row["sq_disc_unworn"] = 1e3 * _texture(result, unworn).sq
     row |= _count_islands(islands, one_cell)
@@ -102,13 +102,13 @@ def _sizes(where: BoolArray) -> FloatArray:
 
 def _count_islands(areas: FloatArray, one_cell: float) -> dict[str, float]:
     """Numbers of a row. one_cell: areas below are of a single cell [mm²]; NaN where islands are cut."""
-    found = {
+    numbers = {
         "islands": float(areas.size),
         "islands_of_one_cell": float((areas < one_cell).sum()),
         "island_area_median": float(np.median(areas)) if areas.size else np.nan,
         "island_area_largest": float(areas.max(initial=0.0)),
     }
-    return dict.fromkeys(found, np.nan) if np.isnan(one_cell) else found
+    return dict.fromkeys(numbers, np.nan) if np.isnan(one_cell) else numbers
 
 
 def _roughness_in_scar(heights: FloatArray) -> dict[str, float]:
@@ -154,12 +154,12 @@ def inner_scar(
     length = min(length, whole.stop - whole.start)
     places = min(PLACES, max((whole.stop - whole.start) // max(length, 1), 1))
     starts = np.linspace(whole.start, whole.stop - length, places).astype(int)
-    found = []
-    for start in starts:
-        part = slice(int(start), int(start) + length)
-        heights = result.track_heights(part)[:, columns]
-        found.append(heights if unworn else heights - np.add(*result.track_loss(index, part))[:, columns])
-    return found
+    parts = [slice(int(start), int(start) + length) for start in starts]
+    fields = [result.track_heights(part)[:, columns] for part in parts]
+    if unworn:
+        return fields
+    lost = (np.add(*result.track_loss(index, part))[:, columns] for part in parts)
+    return [heights - depth for heights, depth in zip(fields, lost, strict=True)]
 
 
 def _texture(result: ResultFile, fields: list[FloatArray]) -> Texture:
@@ -174,9 +174,8 @@ def spectrum_in_scar(result: ResultFile, index: int, snapshot: Snapshot, body: s
     None where the scar is too small, or patches cover a part of it.
     """
     fields = inner_scar(result, index, snapshot, body)
-    found = [fine_spectrum(heights, cell=result.study.grid.cell) for heights in fields]
-    known = [spectrum for spectrum in found if spectrum is not None]
-    if len(known) < len(found) or len({spectrum.density.size for spectrum in known}) != 1:
+    known = [s for heights in fields if (s := fine_spectrum(heights, cell=result.study.grid.cell))]
+    if len(known) < len(fields) or len({spectrum.density.size for spectrum in known}) != 1:
         return None
     return replace(known[0], density=np.mean([spectrum.density for spectrum in known], axis=0))
 

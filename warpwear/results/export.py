@@ -6,6 +6,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from importlib.util import find_spec
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -44,46 +45,36 @@ class Format:
     every: bool = False
 
 
-def _bodies(ending: str, write: Callable[..., None], job: Job, *, given: Sequence[str] = ()) -> Files:
-    """Name a file for each body and snapshot. given: what of the job the writer asks for."""
-    for number in job.numbers:
-        for name in job.bodies:
-            file = f"{name}_worn{job.suffix(number)}.{ending}"
-            yield (
-                file,
-                partial(_write_body, write, job, name, number, {key: getattr(job, key) for key in given}),
-            )
+def _bodies(ending: str, write: Callable[..., None], job: Job, *, options: Sequence[str] = ()) -> Files:
+    """Name a file for each body and snapshot. options: what of the job the writer takes."""
+    values = {key: getattr(job, key) for key in options}
+    for number, name in product(job.numbers, job.bodies):
+        file = f"{name}_worn{job.suffix(number)}.{ending}"
+        yield file, partial(_write_body, write, partial(job.body, name, number), values)
 
 
 def _write_body(
-    write: Callable[..., None], job: Job, name: str, number: int, given: dict[str, Any], path: Path
+    write: Callable[..., None], body: Callable[[], Body], values: dict[str, Any], path: Path
 ) -> None:
-    body: Body = job.body(name, number)
-    write(path, body, **given)
+    write(path, body(), **values)
 
 
-_BODY = frozenset({"bodies", "points"})
+_BODY, _FIELDS = frozenset({"bodies", "points"}), frozenset({"fields"})
+_STRETCHED = frozenset({"exaggeration"})
+_STL = partial(_bodies, "stl", write_stl, options=("exaggeration",))
 #: Name of a format -> the format, in the order in which they are told.
 FORMATS: dict[str, Format] = {
     "sdf": Format(partial(_bodies, "sdf", write_sdf), "heights, ISO 25178-71, metres", _BODY, ("sdfio",)),
     "xyz": Format(partial(_bodies, "xyz", write_xyz), "points x y z, mm", _BODY),
     "npy": Format(partial(_bodies, "npy", write_npy), "an array of heights, mm", _BODY),
     "x3p": Format(partial(_bodies, "x3p", write_x3p), "heights, ISO 5436-2, metres", _BODY),
-    "stl": Format(
-        partial(_bodies, "stl", write_stl, given=("exaggeration",)),
-        "closed solids, mm",
-        _BODY | {"exaggeration"},
-    ),
-    "csv": Format(csv_files, "fields, a row a cell, and profiles", _BODY | {"fields"}),
+    "stl": Format(_STL, "closed solids, mm", _BODY | _STRETCHED),
+    "csv": Format(csv_files, "fields, a row a cell, and profiles", _BODY | _FIELDS),
     "vti": Format(
-        vti_files, "fields, bodies and films for ParaView", _BODY | {"fields", "exaggeration"}, every=True
+        vti_files, "fields, bodies and films for ParaView", _BODY | _FIELDS | _STRETCHED, every=True
     ),
     "netcdf": Format(
-        netcdf_files,
-        "history and fields, labelled",
-        frozenset({"fields"}),
-        ("xarray", "h5netcdf"),
-        every=True,
+        netcdf_files, "history and fields, labelled", _FIELDS, ("xarray", "h5netcdf"), every=True
     ),
 }
 #: Formats that are written where none is asked for.
@@ -110,36 +101,37 @@ def export(
     mean of a block. exaggeration: of the heights of stl and vti in space. Raises InputError for what is
     unknown, for an option that no format takes, for a package that is missing and for files that are there.
     """
-    _check_known("format", formats, FORMATS)
-    study = result.study
-    has = [name for name, quantity in WRITABLE.items() if quantity.applies_to(study)]
-    _check_known("body", bodies or (), (*BODIES, TRACK) if study.is_swept else BODIES)
-    _check_known("field", fields or (), has)
     options = {"bodies": bodies, "fields": fields, "points": points, "exaggeration": exaggeration}
+    _check_known("format", formats, FORMATS)
+    known_bodies = (*BODIES, TRACK) if result.study.is_swept else BODIES
+    known_fields = [name for name, quantity in WRITABLE.items() if quantity.applies_to(result.study)]
+    _check_known("body", bodies or (), known_bodies)
+    _check_known("field", fields or (), known_fields)
     _check_taken({name for name, value in options.items() if value is not None}, formats)
+    _check_sizes(points, exaggeration)
+    numbers, folder = numbers_of(result, snapshot), Path(folder)
+    writers: dict[str, Callable[[Path], None]] = {}
+    for name in dict.fromkeys(formats):
+        usual = EVERY if FORMATS[name].every else -1
+        chosen = numbers if numbers is not None else numbers_of(result, usual) or ()
+        most = points or (STL_POINTS if name == "stl" else None)
+        job = Job(
+            result, chosen, tuple(bodies or BODIES), tuple(fields or known_fields), most, exaggeration or 1.0
+        )
+        writers |= dict(FORMATS[name].files(job))
+    taken = [name for name in writers if (folder / name).exists()]
+    if taken and not overwrite:
+        raise InputError(f"out = {folder} already holds {taken[0]}; give another folder, or overwrite it")
+    return _write_all(folder, writers)
+
+
+def _check_sizes(points: int | None, exaggeration: float | None) -> None:
     if points is not None and points < FEWEST_POINTS:
         raise InputError(f"points = {points} make no surface; allowed: {FEWEST_POINTS} or more")
     if exaggeration is not None and not 0.0 < exaggeration <= MOST_EXAGGERATED:
         raise InputError(
             f"exaggeration = {exaggeration:g} is not possible; allowed: more than 0, to {MOST_EXAGGERATED:g}"
         )
-    wanted = numbers_of(result, snapshot)
-    folder = Path(folder)
-    writers: dict[str, Callable[[Path], None]] = {}
-    for name in dict.fromkeys(formats):
-        job = Job(
-            result,
-            wanted if wanted is not None else numbers_of(result, EVERY if FORMATS[name].every else -1) or (),
-            tuple(bodies or BODIES),
-            tuple(fields or has),
-            points or (STL_POINTS if name == "stl" else None),
-            exaggeration or 1.0,
-        )
-        writers |= dict(FORMATS[name].files(job))
-    there = [name for name in writers if (folder / name).exists()]
-    if there and not overwrite:
-        raise InputError(f"out = {folder} already holds {there[0]}; give another folder, or overwrite it")
-    return _write_all(folder, writers)
 
 
 def _write_all(folder: Path, writers: dict[str, Callable[[Path], None]]) -> list[Path]:
@@ -168,23 +160,21 @@ def numbers_of(
     """
     if snapshot is None:
         return None
-    asked = [snapshot] if isinstance(snapshot, int | str) else list(snapshot)
-    kept = result.snapshot_distances.size
-    found: set[int] = set()
-    for one in asked:
-        text = str(one).strip()
+    count, numbers = result.snapshot_distances.size, set[int]()
+    for which in [snapshot] if isinstance(snapshot, int | str) else snapshot:
+        text = str(which).strip()
         if text == EVERY:
-            found |= set(range(kept))
+            numbers |= {*range(count)}
         elif not text.lstrip("-").isdecimal():
-            found.add(result.number_at(text))
-        elif -kept <= int(text) < kept:
-            found.add(int(text) % kept)
+            numbers.add(result.number_at(text))
+        elif -count <= int(text) < count:
+            numbers.add(int(text) % count)
         else:
             raise InputError(
-                f"snapshot = {one} is not in this result; allowed: 0 to {kept - 1}, -1 is the last, a "
+                f"snapshot = {which} is not in this result; allowed: 0 to {count - 1}, -1 is the last, a "
                 "distance such as '30 mm', or all"
             )
-    return tuple(sorted(found))
+    return tuple(sorted(numbers))
 
 
 def _check_known(what: str, names: Sequence[str], known: Sequence[str] | dict[str, Any]) -> None:
@@ -193,9 +183,9 @@ def _check_known(what: str, names: Sequence[str], known: Sequence[str] | dict[st
             raise InputError(f"{what} = '{name}' is not known; allowed: {', '.join(known)}")
 
 
-def _check_taken(given: set[str], formats: Sequence[str]) -> None:
+def _check_taken(options: set[str], formats: Sequence[str]) -> None:
     """Raise InputError for an option that changes none of the formats, and for a package that is missing."""
-    for option in sorted(given):
+    for option in sorted(options):
         if not any(option in FORMATS[name].takes for name in formats):
             takers = ", ".join(name for name, known in FORMATS.items() if option in known.takes)
             raise InputError(f"{option} changes nothing in {', '.join(formats)}; it is for {takers}")

@@ -175,8 +175,8 @@ def _cof(study: Study, first: float | None, last: float | None) -> Row:
     ends = {"first": first, "end": last}
     if first is None or last is None:
         return Row("", "cof", ends)
-    given = ASSUMED if "friction.coefficient" in render.assumptions(study) else INPUT
-    marks = {when: given if when == study.friction.fitted else "" for when in friction.WHEN}
+    source = ASSUMED if "friction.coefficient" in render.assumptions(study) else INPUT
+    marks = {when: source if when == study.friction.fitted else "" for when in friction.WHEN}
     text = shown({f"at first{marks['initial']}": first, f"at the end{marks['end']}": last}, 3)
     area = f"(area: {study.friction.area}; relative to the end: {first / last:.3g})"
     return Row("friction", "cof", ends, sentence=f"{text} {area}")
@@ -252,7 +252,7 @@ def _fitted(fit: Breaking | str) -> list[Row]:
 def _checks(result: ResultFile, end: dict[str, float]) -> list[Row]:
     """Declare residuals, conservation, and what the run's own record and its assumptions are."""
     study, residuals = result.study, np.abs(result.history["load_residual"])
-    asked = study.wear_coefficients[1] * study.contact.load * end["distance"]
+    expected = study.wear_coefficients[1] * study.contact.load * end["distance"]
     off = {body: _off_archard(end, body) for body in BODIES}
     largest, assumed = float(residuals.max()), render.assumptions(study)
     checks = [
@@ -262,7 +262,7 @@ def _checks(result: ResultFile, end: dict[str, float]) -> list[Row]:
     return [
         Row("", "load_residual_N", {"largest": largest, "end": end["load_residual"]}),
         Row("", "conservation_relative", off),
-        Row("", "disc_volume_over_KFL", end["wear_volume_disc"] / asked if asked else None),
+        Row("", "disc_volume_over_KFL", end["wear_volume_disc"] / expected if expected else None),
         Row("checks", "", checks),
         *entries({"notes": [], **result.record} | ({"seconds": result.seconds} if result.seconds else {})),
         Row(

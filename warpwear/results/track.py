@@ -113,8 +113,12 @@ def blocks(result: ResultFile, index: int, most: int) -> Blocks:
         for field, values in ((heights, result.track_heights(part) - gone), (loss, gone)):
             field[first:last] = values[:, : ny * across].reshape(shape).mean(axis=(1, 3))
     half, x, y = 0.5 * result.study.grid.cell, result.track_x, result.y
-    extent = (x[0] - half, x[nx * along - 1] + half, y[0] - half, y[ny * across - 1] + half)
-    return Blocks(heights, loss, (float(extent[0]), float(extent[1]), float(extent[2]), float(extent[3])))
+    return Blocks(heights, loss, extent(x[: nx * along], y[: ny * across], half, half))
+
+
+def extent(x: FloatArray, y: FloatArray, half_x: float, half_y: float) -> tuple[float, float, float, float]:
+    """First x, last x, first y, last y of a field whose cells reach half_x and half_y beyond places x, y."""
+    return float(x[0]) - half_x, float(x[-1]) + half_x, float(y[0]) - half_y, float(y[-1]) + half_y
 
 
 def roughness_in_track(result: ResultFile) -> dict[str, FloatArray]:
@@ -122,19 +126,19 @@ def roughness_in_track(result: ResultFile) -> dict[str, FloatArray]:
 
     The middle half of the final patch's width, so that all are of the same cells; its form is taken off.
     """
-    rows = whole_rows(result)
-    middle = (rows.start + rows.stop) // 2
-    part = slice(max(rows.start, middle - ROUGH_ROWS // 2), min(rows.stop, middle + ROUGH_ROWS // 2))
+    whole = whole_rows(result)
+    middle = (whole.start + whole.stop) // 2
+    part = slice(max(whole.start, middle - ROUGH_ROWS // 2), min(whole.stop, middle + ROUGH_ROWS // 2))
     half = 0.5 * MIDDLE * float(result.history["patch_across"][-1])
     columns = np.flatnonzero(np.abs(result.y) <= half)
     unworn = result.track_heights(part)[:, columns]
     everywhere = np.ones(unworn.shape, dtype=bool)
-    found = [roughness_without_form(unworn, everywhere)]
+    rows = [roughness_without_form(unworn, everywhere)]
     for index in range(result.snapshot_distances.size):
         worn = unworn - np.add(*result.track_loss(index, part))[:, columns]
-        found.append(roughness_without_form(worn, everywhere))
+        rows.append(roughness_without_form(worn, everywhere))
     passes = np.append(0.0, result.snapshot_distances) / result.study.track.stroke
-    return {"passes": passes} | {name: np.array([row[name] for row in found]) for name in LENGTHS}
+    return {"passes": passes} | {name: np.array([row[name] for row in rows]) for name in LENGTHS}
 
 
 def pass_numbers(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.int_]]":

@@ -19,7 +19,7 @@ from warpwear.runs import checkpoint
 from warpwear.runs import lock as run_lock
 from warpwear.study.study import Study
 
-table = lazy.module("warpwear.figures.table")
+table = lazy.module("warpwear.figures.of_run.table")
 
 LOG = "log.txt"
 #: What every run writes, beside figures; its result and checkpoint say themselves what they are.

@@ -4,16 +4,16 @@
   const root = document.documentElement, $ = (id) => document.getElementById(id);
   const all = (query, inside = document) => [...inside.querySelectorAll(query)];
   const bytesOf = (text) => Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0));
-  const unpacked = async (id) => {
+  const unpacked = async (id, kind) => {
     const stream = new Blob([bytesOf($(id).textContent)]).stream();
-    return new Response(stream.pipeThrough(new DecompressionStream("deflate"))).text();
+    return new Response(stream.pipeThrough(new DecompressionStream(kind))).text();
   };
 
   let data;
   try {
-    data = JSON.parse(await unpacked("data"));
+    data = JSON.parse(await unpacked("data", "deflate"));
     const library = document.createElement("script");
-    library.textContent = await unpacked("plotly");
+    library.textContent = await unpacked("plotly", "gzip");
     document.head.append(library);
   } catch (error) {
     $("too-old").hidden = false;

@@ -9,7 +9,7 @@ from matplotlib.patches import Circle
 
 from warpwear.figures import style as fs
 from warpwear.figures.axes import ACROSS, draw_map, panels_of
-from warpwear.figures.view import Window, positive
+from warpwear.figures.of_run.view import Window, positive
 from warpwear.grid import FloatArray
 from warpwear.result import Result
 from warpwear.results.formats.bodies import worn_heights

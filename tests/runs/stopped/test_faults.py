@@ -18,7 +18,7 @@ from fuzzing import check_sentence
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.cli import main as cli
-from warpwear.figures.table import Plotter
+from warpwear.figures.of_run.table import Plotter
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.results import tables as run_tables
 from warpwear.results.writer import ResultWriter

@@ -11,25 +11,13 @@ import numpy as np
 from matplotlib.animation import FFMpegWriter, PillowWriter
 
 from warpwear.errors import OVERWRITE_IT, InputError
-from warpwear.figures import style
-from warpwear.figures.data import FigureData
-from warpwear.figures.describe import (
-    NEUTRAL,
-    SPHERE,
-    Axis,
-    Chart,
-    Figure,
-    Level,
-    Line,
-    Look,
-    Map,
-    Scale,
-    after,
-    with_scatter,
-)
-from warpwear.figures.fields import pressure_scale
+from warpwear.figures import describe, style
+from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.of_run.fields import pressure_scale
+from warpwear.figures.of_run.view import positive
 from warpwear.figures.paint import paint
-from warpwear.figures.view import positive
+from warpwear.figures.wording import after, with_scatter
 from warpwear.grid import FloatArray
 from warpwear.results.file import ResultFile
 from warpwear.results.track import blocks
@@ -122,7 +110,10 @@ class _Film:
         """Declare the frame of snapshot number `index`."""
         data, window = self._data, self._data.window
         view = data.view(index)
-        when, position = after(view.distance), [Level(self._position(view.row), look=Look(SPHERE), axis="x")]
+        when, position = (
+            after(view.distance),
+            [Level(self._position(view.row), look=Look(describe.SPHERE), axis="x")],
+        )
         if self._swept:  # the whole track, as wide as the panel
             extent, label = (
                 blocks(data.result, index, BLOCKS).extent,
@@ -158,7 +149,7 @@ class _Film:
         label = "coefficient of friction, –" if self._is_friction else "area in contact, mm²"
         count = max(int(np.searchsorted(course["distance"], slid, side="right")), 1)
         x, y = course["distance"][:count], values[:count]
-        dot = Line(x[-1:], y[-1:], look=Look(NEUTRAL, "", marker="o", size=4.0), clipped=False)
+        dot = Line(x[-1:], y[-1:], look=Look(describe.NEUTRAL, "", marker="o", size=4.0), clipped=False)
         distance = Axis("sliding distance, mm", low=0.0, high=1.03 * float(course["distance"][-1]), ticks=5)
         value = Axis(label, low=0.0, high=1.05 * float(np.nanmax(values)))
         return Chart(label, distance, value, [Line(x, y), dot])

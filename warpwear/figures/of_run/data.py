@@ -1,4 +1,4 @@
-"""What figures need of a result, read once and reduced to what paper shows, see `warpwear.figures.view`.
+"""What figures need of a result, read once and reduced to what paper shows, see `view.py`.
 
 A field of 1500² cells is drawn on some 700 pixels, and matplotlib takes an image's memory several times.
 So a snapshot is cropped to the scar, reduced block by block, and let go.
@@ -7,18 +7,14 @@ So a snapshot is cropped to the scar, reduced block by block, and let go.
 import math
 from collections.abc import Sequence
 from functools import cached_property
-from types import SimpleNamespace
 from typing import Any, Self
 
 import numpy as np
 
 from warpwear.engine.executor import Executor
-from warpwear.figures.describe import chosen
-from warpwear.figures.view import (
-    About,
+from warpwear.figures.of_run.view import (
     Bodies,
     FilmState,
-    FittedCof,
     Loads,
     Profile,
     State,
@@ -26,10 +22,10 @@ from warpwear.figures.view import (
     Window,
     sag_or_nan,
 )
+from warpwear.figures.wording import chosen
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.quantities import BODIES
 from warpwear.history.snapshot import Snapshot
-from warpwear.laws.elastic import Hertz
 from warpwear.laws.film import Breaking
 from warpwear.laws.patches import Patches
 from warpwear.laws.settling import Settling
@@ -44,13 +40,13 @@ from warpwear.results.evolution import (
 from warpwear.results.file import ResultFile
 from warpwear.results.formats.bodies import worn_heights
 from warpwear.results.summary import bare_course
-from warpwear.results.track import blocks, by_pass, depth_along, groove, roughness_in_track, whole_steps
+from warpwear.results.track import whole_steps
 from warpwear.surfaces.spectrum import Spectrum
 
-#: Most blocks along a side of a map, of the relief in 3-D, and of a track's map.
-MAP_BLOCKS, SURFACE_BLOCKS, TRACK_BLOCKS = 500, 60, 600
-#: Bins along a line of pressures, and along a track.
-BINS, TRACK_BINS = 50, 200
+#: Most blocks along a side of a map, and of the relief in 3-D.
+MAP_BLOCKS, SURFACE_BLOCKS = 500, 60
+#: Bins along a line of pressures.
+BINS = 50
 #: Snapshots in one figure.
 SHOWN = 4
 #: Side of what is shown over the scar's largest extent.
@@ -91,30 +87,26 @@ class FigureData:
             else FigureData(self.result, snapshots, blocks=blocks)
         )
 
-    @cached_property
-    def about(self) -> About:
+    @property
+    def slider(self) -> str:
+        """What figures call the body that slides."""
+        return "sphere" if self.study.sphere.curvature else "flat"
+
+    def name_of(self, body: str) -> str:
+        """Return what a figure calls the body "sphere" or "disc"."""
+        return self.slider if body == "sphere" else body
+
+    @property
+    def shear(self) -> str:
+        """Say where the shear strength comes from."""
         study, friction = self.study, self.study.friction
-        fitted = None
         if friction.shear_strength is not None:
             film = f", film {friction.film.shear_strength:g} MPa" if friction.film else ""
-            shear = f"shear strength {friction.shear_strength:g} MPa{film}, as given"
-        else:
-            whole = "the end" if friction.calibrate == "end" else "the start"
-            passed = "in the last pass" if friction.calibrate == "end" else "in the first pass"
-            when = f"at {whole}" if study.lap is None else passed
-            shear = f"calibrated to {friction.coefficient:g} {when}"
-            fitted = FittedCof(friction.coefficient, friction.calibrate == "end")
-        return About(
-            slider="sphere" if study.sphere.curvature else "flat",
-            curvature=study.sphere.curvature,
-            extent=study.grid.extent,
-            cell=study.grid.cell,
-            load=study.contact.load,
-            friction_area=friction.area,
-            shear=shear,
-            lap=study.lap,
-            fitted_cof=fitted,
-        )
+            return f"shear strength {friction.shear_strength:g} MPa{film}, as given"
+        at_end = friction.calibrate == "end"
+        if study.lap is None:
+            return f"calibrated to {friction.coefficient:g} at the {'end' if at_end else 'start'}"
+        return f"calibrated to {friction.coefficient:g} in the {'last' if at_end else 'first'} pass"
 
     @cached_property
     def course(self) -> dict[str, FloatArray]:
@@ -218,99 +210,48 @@ class FigureData:
         """Roughness inside the scar and islands of contact at every snapshot."""
         return surface_evolution(self.result)
 
-    @property
-    def roughness(self) -> dict[str, FloatArray]:
-        """One value a snapshot, see `SurfaceEvolution.table`."""
-        return self.evolution.table
-
     @cached_property
     def settling(self) -> dict[str, tuple[FloatArray, FloatArray, Settling | str]]:
         """Distances [mm] and Sq [µm] in the inner scar by body, with its fit or why there is none."""
-        found = {body: settling_course(self.result, body) for body in BODIES}
-        return {body: (*course, settling(self.result, body)) for body, course in found.items()}
+        result = self.result
+        return {body: (*settling_course(result, body), settling(result, body)) for body in BODIES}
 
     @cached_property
     def spectra(self) -> dict[str, list[tuple[float, Spectrum]]]:
         """Distance [mm] and power spectrum in the inner scar of the snapshots shown, by body."""
-        found: dict[str, list[tuple[float, Spectrum]]] = {body: [] for body in BODIES}
+        spectra: dict[str, list[tuple[float, Spectrum]]] = {body: [] for body in BODIES}
         for index in self.indices:
             snapshot = self.snapshot(index)
             for body in BODIES:
                 spectrum = spectrum_in_scar(self.result, index, snapshot, body)
                 if spectrum is not None:
-                    found[body].append((snapshot.distance, spectrum))
-        return found
+                    spectra[body].append((snapshot.distance, spectrum))
+        return spectra
 
     @cached_property
-    def pieces(self) -> SimpleNamespace:
-        """The pieces' diameters as cut by body [mm], and the diameter asked for."""
-        asked, table = self.study.pieces, self.result.pieces
-        cut = {
+    def pieces(self) -> dict[str, FloatArray]:
+        """The pieces' diameters as cut by body, rising [mm]."""
+        table = self.result.pieces
+        return {
             body: np.sort(table["diameter"][table["body"] == number]) for number, body in enumerate(BODIES)
         }
-        return SimpleNamespace(cut=cut, asked=asked.diameter if asked else None)
-
-    @cached_property
-    def grooves(self) -> list[SimpleNamespace]:
-        """The groove of a track at the snapshots shown, see `warpwear.results.track.Groove`."""
-        found, derived = (
-            (groove(self.result, index) for index in self.indices),
-            ("depth", "width", "mean_depth"),
-        )
-        return [SimpleNamespace(**vars(g), **{name: getattr(g, name) for name in derived}) for g in found]
-
-    @cached_property
-    def depth_along(self) -> tuple[FloatArray, FloatArray]:
-        """Places along a track and the groove's depth there at the end [mm]."""
-        return depth_along(self.result, self.indices[-1], TRACK_BINS)
-
-    @cached_property
-    def track(self) -> Any:
-        """The whole track at the end, see `warpwear.results.track.Blocks`."""
-        return SimpleNamespace(**vars(blocks(self.result, self.indices[-1], TRACK_BLOCKS)))
-
-    @cached_property
-    def track_roughness(self) -> dict[str, FloatArray]:
-        """Height parameters in the middle of the groove, see `warpwear.results.track.roughness_in_track`."""
-        return roughness_in_track(self.result)
-
-    @cached_property
-    def passes(self) -> dict[str, FloatArray]:
-        """One value a pass, see `warpwear.results.track.by_pass`."""
-        return by_pass(self.result, "patch_across")
-
-    @property
-    def hertz(self) -> Hertz | None:
-        """Hertz's contact of the unworn bodies, where it is known."""
-        return self.study.hertz
-
-    @cached_property
-    def middle(self) -> SimpleNamespace:
-        """The pressure along the middle at the first and the last snapshot [MPa], and its median at last."""
-        result, row = self.result, self.result.y.size // 2
-        lines = []
-        for index in (self.indices[0], self.indices[-1]):
-            snapshot = self.snapshot(index)
-            lines.append((snapshot.distance, np.array(snapshot.pressure[:, row])))
-        median = float(np.median(snapshot.pressure[snapshot.pressure > 0.0]))
-        return SimpleNamespace(places=result.x, pressures=lines, median=median)
 
     @cached_property
     def loads(self) -> Loads:
         """Loads of the patches at the snapshots shown, beside those of a smooth contact with its own wear."""
         patches, rows = self.study.patch_layout, [self.row_of(distance) for distance in self.distances]
-        found = {"patches": self.result.load_share[rows]}
+        shares = {"patches": self.result.load_share[rows]}
         smooth = smooth_shares(self.result, rows)
+        apart: tuple[float, ...] = ()
         if smooth is not None:
-            found["smooth contact"] = smooth
-        window = macro_window(patches, np.array([*found.values()]).max(axis=(0, 1)))
+            apart = tuple(load_share_error(*both) for both in zip(smooth, shares["patches"], strict=True))
+            shares["smooth contact"] = smooth
+        window = macro_window(patches, np.array([*shares.values()]).max(axis=(0, 1)))
         square = (len(rows), patches.across, patches.across)
-        of = {
-            name: loads.reshape(square)[:, window.x, window.y] / patches.area for name, loads in found.items()
+        pressures = {
+            name: of.reshape(square)[:, window.x, window.y] / patches.area for name, of in shares.items()
         }
-        both = zip(*found.values(), strict=True) if smooth is not None else ()
-        apart = tuple(load_share_error(second, first) for first, second in both)
-        return Loads(of, apart, window, self.study.patches.coupling == "load")
+        return Loads(pressures, apart, window, self.study.patches.coupling == "load")
 
     @cached_property
     def _half(self) -> float:
@@ -388,13 +329,12 @@ def smooth_shares(result: ResultFile, rows: Sequence[int]) -> FloatArray | None:
 
 
 def _smooth_shares(smooth: SmoothContact, result: ResultFile, rows: Sequence[int]) -> FloatArray:
-    study = result.study
-    found: dict[int, FloatArray] = {}
-    slid = 0.0
+    study, slid = result.study, 0.0
+    loads: dict[int, FloatArray] = {}
     for row, increment in enumerate(result.history["increment"][: max(rows) + 1]):
         removal = sum(law.removal(slid, float(increment)) for law in study.wear_laws)
         pressure = smooth.press(foundation=study.bulk_stiffness(), removal=removal)
         slid += float(increment)
         if row in rows:
-            found[row] = smooth.area * pressure
-    return np.array([found[row] for row in rows])
+            loads[row] = smooth.area * pressure
+    return np.array([loads[row] for row in rows])

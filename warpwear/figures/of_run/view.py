@@ -45,33 +45,6 @@ class FilmState(IntEnum):
 
 
 @dataclass(frozen=True)
-class FittedCof:
-    """A measured coefficient of friction that fixes the shear strength, so that it is an input."""
-
-    value: float
-    at_end: bool  # or at the start
-
-
-@dataclass(frozen=True)
-class About:
-    """What figures say of a study."""
-
-    slider: str  # "sphere" or "flat"
-    curvature: float  # of the sphere [1/mm]
-    extent: float  # of the domain [mm]
-    cell: float  # [mm]
-    load: float  # [N]
-    friction_area: str  # which area shears
-    shear: str  # where the shear strength comes from
-    lap: float | None  # slid in a pass [mm]; None where the disc lies still
-    fitted_cof: FittedCof | None  # None where the shear strength is given
-
-    def name_of(self, body: str) -> str:
-        """Return what a figure calls the body "sphere" or "disc"."""
-        return self.slider if body == "sphere" else body
-
-
-@dataclass(frozen=True)
 class Window:
     """A part of the grid, cut into blocks of factor × factor cells."""
 

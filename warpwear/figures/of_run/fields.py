@@ -5,18 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.figures.data import FigureData
+from warpwear.figures import describe
 from warpwear.figures.describe import (
-    ACROSS,
-    ALONG,
-    CLEAR,
-    CONTACT,
-    DISC,
-    HARDNESS,
-    MEAN_PRESSURE,
-    NEUTRAL,
-    TOUCHED,
-    WIDE,
     Axis,
     Box,
     Chart,
@@ -27,26 +17,27 @@ from warpwear.figures.describe import (
     Outline,
     Scale,
     Towers,
-    after,
     in_time,
-    with_scatter,
 )
-from warpwear.figures.view import FilmState, State, View, Window, coarsen, positive
+from warpwear.figures.of_run import words
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.of_run.view import FilmState, State, View, Window, coarsen, positive
+from warpwear.figures.wording import after, with_scatter
 from warpwear.grid import FloatArray
-from warpwear.laws.archard import distance_factor
+from warpwear.laws import archard
 from warpwear.laws.patches import Patches
 
 STATES = {
-    State.UNTOUCHED: ("never touched", CLEAR),
-    State.TOUCHED: ("touched before", TOUCHED),
-    State.IN_CONTACT: ("in contact", CONTACT),
-    State.AT_HARDNESS: ("at hardness", HARDNESS),
+    State.UNTOUCHED: ("never touched", describe.CLEAR),
+    State.TOUCHED: ("touched before", describe.TOUCHED),
+    State.IN_CONTACT: ("in contact", describe.CONTACT),
+    State.AT_HARDNESS: ("at hardness", describe.HARDNESS),
 }
 FILMS = {
-    FilmState.ELSEWHERE: ("neither bare nor in contact", CLEAR),
+    FilmState.ELSEWHERE: ("neither bare nor in contact", describe.CLEAR),
     FilmState.BARE_BESIDE: ("bare, not in contact", "#DDDDDD"),
-    FilmState.ON_FILM: ("in contact on film", TOUCHED),
-    FilmState.ON_METAL: ("in contact, bare", DISC),
+    FilmState.ON_FILM: ("in contact on film", describe.TOUCHED),
+    FilmState.ON_METAL: ("in contact, bare", describe.DISC),
 }
 #: Percentage of places whose pressure may lie below a logarithmic scale, and its largest span.
 BELOW, SPAN = 2.0, 1e3
@@ -64,14 +55,17 @@ def pressure_scale(fields: Sequence[FloatArray], means: Sequence[float], label: 
     fields: [MPa], of any shape, 0 where there is no contact; means: of the pressure in contact of each [MPa].
     """
     most = max(float(field.max()) for field in fields)
-    if most <= WIDE * min(means):
+    if most <= describe.WIDE * min(means):
         return Scale(label, 0.0, most or 1.0)
     low = min(float(np.percentile(field[field > 0.0], BELOW)) for field in fields if field.any())
     return Scale(label, max(0.8 * low, most / SPAN), most, log=True, beyond="min")
 
 
+@words.figure(*words.FIELD, essential=True)
 def pressure_map(data: FigureData) -> Figure:
-    """Pressure on the cells in contact at the snapshots, all on one scale, with its mean ± deviation."""
+    """Pressure of the cells in contact {when}, all on one scale; above each its mean and standard
+    deviation over these cells.{blocks}
+    """
     means, scatter = (data.history[name] for name in ("pressure_mean", "pressure_std"))
     fields, rows = [view.pressure for view in data.views], [view.row for view in data.views]
     scale = pressure_scale(fields, [means[row] for row in rows], "pressure in contact, MPa")
@@ -87,8 +81,11 @@ def _of_views(
     return Figure([shown], legend=4 if len(fields) > 1 else 2)
 
 
+@words.figure(*words.FIELD)
 def pressure_3d(data: FigureData) -> Figure:
-    """Load over area on coarse squares at the first and the last snapshot, as towers."""
+    """Load over area of coarse squares, cells without contact included, at the first and the last
+    distance kept; axes differ, colours are of one scale.
+    """
     indices = sorted({data.indices[0], data.indices[-1]})
     fields = [coarsen(data.window.means(data.snapshot(index).pressure), TOWERS) for index in indices]
     # The axes differ, as the pressures do; the colours are of one scale.
@@ -96,7 +93,7 @@ def pressure_3d(data: FigureData) -> Figure:
     scale = pressure_scale([field for field, _ in fields], means, "pressure, MPa")
     boxes = []
     for index, (pressure, blocks) in zip(indices, fields, strict=True):
-        side = blocks * data.window.factor * data.about.cell
+        side = blocks * data.window.factor * data.study.grid.cell
         when = after(data.snapshot(index).distance)
         towers = Towers(pressure, (data.window.extent[0], data.window.extent[2]), side, scale)
         note = f"{when}\nload over area, {1e3 * side:.3g} µm squares"
@@ -105,32 +102,40 @@ def pressure_3d(data: FigureData) -> Figure:
     return Figure(boxes)
 
 
+@words.figure(*words.FIELD)
 def pressure_profiles(data: FigureData) -> Figure:
-    """Pressure along and across the sliding direction in the middle, all snapshots overlaid."""
-    views, looks = data.views, in_time(CONTACT, len(data.views))
+    """Pressure along and across sliding in a strip through the middle {when}, means that include cells
+    without contact.
+    """
+    views, looks = data.views, in_time(describe.CONTACT, len(data.views))
     tops = [float(max(v.along.pressure.max(), v.across.pressure.max())) for v in views]
     seen = [top for top in tops if top > 0.0]
     label = f"pressure, mean of middle {1e3 * data.strip:.3g} µm, MPa"
     pressure = Axis(label, low=0.0, high=1.15 * max(tops) or None)
-    if seen and max(seen) > WIDE * min(seen):
+    if seen and max(seen) > describe.WIDE * min(seen):
         pressure = Axis(label, "log", 0.2 * min(seen), 1.5 * max(seen))
     panels = []
-    for cut, place, title in (("along", ALONG, "Along sliding"), ("across", ACROSS, "Across it")):
+    for cut, place, title in (
+        ("along", describe.ALONG, "Along sliding"),
+        ("across", describe.ACROSS, "Across it"),
+    ):
         cuts = [(getattr(view, cut), after(view.distance)) for view in views]
         lines = [Line(c.bins, c.pressure, when, look) for (c, when), look in zip(cuts, looks, strict=True)]
         panels.append(Chart(title, Axis(place), pressure, lines))
     return Figure(panels, legend=4, shared="y")
 
 
+@words.figure(*words.FIELD, essential=True)
 def contact_map(data: FigureData) -> Figure:
-    """What each cell does at the snapshots: in contact, at the hardness, touched before or never."""
+    """State of the cells {when}; above each the area in contact.{blocks}"""
     area = data.history["area_contact"]
     notes = [f"{area[view.row]:.3g} mm² in contact" for view in data.views]
     return _of_states(data, "State of contact", STATES, lambda view: view.state, notes)
 
 
+@words.figure(words.NO_FILM, *words.FIELD, essential=True)
 def bare_map(data: FigureData) -> Figure:
-    """Where the film is gone at the snapshots, among the cells in contact and beside them."""
+    """Where the film is gone {when}; above each the bare part of the area in contact.{blocks}"""
     fraction = data.history["bare_fraction"]
     notes = [f"{100.0 * fraction[view.row]:.3g} % of the contact bare" for view in data.views]
     return _of_states(data, "Where the film is gone", FILMS, lambda view: view.film, notes)
@@ -146,42 +151,56 @@ def _of_states(
     return _of_views(data, title, [of(view) for view in data.views], notes, states=tuple(states.values()))
 
 
+@words.figure(words.ROUGH, words.NO_HERTZ, words.NO_SNAPSHOT, essential=True)
 def hertz(data: FigureData) -> Figure:
-    """Pressure along the sliding direction through the middle, beside Hertz's of the unworn bodies."""
-    theory, places = data.hertz, data.middle.places
+    """Pressure along sliding through the middle at the first and the last distance kept, beside Hertz's
+    of the unworn bodies.
+    """
+    theory, places, row = data.study.hertz, data.result.x, data.result.y.size // 2
     assert theory is not None  # or the figure is left out
     r = np.linspace(0.0, theory.radius, 200)
     both = np.concatenate([-r[::-1], r])
-    unworn = Line(both, theory.pressure(np.abs(both)), "Hertz, unworn bodies", Look(NEUTRAL, "dash"))
+    unworn = Line(both, theory.pressure(np.abs(both)), "Hertz, unworn bodies", Look(describe.NEUTRAL, "dash"))
     panels = []
-    for distance, values in data.middle.pressures:
+    for index in (data.indices[0], data.indices[-1]):
+        snapshot = data.snapshot(index)
+        values = np.array(snapshot.pressure[:, row])
         seen = np.flatnonzero(values > 0.0)
         seen = np.arange(max(seen[0] - 1, 0), min(seen[-1] + 2, values.size))
-        worn = Line(places[seen], values[seen], "elastic foundation", Look(MEAN_PRESSURE), step="mid")
+        worn = Line(
+            places[seen], values[seen], "elastic foundation", Look(describe.MEAN_PRESSURE), step="mid"
+        )
         half = MARGIN * max(theory.radius, float(np.abs(places[seen]).max()))
         pressure = Axis("pressure, MPa", low=0.0)
         if panels:
-            ends = 0.3 * data.middle.median, 2.0 * theory.peak_pressure
+            median = float(np.median(snapshot.pressure[snapshot.pressure > 0.0]))
+            ends = 0.3 * median, 2.0 * theory.peak_pressure
             pressure = Axis("pressure, MPa", "log", *ends)
-        when = after(distance)
-        panels.append(Chart(when, Axis(ALONG, low=-half, high=half, ticks=5), pressure, [unworn, worn], when))
+        when = after(snapshot.distance)
+        panels.append(
+            Chart(when, Axis(describe.ALONG, low=-half, high=half, ticks=5), pressure, [unworn, worn], when)
+        )
     return Figure(panels, legend=2)
 
 
-def factor(data: FigureData) -> Figure:
-    """Sliding distance of disc cells over that in the middle (thesis eq 4.22), at the scar and its margin."""
+@words.figure(words.TRACK_FACTOR, words.NO_FACTOR, words.NO_SNAPSHOT)
+def distance_factor(data: FigureData) -> Figure:
+    """Sliding distance of cells of the disc over that of the middle."""
     study, window = data.study, data.window
-    factors = distance_factor(study.cells, study.wear.distance_factor, curvature=study.sphere.curvature)
+    factors = archard.distance_factor(
+        study.cells, study.wear.distance_factor, curvature=study.sphere.curvature
+    )
     whole = np.broadcast_to(factors, study.cells.shape)
     part, label = whole[window.x, window.y], "relative sliding distance, –"
     scale = Scale(label, float(part.min()), float(part.max()), colours="heights")
-    line = Line(study.cells.y[window.y], whole[study.cells.nx // 2, window.y], look=Look(DISC))
-    across = Chart("Across", Axis(ACROSS), Axis(label), [line], "1 = sliding distance in the middle")
+    line = Line(study.cells.y[window.y], whole[study.cells.nx // 2, window.y], look=Look(describe.DISC))
+    across = Chart("Across", Axis(describe.ACROSS), Axis(label), [line], "1 = sliding distance in the middle")
     return Figure([Map("Factor", [part], window.extent, scale), across], height=2.9)
 
 
+@words.figure(*words.PATCHES, essential=True)
 def load_share(data: FigureData) -> Figure:
-    """Load of every patch over its area, above that of a smooth contact with a wear of its own."""
+    """Load of each patch over its area {when}{smooth}."""
     loads, labels = data.loads, [after(distance) for distance in data.distances]
     fields = [field for of in loads.of.values() for field in of]
     means = [float(field[field > 0.0].mean()) for field in fields]
@@ -196,6 +215,7 @@ def load_share(data: FigureData) -> Figure:
     return Figure(maps)
 
 
+@words.figure(*words.PATCHES)
 def patch_zoom(data: FigureData) -> Figure:
     """From the load of the patches to the pressure of the cells of one that carries half of the most.
 

@@ -4,14 +4,19 @@ Each reason is a test of the run and a sentence for people. Captions are templat
 whose fields are found here.
 """
 
+import inspect
+from collections import defaultdict
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
 
-from warpwear.figures.data import FigureData
-from warpwear.figures.view import PASSES, last_at_hardness
+from warpwear.figures.describe import Figure
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.of_run.view import PASSES, last_at_hardness
 
+#: What declares a figure of a run.
+Declare = Callable[[FigureData], Figure]
 #: Pressures whose largest is less than this many times the mean are nearly the same.
 EVEN = 1.1
 
@@ -60,7 +65,7 @@ SMOOTH = Reason(
     lambda d: _is_smooth(d) and not d.study.wear.sheds, "smooth bodies that lose no pieces have no roughness"
 )
 NO_TEXTURE = Reason(
-    lambda d: not any(np.isfinite(d.roughness[f"sq_{body}"]).any() for body in ("sphere", "disc")),
+    lambda d: not any(np.isfinite(d.evolution.table[f"sq_{body}"]).any() for body in ("sphere", "disc")),
     "the scar has too few cells to tell its roughness",
 )
 NO_SPECTRUM = Reason(
@@ -108,6 +113,55 @@ UNWORN_DISC = Reason(_lost_nothing("wear_depth_disc"), "nothing is worn off the 
 NO_GROOVE = Reason(
     _lost_nothing("wear_depth_disc", "plastic_volume_disc"), "nothing is worn or pressed off the disc"
 )
+#: Reasons of several figures.
+FIELD = (NO_SNAPSHOT, ONLY_SAMPLES)
+SPHERE_WORN = (*FIELD, UNWORN_SPHERE)
+DISC_WORN = (TRACK, *FIELD, UNWORN_DISC)
+GROOVE = (STILL, NO_SNAPSHOT, NO_GROOVE)
+PATCHES = (ONE_SCALE, NO_SNAPSHOT)
+ROUGHNESS = (TRACK, SMOOTH_DISC, ONE_SNAPSHOT, UNWORN_DISC)
+
+
+class Entry(NamedTuple):
+    """A figure of a run: what declares it, and why a run may have none.
+
+    essential: whether it goes into a paper, and is drawn by default.
+    """
+
+    declare: Declare
+    reasons: tuple[Reason, ...]
+    essential: bool
+
+    @property
+    def template(self) -> str:
+        """What stands below it, with fields of `FIELDS`: the start of what its function says of itself."""
+        return " ".join((inspect.getdoc(self.declare) or "").partition("\n\n")[0].split())
+
+    @property
+    def help(self) -> str:
+        """What the figure shows of any run."""
+        return self.template.format_map(defaultdict(str, OF_ANY_RUN)).strip()
+
+
+#: Figures of a run by name.
+FIGURES: dict[str, Entry] = {}
+#: Fields of a caption that are filled in where no run is at hand.
+OF_ANY_RUN = {"slider": "sphere", "when": "at the snapshots", "end": "at the end"}
+
+
+def figure(*reasons: Reason, essential: bool = False) -> Callable[[Declare], Declare]:
+    """Enter a function among the figures of a run; the start of its docstring is the caption."""
+
+    def enter(declare: Declare) -> Declare:
+        FIGURES[declare.__name__] = Entry(declare, reasons, essential)
+        return declare
+
+    return enter
+
+
+def caption_of(name: str, data: FigureData) -> str:
+    """Return what stands below a figure of a run; the law of contact is said at the end."""
+    return (FIGURES[name].template + " {law}").format_map(Fields(data))
 
 
 class Fields:
@@ -120,9 +174,9 @@ class Fields:
         return FIELDS[name](self._data)
 
 
-def law_told(data: FigureData) -> str:
+def law_of(data: FigureData) -> str:
     """Say in a sentence by which law of contact a run found its pressures, with hardness, load and cells."""
-    study, about = data.study, data.about
+    study = data.study
     if study.contact.law == "half-space":
         law = "Elastic half-space"
     elif study.study.model == "macro":
@@ -131,14 +185,14 @@ def law_told(data: FigureData) -> str:
         law = "Local law, cell by cell"
     patches = ", patches that share the load" if study.study.model == "two-scale" else ""
     cap = f", hardness {study.hardness:.3g} MPa" if np.isfinite(study.hardness) else ""
-    return f"{law}{patches}{cap}; load {about.load:.3g} N; cells of {1e3 * about.cell:.3g} µm."
+    return f"{law}{patches}{cap}; load {study.contact.load:.3g} N; cells of {1e3 * study.grid.cell:.3g} µm."
 
 
-def _shown(data: FigureData) -> str:
-    told = [f"{distance:.4g}" for distance in data.distances]
-    if told == ["0"]:
+def _when(data: FigureData) -> str:
+    texts = [f"{distance:.4g}" for distance in data.distances]
+    if texts == ["0"]:
         return "without sliding"
-    return f"after {', '.join(told[:-1])}{' and ' if len(told) > 1 else ''}{told[-1]} mm"
+    return f"after {', '.join(texts[:-1])}{' and ' if len(texts) > 1 else ''}{texts[-1]} mm"
 
 
 def _end(data: FigureData) -> str:
@@ -146,21 +200,21 @@ def _end(data: FigureData) -> str:
 
 
 def _friction(data: FigureData) -> str:
-    about = data.about
+    friction = data.study.friction
     area = {"contact": "in contact", "cumulative": "of a running sum of contacts"}
-    sheared = f"The area {area.get(about.friction_area, about.friction_area)} shears"
-    if about.fitted_cof is None:
-        return f"{sheared}; {about.shear}."
-    place = "end" if about.fitted_cof.at_end else "start"
+    sheared = f"The area {area.get(friction.area, friction.area)} shears"
+    if friction.shear_strength is not None:
+        return f"{sheared}; {data.shear}."
+    place = "end" if friction.calibrate == "end" else "start"
     return (
-        f"{sheared}; its shear strength is {about.shear}, so that the value at the {place} (circle) is an "
+        f"{sheared}; its shear strength is {data.shear}, so that the value at the {place} (circle) is an "
         "input and only the course is a result."
     )
 
 
 def _passes(data: FigureData) -> str:
     """Say what thin and bold lines are, where there are both."""
-    lap, slid = data.about.lap, float(data.course["distance"][-1])
+    lap, slid = data.study.lap, float(data.course["distance"][-1])
     if lap is None or int(slid / lap + 1e-9) < PASSES:
         return ""
     return " Thin: steps; bold: from the middle of the first pass on the mean of each pass."
@@ -212,8 +266,8 @@ def _smooth(data: FigureData) -> str:
 
 #: Field of a caption -> what it says of a run.
 FIELDS: dict[str, Callable[[FigureData], str]] = {
-    "slider": lambda d: d.about.slider,
-    "shown": _shown,
+    "slider": lambda d: d.slider,
+    "when": _when,
     "end": _end,
     "friction": _friction,
     "passes": _passes,
@@ -221,5 +275,5 @@ FIELDS: dict[str, Callable[[FigureData], str]] = {
     "blocks": _blocks,
     "critical": _critical,
     "smooth": _smooth,
-    "law": law_told,
+    "law": law_of,
 }

@@ -2,45 +2,30 @@
 
 import numpy as np
 
-from warpwear.figures.data import FigureData
-from warpwear.figures.describe import (
-    CONTACT,
-    DISC,
-    DISTANCE,
-    HARDNESS,
-    MEAN_PRESSURE,
-    NEUTRAL,
-    NOMINAL,
-    SPHERE,
-    SUM,
-    TOUCHED,
-    Axis,
-    Chart,
-    Figure,
-    Level,
-    Line,
-    Look,
-    after,
-    in_time,
-    over_distance,
-    short,
-)
+from warpwear.figures import describe
+from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, in_time, over_distance
+from warpwear.figures.of_run import words
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.wording import after, short
 from warpwear.grid import FloatArray
 from warpwear.laws.junctions import diameters_of, share_above
 
 #: Parameter -> line. Sq and Sk are heights of the whole, Spk and Svk of peaks and valleys.
 PARAMETERS: dict[str, tuple[str, Look]] = {
-    "sk": ("Sk", Look(NOMINAL, "dashdot", marker="D")),
-    "svk": ("Svk", Look(TOUCHED, "dash", marker="v")),
-    "sq": ("Sq", Look(HARDNESS, marker="o")),
-    "sa": ("Sa", Look(SUM, marker="s")),
-    "spk": ("Spk", Look(MEAN_PRESSURE, "dot", marker="^")),
+    "sk": ("Sk", Look(describe.NOMINAL, "dashdot", marker="D")),
+    "svk": ("Svk", Look(describe.TOUCHED, "dash", marker="v")),
+    "sq": ("Sq", Look(describe.HARDNESS, marker="o")),
+    "sa": ("Sa", Look(describe.SUM, marker="s")),
+    "spk": ("Spk", Look(describe.MEAN_PRESSURE, "dot", marker="^")),
 }
 
 
+@words.figure(*words.ROUGHNESS, essential=True)
 def roughness(data: FigureData) -> Figure:
-    """Height parameters of the disc in the middle of the scar, its bowl taken off, over the distance slid."""
-    table = data.roughness
+    """Height parameters (ISO 25178-2) of the disc in the middle of the scar, its bowl taken off, over the
+    sliding distance.
+    """
+    table = data.evolution.table
     return of_parameters("scar", over_distance(table["distance"]), table["distance"], table)
 
 
@@ -51,17 +36,22 @@ def of_parameters(place: str, over: Axis, places: FloatArray, table: dict[str, F
     return Figure([Chart(title, over, heights, lines)], legend=5)
 
 
+@words.figure(words.ONE_SNAPSHOT, words.UNWORN, words.SMOOTH, words.NO_TEXTURE)
 def texture(data: FigureData) -> Figure:
-    """Sq and rms gradient Sdq of ball and disc in the inner scar over the distance, with fits of Sq.
+    """Root mean square height Sq and gradient Sdq of both bodies in the inner scar over the sliding
+    distance; dashed, the exponential course fitted to Sq.
 
     A disc's Sq is over that of the same cells before wear, times that of the last ones.
     """
-    table = data.roughness
+    table = data.evolution.table
     heights: list[Line] = []
     slopes: list[Line] = []
-    for body, look in (("sphere", Look(SPHERE, marker="o")), ("disc", Look(DISC, marker="s"))):
+    for body, look in (
+        ("sphere", Look(describe.SPHERE, marker="o")),
+        ("disc", Look(describe.DISC, marker="s")),
+    ):
         slid, sq, fit = data.settling[body]
-        name, is_fitted = data.about.name_of(body), not isinstance(fit, str)
+        name, is_fitted = data.name_of(body), not isinstance(fit, str)
         dots = Look(look.colour, "", marker=look.marker) if is_fitted else look
         heights.append(Line(slid, sq, name, dots, clipped=False))
         if not isinstance(fit, str):  # the fit is the line
@@ -71,7 +61,7 @@ def texture(data: FigureData) -> Figure:
             heights.append(Line(places, fit.at(places), label, Look(look.colour, "dash", 1.0)))
         slopes.append(Line(table["distance"], table[f"sdq_{body}"], "", look, clipped=False))
     distance = table["distance"]
-    over = Axis(DISTANCE, "unworn", least=float(distance[distance > 0.0].min(initial=np.inf)))
+    over = Axis(describe.DISTANCE, "unworn", least=float(distance[distance > 0.0].min(initial=np.inf)))
     panels = [
         Chart("Height", over, Axis("Sq in the inner scar, µm", low=0.0), heights),
         Chart("Gradient", over, Axis("Sdq in the inner scar, –", low=0.0), slopes),
@@ -79,42 +69,49 @@ def texture(data: FigureData) -> Figure:
     return Figure(panels, legend=4)
 
 
+@words.figure(words.NO_SNAPSHOT, words.UNWORN, words.SMOOTH, words.NO_SPECTRUM)
 def spectrum(data: FigureData) -> Figure:
-    """Power spectrum of ball and disc in the inner scar over the wavelength, a line a snapshot."""
+    """Power spectral density of both bodies in the inner scar {when}."""
     known = [spectrum.density for body in data.spectra.values() for _, spectrum in body]
     ends = 5e11 * min(d.min() for d in known), 2e12 * max(d.max() for d in known)
     density = Axis("power spectral density, µm⁴", "log", *ends)
     panels = []
-    for body, colour in (("sphere", SPHERE), ("disc", DISC)):
+    for body, colour in (("sphere", describe.SPHERE), ("disc", describe.DISC)):
         states = data.spectra[body]
         lines = [  # from mm⁴ to µm⁴
             Line(1e3 * of.wavelength, 1e12 * of.density, look=look)
             for (_, of), look in zip(states, in_time(colour, len(states)), strict=True)
         ]
         if body == "disc":
-            greys = in_time(NEUTRAL, len(states))
+            greys = in_time(describe.NEUTRAL, len(states))
             lines += [
                 Line(np.zeros(0), np.zeros(0), after(distance), look)
                 for (distance, _), look in zip(states, greys, strict=True)
             ]
-        name = data.about.name_of(body)
+        name = data.name_of(body)
         panels.append(Chart(name, Axis("wavelength, µm", "log", inverted=True), density, lines, name))
     return Figure(panels, legend=4, shared="y")
 
 
+@words.figure(words.SMOOTH_DISC, words.ONE_SNAPSHOT, words.ONLY_SAMPLES)
 def islands(data: FigureData) -> Figure:
-    """Number of islands of contact over the distance slid, and how their areas are distributed."""
+    """Number of islands of contact over the sliding distance, and of those at least as large as an area
+    {when}; islands of one cell are limits of the mesh.
+    """
     evolution = data.evolution
     table, areas = evolution.table, evolution.island_areas
     number = [
-        Line(table["distance"], table["islands"], "islands, all", Look(CONTACT, marker="o")),
+        Line(table["distance"], table["islands"], "islands, all", Look(describe.CONTACT, marker="o")),
         Line(
-            table["distance"], table["islands_of_one_cell"], "of one cell", Look(HARDNESS, "dot", marker="x")
+            table["distance"],
+            table["islands_of_one_cell"],
+            "of one cell",
+            Look(describe.HARDNESS, "dot", marker="x"),
         ),
     ]
     indices = [index for index in data.indices if areas[index].size]
     sizes = []
-    for index, look in zip(indices, in_time(CONTACT, len(indices)), strict=True):
+    for index, look in zip(indices, in_time(describe.CONTACT, len(indices)), strict=True):
         falling = np.sort(areas[index])[::-1]
         label = f"right: {after(table['distance'][index])}"
         # Islands at least as large: between two areas, those of the larger.
@@ -130,8 +127,9 @@ def islands(data: FigureData) -> Figure:
     return Figure(panels, legend=6)
 
 
+@words.figure(words.SMOOTH_DISC, words.NO_JUNCTIONS, *words.FIELD)
 def junctions(data: FigureData) -> Figure:
-    """Share of the contact area in islands larger than a diameter, a line a snapshot.
+    """Share of the area in contact that lies in islands larger than a diameter {when}.{critical}
 
     An island's diameter is that of the circle of its area. Dots mark the share above d*, which the legend
     gives: d* is that of the pieces where bodies wear in pieces, else that of eq 2.3. A study without it has
@@ -140,7 +138,7 @@ def junctions(data: FigureData) -> Figure:
     evolution, critical = data.evolution, data.study.critical_diameter
     indices = [index for index in data.indices if evolution.island_areas[index].size]
     lines: list[Line | Level] = []
-    for index, look in zip(indices, in_time(CONTACT, len(indices)), strict=True):
+    for index, look in zip(indices, in_time(describe.CONTACT, len(indices)), strict=True):
         areas = np.sort(evolution.island_areas[index])
         label = after(evolution.table["distance"][index])
         diameters = 1e3 * diameters_of(areas)
@@ -155,7 +153,7 @@ def junctions(data: FigureData) -> Figure:
         lines.append(Line(places, steps, label, look, step="post"))
     note = ""
     if critical is not None:
-        lines.append(Level(1e3 * critical, look=Look(HARDNESS, width=0.8), axis="x"))
+        lines.append(Level(1e3 * critical, look=Look(describe.HARDNESS, width=0.8), axis="x"))
         note = f"share above d* = {1e3 * critical:.3g} µm"
     mesh = 1e3 * float(diameters_of(np.array([data.study.cells.cell_area]))[0])
     diameter = Axis("diameter of an island, µm", "log", low=0.9 * mesh)

@@ -2,14 +2,8 @@
 
 import numpy as np
 
-from warpwear.figures.data import FigureData
+from warpwear.figures import describe
 from warpwear.figures.describe import (
-    ACROSS,
-    ALONG,
-    BODIES,
-    DISC,
-    SPHERE,
-    UNWORN,
     Arrow,
     Axis,
     Bodies,
@@ -22,11 +16,13 @@ from warpwear.figures.describe import (
     Map,
     Scale,
     Surface,
-    after,
     in_time,
     shade,
 )
-from warpwear.figures.view import Profile, coarsen, positive, sag_or_nan
+from warpwear.figures.of_run import words
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.of_run.view import Profile, coarsen, positive, sag_or_nan
+from warpwear.figures.wording import after
 from warpwear.grid import FloatArray
 
 #: Where one body is worn this many times as deep as the other, each has a scale of its own.
@@ -37,83 +33,94 @@ RELIEF, TURNED = 70, 250
 CONTOURS = 9
 #: Length of the arrow of sliding over the domain's side.
 ARROW = 0.4
-CUTS = (("along", ALONG, "Along the sliding direction"), ("across", ACROSS, "Across it"))
+CUTS = (("along", describe.ALONG, "Along the sliding direction"), ("across", describe.ACROSS, "Across it"))
 #: What is said above sections, whose heights are in µm and places in mm.
 LARGER = "heights drawn {} times as large"
 
 
+@words.figure(*words.FIELD, essential=True)
 def setup(data: FigureData) -> Figure:
-    """The sphere over the unworn disc at first contact, true to scale in x and y.
+    """The {slider} on the unworn disc at first contact, its near half cut away; heights are exaggerated
+    as the figure says.
 
     Only the sphere's far half is drawn, so that the disc below it is seen; the disc is shown as far as it is
     computed.
     """
-    about = data.about
+    study, curvature = data.study, data.study.sphere.curvature
     disc, window = 1e3 * data.relief[0], data.relief[1]
     x0, x1, y0, y1 = window.extent
     x, y = np.linspace(x0, x1, 61), np.linspace(0.5 * (y0 + y1), y1, 31)
     approach = float(data.history["approach"][0])
-    sphere = 1e3 * (sag_or_nan(x, y, about.curvature) - approach)
+    sphere = 1e3 * (sag_or_nan(x, y, curvature) - approach)
     low, top, high = float(np.nanmin(disc)), float(np.nanmax(disc)), float(np.nanmax(sphere))
     middle, half = 0.5 * (x0 + x1), 0.5 * ARROW * (x1 - x0)
-    shape = f"sphere, R = {1.0 / about.curvature:.3g} mm," if about.curvature else "rigid flat"
+    shape = f"sphere, R = {1.0 / curvature:.3g} mm," if curvature else "rigid flat"
     note = (
-        f"{shape} on the disc; domain {about.extent:.4g} mm wide\n"
-        f"{about.load:.3g} N; heights drawn {{larger}} times as large"
+        f"{shape} on the disc; domain {study.grid.extent:.4g} mm wide\n"
+        f"{study.contact.load:.3g} N; heights drawn {{larger}} times as large"
     )
     parts = (
-        Surface(disc, DISC, low, top),
-        Glass(x, y, sphere, SPHERE),
+        Surface(disc, describe.DISC, low, top),
+        Glass(x, y, sphere, describe.SPHERE),
         Arrow(middle - half, middle + half, top + 0.15 * (high - low), "sliding"),
     )
     ends = low, max(high, top) + 0.05 * (high - low)
     return Figure([Box("Setup", window.extent, "height, µm", *ends, parts, note)])
 
 
+@words.figure(words.TRACK, *words.FIELD, words.UNWORN)
 def wear_map(data: FigureData) -> Figure:
-    """Wear depth of both bodies at the end; on scales of their own where one lost far less."""
+    """Wear depth of {slider} and disc {end}."""
     last, when = data.bodies[-1], after(data.distances[-1])
-    depths = {body: 1.0e3 * getattr(last, f"wear_{body}") for body in BODIES}
+    depths = {body: 1.0e3 * getattr(last, f"wear_{body}") for body in describe.BODIES}
     deepest = {body: float(depth.max()) for body, depth in depths.items()}
     unlike = UNLIKE * min(deepest.values()) < max(deepest.values())
     own = ", a scale of its own" if unlike else ""
     maps = []
     for body, depth in depths.items():
         high = deepest[body] if unlike else max(deepest.values())
-        scale, name = Scale("wear depth, µm", 0.0, high or 1.0, colours="depths"), data.about.name_of(body)
+        scale, name = Scale("wear depth, µm", 0.0, high or 1.0, colours="depths"), data.name_of(body)
         maps.append(
             Map(f"Wear of the {name}", [positive(depth)], data.window.extent, scale, [f"{name} {when}{own}"])
         )
     return Figure(maps)
 
 
+@words.figure(*words.SPHERE_WORN)
 def sphere_map(data: FigureData) -> Figure:
-    """Shape of the sphere, unworn and at the snapshots."""
+    """Height of the {slider}, turned over, unworn and at distances slid; lines are of equal height, and
+    far apart where it is worn flat.
+    """
     return _maps(data, "sphere")
 
 
+@words.figure(*words.DISC_WORN)
 def disc_map(data: FigureData) -> Figure:
-    """Shape of the disc, unworn and at the snapshots."""
+    """Height of the disc, unworn and at distances slid, on one scale."""
     return _maps(data, "disc")
 
 
+@words.figure(*words.SPHERE_WORN)
 def sphere_3d(data: FigureData) -> Figure:
-    """The sphere turned over, unworn and at the end, in 3-D."""
+    """The {slider}, turned over, unworn and {end}; pale where it is worn."""
     return _surfaces(data, "sphere")
 
 
+@words.figure(*words.DISC_WORN)
 def disc_3d(data: FigureData) -> Figure:
-    """The disc, unworn and at the end, in 3-D."""
+    """The disc, unworn and {end}."""
     return _surfaces(data, "disc")
 
 
+@words.figure(*words.SPHERE_WORN)
 def sphere_profiles(data: FigureData) -> Figure:
-    """The sphere's shape through the middle, all snapshots overlaid."""
+    """Sections of the {slider} through the middle, unworn and {when}."""
     return _profiles(data, "sphere")
 
 
+@words.figure(*words.DISC_WORN)
 def disc_profiles(data: FigureData) -> Figure:
-    """The disc's shape through the middle, all snapshots overlaid."""
+    """Sections of the disc through the middle, unworn and {when}."""
     return _profiles(data, "disc")
 
 
@@ -123,7 +130,7 @@ def _maps(data: FigureData, body: str) -> Figure:
         del bodies[2]
     labels = ["unworn", *(after(distance) for distance, _ in bodies)]
     fields = [1e3 * _unworn(data, body), *(1e3 * getattr(worn, body) for _, worn in bodies)]
-    name = data.about.name_of(body)
+    name = data.name_of(body)
     is_sphere = name == "sphere"
     # A sphere's flank at the corners would take half of the colours.
     seen = [field[:, field.shape[1] // 2] for field in fields] if is_sphere else fields
@@ -141,7 +148,7 @@ def _surfaces(data: FigureData, body: str) -> Figure:
     last, extent = data.bodies[-1], data.window.extent
     states = {"unworn": _unworn(data, body), after(data.distances[-1]): getattr(last, body)}
     states = {state: 1e3 * coarsen(field, RELIEF)[0] for state, field in states.items()}
-    name, turned = data.about.name_of(body), ", turned over" if body == "sphere" else ""
+    name, turned = data.name_of(body), ", turned over" if body == "sphere" else ""
     is_sphere = name == "sphere"
     worn = coarsen((getattr(last, f"wear_{body}") > 0.0).astype(float), RELIEF)[0] if is_sphere else None
     # A cap's corners do not set the scale.
@@ -152,7 +159,7 @@ def _surfaces(data: FigureData, body: str) -> Figure:
         scar = worn if state != "unworn" else None
         pale = " (pale: worn)" if scar is not None else ""
         note = f"{name}{turned}, {state}{pale}\nheights drawn {{larger}} times as large"
-        surface = Surface(field, BODIES[body], *ends, scar, cap=is_sphere)
+        surface = Surface(field, describe.BODIES[body], *ends, scar, cap=is_sphere)
         boxes.append(Box(f"{name} {state}", extent, "height, µm", *ends, [surface], note))
     return Figure(boxes)
 
@@ -176,8 +183,8 @@ def _profiles(data: FigureData, body: str) -> Figure:
     for cut, label, title in CUTS:
         first: Profile = getattr(views[0], cut)
         unworn = sign * getattr(first, body) + getattr(first, f"wear_{body}")
-        lines = [Line(first.place, 1e3 * unworn, "unworn", Look(UNWORN, width=0.5))]
-        for view, look in zip(views, in_time(BODIES[body], len(views)), strict=True):
+        lines = [Line(first.place, 1e3 * unworn, "unworn", Look(describe.UNWORN, width=0.5))]
+        for view, look in zip(views, in_time(describe.BODIES[body], len(views)), strict=True):
             profile: Profile = getattr(view, cut)
             heights = 1e3 * sign * getattr(profile, body)
             lines.append(Line(profile.place, heights, after(view.distance), look))
@@ -192,10 +199,11 @@ def _section(title: str, label: str, heights: Axis, lines: list[Line], before: l
     )
 
 
+@words.figure(*words.FIELD, essential=True)
 def profiles(data: FigureData) -> Figure:
-    """Both bodies along and across the sliding direction through the middle, in contact, at the end."""
+    """Sections of both bodies through the middle in contact {end}, and without their wear."""
     last = data.views[-1]
-    approach, slider = float(data.history["approach"][last.row]), data.about.slider
+    approach, slider = float(data.history["approach"][last.row]), data.slider
     cuts = [getattr(last, name) for name, *_ in CUTS]
     worn = any(lost.any() for cut in cuts for lost in (cut.wear_sphere, cut.wear_disc))
     ends = [_seen(cut, approach) for cut in cuts]
@@ -206,10 +214,10 @@ def profiles(data: FigureData) -> Figure:
     for cut, (_, label, title) in zip(cuts, CUTS, strict=True):
         sphere, disc = cut.sphere - approach, cut.disc
         bodies = [
-            (disc + cut.wear_disc, "disc, unworn", Look(shade(DISC, 0.0), width=0.5)),
-            (sphere - cut.wear_sphere, f"{slider}, unworn", Look(SPHERE, "dash", 0.7)),
-            (sphere, f"{slider}{state}", Look(SPHERE, width=2.6, alpha=0.4)),
-            (disc, f"disc{state}", Look(DISC, width=0.8)),
+            (disc + cut.wear_disc, "disc, unworn", Look(shade(describe.DISC, 0.0), width=0.5)),
+            (sphere - cut.wear_sphere, f"{slider}, unworn", Look(describe.SPHERE, "dash", 0.7)),
+            (sphere, f"{slider}{state}", Look(describe.SPHERE, width=2.6, alpha=0.4)),
+            (disc, f"disc{state}", Look(describe.DISC, width=0.8)),
         ]
         lines = [Line(cut.place, 1e3 * y, name, look) for y, name, look in bodies[0 if worn else 2 :]]
         panels.append(_section(title, label, heights, lines, panels))
@@ -227,7 +235,7 @@ def _seen(cut: Profile, approach: float) -> tuple[float, float]:
 def turned_bodies(data: FigureData) -> Figure:
     """Both bodies at the end and before, which a page's reader turns by hand."""
     last, window = data.bodies_at(data.indices[-1], most=TURNED), data.window_of(TURNED)
-    slider, side = data.about.slider, 1e3 * window.factor * data.about.cell
+    slider, side = data.slider, 1e3 * window.factor * data.study.grid.cell
     heights = {
         "disc, worn": last.disc,
         "disc, before": last.disc + last.wear_disc,

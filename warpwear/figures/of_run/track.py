@@ -1,0 +1,133 @@
+"""Figures of a sphere that slides over a track: groove, track, each pass, friction along the stroke."""
+
+import numpy as np
+
+from warpwear.figures import describe
+from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale, in_time, shade
+from warpwear.figures.of_run import words
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.of_run.history import axis_of
+from warpwear.figures.of_run.snapshots import of_parameters
+from warpwear.figures.of_run.view import positive
+from warpwear.figures.wording import after, chosen
+from warpwear.history.quantities import BY_NAME
+from warpwear.results import track as results
+
+#: Passes in one figure.
+SHOWN = 4
+#: Bins along a track, and most blocks of its map.
+BINS, BLOCKS = 200, 600
+CHANGE = "change of height, µm"
+
+
+@words.figure(*words.GROOVE, essential=True)
+def groove(data: FigureData) -> Figure:
+    """Mean cross-section of the groove {when}, and its mean depth along the track {end}."""
+    sections = [results.groove(data.result, index) for index in data.indices]
+    last = sections[-1]
+    reach = float(np.abs(last.y[last.depth > 0.0]).max(initial=2.0 * data.study.grid.cell)) * 1.15
+    across: list[Line | Level] = [
+        Line(section.y, -1e3 * section.depth, after(section.distance), look)
+        for section, look in zip(sections, in_time(describe.DISC, len(sections)), strict=True)
+    ]
+    if last.displaced.any():
+        across.append(Line(last.y, -1e3 * last.worn, "of which worn", Look(describe.NEUTRAL, width=0.8)))
+    places, depths = results.depth_along(data.result, data.indices[-1], BINS)
+    mean = Look(describe.NOMINAL, "dash", 0.8)
+    along: list[Line | Level] = [
+        Line(places, -1e3 * depths, look=Look(shade(describe.DISC, 1.0), width=0.9)),
+        Level(-1e3 * last.mean_depth, f"mean depth {1e3 * last.mean_depth:.3g} µm", mean),
+    ]
+    deepest = -1.2e3 * max(float(np.nanmax(depths)), last.mean_depth)
+    width = f"mean over the groove's width of {last.width:.3g} mm"
+    panels = [
+        Chart(
+            "Mean section",
+            Axis(describe.ACROSS, low=-reach, high=reach),
+            Axis(CHANGE),
+            across,
+            "mean along sliding",
+        ),
+        Chart(
+            "Depth along the track",
+            Axis(describe.ALONG),
+            Axis(CHANGE, low=deepest or None, high=0.0),
+            along,
+            width,
+        ),
+    ]
+    return Figure(panels, legend=6)
+
+
+@words.figure(*words.GROOVE, essential=True)
+def track_map(data: FigureData) -> Figure:
+    """Height of the whole track {end}, and what wear and plastic flow took off it."""
+    track = results.blocks(data.result, data.indices[-1], BLOCKS)
+    when = f"track {after(data.distances[-1])}"
+    heights, loss = 1e3 * track.heights, positive(1e3 * track.loss)
+    ends = [
+        np.percentile(of[np.isfinite(of)], (0.1, 99.9)) if np.isfinite(of).any() else (0.0, 1.0)
+        for of in (heights, loss)
+    ]
+    scale = Scale("height, µm", *map(float, ends[0]), colours="heights", beyond="both")
+    stretch_note = f"{when} (y drawn {{}} times as large as x)"
+    gone = Scale("depth, µm", 0.0, float(ends[1][1]), colours="depths", beyond="max")
+    note = "what is gone of it, worn or pressed down"
+    maps = [
+        Map(
+            "Height of the track",
+            [heights],
+            track.extent,
+            scale,
+            square=False,
+            stretch_note=stretch_note,
+            x="",
+        ),
+        Map("What is gone of it", [loss], track.extent, gone, [note], square=False),
+    ]
+    return Figure(maps, columns=1, width=describe.PAGE, height=1.9, shared="x")
+
+
+@words.figure(words.STILL, words.NO_COURSE, words.NO_GROOVE, essential=True)
+def wear_per_pass(data: FigureData) -> Figure:
+    """Mean depth that each pass adds to the groove, over the width of the contact."""
+    table, stroke = results.by_pass(data.result, "patch_across"), data.study.lap
+    assert stroke is not None  # or the figure is left out
+    whole = table["distance"] > 0.99 * stroke
+    if not whole.any():
+        whole[:] = True
+    number = table["number"][whole]
+    marker = "o" if number.size < 12 else ""
+    lines = [
+        Line(number, 1e3 * (table[name] / (table["distance"] * table["patch_across"]))[whole], label, look)
+        for name, label, look in (
+            ("wear_volume_disc", "worn", Look(describe.DISC, marker=marker)),
+            ("plastic_volume_disc", "displaced", Look(describe.NEUTRAL, "dot", marker=marker)),
+        )
+        if table[name].any()
+    ]
+    axes = Axis("pass, –", integer=True), Axis("mean depth of a pass, µm", "auto")
+    return Figure([Chart("Wear per pass", *axes, lines)], legend=2 * (len(lines) > 1))
+
+
+@words.figure(words.STILL, words.NO_COURSE, words.NO_COF)
+def cof_stroke(data: FigureData) -> Figure:
+    """Coefficient of friction over the position in the stroke, of some passes. {friction}"""
+    course, stroke = data.course, data.study.lap
+    assert stroke is not None  # or the figure is left out
+    number = np.maximum(np.ceil(course["distance"] / stroke - 1e-9).astype(int), 1)
+    passes = np.unique(number)
+    lines = []
+    numbers = passes[chosen(passes.size, SHOWN)]
+    for count, look in zip(numbers, in_time(describe.NEUTRAL, numbers.size), strict=True):
+        inside = number == count
+        lines.append(Line(course["position"][inside], course["cof"][inside], f"pass {count}", look))
+    axes = Axis("position along the track, mm"), axis_of(BY_NAME["cof"])
+    return Figure([Chart("Friction along the stroke", *axes, lines)], legend=4)
+
+
+@words.figure(*words.GROOVE, words.SMOOTH_DISC)
+def track_roughness(data: FigureData) -> Figure:
+    """Height parameters (ISO 25178-2) of the disc in the middle of the groove over the passes."""
+    table = results.roughness_in_track(data.result)
+    return of_parameters("groove", Axis("passes, –", "unworn"), table["passes"], table)

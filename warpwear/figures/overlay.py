@@ -1,0 +1,85 @@
+"""Charts drawn into axes that are there, over what they show, under the name and in the colour of a run."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure as Sheet
+
+from warpwear.figures.describe import Chart, Figure, Line
+from warpwear.figures.paint import handles_of
+from warpwear.figures.paint_chart import paint_chart
+
+#: Seconds of a unit of time.
+SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0}
+#: Mark of a title that is ours, before its text.
+OURS = "warpwear: "
+
+
+def paint_over(figure: Figure, axes: Sequence[Axes]) -> Sheet:
+    """Draw charts into axes that are there, over what they show; return the outermost figure of these."""
+    for panel, chart in zip(axes, figure.panels, strict=True):
+        assert isinstance(chart, Chart)
+        _over(panel, chart)
+    handles = handles_of(axes)
+    if handles and figure.legend:
+        for legend in [panel.get_legend() for panel in axes]:
+            if legend is not None:
+                legend.remove()
+        axes[-1].legend([*handles.values()], [*handles])
+    whole: Sheet = axes[0].figure.figure
+    return whole
+
+
+def of_run(figure: Figure, *, label: str | None = None, color: Any = None) -> Figure:
+    """Give a figure of charts the name of its run, and its lines a colour."""
+    colour = None if color is None else to_hex(color)
+    charts = [replace(chart, lines=_named(chart.lines, label, colour)) for chart in figure.panels]
+    return replace(figure, panels=charts, legend=figure.legend if label is None else 2)
+
+
+def _named(lines: Sequence[Any], label: str | None, colour: str | None) -> list[Any]:
+    """Put a name before the labels of lines; where none has one, the last plain line is called so."""
+    lines = [replace(line, look=replace(line.look, colour=colour or line.look.colour)) for line in lines]
+    if label is None:
+        return lines
+    if any(line.label for line in lines):
+        return [replace(line, label=f"{label}: {line.label}" if line.label else "") for line in lines]
+    plain = [
+        i for i, of in enumerate(lines) if isinstance(of, Line) and of.look.alpha == 1.0 and of.x.size > 1
+    ]
+    last = (plain or [len(lines) - 1])[-1]
+    return [replace(line, label=label) if i == last else line for i, line in enumerate(lines)]
+
+
+def _over(axes: Axes, chart: Chart) -> None:
+    """Draw a chart over what axes show, which stays in sight; a title of ours for one of both goes."""
+    there, title = axes.has_data(), axes.get_title()
+    ends = {n: (getattr(axes, f"get_{n}scale")(), *getattr(axes, f"get_{n}lim")()) for n in "xy" if there}
+    is_ours = axes.title.get_label() == OURS + title
+    axes.autoscale(True)
+    paint_chart(axes, _in_unit_of(axes, chart))
+    for axis, (scale, start, end) in ends.items():
+        if scale == getattr(axes, f"get_{axis}scale")():
+            both = sorted([start, end, *getattr(axes, f"get_{axis}lim")()])
+            getattr(axes, f"set_{axis}lim")(*(both[0], both[-1])[:: 1 if start < end else -1])
+    if title and not is_ours:
+        axes.set_title(title)
+    else:
+        if there and axes.get_title() != title:
+            axes.set_title("")
+        axes.title.set_label(OURS + axes.get_title())
+
+
+def _in_unit_of(axes: Axes, chart: Chart) -> Chart:
+    """Give times of a chart the unit of time that stands at the axis already."""
+    (what, _, unit), (there, _, held) = (
+        label.rpartition(", ") for label in (chart.x.label, axes.get_xlabel())
+    )
+    if what != there or unit == held or unit not in SECONDS:
+        return chart
+    factor = SECONDS[unit] / SECONDS[held]
+    lines = [replace(line, x=factor * line.x) if isinstance(line, Line) else line for line in chart.lines]
+    return replace(chart, lines=lines, x=replace(chart.x, label=axes.get_xlabel()))
