@@ -16,7 +16,6 @@ from warpwear.figures import style as fs
 from warpwear.figures.describe import Bodies, Figure, Section
 from warpwear.figures.paint import paint
 from warpwear.page.plots import plots_of
-from warpwear.results.folder import whole_folder
 
 jinja2 = lazy.module("jinja2")
 
@@ -68,13 +67,6 @@ def embedded(figure: Any) -> Picture:
     drawn = paint(figure) if isinstance(figure, Figure) else figure
     source = f"data:image/png;base64,{_base64(fs.bytes_of(drawn, dpi=DPI))}"
     return Picture(source, round(100.0 * min(1.0, drawn.get_figwidth() / fs.PAGE)))
-
-
-def write_report(folder: Path, files: Mapping[str, str]) -> None:
-    """Write the texts of a report by name, all or none. Raises InputError."""
-    with whole_folder(folder, list(files)) as work:
-        for name, text in files.items():
-            (work / name).write_text(text, encoding="utf-8")
 
 
 def run_page(content: Mapping[str, Any], pictures: Mapping[str, bytes]) -> bytes:
