@@ -361,7 +361,8 @@ def over_distance(*distances: FloatArray, label: str = DISTANCE, low: float | No
 def in_time(colour: str, count: int) -> list[Look]:
     """Choose lines for `count` states in time: a body's colour from pale to dark, the last one solid."""
     places = np.linspace(0.0, 1.0, count) if count > 1 else [0.5]
-    kinds: list[Dash] = [*(("dot", "dashdot", "dash")[: count - 1]), "solid"]
+    early: tuple[Dash, ...] = ("dot", "dashdot", "dash")
+    kinds: list[Dash] = [*early[: count - 1], "solid"]
     return [Look(shade(colour, float(at)), kind, 1.1) for at, kind in zip(places, kinds, strict=True)]
 
 

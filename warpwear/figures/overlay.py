@@ -36,7 +36,11 @@ def paint_over(figure: Figure, axes: Sequence[Axes]) -> Sheet:
 def of_run(figure: Figure, *, label: str | None = None, color: Any = None) -> Figure:
     """Give a figure of charts the name of its run, and its lines a colour."""
     colour = None if color is None else to_hex(color)
-    charts = [replace(chart, lines=_named(chart.lines, label, colour)) for chart in figure.panels]
+    charts = [
+        replace(chart, lines=_named(chart.lines, label, colour))
+        for chart in figure.panels
+        if isinstance(chart, Chart)
+    ]
     return replace(figure, panels=charts, legend=figure.legend if label is None else 2)
 
 

@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
 from matplotlib import figure as sheets
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, MaxNLocator
 
@@ -48,29 +50,32 @@ def paint(figure: Figure) -> sheets.Figure:
         columns = figure.columns or max(len(_cells(panel)) for panel in figure.panels)
         columns = len(cells) if columns == 1 and not figure.columns else columns
         rows = -(-len(cells) // columns)
-        labels = _states(cells)
         width = figure.width or (describe.COLUMN if columns == 1 else describe.PAGE)
-        sheet = sheets.Figure(figsize=(width, figure.height * rows), layout="constrained")
+        layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.04, wspace=0.02, hspace=0.02)
+        sheet = sheets.Figure(figsize=(width, figure.height * rows), layout=layout)
         FigureCanvasAgg(sheet)
-        sheet.get_layout_engine().set(w_pad=0.06, h_pad=0.04, wspace=0.02, hspace=0.02)
         grid = sheet.subplots(rows, columns, squeeze=False)
-        for axes, cell in zip(grid.ravel(), [*cells, *[Empty()] * (grid.size - len(cells))], strict=True):
-            _paint_panel(axes, cell)
+        for axes, cell in zip_longest(grid.ravel(), cells):
+            _paint_panel(axes, cell or Empty())
         _share(grid, figure.shared)
         _bars(sheet, grid, cells)
-        handles = labels or handles_of(grid.ravel())
-        beside = legend_columns([*handles], figure.legend or len(handles), width)
-        if handles and (figure.legend or labels):
-            sheet.legend(
-                [*handles.values()], [*handles], loc="outside upper center", ncols=beside, borderaxespad=0.1
-            )
-        legend = LEGEND_ROW * -(-len(handles) // beside) if figure.legend or labels else 0.0
-        if cells and all(isinstance(cell, Map) and cell.square for cell in cells):
-            sheet.set_figheight(_height(cells, rows, columns, width) + legend)
-        elif legend > LEGEND_ROW:  # makes the figure higher, not its panels lower
-            sheet.set_figheight(figure.height * rows + legend - LEGEND_ROW)
-        _tell_scales(sheet, grid, cells)
+        legend = _legend(sheet, figure, _states(cells) or handles_of(grid.ravel()))
+        if all(isinstance(cell, Map) and cell.square for cell in cells):
+            sheet.set_figheight(_height(cells, rows, columns, width) + LEGEND_ROW * legend)
+        elif legend > 1:  # makes the figure higher, not its panels lower
+            sheet.set_figheight(figure.height * rows + LEGEND_ROW * (legend - 1))
+        _tell_scales(layout, sheet, grid, cells)
     return sheet
+
+
+def _legend(sheet: sheets.Figure, figure: Figure, handles: dict[str, Any]) -> int:
+    """Put one legend over all panels, in fewer columns where names are long; return its number of rows."""
+    if not handles or not figure.legend:
+        return 0
+    columns = legend_columns([*handles], figure.legend, sheet.get_figwidth())
+    where: Any = "outside upper center"
+    sheet.legend([*handles.values()], [*handles], loc=where, ncols=columns, borderaxespad=0.1)
+    return -(-len(handles) // columns)
 
 
 def _cells(panel: Panel) -> list[Panel]:
@@ -95,7 +100,7 @@ def _from_above(panel: Bodies, name: str) -> Map:
     return Map(name, [heights], panel.extent, scale, [f"{name}, seen from above"], [""], lit=True)
 
 
-def _paint_panel(axes: Axes, cell: Panel) -> None:
+def _paint_panel(axes: Any, cell: Panel) -> None:
     if isinstance(cell, Chart):
         paint_chart(axes, cell)
     elif isinstance(cell, Map):
@@ -203,17 +208,15 @@ def _height(cells: Sequence[Any], rows: int, columns: int, width: float) -> floa
     return rows * (side * (y1 - y0) / (x1 - x0) + TITLE * lines + GAP) + below
 
 
-def _tell_scales(sheet: Any, grid: Any, cells: Sequence[Panel]) -> None:
+def _tell_scales(layout: ConstrainedLayoutEngine, sheet: Any, grid: Any, cells: Sequence[Any]) -> None:
     """Say above panels how many times larger y is drawn than x, once they have their places."""
-    stretch_note = [
-        (axes, cell)
-        for axes, cell in zip(grid.ravel(), cells, strict=False)
-        if getattr(cell, "stretch_note", "")
+    stretched = [
+        (a, of) for a, of in zip(grid.ravel(), cells, strict=False) if getattr(of, "stretch_note", "")
     ]
-    if stretch_note:
-        sheet.get_layout_engine().execute(sheet)
+    if stretched:
+        layout.execute(sheet)
         sheet.set_layout_engine("none")
-    for axes, cell in stretch_note:
+    for axes, cell in stretched:
         unit = cell.stretch_factor if isinstance(cell, Chart) else 1.0
         axes.set_title(cell.stretch_note.format(wording.short(float(f"{unit * stretch(axes):.2g}"))))
 

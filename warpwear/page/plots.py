@@ -14,6 +14,7 @@ from warpwear.figures.describe import (
     Bars,
     Bodies,
     Chart,
+    Empty,
     Figure,
     Grid,
     Level,
@@ -64,7 +65,17 @@ class Coded:
 
 def plots_of(name: str, figure: Figure) -> list[dict[str, Any]]:
     """Turn the panels of a figure into plots; `name` is that of the picture where no script draws."""
-    return [KINDS[type(panel)](panel) | {"static": name} for panel in figure.panels if type(panel) in KINDS]
+    return [
+        {
+            "id": panel.title.lower(),
+            "title": panel.title,
+            "caption": getattr(panel, "note", "").replace("\n", "; "),
+        }
+        | {"static": name}
+        | KINDS[type(panel)](panel)
+        for panel in figure.panels
+        if not isinstance(panel, Empty) and type(panel) in KINDS
+    ]
 
 
 def colour_of(colour: str) -> str:
@@ -90,9 +101,6 @@ def _chart(chart: Chart) -> dict[str, Any]:
     levels = [_across(level, lines) for level in chart.lines if isinstance(level, Level)]
     return {
         "kind": "chart",
-        "id": chart.title.lower(),
-        "title": chart.title,
-        "caption": chart.note.replace("\n", "; "),
         "x": chart.x.label,
         "y": chart.y.label,
         "lines": [_line(line, chart.title) for line in [*lines, *levels]],
@@ -142,9 +150,6 @@ def _map(field: Map) -> dict[str, Any]:
     ]
     return {
         "kind": "map",
-        "id": field.title.lower(),
-        "title": field.title,
-        "caption": "",
         "labels": [*field.labels] or [""] * len(field.fields),
         "says": [*field.notes] or [""] * len(field.fields),
         "extent": field.extent,
@@ -161,20 +166,17 @@ def _bodies(bodies: Bodies) -> dict[str, Any]:
         for name, heights in bodies.heights.items()
         if np.isfinite(heights).any()
     }
-    words = {"kind": "bodies", "id": "bodies", "title": bodies.title, "caption": bodies.note}
-    return words | {"extent": bodies.extent, "bodies": coded, "still": [*bodies.still]}
+    return {"kind": "bodies", "extent": bodies.extent, "bodies": coded, "still": [*bodies.still]}
 
 
 def _bars(bars: Bars) -> dict[str, Any]:
-    words = {"kind": "bars", "id": bars.title.lower(), "title": bars.title, "caption": bars.note}
-    words |= {"names": [*bars.names], "x": bars.axis.label, "limits": (bars.axis.low, bars.axis.high)}
-    return words | {"values": bars.values, "ends": bars.ends, "dots": bars.dots}
+    axis = {"x": bars.axis.label, "limits": (bars.axis.low, bars.axis.high)}
+    values = {"values": bars.values, "ends": bars.ends, "dots": bars.dots}
+    return {"kind": "bars", "names": [*bars.names], **axis, **values}
 
 
 def _grid(grid: Grid) -> dict[str, Any]:
-    words = {"kind": "grid", "id": grid.title.lower(), "title": grid.title, "caption": grid.note}
-    words |= {"across": [*grid.across], "down": [*grid.down], "values": grid.values}
-    return words | {"x": grid.x, "y": grid.y, "unit": grid.unit}
+    return {"kind": "grid", **vars(grid), "across": [*grid.across], "down": [*grid.down]}
 
 
 #: Kind of panel -> what turns it into a plot; what is none of these is on paper alone.

@@ -6,6 +6,7 @@ import numpy as np
 
 from warpwear.figures import describe
 from warpwear.figures.describe import ACROSS, DISTANCE, Axis, Bars, Figure, Level, Line, Look
+from warpwear.grid import FloatArray
 from warpwear.thesis.figures import (
     EXPERIMENT,
     LOOKS,
@@ -52,7 +53,7 @@ def distance_factor(runs: Runs, numbers: Numbers) -> Figure:
     edge = worn_radius(study)
     y = np.linspace(-edge, edge, 401)
     ball = np.sqrt(1.0 - (y * study.sphere.curvature) ** 2)
-    lines = [
+    lines: list[Line | Level] = [
         Level(1.0, "without (V1)", Look(describe.SPHERE, width=1.2)),
         Line(y, ball, "with, cos θ (V2)", Look(describe.DISC, "dash")),
     ]
@@ -118,7 +119,7 @@ def straight_line(runs: Runs, numbers: Numbers) -> Figure:
         ("touched", "touched", describe.TOUCHED, "area ever touched"),
     ):
         values = history[f"area_{area}"]
-        fit = np.polyval(np.polyfit(distance, values, 1), distance)
+        fit: FloatArray = np.polyval(np.polyfit(distance, values, 1), distance)
         lines = [
             Line(distance, values, label, Look(colour, width=2.0)),
             Line(distance, fit, "straight line", Look(describe.HARDNESS, "dot")),
@@ -131,7 +132,7 @@ def straight_line(runs: Runs, numbers: Numbers) -> Figure:
 @figure
 def areas_of_all(runs: Runs, numbers: Numbers) -> Figure:
     of_load = Level(numbers["v3.load_over_hardness_mm2"], "F/H", Look(PRINTED, "dot", 0.8))
-    lines = [*versions(runs, "area_contact", "v1", "v3", "fine"), of_load]
+    lines: list[Line | Level] = [*versions(runs, "area_contact", "v1", "v3", "fine"), of_load]
     return Figure([chart(lines, AREA), chart(lines, Axis(AREA, "log"), Axis(DISTANCE, "log"))], legend=4)
 
 
@@ -176,10 +177,10 @@ def rough_patches(runs: Runs, numbers: Numbers) -> Figure:
     return Figure([panel], legend=4, width=describe.PAGE, height=2.9)
 
 
-def _bars(label: str, names: list[str], values: list[float], written: str = "{:.3g}", **more: str) -> Bars:
+def _bars(label: str, names: list[str], values: list[float], written: str = "{:.3g}") -> Bars:
     """Make a bar a value, of each version and then of the experiment, with the value over it."""
-    bars = {"colours": COLOURS[: len(values)], "upright": True, "written": written}
-    return Bars(more.get("title", ""), names, np.array(values), Axis(label), **bars)
+    colours = COLOURS[: len(values)]
+    return Bars("", names, np.array(values), Axis(label), colours=colours, upright=True, written=written)
 
 
 @figure
@@ -206,7 +207,7 @@ def patch_bars(runs: Runs, numbers: Numbers) -> Figure:
     printed = [PATCH_DIAMETERS[name].value for name in ("v1", "v2", "v3", "experiment")]
     label, grey = "diameter of the sphere's patch, mm", [*[PRINTED] * 3, EXPERIMENT]
     panels = [
-        replace(_bars(label, names, printed, "{:.2f}", title="printed"), colours=grey),
-        _bars(label, [*VERSIONS.values()], ours, "{:.2f}", title="ours"),
+        replace(_bars(label, names, printed, "{:.2f}"), title="printed", colours=grey),
+        replace(_bars(label, [*VERSIONS.values()], ours, "{:.2f}"), title="ours"),
     ]
     return Figure(panels, shared="y")

@@ -1,12 +1,12 @@
 """How figures of the report of the thesis are declared, and what they have in common."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from warpwear.figures import describe
-from warpwear.figures.describe import Axis, Chart, Figure, Line, Look
+from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look
 from warpwear.grid import FloatArray
 from warpwear.thesis.numbers import Numbers
 from warpwear.thesis.printed import read
@@ -44,7 +44,9 @@ def figure(declare: Declare) -> Declare:
     return declare
 
 
-def chart(lines: list[Line], y: str | Axis, x: str | Axis = describe.DISTANCE, note: str = "") -> Chart:
+def chart(
+    lines: Sequence[Line | Level], y: str | Axis, x: str | Axis = describe.DISTANCE, note: str = ""
+) -> Chart:
     """Make a chart of lines over the distance slid, or over what x says, from zero up where y is a label."""
     up = Axis(y, low=0.0) if isinstance(y, str) else y
     return Chart("", Axis(x) if isinstance(x, str) else x, up, lines, note)

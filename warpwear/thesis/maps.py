@@ -168,7 +168,9 @@ def contact_areas(runs: Runs, numbers: Numbers) -> Figure:
     ends = (-hertz.radius, hertz.radius, -hertz.radius, hertz.radius)
     circle = Outline(ends, Look(describe.HARDNESS, "dash", 0.8), round=True)
     fields = [window.largest(contact) for contact in contacts]
-    return Figure([Map("Contact", fields, window.extent, labels=labels, states=states, outlines=[circle])])
+    return Figure(
+        [Map("Contact", fields, window.extent, labels=labels, states=states, outlines=[circle])], legend=2
+    )
 
 
 @figure
@@ -177,8 +179,11 @@ def sphere_of_v2(runs: Runs, numbers: Numbers) -> Figure:
     panels = []
     for wear, label in ((second, "wear of the sphere, V2, µm"), (second - first, "V2 minus V1, µm")):
         lines = [
-            Line(runs["v2"].x, 1e3 * _middle(wear, axis), name, Look(describe.SPHERE, dash))
-            for axis, name, dash in ((0, "along sliding", "solid"), (1, "across sliding", "dash"))
+            Line(runs["v2"].x, 1e3 * _middle(wear, axis), name, look)
+            for axis, name, look in (
+                (0, "along sliding", Look(describe.SPHERE)),
+                (1, "across sliding", Look(describe.SPHERE, "dash")),
+            )
         ]
         panels.append(chart(lines, Axis(label), "distance from the middle, mm"))
     return Figure(panels, legend=2)

@@ -1,6 +1,7 @@
 """Figures of fields: pressure, state of contact, loads of patches; as maps, in 3-D, as lines."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -161,7 +162,7 @@ def hertz(data: FigureData) -> Figure:
     r = np.linspace(0.0, theory.radius, 200)
     both = np.concatenate([-r[::-1], r])
     unworn = Line(both, theory.pressure(np.abs(both)), "Hertz, unworn bodies", Look(describe.NEUTRAL, "dash"))
-    panels = []
+    panels: list[Chart] = []
     for index in (data.indices[0], data.indices[-1]):
         snapshot = data.snapshot(index)
         values = np.array(snapshot.pressure[:, row])
@@ -210,8 +211,8 @@ def load_share(data: FigureData) -> Figure:
         apart = [f"{100.0 * part:.2g} % of the load elsewhere" for part in loads.apart]
     maps: list[Map] = []
     for name, of in loads.of.items():
-        texts = {"notes": apart} if maps else {"labels": labels}
-        maps.append(Map(name, [*map(positive, of)], loads.window.extent, scale, heading=True, **texts))
+        when, said = ((), apart) if maps else (labels, ())
+        maps.append(Map(name, [*map(positive, of)], loads.window.extent, scale, when, said, heading=True))
     return Figure(maps)
 
 
@@ -242,8 +243,8 @@ def patch_zoom(data: FigureData) -> Figure:
         ):
             pressure, hidden = (of[part.x, part.y] for of in (snapshot.pressure, np.isnan(snapshot.gap)))
             scale = Scale("pressure, MPa", 0.0, top)
-            more = {"hidden": hidden, "outlines": frame}
-            maps.append(Map(title, [positive(pressure)], part.extent, scale, [title], **more))
+            of_part = Map(title, [positive(pressure)], part.extent, scale, [title], outlines=frame)
+            maps.append(replace(of_part, hidden=hidden))
     return Figure(maps, columns=3)
 
 

@@ -12,7 +12,7 @@ from matplotlib.animation import FFMpegWriter, PillowWriter
 
 from warpwear.errors import OVERWRITE_IT, InputError
 from warpwear.figures import describe, style
-from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale
+from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Panel, Scale
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.fields import pressure_scale
 from warpwear.figures.of_run.view import positive
@@ -126,7 +126,7 @@ class _Film:
         disc = f"{'track' if self._swept else 'disc'} {when}"
         mean, deviation = (float(data.history[f"pressure_{name}"][view.row]) for name in ("mean", "std"))
         contact = f"{with_scatter(mean, deviation)} MPa in contact"
-        panels = [
+        panels: list[Panel] = [
             Map(disc, [self._disc_at(index)], extent, self._height, [disc], **more),
             Map(contact, [positive(view.pressure)], window.extent, self._pressure, [contact], **near),
             self._course(view.distance),

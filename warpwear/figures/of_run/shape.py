@@ -137,9 +137,8 @@ def _maps(data: FigureData, body: str) -> Figure:
     low = min(float(np.nanmin(field)) for field in seen)
     high = max(float(np.nanmax(field)) for field in fields)
     # One scale for all: what changes is the disc, not the colours.
-    beyond = "min" if is_sphere else "neither"
-    scale = Scale(f"height of the {name}, µm", low, high, colours="heights", beyond=beyond)
-    contours = CONTOURS if is_sphere else 0
+    label, contours = f"height of the {name}, µm", CONTOURS if is_sphere else 0
+    scale = Scale(label, low, high, colours="heights", beyond="min" if is_sphere else "neither")
     shape = Map(f"Height of the {name}", fields, data.window.extent, scale, labels, contours=contours)
     return Figure([shape])
 
@@ -179,7 +178,7 @@ def _cap(field: FloatArray) -> FloatArray:
 def _profiles(data: FigureData, body: str) -> Figure:
     views = data.views
     sign = -1.0 if body == "sphere" else 1.0  # heights are positive out of the material
-    panels = []
+    panels: list[Chart] = []
     for cut, label, title in CUTS:
         first: Profile = getattr(views[0], cut)
         unworn = sign * getattr(first, body) + getattr(first, f"wear_{body}")
@@ -210,7 +209,8 @@ def profiles(data: FigureData) -> Figure:
     low, high = min(low for low, _ in ends), max(high for _, high in ends)
     room = 0.05 * (high - low)
     heights = Axis("height over the disc, µm", low=1e3 * (low - room), high=1e3 * (high + room))
-    state, panels = ", worn" if worn else "", []
+    state = ", worn" if worn else ""
+    panels: list[Chart] = []
     for cut, (_, label, title) in zip(cuts, CUTS, strict=True):
         sphere, disc = cut.sphere - approach, cut.disc
         bodies = [

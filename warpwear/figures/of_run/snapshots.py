@@ -115,7 +115,7 @@ def islands(data: FigureData) -> Figure:
         falling = np.sort(areas[index])[::-1]
         label = f"right: {after(table['distance'][index])}"
         # Islands at least as large: between two areas, those of the larger.
-        sizes.append(Line(falling, np.arange(1, falling.size + 1), label, look, step="post"))
+        sizes.append(Line(falling, np.arange(1.0, falling.size + 1), label, look, step="post"))
     # To a whole decade, and only decades labelled: labels between them would run into each other.
     powers = np.log10(np.concatenate([areas[index] for index in indices]))
     ends = 0.8 * 10.0 ** powers.min(), 10.0 ** np.floor(powers.max() + 1.0)

@@ -65,25 +65,18 @@ def track_map(data: FigureData) -> Figure:
     track = results.blocks(data.result, data.indices[-1], BLOCKS)
     when = f"track {after(data.distances[-1])}"
     heights, loss = 1e3 * track.heights, positive(1e3 * track.loss)
-    ends = [
-        np.percentile(of[np.isfinite(of)], (0.1, 99.9)) if np.isfinite(of).any() else (0.0, 1.0)
-        for of in (heights, loss)
-    ]
-    scale = Scale("height, µm", *map(float, ends[0]), colours="heights", beyond="both")
-    stretch_note = f"{when} (y drawn {{}} times as large as x)"
-    gone = Scale("depth, µm", 0.0, float(ends[1][1]), colours="depths", beyond="max")
-    note = "what is gone of it, worn or pressed down"
+    low, high, most = 0.0, 1.0, 1.0
+    if np.isfinite(heights).any():
+        low, high = (float(end) for end in np.nanpercentile(heights, (0.1, 99.9)))
+    if np.isfinite(loss).any():
+        most = float(np.nanpercentile(loss, 99.9))
+    scale = Scale("height, µm", low, high, colours="heights", beyond="both")
+    gone = Scale("depth, µm", 0.0, most, colours="depths", beyond="max")
+    note = f"{when} (y drawn {{}} times as large as x)"
+    lost = "what is gone of it, worn or pressed down"
     maps = [
-        Map(
-            "Height of the track",
-            [heights],
-            track.extent,
-            scale,
-            square=False,
-            stretch_note=stretch_note,
-            x="",
-        ),
-        Map("What is gone of it", [loss], track.extent, gone, [note], square=False),
+        Map("Height of the track", [heights], track.extent, scale, square=False, stretch_note=note, x=""),
+        Map("What is gone of it", [loss], track.extent, gone, [lost], square=False),
     ]
     return Figure(maps, columns=1, width=describe.PAGE, height=1.9, shared="x")
 
