@@ -14,15 +14,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from warpwear.figures import describe, style, wording
-from warpwear.figures.describe import (
-    Bodies,
-    Chart,
-    Empty,
-    Figure,
-    Map,
-    Panel,
-    Scale,
-)
+from warpwear.figures.describe import Bodies, Chart, Empty, Figure, Map, Panel, Scale
 from warpwear.figures.paint_chart import paint_chart
 from warpwear.figures.paint_map import paint_map
 from warpwear.figures.paint_others import PAINT_3D, PAINT_OTHERS

@@ -12,6 +12,11 @@ from warpwear.figures.of_run.table import FIGURES, Plotter
 from warpwear.figures.wording import chosen
 from warpwear.page.plots import POINTS
 
+#: What is said of sections through the middle.
+IN_SECTION = (
+    "Through the middle, at the end, in contact, without elastic deformation: where the bodies overlap, they "
+    "are pressed in. Unworn: without the wear of the run."
+)
 #: Most snapshots under a slider, and points along a side of a map.
 SNAPSHOTS, SIDE = 12, 500
 #: Snapshots whose maps may have the full number of points: more of them get coarser.
@@ -68,15 +73,6 @@ def pieces(plot: Plotter, data: FigureData) -> Section:
     return Section("Pieces that have left", figures, "pieces", text)
 
 
-def profiles(plot: Plotter, data: FigureData) -> Section:
-    """Show both bodies before and after, in contact, through the middle."""
-    text = (
-        "Through the middle, at the end, in contact, without elastic deformation: where the bodies overlap, "
-        "they are pressed in. Unworn: without the wear of the run."
-    )
-    return Section("The scar in section", _figures(plot, data, "profiles"), "profiles", text)
-
-
 def roughness(plot: Plotter, data: FigureData) -> Section:
     """Show the disc's height parameters in the scar, or in the groove of a track."""
     place, name = ("groove", "track_roughness") if data.study.is_swept else ("scar", "roughness")
@@ -84,15 +80,9 @@ def roughness(plot: Plotter, data: FigureData) -> Section:
     return Section(f"Roughness in the {place}", _figures(plot, data, name), "roughness", text)
 
 
-def groove(plot: Plotter, data: FigureData) -> Section:
-    """Show the groove's cross-section at the snapshots, and its depth along the track."""
-    return Section("The groove", _figures(plot, data, "groove"), "groove")
-
-
-def loads(plot: Plotter, data: FigureData) -> Section:
-    """Show loads of the patches over their area, beside those of a smooth contact."""
-    text = "Load over the area of each macro cell."
-    return Section("Load shares of the patches", _figures(plot, data, "load_share"), "loads", text)
+def _of_one(name: str, title: str, text: str = "") -> Callable[[Plotter, FigureData], Section]:
+    """Show one figure under a heading."""
+    return lambda plot, data: Section(title, _figures(plot, data, name), name, text)
 
 
 def bodies(plot: Plotter, data: FigureData) -> Section:
@@ -106,9 +96,9 @@ SECTIONS: tuple[Callable[[Plotter, FigureData], Section], ...] = (
     maps,
     courses,
     pieces,
-    profiles,
+    _of_one("profiles", "The scar in section", IN_SECTION),
     roughness,
-    groove,
-    loads,
+    _of_one("groove", "The groove"),
+    _of_one("load_share", "Load shares of the patches", "Load over the area of each macro cell."),
     bodies,
 )

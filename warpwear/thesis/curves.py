@@ -92,10 +92,7 @@ def cof_of_v2(runs: Runs, numbers: Numbers) -> Figure:
 @figure
 def cof_of_all(runs: Runs, numbers: Numbers) -> Figure:
     lines, near = versions(runs, "cof", *VERSIONS), Axis(COF, low=0.0, high=1.5 * numbers["v1.cof_end"])
-    panels = [
-        chart(lines, COF, note="full scale"),
-        chart(lines, near, note="scale of V1; V3 leaves it"),
-    ]
+    panels = [chart(lines, COF, note="full scale"), chart(lines, near, note="scale of V1; V3 leaves it")]
     return Figure(panels, legend=4)
 
 

@@ -12,16 +12,7 @@ from typing import Any, Self
 import numpy as np
 
 from warpwear.engine.executor import Executor
-from warpwear.figures.of_run.view import (
-    Bodies,
-    FilmState,
-    Loads,
-    Profile,
-    State,
-    View,
-    Window,
-    sag_or_nan,
-)
+from warpwear.figures.of_run.view import Bodies, FilmState, Loads, Profile, State, View, Window, sag_or_nan
 from warpwear.figures.wording import chosen
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.quantities import BODIES
@@ -274,26 +265,26 @@ class FigureData:
 
     def _profile(self, snapshot: Snapshot, axis: int) -> Profile:
         """Cut through the middle of a snapshot. axis: 0 along sliding, 1 across it."""
-        places, shown = self.result.x, self.window.x
+        places, part = self.result.x, self.window.x
 
         def line(field: FloatArray) -> FloatArray:
-            return np.asarray(np.take(field, places.size // 2, axis=1 - axis)[shown])
+            return np.asarray(np.take(field, places.size // 2, axis=1 - axis)[part])
 
         strip = np.compress(np.abs(places) <= 0.5 * self.strip, snapshot.pressure, axis=1 - axis)
-        pressure = strip.mean(axis=1 - axis)[shown]
+        pressure = strip.mean(axis=1 - axis)[part]
         cells = -(-pressure.size // BINS)
         bins = pressure.size // cells
         first = (pressure.size - bins * cells) // 2
         whole = slice(first, first + bins * cells)
         curvature = self.study.sphere.curvature
-        sphere = sag_or_nan(places[shown], np.zeros(1), curvature)[:, 0] + line(snapshot.wear_sphere)
+        sphere = sag_or_nan(places[part], np.zeros(1), curvature)[:, 0] + line(snapshot.wear_sphere)
         return Profile(
-            place=places[shown],
+            place=places[part],
             sphere=sphere,
             disc=sphere - line(snapshot.gap),
             wear_sphere=line(snapshot.wear_sphere),
             wear_disc=line(snapshot.lost_beneath),
-            bins=places[shown][whole].reshape(bins, cells).mean(axis=1),
+            bins=places[part][whole].reshape(bins, cells).mean(axis=1),
             pressure=pressure[whole].reshape(bins, cells).mean(axis=1),
         )
 

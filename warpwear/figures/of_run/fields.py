@@ -78,8 +78,8 @@ def _of_views(
     data: FigureData, title: str, fields: Sequence[Any], notes: Sequence[str], **more: Any
 ) -> Figure:
     labels = [after(view.distance) for view in data.views]
-    shown = Map(title, fields, data.window.extent, labels=labels, notes=notes, **more)
-    return Figure([shown], legend=4 if len(fields) > 1 else 2)
+    panel = Map(title, fields, data.window.extent, labels=labels, notes=notes, **more)
+    return Figure([panel], legend=4 if len(fields) > 1 else 2)
 
 
 @words.figure(*words.FIELD)

@@ -67,10 +67,10 @@ def _check(result: ResultFile, out: str | Path | None, *, frames_per_second: flo
         raise InputError(
             "a film needs whole fields, and the patches of this run cover a part of the area only"
         )
-    kept = result.snapshot_distances.size
-    if kept < 2:
+    count = result.snapshot_distances.size
+    if count < 2:
         raise InputError(
-            f"a film needs at least two snapshots, and this run kept {kept}; run it with more of them, "
+            f"a film needs at least two snapshots, and this run kept {count}; run it with more of them, "
             'such as --set output.snapshots=\'["30 mm", "600 mm", "1200 mm"]\''
         )
     if not 0.0 < frames_per_second <= 100.0:

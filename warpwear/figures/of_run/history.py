@@ -175,7 +175,7 @@ def pieces(data: FigureData) -> Figure:
 
     Those of a disc are counted on its whole stroke, of which a track may stand for a part.
     """
-    history, asked = data.history, data.study.pieces
+    history, cutting = data.history, data.study.pieces
     ends, diameter = np.linspace(0.0, history["distance"][-1], PIECES_BINS + 1), BY_NAME["diameter"]
     sizes: list[Line | Level] = []
     rates: list[Line] = []
@@ -186,8 +186,8 @@ def pieces(data: FigureData) -> Figure:
         shares = np.linspace(0.0, 1.0, cut.size + 1)
         sizes.append(Line(np.append(0.0, cut), shares, data.name_of(body), look, step="post"))
         rates.append(Line(ends, np.append(rate, rate[-1]), "", look, step="post"))
-    if asked is not None:
-        wanted = diameter.factor * asked.diameter
+    if cutting is not None:
+        wanted = diameter.factor * cutting.diameter
         line = Look(describe.HARDNESS, width=1.0)
         sizes.append(Level(wanted, f"asked for, {wanted:.3g} µm", line, axis="x"))
     share = Axis("share of pieces up to this, –", low=0.0, high=1.02)

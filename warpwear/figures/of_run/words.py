@@ -1,7 +1,7 @@
 """What is said of figures: when a run has no such figure, and why; and what their captions say of a run.
 
-Each reason is a test of the run and a sentence for people. Captions are templates in the table of figures,
-whose fields are found here.
+Each reason is a test of the run and a sentence for people. Captions are templates, the starts of the
+docstrings of functions that declare figures; their fields are filled in here.
 """
 
 import inspect
