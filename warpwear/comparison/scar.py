@@ -39,7 +39,7 @@ FOOT = 1e-3
 
 @dataclass(frozen=True)
 class ScarFiles:
-    """Files of a worn disc and of its place before, None without one, and how they are read."""
+    """Hold files of a worn disc and of its place before, None without one, and how they are read."""
 
     after: Path
     before: Path | None = None
@@ -48,7 +48,7 @@ class ScarFiles:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ComputedScar:
-    """What a run has taken off the disc, at the points of the measured scar."""
+    """Hold what a run has taken off the disc, at the points of the measured scar."""
 
     name: str
     lost: FloatArray  # [mm], shape (nx, ny)
@@ -61,7 +61,7 @@ class ComputedScar:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ScarComparison:
-    """A measured scar and those of runs, each laid where it agrees with the measured one best."""
+    """Hold a measured scar and those of runs, each laid where it agrees with the measured one best."""
 
     files: ScarFiles
     measured: Patch
@@ -73,7 +73,7 @@ class ScarComparison:
 
     @property
     def extent(self) -> tuple[float, float, float, float]:
-        """First x, last x, first y, last y of the field [mm]."""
+        """Return the first x, last x, first y, last y of the field [mm]."""
         return extent(self.x, self.y, self.measured.pixel[0] / 2, self.measured.pixel[1] / 2)
 
 

@@ -93,7 +93,7 @@ def made_here(content: dict[str, Any], pictures: Mapping[str, bytes]) -> bytes:
 
 
 def statics(content: Mapping[str, Any]) -> list[str]:
-    """Names of the figures that stand for plots where no script draws."""
+    """Name the figures that stand for plots where no script draws."""
     return [*dict.fromkeys(p["static"] for s in content["sections"] for p in s["plots"] if p["static"])]
 
 

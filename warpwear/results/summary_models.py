@@ -113,7 +113,7 @@ def _half_space(result: ResultFile) -> Row:
 
 
 def _certified(history: Mapping[str, FloatArray]) -> dict[str, Any]:
-    """What the certificates of the pressures say; nothing of a result without them."""
+    """Return what the certificates of the pressures say; nothing of a result without them."""
     if "violation" not in history:
         return {}
     known = ~np.isnan(history["violation"])
