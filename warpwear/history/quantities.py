@@ -100,10 +100,8 @@ def axis(label: str, unit: str) -> str:
     return f"{label}, {unit or '–'}"
 
 
-def _look(
-    label: str, colour: str = "NEUTRAL", dash: str = "solid", *, short: str = "", **others: Any
-) -> dict[str, Any]:
-    return {"label": label, "colour": colour, "dash": dash, "short": short or label, **others}
+def _look(label: str, colour: str = "NEUTRAL", dash: str = "solid", **others: Any) -> dict[str, Any]:
+    return {"label": label, "colour": colour, "dash": dash, **others}
 
 
 def _of_bodies(prefix: str, label: str, **others: Any) -> dict[str, dict[str, Any]]:
@@ -121,7 +119,6 @@ _MICRONS: dict[str, Any] = {"factor": 1.0e3, "shown_unit": "µm"}
 #: Name of a quantity -> how it is shown, of those that figures and tables for people have.
 LOOKS: dict[str, dict[str, Any]] = {
     "distance": _look("sliding distance"),
-    "time": _look("sliding time"),
     "approach": _look("approach of the bodies", **_MICRONS),
     "load": _look("normal load"),
     "area_contact": _look("area in contact", "CONTACT", short="in contact", **_AREA),
@@ -138,14 +135,6 @@ LOOKS: dict[str, dict[str, Any]] = {
     **_of_bodies("wear_depth", "deepest wear", family="depth of the deepest cell", **_MICRONS),
     "cof": _look("coefficient of friction"),
     "bare_fraction": _look("bare fraction of the area in contact", "DISC"),
-    "pressure": _look("pressure", log=True),
-    **_of_bodies("wear", "wear depth", **_MICRONS),
-    "load_share": _look("load of a patch"),
-    "area_patch": _look("area in contact of a patch"),
-    **_of_bodies("sq", "Sq in the inner scar"),
-    **_of_bodies("sdq", "Sdq in the inner scar"),
-    **_of_bodies("rq", "Rq along sliding in the inner scar"),
-    "islands": _look("islands of contact"),
     "diameter": _look("diameter as cut", **_MICRONS),
 }
 
