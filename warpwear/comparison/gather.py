@@ -114,9 +114,9 @@ def check_number(
     if scar is not None and not folders:
         raise InputError("--scar needs the folder of a run to compare with")
     if len(folders) + sweeps + len(experiments) + (scar is not None) < 2:
-        given = str([*folders, *experiments][0]) if folders or experiments else "nothing"
+        first = str([*folders, *experiments][0]) if folders or experiments else "nothing"
         raise InputError(
-            f"compare needs two runs or more, or a run and an --experiment or a --scar; given: {given}"
+            f"compare needs two runs or more, or a run and an --experiment or a --scar; given: {first}"
         )
 
 
