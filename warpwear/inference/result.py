@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from warpwear.errors import InputError
+from warpwear.figures.paint import paint
 from warpwear.grid import FloatArray
 from warpwear.inference import figures
 from warpwear.inference.data import KINDS, SHOWN
@@ -212,9 +213,9 @@ class Inference:
     def plot(self, name: str) -> Figure:
         """Draw "corner" or "course". Raises InputError for another name."""
         if name == "corner":
-            return figures.corner(self.posterior.unknowns, self.values)
+            return paint(figures.corner(self.posterior.unknowns, self.values))
         if name == "course":
-            return figures.course(self.predictive(), self.posterior.data)
+            return paint(figures.course(self.predictive(), self.posterior.data))
         raise InputError(f"'{name}' is no figure of an inference; there are corner and course")
 
     def __str__(self) -> str:

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 from pydantic import ValidationError
 
 from warpwear.errors import InputError
+from warpwear.figures.describe import Figure
 from warpwear.grid import FloatArray
 from warpwear.measured.options import optional, quantity, refuse
 from warpwear.measured.surface_figure import ball_figure, save, scar_figure, surface_figure, track_figure

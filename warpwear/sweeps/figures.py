@@ -11,7 +11,6 @@ from warpwear.figures.describe import (
     DASHES,
     GROUPS,
     NOMINAL,
-    RAISED,
     SPHERE,
     WIDE_DISTANCE,
     Axis,
@@ -25,6 +24,7 @@ from warpwear.figures.describe import (
     look_of_measured,
     shade,
 )
+from warpwear.figures.wording import RAISED
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import Quantity, printed
 from warpwear.measured.course import Experiment
