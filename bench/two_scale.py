@@ -18,8 +18,9 @@ from matplotlib.figure import Figure
 from measure.machine import machine
 
 import warpwear
-from warpwear.figures import style as fs
+from warpwear.figures import describe as fs
 from warpwear.figures.of_run.data import load_share_error
+from warpwear.figures.style import style
 from warpwear.runs.make import executor_of, model_of, plan_of
 from warpwear.study.surface import surface_in
 
@@ -223,7 +224,9 @@ def draw(found: list[Course], load: Table, drawn: dict[tuple[str, int], Any], ti
             panel.set_xlim(3e-3, 3e3)
         axes[4].set_xlim(5e-3, 1e2)
 
-    return fs.new_figure(curves, rows=3, columns=2, height=2.35)
+    figure = Figure(figsize=(7.0, 7.05), layout="constrained")
+    curves(figure.subplots(3, 2).ravel())
+    return figure
 
 
 @click.command()
@@ -249,7 +252,7 @@ def main(out: str, cell: str, time_cell: str, repeats: int, quick: bool) -> None
     folder = Path(out)
     record = {"machine": machine(), "cell": cell, **parts}
     (folder / "two_scale.json").write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n")
-    with fs.style():
+    with style():
         draw(found, parts["load"], drawn, parts["time"]).savefig(folder / "two_scale.png", dpi=200)
 
 

@@ -5,18 +5,20 @@ import math
 import re
 from html import unescape
 from pathlib import Path
+from typing import Any
 
 import click
 import jinja2.meta
 import jinja2.nodes
 import pytest
 from click.testing import CliRunner
-from matplotlib.figure import Figure
 
 from warpwear.calibration.wear import diameter_of_cap
 from warpwear.cli.report import report
 from warpwear.errors import InputError
+from warpwear.figures.paint import paint
 from warpwear.page import html as report_page
+from warpwear.page.folder import write_report
 from warpwear.study.study import Study
 from warpwear.thesis.figures import CAPTIONS
 from warpwear.thesis.items import ALL_ITEMS, SUMMARY, Item
@@ -296,9 +298,10 @@ def small_plan() -> Plan:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    def embedded(figure: Figure) -> report_page.Picture:
+    def embedded(declared: Any) -> report_page.Picture:
         """Nothing is moved to make room for labels, which draws everything twice."""
-        figure.set_layout_engine(None)
+        figure = paint(declared)
+        figure.set_layout_engine("none")
         return report_page.embedded(figure)
 
     with pytest.MonkeyPatch.context() as patch:
@@ -422,8 +425,8 @@ def test_other_files_are_left_alone(tmp_path: Path) -> None:
 
 def test_overwriting_replaces_both_files_and_nothing_else(tmp_path: Path) -> None:
     files = {"report.html": "old", "numbers.json": "old"}
-    report_page.write_report(tmp_path / "a" / "b", files)
-    report_page.write_report(tmp_path / "a" / "b", dict.fromkeys(files, "new"))
+    write_report(tmp_path / "a" / "b", {}, pages={}, files=files, marks=[*files])
+    write_report(tmp_path / "a" / "b", {}, pages={}, files=dict.fromkeys(files, "new"), marks=[*files])
     assert {p.name: p.read_text() for p in (tmp_path / "a" / "b").iterdir()} == dict.fromkeys(files, "new")
 
 

@@ -278,7 +278,7 @@ class Box:
 
 @dataclass(frozen=True)
 class Bodies:
-    """Bodies by name, heights [µm] (x, y): a page's script turns them, paper shows `still` ones from above."""
+    """Bodies by name, heights [µm] (x, y): a page's script turns them, paper `still` ones from above."""
 
     title: str
     extent: Ends

@@ -11,6 +11,7 @@ import tomli_w
 
 from warpwear.errors import InputError
 from warpwear.figures import style as fs
+from warpwear.figures.wording import RAISED
 from warpwear.inference.result import Inference
 from warpwear.inference.unknowns import Unknown
 from warpwear.page.html import embedded, render
@@ -126,7 +127,7 @@ def _shown(value: float) -> str:
     if value == 0.0 or 1e-3 <= abs(value) < 1e5:
         return f"{value:.3g}"
     first, power = f"{value:.2e}".split("e")
-    return f"{first}·10{str(int(power)).translate(fs.RAISED)}"
+    return f"{first}·10{str(int(power)).translate(RAISED)}"
 
 
 def _written(unknown: Unknown, value: float) -> str | float:

@@ -12,11 +12,10 @@ import numpy as np
 from matplotlib.colors import Colormap, to_hex
 
 from warpwear import lazy
-from warpwear.figures import style as fs
+from warpwear.figures import describe, style
 from warpwear.figures.describe import Bodies, Figure, Section
 from warpwear.figures.paint import paint
 from warpwear.page.plots import plots_of
-from warpwear.results.folder import whole_folder
 
 jinja2 = lazy.module("jinja2")
 
@@ -66,15 +65,8 @@ class Picture:
 def embedded(figure: Any) -> Picture:
     """Make a picture of a figure that a page can hold."""
     drawn = paint(figure) if isinstance(figure, Figure) else figure
-    source = f"data:image/png;base64,{_base64(fs.bytes_of(drawn, dpi=DPI))}"
-    return Picture(source, round(100.0 * min(1.0, drawn.get_figwidth() / fs.PAGE)))
-
-
-def write_report(folder: Path, files: Mapping[str, str]) -> None:
-    """Write the texts of a report by name, all or none. Raises InputError."""
-    with whole_folder(folder, list(files)) as work:
-        for name, text in files.items():
-            (work / name).write_text(text, encoding="utf-8")
+    source = f"data:image/png;base64,{_base64(style.bytes_of(drawn, dpi=DPI))}"
+    return Picture(source, round(100.0 * min(1.0, drawn.get_figwidth() / describe.PAGE)))
 
 
 def run_page(content: Mapping[str, Any], pictures: Mapping[str, bytes]) -> bytes:
@@ -92,7 +84,7 @@ def page_of(template: str, content: Mapping[str, Any], pictures: Mapping[str, by
     sections = [_section(section) for section in content["sections"]]
     figures = {name: figure for section in content["sections"] for name, figure in section.figures.items()}
     turned = {n: f for n, f in figures.items() if any(isinstance(panel, Bodies) for panel in f.panels)}
-    pictures = {**pictures, **{name: fs.bytes_of(paint(figure), dpi=DPI) for name, figure in turned.items()}}
+    pictures = {**pictures, **{name: style.bytes_of(paint(figure), dpi=DPI) for name, figure in turned.items()}}
     plots = [plot for section in sections for plot in section["plots"]]
     seen: set[str] = set()
     for plot in plots:
@@ -100,7 +92,7 @@ def page_of(template: str, content: Mapping[str, Any], pictures: Mapping[str, by
         seen.add(plot["static"])
         plot["picture"] = f"data:image/png;base64,{_base64(png)}" if png else ""
     drawn = [{k: v for k, v in plot.items() if k not in ("picture", "caption", "static")} for plot in plots]
-    scales = {name: _scale(colours) for name, colours in fs.COLOURS.items()}
+    scales = {name: _scale(colours) for name, colours in style.COLOURS.items()}
     text = render(
         template,
         {"number": _number},

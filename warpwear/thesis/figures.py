@@ -1,94 +1,68 @@
 """How figures of the report of the thesis are declared, and what they have in common."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from warpwear.figures import style as fs
-from warpwear.figures.axes import map_figure
+from warpwear.figures import describe
+from warpwear.figures.describe import Axis, Chart, Figure, Line, Look
 from warpwear.grid import FloatArray
 from warpwear.thesis.numbers import Numbers
 from warpwear.thesis.printed import read
 from warpwear.thesis.runs import VERSIONS, Runs
 from warpwear.thesis.verdicts import folded
 
-#: Colour and line of each version in every figure.
-LINES: dict[str, dict[str, Any]] = {
-    "v1": {"color": "#0072B2", "ls": "-", "lw": 3.0, "alpha": 0.5},  # wide: others lie on it
-    "v2": {"color": "#56B4E9", "ls": "--"},
-    "v3": {"color": "#D55E00", "ls": "-."},
-    "fine": {"color": "#009E73", "ls": "-"},
+#: Line of each version in every figure.
+LOOKS: dict[str, Look] = {
+    "v1": Look(describe.SPHERE, width=3.0, alpha=0.5),  # wide: others lie on it
+    "v2": Look(describe.TOUCHED, "dash"),
+    "v3": Look(describe.DISC, "dashdot"),
+    "fine": Look(describe.CONTACT),
 }
-#: Colour of what the thesis prints.
-PRINTED = "#999999"
-#: Colour of its experiment.
-EXPERIMENT = "#000000"
+#: Colours of what the thesis prints, and of its experiment.
+PRINTED, EXPERIMENT = describe.UNWORN, describe.HARDNESS
 
-#: Draws a figure.
-Drawing = Callable[[Runs, Numbers], Figure]
-#: Draws into axes, one or an array of shape (rows × columns,).
-Panels = Callable[[Any, Runs, Numbers], None]
-#: A label of all panels of a figure, or one for each.
-Labels = str | tuple[str, ...]
+#: Declares a figure.
+Declare = Callable[[Runs, Numbers], Figure]
 #: Figure -> what stands below it.
 CAPTIONS = {name: folded(text) for name, text in read("captions.toml").items()}
-
-
-class Gallery(dict[str, Drawing]):
-    """Figures by name, each declared with `figure` above the function that draws it."""
-
-    def figure(
-        self, *, maps: int = 0, legend: int = 0, xlabel: Labels = "", ylabel: Labels = "", **size: Any
-    ) -> Callable[[Panels], Panels]:
-        """Add a figure under the name of the decorated function, which draws into its axes.
-
-        maps: number of maps side by side; without them size is what `figures.style.new_figure` takes.
-        legend: columns of the legend of all panels, 0 for none. xlabel, ylabel: one for all panels or one for
-        each; what the function draws may set others.
-        """
-
-        def add(panels: Panels) -> Panels:
-            def draw(runs: Runs, numbers: Numbers) -> Figure:
-                def draw_panels(axes: Any) -> None:
-                    for panel, *labels in np.broadcast(axes, xlabel, ylabel):
-                        panel.set(xlabel=labels[0], ylabel=labels[1])
-                    panels(axes, runs, numbers)
-                    if legend:
-                        fs.legend_above(*np.ravel(axes)[0].figure.axes, columns=legend)
-
-                return map_figure(draw_panels, maps) if maps else fs.new_figure(draw_panels, **size)
-
-            self[panels.__name__] = draw
-            return panels
-
-        return add
-
-
-def over_distance(axes: Axes, history: Mapping[str, FloatArray], column: str, **line: Any) -> None:
-    """Draw a column of a history over the distance slid."""
-    fs.over_distance(axes, history["distance"], history[column], **line)
-
-
-def versions(axes: Axes, runs: Runs, column: str, *names: str, relative: bool = False) -> None:
-    """Draw a column of the history of versions over the distance slid, each in its own colour and line.
-
-    relative: to its end value.
-    """
-    for name in names:
-        history = runs[name].history
-        values = history[column] / history[column][-1] if relative else history[column]
-        fs.over_distance(axes, history["distance"], values, label=VERSIONS[name], **LINES[name])
-
-
-#: Figures of single runs, which their results draw themselves.
-OF_RUNS: dict[str, Drawing] = {
-    "disc_3d_of_v1": lambda runs, _: runs["v1"].plot.disc_3d(),
-    "sphere_3d_of_v1": lambda runs, _: runs["v1"].plot.sphere_3d(),
-    "volumes_of_v1": lambda runs, _: runs["v1"].plot.volumes(),
-    "disc_3d_of_v3": lambda runs, _: runs["v3"].plot.disc_3d(),
-    "sphere_3d_of_v3": lambda runs, _: runs["v3"].plot.sphere_3d(),
-    "disc_maps_of_v3": lambda runs, _: runs["v3"].plot.disc_map(),
+#: Figures by name; single runs have declared theirs.
+FIGURES: dict[str, Declare] = {
+    "disc_3d_of_v1": lambda runs, _: runs["v1"].plot.declared("disc_3d"),
+    "sphere_3d_of_v1": lambda runs, _: runs["v1"].plot.declared("sphere_3d"),
+    "volumes_of_v1": lambda runs, _: runs["v1"].plot.declared("volumes"),
+    "disc_3d_of_v3": lambda runs, _: runs["v3"].plot.declared("disc_3d"),
+    "sphere_3d_of_v3": lambda runs, _: runs["v3"].plot.declared("sphere_3d"),
+    "disc_maps_of_v3": lambda runs, _: runs["v3"].plot.declared("disc_map"),
 }
+
+
+def figure(declare: Declare) -> Declare:
+    """Enter a function among the figures under its name."""
+    FIGURES[declare.__name__] = declare
+    return declare
+
+
+def chart(lines: list[Line], y: str | Axis, x: str | Axis = describe.DISTANCE, note: str = "") -> Chart:
+    """Make a chart of lines over the distance slid, or over what x says, from zero up where y is a label."""
+    up = Axis(y, low=0.0) if isinstance(y, str) else y
+    return Chart("", Axis(x) if isinstance(x, str) else x, up, lines, note)
+
+
+def course(
+    history: Mapping[str, FloatArray], column: str, label: str, look: Look, factor: float = 1.0
+) -> Line:
+    """Make the line of a column of a history over the distance slid."""
+    return Line(history["distance"], factor * history[column], label, look)
+
+
+def versions(runs: Runs, column: str, *names: str, relative: bool = False) -> list[Line]:
+    """Make the lines of a column of versions over the distance slid. relative: to its end value."""
+    lines = [course(runs[name].history, column, VERSIONS[name], LOOKS[name]) for name in names]
+    return [replace(line, y=line.y / line.y[-1]) if relative else line for line in lines]
+
+
+def root_through_end(distance: FloatArray, values: FloatArray, label: str, colour: str) -> Line:
+    """Make the line of a square root of the distance through the last of these values."""
+    return Line(distance, values[-1] * np.sqrt(distance / distance[-1]), label, Look(colour, "dot"))

@@ -9,14 +9,15 @@ from typing import Any
 
 import warp
 
-from warpwear.page.html import embedded, render, write_report
+from warpwear.page.folder import write_report
+from warpwear.page.html import embedded, render
 from warpwear.result import Result
 from warpwear.results.folder import check_folder
 from warpwear.results.report import to_json
 from warpwear.study.keys import value_of
 from warpwear.study.text import readable
 from warpwear.thesis import curves, maps
-from warpwear.thesis.figures import CAPTIONS, OF_RUNS
+from warpwear.thesis.figures import CAPTIONS, FIGURES
 from warpwear.thesis.items import ALL_ITEMS, FINDINGS, OF_THESIS, SUMMARY, Row
 from warpwear.thesis.numbers import Numbers, collect
 from warpwear.thesis.printed import TOLERANCES
@@ -26,8 +27,8 @@ from warpwear.version import __version__
 
 PAGE = "report.html"
 NUMBERS = "numbers.json"
-#: Figures by name.
-FIGURES = OF_RUNS | curves.FIGURES | maps.FIGURES
+#: What declares figures; importing them fills `FIGURES`.
+DECLARED_IN = (curves, maps)
 #: Columns of the table at the top.
 PRINTED_COLUMNS = ("thesis V1", "thesis V2", "thesis V3", "experiment")
 
@@ -55,7 +56,8 @@ def thesis_report(
         numbers = collect(runs)
         verdicts = judge(numbers)
         page = render_page(runs, numbers, verdicts, quick=quick, started=started)
-    write_report(folder, {PAGE: page, NUMBERS: as_json(numbers, verdicts)})
+    files = {PAGE: page, NUMBERS: as_json(numbers, verdicts)}
+    write_report(folder, {}, pages={}, files=files, marks=[*files])
     return folder / PAGE
 
 
@@ -104,7 +106,7 @@ def render_page(
 ) -> str:
     """Draw all figures and fill the page. started: when the first run began [s], by `time.perf_counter`."""
     attributes = runs["v1"].attributes
-    pictures = {name: embedded(draw(runs, numbers)) for name, draw in FIGURES.items()}
+    pictures = {name: embedded(declare(runs, numbers)) for name, declare in FIGURES.items()}
     return render(
         "thesis.html",
         {"num": number, "as_printed": as_printed},
