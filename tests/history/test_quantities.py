@@ -6,10 +6,22 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 
 import warpwear
 from warpwear import Study
-from warpwear.history.quantities import FIELDS, QUANTITIES, columns_of, per
+from warpwear.history.end_values import END_VALUES, value_in
+from warpwear.history.quantities import (
+    AREAS,
+    BY_NAME,
+    FIELDS,
+    LOOKS,
+    ONLY,
+    QUANTITIES,
+    columns_of,
+    per,
+    printed,
+)
 from warpwear.history.rows import Rows
 
 SHORT: dict[str, tuple[str, dict[str, Any]]] = {
@@ -84,3 +96,31 @@ def test_the_table_of_the_documentation() -> None:
     assert table in (docs / "reference" / "results.md").read_text(encoding="utf-8"), (
         "run: python docs/make_quantities.py"
     )
+
+
+def test_what_people_see_is_declared_of_quantities_that_there_are() -> None:
+    assert {*LOOKS} <= {*BY_NAME}
+    assert {quantity.only for quantity in QUANTITIES} == {None, *ONLY}
+    assert [BY_NAME[name].short for name in AREAS][:2] == ["in contact", "at hardness"]
+    volume = BY_NAME["wear_volume_disc"]
+    assert volume.axis == "worn volume of the disc, 10⁻³ mm³"
+    assert volume.family_axis == "worn volume, 10⁻³ mm³"
+    assert_array_equal(volume.scaled(np.array([0.002])), [2.0])
+    assert BY_NAME["cof"].axis == "coefficient of friction, –"
+    assert [printed(unit) for unit in ("1", "um", "mm^2", "mm^3/N/m")] == ["", "µm", "mm²", "mm³/(N·m)"]
+    families: dict[str, set[tuple[str, float]]] = {}
+    for quantity in QUANTITIES:
+        families.setdefault(quantity.family, set()).add((quantity.unit, quantity.factor))
+    del families[""]
+    assert all(len(scales) == 1 for scales in families.values())  # they share an axis
+
+
+def test_end_values_stand_in_the_summary() -> None:
+    """Of a run of patches, which has all of them; what a course says has no entry there."""
+    study = Study.load("two-scale").replace({"grid.cell": "10 um", "sliding.distance": "1 mm"})
+    summary = warpwear.run(study.replace({"friction.calibrate": "end"})).summary
+    missing = {q.name for q in END_VALUES if value_in(summary, q) is None}
+    assert missing == {"exponent_m", "levelling_lambda"}
+    ends = {quantity.name: quantity for quantity in END_VALUES}
+    assert value_in(summary, ends["volume_disc"]) == summary["volume_mm3"]["disc"]
+    assert value_in({}, ends["volume_disc"]) is None

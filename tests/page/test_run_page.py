@@ -1,6 +1,8 @@
 """The page of a run: one file without requests, harmless whatever its names, turned in a browser."""
 
+import ast
 import base64
+import inspect
 import json
 import re
 import zlib
@@ -19,10 +21,11 @@ import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.cli.main import commands
 from warpwear.figures import process
+from warpwear.page import effects
 from warpwear.page.content import content_of, words_of, write_page
-from warpwear.page.effects import EFFECTS, Weight
+from warpwear.page.effects import EFFECTS, SENTENCES, Weight, effect_of
 from warpwear.page.html import run_page
-from warpwear.page.limits import limits_of
+from warpwear.page.limits import CONDITIONS, LIMITS, limits_of
 from warpwear.page.paper import to_latex
 from warpwear.page.plots import Coded, thinned
 from warpwear.results.summary import summarise
@@ -182,6 +185,21 @@ def test_what_is_an_input_is_marked() -> None:
             words = words_of(result.study, summarise(result))
         assert words["answers"][-1]["given"].startswith(mark)
         assert sum(limit in sentence for sentence in words["limits"]) == 1
+
+
+def test_sentences_are_all_reached() -> None:
+    """Each limit has conditions that there are; each sentence on an assumption is that of a key or a case."""
+    assert {name for names in LIMITS for name in names.split(", ")} == {*CONDITIONS}
+    nodes = ast.walk(ast.parse(inspect.getsource(effects)))
+    named = {node.value for node in nodes if isinstance(node, ast.Constant)}
+    named |= {"hardness, some cells", "hardness, few cells"}  # put together of parts
+    assert {name for name in SENTENCES if "." not in name} <= named
+    with warpwear.run(Study.load("v3-fine").replace(PLAIN)) as result:
+        for key in EFFECTS:
+            weight, sentence = effect_of(key, result.study, result.summary)
+            assert isinstance(weight, Weight)
+            assert sentence.endswith(".")
+            assert "{" not in sentence
 
 
 def test_limits_follow_the_run() -> None:

@@ -52,6 +52,17 @@ def test_a_groove_is_told_by_its_section() -> None:
     )
 
 
+def test_what_is_not_known_between_patches_is_left_open() -> None:
+    """Profiles through patches that cover a part of the area are too short for Rq."""
+    sampled = {"grid.cell": "10 um", "grid.extent": "2.1 mm", "patches.macro_cell": "300 um"}
+    study = Study.load("two-scale").replace(sampled | {"patches.width": "100 um", "output.snapshots": []})
+    result = warpwear.run(study.replace({"sliding.distance": "60 mm", "disc.synthetic.cut_off": "20 um"}))
+    roughness = result.summary["inner_scar"]["disc"]
+    assert roughness["sq_um"] > 0.0
+    assert roughness["rq_along_um"] is None
+    assert "along sliding Rq – µm" in summary_text(summarise(result))
+
+
 def test_a_table_of_patches_is_no_column() -> None:
     history = warpwear.run(Study.load("v3-fine").replace(STILL)).history
     with pytest.raises(

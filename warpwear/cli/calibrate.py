@@ -54,7 +54,7 @@ def calibrate() -> None:
 @click.option("--hardness", metavar="H", help="For the dimensionless coefficient, e.g. '590 MPa'.")
 @AS_JSON
 def wear(**options: Any) -> None:
-    """Wear coefficient K = V/(F L) of a worn body, from one kind of measurement.
+    """Find the wear coefficient K = V/(F L) of a worn body, from one kind of measurement.
 
     Repeat the measurement's option for repeated tests of one load and distance: mean, standard deviation and
     standard error are given.
@@ -81,7 +81,7 @@ def wear(**options: Any) -> None:
 @click.option("--speed", metavar="V", help="--experiment: sliding speed, where it has time and no distance.")
 @AS_JSON
 def friction(**options: Any) -> None:
-    """Shear strength τ0 of μ = μ_p + τ0 A/F, from a measured coefficient or curve.
+    """Find the shear strength τ0 of μ = μ_p + τ0 A/F, from a measured coefficient or curve.
 
     The areas of a run are contact, touched, cumulative and nominal; a fit uses contact unless told otherwise.
     """
@@ -97,14 +97,14 @@ def friction(**options: Any) -> None:
 @repeated("--speed", "V", "e.g. '20 mm/min'.", default="10, 20, 50, 100 mm/min")
 @AS_JSON
 def energy(**options: Any) -> None:
-    """Dissipated energy ∫ μ F dL, and time, frictional power and PV at several speeds."""
+    """Find the dissipated energy ∫ μ F dL, and time, frictional power and PV at several speeds."""
     click.echo(energy_of_test.calibrate_energy(**options, usual_speeds=printed.SPEEDS))
 
 
 @calibrate.command()
 @AS_JSON
 def thesis(**options: Any) -> None:
-    """Wear coefficients that the thesis prints, and the worn patch that does not go with them."""
+    """List the wear coefficients that the thesis prints, and the worn patch that does not go with them."""
     click.echo(coefficients.calibrate_thesis(**options))
 
 

@@ -83,7 +83,7 @@ def loads_of(comparison: Comparison) -> FloatArray:
 
 
 def _point(group: Group) -> tuple[float, float, float, float]:
-    """Mean load [N] of a group, and its area in contact at first [10⁻³ mm²]: mean and ends of the band."""
+    """Return a group's mean load [N] and area in contact at first [10⁻³ mm²]: mean, ends of its band."""
     areas = np.array([[1.0e3 * run.history["area_contact"][0]] for run in group.runs])
     mean, low, high = (float(values[0]) for values in band(areas))
     return float(np.mean([run.study.contact.load for run in group.runs])), mean, low, high

@@ -33,7 +33,7 @@ LATEST_START = 1.0 / 60.0
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Runs in groups, experiments and what is to be said about them."""
+    """Hold runs in groups, experiments and what is to be said about them."""
 
     groups: tuple[Group, ...]
     experiments: tuple[Experiment, ...]
@@ -42,7 +42,7 @@ class Comparison:
 
     @property
     def runs(self) -> tuple[RunData, ...]:
-        """The runs of all groups."""
+        """Return the runs of all groups."""
         return tuple(run for group in self.groups for run in group.runs)
 
     def rms(self, run: RunData, experiment: Experiment) -> float | None:
@@ -114,9 +114,9 @@ def check_number(
     if scar is not None and not folders:
         raise InputError("--scar needs the folder of a run to compare with")
     if len(folders) + sweeps + len(experiments) + (scar is not None) < 2:
-        given = str([*folders, *experiments][0]) if folders or experiments else "nothing"
+        first = str([*folders, *experiments][0]) if folders or experiments else "nothing"
         raise InputError(
-            f"compare needs two runs or more, or a run and an --experiment or a --scar; given: {given}"
+            f"compare needs two runs or more, or a run and an --experiment or a --scar; given: {first}"
         )
 
 

@@ -31,7 +31,7 @@ MOST_NAMES = 6
 
 @dataclass(frozen=True, eq=False)
 class RunData:
-    """What is compared of a run; its file is closed."""
+    """Hold what is compared of a run; its file is closed."""
 
     name: str
     folder: Path
@@ -44,7 +44,7 @@ class RunData:
 
     @property
     def cof(self) -> FloatArray | None:
-        """Coefficient of friction of every step, if it is known."""
+        """Return the coefficient of friction of every step, if it is known."""
         values = self.history["cof"]
         return values if bool(np.isfinite(values).all()) else None
 
@@ -54,13 +54,13 @@ Course = tuple[FloatArray, FloatArray]
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """Runs that differ only in what a band is taken over; without bands each run is one."""
+    """Hold runs that differ only in what a band is taken over; without bands each run is one."""
 
     name: str
     runs: tuple[RunData, ...]
 
     def courses(self, of: Callable[[RunData], Course | None]) -> tuple[FloatArray, FloatArray] | None:
-        """Places of the longest course, (places,), and the values of all there, (runs, places); None of none.
+        """Return places of the longest course, (places,), and all values there, (runs, places); None of none.
 
         of: gives places and values of a run, each (n,), or None where it has none. NaN beyond its ends.
         """
@@ -133,7 +133,7 @@ def grouped(runs: Sequence[RunData], band_over: Sequence[str]) -> list[Group]:
 
 
 def differing(runs: Sequence[RunData]) -> dict[str, list[str]]:
-    """Dotted key -> its value in each run, of the keys in which they differ."""
+    """Map each dotted key in which runs differ to its value in each of them."""
     flat = [dotted(that_matter(run.study)) for run in runs]
     keys = dict.fromkeys(key for values in flat for key in values)
     texts = {key: [_written(values.get(key, "–")) for values in flat] for key in keys}

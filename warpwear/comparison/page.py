@@ -26,10 +26,9 @@ from warpwear.study.text import readable
 from warpwear.version import __version__
 
 #: What answers a comparison: name of a quantity, what to call it, its unit, and the factor to that.
+NAMES = ("patch_along", "patch_across", "area_contact", "pressure_mean", "volume_sphere", "volume_disc")
 ANSWERS = tuple(
-    (name, ENDS[name].label, ENDS[name].unit, ENDS[name].factor)
-    for name in ("patch_along", "patch_across", "area_contact", "pressure_mean")
-    + ("volume_sphere", "volume_disc", "cof", "shear_strength")
+    (name, ENDS[name].label, ENDS[name].unit, ENDS[name].factor) for name in (*NAMES, "cof", "shear_strength")
 )
 #: More groups than this are rows of what differs, not columns; values of a key listed for a group.
 BESIDE, LISTED = 4, 4

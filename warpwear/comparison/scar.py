@@ -39,7 +39,7 @@ FOOT = 1e-3
 
 @dataclass(frozen=True)
 class ScarFiles:
-    """Files of a worn disc and of its place before, None without one, and how they are read."""
+    """Hold files of a worn disc and of its place before, None without one, and how they are read."""
 
     after: Path
     before: Path | None = None
@@ -48,7 +48,7 @@ class ScarFiles:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ComputedScar:
-    """What a run has taken off the disc, at the points of the measured scar."""
+    """Hold what a run has taken off the disc, at the points of the measured scar."""
 
     name: str
     lost: FloatArray  # [mm], shape (nx, ny)
@@ -61,7 +61,7 @@ class ComputedScar:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ScarComparison:
-    """A measured scar and those of runs, each laid where it agrees with the measured one best."""
+    """Hold a measured scar and those of runs, each laid where it agrees with the measured one best."""
 
     files: ScarFiles
     measured: Patch
@@ -73,7 +73,7 @@ class ScarComparison:
 
     @property
     def extent(self) -> tuple[float, float, float, float]:
-        """First x, last x, first y, last y of the field [mm]."""
+        """Return the first x, last x, first y, last y of the field [mm]."""
         return extent(self.x, self.y, self.measured.pixel[0] / 2, self.measured.pixel[1] / 2)
 
 
@@ -112,33 +112,12 @@ def _computed(
 
     through: whether the scar is a groove through the field, of which no place along it is another.
     """
-    with Result.open(run.folder) as result:
-        last = len(result.snapshots) - 1
-        if run.study.is_swept:
-            track = blocks(result, last, BLOCKS)
-            lost, ends = track.loss, track.extent
-        else:
-            lost, half = result.snapshot(last).wear_disc, 0.5 * run.study.grid.cell
-            ends = extent(result.x, result.y, half, half)
-        sq = float(surface_evolution(result).table["sq_disc"][-1])
-    if not lost.max() > 0.0:
-        raise InputError(f"{run.folder} has worn nothing off the disc: there is no scar to compare with")
+    lost, ends, sq = _taken_off(run)
     steps = [(b - a) / n for (a, b), n in zip((ends[:2], ends[2:]), lost.shape, strict=True)]
     grid = [a + (np.arange(n) + 0.5) * d for a, n, d in zip(ends[::2], lost.shape, steps, strict=True)]
     worn = lost > FOOT * lost.max()
     along, across = (float(worn.any(axis=1 - k).sum()) * steps[k] for k in (0, 1))
-    ratio = scar.across / across
-    if not 1.0 / ALIKE <= ratio <= ALIKE:
-        raise InputError(
-            f"--scar is {scar.across:.3g} mm wide, that of {run.name} {across:.3g} mm: the file's pixel has "
-            "another unit; --pixel overrides what it says"
-        )
-    deep = scar.depth / float(lost.max())
-    if not 1e-3 * ALIKE < deep < 1e3 / ALIKE:
-        raise InputError(
-            f"--scar is {1e3 * scar.depth:.3g} µm deep, that of {run.name} {1e3 * float(lost.max()):.3g} µm: "
-            "the file's heights have another unit; --height-unit overrides what it says"
-        )
+    _check_units(scar, run.name, across, float(lost.max()))
     centre = _middle(lost, *grid)
     smooth = ndimage.uniform_filter(
         lost, [max(1, round(p / d)) for p, d in zip(scar.pixel, steps, strict=True)], mode="nearest"
@@ -161,6 +140,38 @@ def _computed(
         across=across,
         sq=sq,
     )
+
+
+def _taken_off(run: RunData) -> tuple[FloatArray, tuple[float, float, float, float], float]:
+    """Return what a run has taken off its disc [mm], (nx, ny), the extent of that [mm], and Sq there [µm].
+
+    Raises InputError for a run that has worn nothing.
+    """
+    with Result.open(run.folder) as result:
+        last, half = len(result.snapshots) - 1, 0.5 * run.study.grid.cell
+        if run.study.is_swept:
+            track = blocks(result, last, BLOCKS)
+            lost, ends = track.loss, track.extent
+        else:
+            lost, ends = result.snapshot(last).wear_disc, extent(result.x, result.y, half, half)
+        sq = float(surface_evolution(result).table["sq_disc"][-1])
+    if not lost.max() > 0.0:
+        raise InputError(f"{run.folder} has worn nothing off the disc: there is no scar to compare with")
+    return lost, ends, sq
+
+
+def _check_units(scar: Patch, name: str, across: float, depth: float) -> None:
+    """Raise InputError for a scar so much wider or deeper than the computed one that its unit is another."""
+    if not 1.0 / ALIKE <= scar.across / across <= ALIKE:
+        raise InputError(
+            f"--scar is {scar.across:.3g} mm wide, that of {name} {across:.3g} mm: the file's pixel has "
+            "another unit; --pixel overrides what it says"
+        )
+    if not 1e-3 * ALIKE < scar.depth / depth < 1e3 / ALIKE:
+        raise InputError(
+            f"--scar is {1e3 * scar.depth:.3g} µm deep, that of {name} {1e3 * depth:.3g} µm: "
+            "the file's heights have another unit; --height-unit overrides what it says"
+        )
 
 
 def _middle(lost: FloatArray, x: FloatArray, y: FloatArray) -> tuple[float, float]:

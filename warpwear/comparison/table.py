@@ -63,7 +63,7 @@ def _of_experiment(experiment: Experiment) -> dict[str, Value]:
 
 
 def _mean(values: Sequence[Value]) -> Value:
-    """The value of one run; of several the mean of numbers, and words as often as they differ."""
+    """Return the value of one run; of several the mean of numbers, and words as often as they differ."""
     known = list(dict.fromkeys(value for value in values if value is not None))
     if len(known) < 2:
         return known[0] if known else None
@@ -72,7 +72,7 @@ def _mean(values: Sequence[Value]) -> Value:
 
 
 def _scatter(values: Sequence[Value]) -> Value:
-    """The standard deviation of two numbers or more."""
+    """Return the standard deviation of two numbers or more."""
     numbers = [value for value in values if isinstance(value, int | float)]
     return statistics.stdev(numbers) if len(numbers) > 1 else None
 

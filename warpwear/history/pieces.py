@@ -34,7 +34,7 @@ class PieceBook:
 
     @property
     def table(self) -> FloatArray:
-        """All pieces in the order in which they left, shape (pieces, columns); may be set."""
+        """Return all pieces in the order in which they left, shape (pieces, columns); may be set."""
         self._parts = [np.concatenate(self._parts)]
         return self._parts[0]
 

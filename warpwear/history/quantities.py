@@ -38,7 +38,7 @@ BODIES = ("sphere", "disc")
 
 @dataclass(frozen=True)
 class Quantity:
-    """One quantity of a result.
+    """Declare one quantity of a result.
 
     only: a name of `ONLY`, None where all runs have it. booked: whether the step itself says it, so that
     checkpoints keep it; if not, it follows from the whole history at the end of a run.
@@ -71,21 +71,21 @@ class Quantity:
 
     @property
     def unit(self) -> str:
-        """The unit that people see; empty for a number without one."""
+        """Return the unit that people see; empty for a number without one."""
         return self.shown_unit or printed(self.units)
 
     @property
     def axis(self) -> str:
-        """Text of an axis: the label with its unit."""
+        """Write the text of an axis: the label with its unit."""
         return axis(self.label or self.meaning, self.unit)
 
     @property
     def family_axis(self) -> str:
-        """Text of an axis that it shares with the others of its family."""
+        """Write the text of an axis that it shares with the others of its family."""
         return axis(self.family or self.label, self.unit)
 
     def scaled(self, values: FloatArray) -> FloatArray:
-        """Values in the unit that people see."""
+        """Return values in the unit that people see."""
         return self.factor * values
 
 
@@ -96,18 +96,16 @@ def printed(text: str) -> str:
 
 
 def axis(label: str, unit: str) -> str:
-    """Text of an axis, '–' for a number without unit."""
+    """Write the text of an axis, '–' for a number without unit."""
     return f"{label}, {unit or '–'}"
 
 
-def _look(
-    label: str, colour: str = "NEUTRAL", dash: str = "solid", *, short: str = "", **others: Any
-) -> dict[str, Any]:
-    return {"label": label, "colour": colour, "dash": dash, "short": short or label, **others}
+def _look(label: str, colour: str = "NEUTRAL", dash: str = "solid", **others: Any) -> dict[str, Any]:
+    return {"label": label, "colour": colour, "dash": dash, **others}
 
 
 def _of_bodies(prefix: str, label: str, **others: Any) -> dict[str, dict[str, Any]]:
-    """Looks of a quantity that both bodies have, which are told apart by one colour and dash each."""
+    """Declare how a quantity of both bodies is shown, each by a colour and dash of its own."""
     lines, others = {"sphere": ("SPHERE", "dash"), "disc": ("DISC", "solid")}, {"family": label} | others
     return {
         f"{prefix}_{body}": _look(f"{label} of the {body}", *line, short=body, **others)
@@ -121,7 +119,6 @@ _MICRONS: dict[str, Any] = {"factor": 1.0e3, "shown_unit": "µm"}
 #: Name of a quantity -> how it is shown, of those that figures and tables for people have.
 LOOKS: dict[str, dict[str, Any]] = {
     "distance": _look("sliding distance"),
-    "time": _look("sliding time"),
     "approach": _look("approach of the bodies", **_MICRONS),
     "load": _look("normal load"),
     "area_contact": _look("area in contact", "CONTACT", short="in contact", **_AREA),
@@ -138,14 +135,6 @@ LOOKS: dict[str, dict[str, Any]] = {
     **_of_bodies("wear_depth", "deepest wear", family="depth of the deepest cell", **_MICRONS),
     "cof": _look("coefficient of friction"),
     "bare_fraction": _look("bare fraction of the area in contact", "DISC"),
-    "pressure": _look("pressure", log=True),
-    **_of_bodies("wear", "wear depth", **_MICRONS),
-    "load_share": _look("load of a patch"),
-    "area_patch": _look("area in contact of a patch"),
-    **_of_bodies("sq", "Sq in the inner scar"),
-    **_of_bodies("sdq", "Sdq in the inner scar"),
-    **_of_bodies("rq", "Rq along sliding in the inner scar"),
-    "islands": _look("islands of contact"),
     "diameter": _look("diameter as cut", **_MICRONS),
 }
 
@@ -271,7 +260,7 @@ QUANTITIES = tuple(_quantities())
 
 
 def per(what: Per) -> tuple[Quantity, ...]:
-    """The quantities that have one value for each of these, in the order of their declaration."""
+    """Return the quantities that have one value for each of these, in the order of their declaration."""
     return tuple(quantity for quantity in QUANTITIES if quantity.per == what)
 
 

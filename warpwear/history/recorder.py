@@ -39,7 +39,7 @@ def divided(sums: Mapping[str, Number], fractions: tuple[float, float]) -> dict[
 
 
 class Ledger:
-    """The books of one contact: its last row, and the largest of what only ever grows.
+    """Keep the books of one contact: its last row, and the largest of what only ever grows.
 
     row: columns of the last step, 0 before the first. most: by the names of `kernels.cells.MAXIMA`. weight:
     area that a cell stands for over its own. margin: cells along the edge that must not be touched.
@@ -77,7 +77,7 @@ class Ledger:
 
     @property
     def columns(self) -> tuple[int, int]:
-        """First column that was ever touched, and the one after the last; 0, 0 before the first step."""
+        """Return the first column ever touched, and the one after the last; 0, 0 before the first step."""
         first, last = self.most["first_column"], self.most["last_column"]
         return (int(-first), int(last) + 1) if math.isfinite(first) else (0, 0)
 
@@ -201,7 +201,7 @@ class Ledger:
         return row
 
     def _inside(self, rows: int, columns: int) -> tuple[float, ...]:
-        """Extents of what leaves so many rows and columns along each edge."""
+        """Return the extents of what leaves so many rows and columns along each edge."""
         return -rows, self._grid.nx - rows - 1, -columns, self._grid.ny - columns - 1
 
     def _flags(self) -> tuple[bool, bool]:

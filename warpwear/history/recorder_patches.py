@@ -17,7 +17,7 @@ from warpwear.laws.task import ContactTask
 
 @dataclass(frozen=True, eq=False)
 class Worn:
-    """What a step did to the patches; of loads and areas one value a patch."""
+    """Hold what a step did to the patches; of loads and areas one value a patch."""
 
     total: dict[str, float]  # over all patches, by the names of `kernels.cells.PATCH_SUMS`
     most: dict[str, float]  # by those of `PATCH_MAXIMA`; "worn" is by both bodies
@@ -30,7 +30,7 @@ class Worn:
 
 
 def bytes_of_book(steps: int, patches: int) -> int:
-    """What the tables take of memory at most: as they grow and, for a checkpoint, as they are written."""
+    """Return the memory that the tables take at most: as they grow and as a checkpoint writes them."""
     return 2 * len(PATCH_TABLES) * 8 * steps * patches
 
 
@@ -44,17 +44,17 @@ class PatchBook:
         self._rows: dict[str, list[FloatArray]] = {table.name: [] for table in PATCH_TABLES}
 
     def enter(self, **row: FloatArray) -> None:
-        """Values of one step by the names of `PATCH_TABLES`, shape (patches,) each."""
+        """Add the values of one step by the names of `PATCH_TABLES`, shape (patches,) each."""
         for name, values in row.items():
             self._rows[name].append(values)
 
     def table(self, name: str) -> FloatArray:
-        """Shape (steps, patches)."""
+        """Return a table, shape (steps, patches)."""
         return np.array(self._rows[name]).reshape(-1, self.patches.count)
 
     @property
     def tables(self) -> dict[str, FloatArray]:
-        """Every table, by name; may be set."""
+        """Return every table, by name; may be set."""
         return {name: self.table(name) for name in self._rows}
 
     @tables.setter
@@ -63,7 +63,7 @@ class PatchBook:
 
 
 class PatchLedger:
-    """Books of patches whose sphere and disc wear in one proportion.
+    """Keep the books of patches whose sphere and disc wear in one proportion.
 
     patches: in the order of the macro cells, in which the book has them.
     """
@@ -83,32 +83,32 @@ class PatchLedger:
 
     @property
     def row(self) -> dict[str, float]:
-        """Columns of the last step; 0 before the first."""
+        """Return the columns of the last step; 0 before the first."""
         return self._ledger.row
 
     @property
     def most(self) -> dict[str, float]:
-        """The largest so far, by the names of `kernels.cells.MAXIMA`."""
+        """Return the largest so far, by the names of `kernels.cells.MAXIMA`."""
         return self._ledger.most
 
     def removals(self, later: float, increment: float) -> tuple[float, float]:
-        """K ΔL of sphere and disc [mm³/N] for an increment that starts `later` mm from now."""
+        """Return K ΔL of sphere and disc [mm³/N] for an increment that starts `later` mm from now."""
         return self._task.removals(self.row["distance"] + later, increment)
 
     @property
     def foundation(self) -> float:
-        """K_N of the next step [N/mm³], which may follow the scar; inf where it plays no part."""
+        """Return K_N of the next step [N/mm³], which may follow the scar; inf where it plays no part."""
         if not self._task.uses_bulk_stiffness:
             return math.inf
         return self._task.bulk_stiffness_at(math.sqrt(self.row["area_nominal"] / math.pi) or None)
 
     @property
     def within(self) -> tuple[float, ...]:
-        """Extents of what is touched neither at the edge nor at the rim, by `kernels.cells.EXTENTS`."""
+        """Return extents of what is touched neither at edge nor at rim, by `kernels.cells.EXTENTS`."""
         return self._ledger.within
 
     def worn(self, sums: dict[str, FloatArray], most: dict[str, float], **others: Any) -> Worn:
-        """What a step did, by its sums over each patch; 0 for those that never touched."""
+        """Return what a step did, by its sums over each patch; 0 for those that never touched."""
         total = {name: float(values.sum()) for name, values in sums.items()}
         loads, areas = (sums[name] * self._of_cell for name in ("pressure", "contact"))
         return Worn(total, most, loads, areas, **others)
@@ -146,7 +146,7 @@ class PatchLedger:
         worn: FloatArray,
         bare: FloatArray | None = None,
     ) -> Snapshot:
-        """The fields after a step that was asked for its pressure, at its distance [mm].
+        """Return the fields after a step that was asked for its pressure, at its distance [mm].
 
         Over the whole domain; what no patch covers has neither pressure nor wear, and no gap (NaN). gap,
         worn, bare: the gap, what both bodies lost of it [mm], and which cells are bare of film, as `patches`

@@ -19,7 +19,7 @@ Value = TypeVar("Value")
 
 
 class UnknownColumnError(InputError, KeyError):
-    """A column that a history does not have."""
+    """Refuse a column that a history does not have."""
 
     __str__ = Exception.__str__  # a KeyError shows its sentence in quotes
 
@@ -36,7 +36,7 @@ class Named(dict[str, Value]):
 
 
 class History(Named[FloatArray]):
-    """Column name -> one value a step, shape (steps,)."""
+    """Map the name of a column to one value a step, shape (steps,)."""
 
     _says = "history has no column"
 
@@ -54,7 +54,7 @@ class History(Named[FloatArray]):
 
 
 class Rows:
-    """The rows of a run so far, as numbers in memory: a whole track makes hundreds of thousands.
+    """Hold the rows of a run so far, as numbers in memory: a whole track makes hundreds of thousands.
 
     names: of the columns, those of the first row if none are given. table: rows to begin with, shape
     (rows, columns).
@@ -74,16 +74,16 @@ class Rows:
 
     @property
     def last(self) -> dict[str, float]:
-        """The last row, by the names of its columns."""
+        """Return the last row, by the names of its columns."""
         return dict(zip(self.names, self._values[-len(self.names) :], strict=True))
 
     @property
     def table(self) -> FloatArray:
-        """All rows, shape (rows, columns)."""
+        """Return all rows, shape (rows, columns)."""
         return np.array(self._values).reshape(len(self), len(self.names))
 
     def column(self, name: str) -> FloatArray:
-        """One value a row, shape (rows,); NaN for a column that the rows do not have."""
+        """Return one value a row, shape (rows,); NaN for a column that the rows do not have."""
         if name not in self.names:
             return np.full(len(self), math.nan)
         return np.array(self._values[self.names.index(name) :: len(self.names)])

@@ -12,7 +12,7 @@ from warpwear.surfaces.base import BoolArray
 
 @dataclass(frozen=True, repr=False)
 class Snapshot:
-    """Fields at one sliding distance, each of shape (nx, ny), axis 0 along the sliding direction.
+    """Hold the fields at one sliding distance, each of shape (nx, ny), axis 0 along the sliding direction.
 
     distance [mm]. pressure [MPa], solved in the step that ends here. wear_sphere, wear_disc: depths worn off
     [mm]. gap [mm], after the step's wear, without elastic deformation. plastic_disc: depth displaced for good
@@ -50,7 +50,7 @@ class Snapshot:
         return f"<Snapshot at {self.distance:g} mm, {nx} × {ny} cells: {', '.join(self.fields)}>"
 
     def share_on(self, filled: BoolArray) -> float:
-        """Share of the load on points of the disc that were not measured, a field as that of its wear.
+        """Return the share of the load on points of the disc that were not measured.
 
         At rest it is that of the step. Of a swept run it is the mean over its way so far, by the wear of the
         disc, or, where that does not wear, that of the step.
@@ -64,13 +64,15 @@ class Snapshot:
 
     @property
     def wear_beneath(self) -> FloatArray:
-        """Wear of the disc under the sphere's domain [mm], shape (nx, ny)."""
+        """Return the wear of the disc under the sphere's domain [mm], shape (nx, ny)."""
         return self.wear_disc if self.row is None else np.asarray(self.beneath(self.wear_disc))
 
     @property
     def touched(self) -> BoolArray:
-        """Cells ever touched, shape (nx, ny): of a swept run those of the sphere, or of the disc beneath a
-        sphere that does not wear."""
+        """Return the cells ever touched, shape (nx, ny).
+
+        Of a swept run they are those of the sphere, or of the disc beneath a sphere that does not wear.
+        """
         touched = (self.wear_sphere > 0.0) | (self.pressure > 0.0)
         if self.row is not None and self.wear_sphere.any():
             return np.asarray(touched)
@@ -78,25 +80,25 @@ class Snapshot:
 
     @cached_property
     def scar(self) -> tuple[slice, slice]:
-        """Rows and columns from the first to the last touched cell; none where no cell is."""
+        """Return the rows and columns from the first to the last touched cell; none where no cell is."""
         return extents(self.touched)
 
     @property
     def lost_beneath(self) -> FloatArray:
-        """What is gone of the disc under the sphere's domain [mm]: worn, or displaced for good."""
+        """Return what is gone of the disc under the sphere's domain [mm]: worn, or displaced for good."""
         if self.plastic_disc is None:
             return self.wear_beneath
         return np.asarray(self.wear_beneath + self.beneath(self.plastic_disc))
 
     def beneath(self, field: Any) -> Any:
-        """The part of a field of the track, shape (rows, ny), under the sphere's domain, shape (nx, ny)."""
+        """Cut the part under the sphere's domain, shape (nx, ny), out of a field of the track, (rows, ny)."""
         assert self.row is not None
         rows = np.arange(self.row, self.row + self.pressure.shape[0]) % field.shape[0]
         return np.asarray(field[rows])
 
 
 def extents(where: BoolArray) -> tuple[slice, slice]:
-    """Rows and columns from the first to the last that has a place; none where there is no place."""
+    """Return the rows and columns from the first to the last that has a place; none where there is none."""
     lines = (np.flatnonzero(where.any(axis=axis)) for axis in (1, 0))
     rows, columns = (slice(at[0], at[-1] + 1) if at.size else slice(0, 0) for at in lines)
     return rows, columns

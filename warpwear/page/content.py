@@ -80,7 +80,7 @@ def made_here(content: dict[str, Any], pictures: Mapping[str, bytes]) -> bytes:
 
 
 def statics(content: Mapping[str, Any]) -> list[str]:
-    """Names of the figures that stand for plots where no script draws."""
+    """Name the figures that stand for plots where no script draws."""
     return [*dict.fromkeys(name for section in content["sections"] for name in section.figures)]
 
 

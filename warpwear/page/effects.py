@@ -15,7 +15,7 @@ from warpwear.study.study import Study
 
 
 class Weight(IntEnum):
-    """How much hangs on an assumption."""
+    """Say how much hangs on an assumption."""
 
     DECIDES = 0  # a number at the top of the page is in proportion to it, or nearly
     CHANGES = 1
@@ -61,7 +61,7 @@ def _numbers(study: Study, s: dict[str, Any]) -> dict[str, Any]:
 
 
 def _capped(s: dict[str, Any]) -> float:
-    """Percentage of the area in contact that is at the hardness at the end."""
+    """Return the percentage of the area in contact that is at the hardness at the end."""
     area = s["area_mm2"]
     return 100.0 * float(area["plastic"] / area["contact"]) if area["contact"] else 0.0
 

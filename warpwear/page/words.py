@@ -20,7 +20,7 @@ APPROACH = "from the mean planes; below zero only peaks reach across"
 
 @dataclass(frozen=True)
 class Answer:
-    """A number at the top. error: its uncertainty as far as known. given: how far it is an input."""
+    """Hold a number at the top. error: its uncertainty as far as known. given: how far it is an input."""
 
     label: str
     value: str
@@ -128,12 +128,12 @@ def _cof(s: dict[str, Any]) -> Answer:
     label, value = ENDS["cof"].label.capitalize(), f"{s['cof']['end']:.3g}"
     if s["cof_input"] == "end":
         return Answer(label, value, "", "", note, f"An input: {tau} is fitted so that it is met")
-    given = f"{tau} is"
+    subject = f"{tau} is"
     if film := s.get("film"):
         under = film["shear_strength_MPa"]["film"]
-        given = f"its shear strengths, {under:.3g} MPa of film and {strength:.3g} bare, are"
+        subject = f"its shear strengths, {under:.3g} MPa of film and {strength:.3g} bare, are"
     error = "as good as the shear strength"
-    return Answer(label, value, "", error, note, f"Not predicted: {given} {source_of(s)}")
+    return Answer(label, value, "", error, note, f"Not predicted: {subject} {source_of(s)}")
 
 
 def minus(text: str) -> str:

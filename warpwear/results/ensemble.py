@@ -23,7 +23,7 @@ LONGEST = 60
 
 
 def that_matter(study: Study) -> dict[str, Any]:
-    """The sections of a resolved study, without what no number of its result depends on."""
+    """Return the sections of a resolved study, without what no number of its result depends on."""
     sections = tomllib.loads(study.to_toml())
     for section, keys in NO_MATTER.items():
         for key in keys or [*sections.get(section, ())]:
@@ -32,7 +32,7 @@ def that_matter(study: Study) -> dict[str, Any]:
 
 
 def dotted(sections: Mapping[str, Any], above: str = "") -> dict[str, Any]:
-    """The values of tables in tables by their dotted keys."""
+    """Return the values of tables in tables by their dotted keys."""
     flat: dict[str, Any] = {}
     for key, value in sections.items():
         flat |= dotted(value, f"{above}{key}.") if isinstance(value, Mapping) else {f"{above}{key}": value}
@@ -40,7 +40,7 @@ def dotted(sections: Mapping[str, Any], above: str = "") -> dict[str, Any]:
 
 
 def short_names(keys: Sequence[str]) -> dict[str, str]:
-    """Dotted key -> its last part, as far as that says which of the keys it is."""
+    """Map each dotted key to its last part, as far as that says which of the keys it is."""
     ends = [key.rpartition(".")[2] for key in keys]
     plain = {end for end in ends if ends.count(end) == 1 and end not in BODIES}
     return {key: end if end in plain else key for key, end in zip(keys, ends, strict=True)}
@@ -62,7 +62,7 @@ def is_label(key: str) -> bool:
 
 
 def at(places: FloatArray, distance: FloatArray, values: FloatArray) -> FloatArray:
-    """Values between those known, straight lines; NaN beyond the ends but for round-off."""
+    """Interpolate between known values by straight lines; NaN beyond the ends but for round-off."""
     if distance.size == places.size and np.array_equal(distance, places):
         return values
     room = 1e-9 * float(np.abs(distance[[0, -1]]).max())
@@ -71,7 +71,7 @@ def at(places: FloatArray, distance: FloatArray, values: FloatArray) -> FloatArr
 
 
 def band(values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Mean, 5th and 95th percentile of courses, (runs, places); each (places,), NaN where none is known."""
+    """Return mean, 5th and 95th percentile, (places,) each, of courses (runs, places); NaN of none known."""
     numbers = np.isfinite(values).sum(axis=0)
     courses = np.full((3, values.shape[1]), np.nan)
     # Of places that all runs reach at once; nanpercentile goes place by place.

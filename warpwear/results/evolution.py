@@ -29,14 +29,14 @@ PLACES = 16
 
 @dataclass(frozen=True)
 class SurfaceEvolution:
-    """One row a snapshot: `table[name]` of shape (snapshots,), and the area of every island [mm²]."""
+    """Hold one row a snapshot: `table[name]` of shape (snapshots,), and the area of every island [mm²]."""
 
     table: dict[str, FloatArray]
     island_areas: tuple[FloatArray, ...]
 
 
 def surface_evolution(result: ResultFile) -> SurfaceEvolution:
-    """Roughness parameters (ISO 25178-2) and islands at every snapshot of a result, computed once."""
+    """Return roughness (ISO 25178-2) and islands at every snapshot of a result, computed once."""
     return result.once(_surface_evolution)
 
 
@@ -53,7 +53,7 @@ def _surface_evolution(result: ResultFile) -> SurfaceEvolution:
 
 
 def _of_snapshot(result: ResultFile, index: int, snapshot: Snapshot) -> tuple[dict[str, float], FloatArray]:
-    """The row of a snapshot, and the areas of its islands [mm²]."""
+    """Return the row of a snapshot, and the areas of its islands [mm²]."""
     islands, critical = island_areas(result, snapshot), result.study.critical_diameter
     # The edges of patches that cover a part of the area cut islands: their number and sizes mean nothing.
     one_cell = np.nan if result.study.samples_area else 1.5 * result.study.cells.cell_area
@@ -70,13 +70,13 @@ def _of_snapshot(result: ResultFile, index: int, snapshot: Snapshot) -> tuple[di
 
 
 def island_areas(result: ResultFile, snapshot: Snapshot) -> FloatArray:
-    """Areas [mm²] of the connected regions in contact, shape (islands,)."""
+    """Return the areas [mm²] of the connected regions in contact, shape (islands,)."""
     pressed = snapshot.pressure > 0.0
     return np.asarray(_sizes(pressed[extents(pressed)]) * result.study.cells.cell_area)
 
 
 def _sizes(where: BoolArray) -> FloatArray:
-    """Cells of each region connected by sides, in the order of their first cells, shape (regions,).
+    """Count the cells of each region connected by sides, in the order of their first cells, shape (regions,).
 
     Runs of cells along rows are joined: to be imported, `scipy.ndimage` takes longer than this.
     """
@@ -101,7 +101,7 @@ def _sizes(where: BoolArray) -> FloatArray:
 
 
 def _count_islands(areas: FloatArray, one_cell: float) -> dict[str, float]:
-    """Numbers of a row. one_cell: areas below are of a single cell [mm²]; NaN where islands are cut."""
+    """Count and size islands. one_cell: areas below are of a single cell [mm²]; NaN where they are cut."""
     numbers = {
         "islands": float(areas.size),
         "islands_of_one_cell": float((areas < one_cell).sum()),
@@ -112,7 +112,7 @@ def _count_islands(areas: FloatArray, one_cell: float) -> dict[str, float]:
 
 
 def _roughness_in_scar(heights: FloatArray) -> dict[str, float]:
-    """Roughness of the worn disc in the middle of the scar, without its ragged rim, which is hardly worn.
+    """Measure the worn disc in the middle of the scar, without its ragged rim, which is hardly worn.
 
     heights: of the disc in the extents of the touched cells [mm]. The scar is the ellipse in them; its middle
     has the same shape and half the area. Cells between islands of contact count: without them valleys would
@@ -132,7 +132,7 @@ def inner_scar(
     disc: FloatArray | None = None,
     unworn: bool = False,
 ) -> list[FloatArray]:
-    """Heights [mm] of a body in the middle of the scar, half as long and wide, at snapshot number `index`.
+    """Return heights [mm] of a body in the middle of the scar, half as long and wide, at snapshot `index`.
 
     One field; of the disc of a swept run one for each of some places along the track, evenly apart: one
     place has too few asperities to tell the roughness of a track. disc: its heights in the whole scar, where
@@ -163,13 +163,13 @@ def inner_scar(
 
 
 def _texture(result: ResultFile, fields: list[FloatArray]) -> Texture:
-    """Roughness of a body in the inner scar, root mean squares over its fields."""
+    """Return the roughness of a body in the inner scar, root mean squares over its fields."""
     each = [astuple(texture(heights, cell=result.study.grid.cell)) for heights in fields]
     return Texture(*(float(value) for value in np.sqrt(np.mean(np.square(each), axis=0))))
 
 
 def spectrum_in_scar(result: ResultFile, index: int, snapshot: Snapshot, body: str) -> Spectrum | None:
-    """The power spectrum of a body in the inner scar at snapshot number `index`, the mean over its fields.
+    """Return the power spectrum of a body in the inner scar at snapshot `index`, the mean over its fields.
 
     None where the scar is too small, or patches cover a part of it.
     """
@@ -181,7 +181,7 @@ def spectrum_in_scar(result: ResultFile, index: int, snapshot: Snapshot, body: s
 
 
 def settling_course(result: ResultFile, body: str) -> tuple[FloatArray, FloatArray]:
-    """Distances [mm] and Sq [µm] of a body in the inner scar, from before wear on, as it is fitted.
+    """Return distances [mm] and Sq [µm] of a body in the inner scar from before wear on, to be fitted.
 
     A ball is smooth before. The inner scar grows, and a disc's Sq with it: it is taken over that of the same
     cells unworn, times that of the last ones.
@@ -197,5 +197,5 @@ def settling_course(result: ResultFile, body: str) -> tuple[FloatArray, FloatArr
 
 
 def settling(result: ResultFile, body: str) -> Settling | str:
-    """The fitted course of a body's Sq [µm] in the inner scar, or half a sentence that says why not."""
+    """Fit the course of a body's Sq [µm] in the inner scar, or say in half a sentence why not."""
     return fit_settling(*settling_course(result, body))

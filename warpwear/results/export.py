@@ -32,7 +32,7 @@ EVERY = "all"
 
 @dataclass(frozen=True)
 class Format:
-    """A format that results are written in.
+    """Describe a format that results are written in.
 
     files: names the files of a job and what writes them; holds: what stands in them, for people; takes: which
     options change them; packages: what must be installed; every: whether it has all snapshots by default.
@@ -154,7 +154,7 @@ def _write_all(folder: Path, writers: dict[str, Callable[[Path], None]]) -> list
 def numbers_of(
     result: ResultFile, snapshot: int | str | Sequence[int | str] | None
 ) -> tuple[int, ...] | None:
-    """Numbers of the snapshots that are asked for, each once and in their order; None for None.
+    """Number the snapshots that are asked for, each once and in their order; None for None.
 
     Raises InputError for those that are not there.
     """

@@ -18,7 +18,7 @@ VALUES = 19
 
 @dataclass(frozen=True)
 class Row:
-    """One quantity of a report.
+    """Declare one quantity of a report.
 
     label: its name for people; "" where JSON alone has it. key: its name in JSON, with its unit at the end;
     "" where people alone see it. value: a number in that unit, a text, None where it is unknown (and then no
@@ -40,7 +40,7 @@ class Row:
 
     @property
     def units(self) -> str:
-        """Unit as people write it; empty for a number without one."""
+        """Return the unit as people write it; empty for a number without one."""
         if self.unit is not None:
             return self.unit
         parts = self.key.split("_")
@@ -49,7 +49,7 @@ class Row:
 
     @property
     def number(self) -> str:
-        """Value with its error, without its unit: '0.0071 ± 0.0004'."""
+        """Write the value with its error, without its unit: '0.0071 ± 0.0004'."""
         error = None if self.error is None else self.error[1]
         if self.scientific:
             return scientific(self.value, error, digits=self.digits)
@@ -58,7 +58,7 @@ class Row:
 
     @property
     def text(self) -> str:
-        """Everything that stands behind the label."""
+        """Write everything that stands behind the label."""
         if self.sentence is not None:
             return self.sentence
         number = self.number
@@ -155,7 +155,7 @@ def without_nan(content: Any) -> Any:
 
 
 def finite(value: float) -> float | None:
-    """A number for JSON, which has no infinity and no NaN: None for these."""
+    """Return a number for JSON, None for infinity and NaN, which it has no words for."""
     return float(value) if math.isfinite(value) else None
 
 

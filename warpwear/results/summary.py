@@ -55,7 +55,7 @@ def summary_text(rows: Sequence[Row]) -> str:
 
 
 def last_values(result: ResultFile) -> dict[str, float]:
-    """Column of the history -> its value at the end, which of a swept run may be that of the last pass."""
+    """Map each column of the history to its end value, which of a swept run may be of the last pass."""
     study, history = result.study, result.history
     end = Named({name: float(values[-1]) for name, values in history.items()})
     for name in OF_A_PASS:
@@ -275,19 +275,19 @@ def _checks(result: ResultFile, end: dict[str, float]) -> list[Row]:
 
 
 def _off_archard(end: dict[str, float], body: str) -> float:
-    """Part by which worn and pending volume are off Archard's; the volume itself where his is 0."""
+    """Return the part by which worn and pending volume are off Archard's; the volume where his is 0."""
     volume = end[f"wear_volume_{body}"] + end.get(f"pending_volume_{body}", 0.0)
     expected = end[f"archard_volume_{body}"]
     return (volume - expected) / expected if expected else volume
 
 
 def bare_course(result: ResultFile) -> Breaking | str:
-    """The fitted course of the bare fraction, or half a sentence that says why there is none."""
+    """Return the fitted course of the bare fraction, or half a sentence that says why there is none."""
     return fit_breaking(*course(result, "bare_fraction"))
 
 
 def shape_of_growth(distance: FloatArray, values: FloatArray) -> dict[str, float]:
-    """How a quantity grows with the distance slid.
+    """Return how a quantity grows with the distance slid.
 
     exponent: m = d ln(value) / d ln(distance) over the second half (least squares). levelling: λ, the slope
     over the second half by that over 1/80 to 1/10 of the distance (secants). A straight line from the origin
@@ -307,8 +307,11 @@ def shape_of_growth(distance: FloatArray, values: FloatArray) -> dict[str, float
 
 
 def course(result: ResultFile, name: str) -> tuple[FloatArray, FloatArray]:
-    """Distance [mm] and values of a column: of a swept run the means of its whole passes, whose ends differ
-    from their middles, at the middles."""
+    """Return distance [mm] and values of a column.
+
+    Of a swept run they are the means of its whole passes, whose ends differ from their middles, at the
+    middles.
+    """
     history, stroke = result.history, result.study.lap
     if stroke is None or history["distance"][-1] == 0.0:  # at rest, or a static contact
         return history["distance"], history[name]
@@ -321,7 +324,7 @@ def course(result: ResultFile, name: str) -> tuple[FloatArray, FloatArray]:
 
 
 def _shape(distance: FloatArray, values: FloatArray) -> dict[str, float] | None:
-    """How a quantity grows, as `shape_of_growth`.
+    """Return how a quantity grows, as `shape_of_growth`.
 
     None for too few steps, for a late start, and for values that are not known or, late, not positive.
     """

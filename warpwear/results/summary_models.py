@@ -113,7 +113,7 @@ def _half_space(result: ResultFile) -> Row:
 
 
 def _certified(history: Mapping[str, FloatArray]) -> dict[str, Any]:
-    """What the certificates of the pressures say; nothing of a result without them."""
+    """Return what the certificates of the pressures say; nothing of a result without them."""
     if "violation" not in history:
         return {}
     known = ~np.isnan(history["violation"])
@@ -253,7 +253,7 @@ def _inner_scar(result: ResultFile, body: str) -> Row:
     if sq is None:
         return Row("", body, numbers)
     text = f"Sq {sq:.3g} µm" + (f" of {unworn:.3g} µm unworn" if unworn else "")
-    text += f", Sdq {sdq:.2g}, along sliding Rq {rq:.3g} µm"
+    text += f", Sdq {shown(sdq, 2)}, along sliding Rq {shown(rq, 3)} µm"  # not known between patches
     if not isinstance(fit, str):
         error = float(f"{fit.length_error:.2g}")
         level = f"{fit.equilibrium:.3g} ± {fit.equilibrium_error:.1g} µm"

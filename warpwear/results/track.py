@@ -20,7 +20,7 @@ SHORT = 1.0e-3
 
 @dataclass(frozen=True)
 class Groove:
-    """The disc's loss at one snapshot, worn or displaced: means along the part that whole passes slide over.
+    """Hold the disc's loss at one snapshot, worn or displaced: means along what whole passes slide over.
 
     Within the first pass that includes what the sphere has not reached yet.
     """
@@ -32,27 +32,27 @@ class Groove:
 
     @property
     def depth(self) -> FloatArray:
-        """Mean depth that is gone [mm], shape (ny,)."""
+        """Return the mean depth that is gone [mm], shape (ny,)."""
         return self.worn + self.displaced
 
     @property
     def width(self) -> float:
-        """Width of the cells that lost anything [mm]."""
+        """Return the width of the cells that lost anything [mm]."""
         return float(np.count_nonzero(self.depth)) * float(self.y[1] - self.y[0])
 
     @property
     def section(self) -> float:
-        """Area of the cross-section that is gone [mm²]."""
+        """Return the area of the cross-section that is gone [mm²]."""
         return float(self.depth.sum()) * float(self.y[1] - self.y[0])
 
     @property
     def mean_depth(self) -> float:
-        """Mean of the depth over the width [mm]; 0 where nothing is gone."""
+        """Return the mean of the depth over the width [mm]; 0 where nothing is gone."""
         return self.section / self.width if self.width else 0.0
 
 
 def whole_rows(result: ResultFile) -> slice:
-    """Rows that every part of the contact slides over in a whole pass: not those at the ends of a stroke."""
+    """Return the rows that all of the contact slides over in a pass: not those at the ends of a stroke."""
     track = result.study.track
     if track.periodic:
         return slice(0, track.rows)
@@ -62,7 +62,7 @@ def whole_rows(result: ResultFile) -> slice:
 
 
 def groove(result: ResultFile, index: int) -> Groove:
-    """The groove at snapshot number `index`."""
+    """Return the groove at snapshot number `index`."""
     rows = whole_rows(result)
     worn, displaced = np.zeros(result.y.size), np.zeros(result.y.size)
     for first in range(rows.start, rows.stop, ROWS):
@@ -75,7 +75,7 @@ def groove(result: ResultFile, index: int) -> Groove:
 
 
 def depth_along(result: ResultFile, index: int, bins: int) -> tuple[FloatArray, FloatArray]:
-    """Places along the track [mm], at most `bins`, and the groove's mean depth around each [mm]."""
+    """Return places along the track [mm], at most `bins`, and the groove's mean depth around each [mm]."""
     rows = result.track_x.size
     width = groove(result, index).width
     per_bin = -(-rows // bins)
@@ -91,7 +91,7 @@ def depth_along(result: ResultFile, index: int, bins: int) -> tuple[FloatArray, 
 
 @dataclass(frozen=True)
 class Blocks:
-    """Fields of the whole track, means of blocks, shape (along, across)."""
+    """Hold fields of the whole track, means of blocks, shape (along, across)."""
 
     heights: FloatArray  # as worn [mm]
     loss: FloatArray  # worn or displaced [mm]
@@ -99,7 +99,7 @@ class Blocks:
 
 
 def blocks(result: ResultFile, index: int, most: int) -> Blocks:
-    """The track at snapshot number `index`, in at most `most` blocks along either side."""
+    """Return the track at snapshot number `index`, in at most `most` blocks along either side."""
     rows, columns = result.track_x.size, result.y.size
     along, across = -(-rows // most), -(-columns // most)
     nx, ny = rows // along, columns // across
@@ -117,12 +117,12 @@ def blocks(result: ResultFile, index: int, most: int) -> Blocks:
 
 
 def extent(x: FloatArray, y: FloatArray, half_x: float, half_y: float) -> tuple[float, float, float, float]:
-    """First x, last x, first y, last y of a field whose cells reach half_x and half_y beyond places x, y."""
+    """Return first x, last x, first y, last y of cells that reach half_x and half_y beyond places x, y."""
     return float(x[0]) - half_x, float(x[-1]) + half_x, float(y[0]) - half_y, float(y[-1]) + half_y
 
 
 def roughness_in_track(result: ResultFile) -> dict[str, FloatArray]:
-    """Height parameters [µm] in the middle of the groove, unworn and at every snapshot, over `passes`.
+    """Return height parameters [µm] in the middle of the groove, unworn and at each snapshot, over `passes`.
 
     The middle half of the final patch's width, so that all are of the same cells; its form is taken off.
     """
@@ -142,13 +142,13 @@ def roughness_in_track(result: ResultFile) -> dict[str, FloatArray]:
 
 
 def pass_numbers(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.int_]]":
-    """The number of the pass that each step belongs to, from 0."""
+    """Return the number of the pass that each step belongs to, from 0."""
     passes = result.history["distance"] / result.study.track.stroke
     return np.maximum(np.ceil(passes - 1.0e-9).astype(int), 1) - 1
 
 
 def whole_steps(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
-    """Which steps are as long as the others: not those that the end of a pass or of the run cuts short.
+    """Tell which steps are as long as the others: not those that the end of a pass or of the run cuts.
 
     A step that is implicit in the wear yields by K p ΔL: a short one has less area, so less friction, and
     higher pressures, which say nothing of the track. All steps of a sphere that does not slide over one.
@@ -160,7 +160,7 @@ def whole_steps(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.bool_
 
 
 def by_pass(result: ResultFile, *means: str) -> dict[str, FloatArray]:
-    """One value a pass, of which the last may be short.
+    """Return one value a pass, of which the last may be short.
 
     `number` (from 1), `distance` slid in it [mm], volumes lost in it [mm³], and means over its distance of
     the columns of the history that are asked for.

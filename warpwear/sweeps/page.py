@@ -27,8 +27,11 @@ BANDS = "Mean of each group, in a band of 5 to 95 % of its runs where it has sev
 #: End values at the top and in the table of runs: column, what to call it, unit, factor to that.
 ANSWERS = tuple(
     (quantity.name, quantity.label.capitalize(), quantity.unit, quantity.factor)
-    for quantity in (ENDS["patch_across"], ENDS["area_contact"], ENDS["pressure_mean"])
-    + (BY_NAME["wear_volume_disc"], ENDS["cof"])
+    for quantity in (
+        *(ENDS[name] for name in ("patch_across", "area_contact", "pressure_mean")),
+        BY_NAME["wear_volume_disc"],
+        ENDS["cof"],
+    )
 )
 
 
