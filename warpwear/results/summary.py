@@ -35,7 +35,7 @@ def summarise(result: ResultFile) -> dict[str, Any]:
         end[name] = friction.mean_over(history, history[name], "end", study.lap)
     end["pressure_max"] = float(history["pressure_max"][friction.within(history, "end", study.lap)].max())
     sphere, disc = study.wear_coefficients
-    load = study.contact.load
+    load, law = study.contact.load, study.friction.law
     asked = disc * load * end["distance"]
     stiffness = study.bulk_stiffness() if study.uses_bulk_stiffness else study.contact_law().stiffness
     return {
@@ -68,17 +68,15 @@ def summarise(result: ResultFile) -> dict[str, Any]:
         },
         "cof_input": study.friction.fitted,
         "shear_strength_MPa": _finite(
-            friction.final_strength(
-                study.friction, history, load=load, finished=result.finished, lap=study.lap
-            )
+            law.final_strength(history, load=load, finished=result.finished, lap=study.lap)
         ),
         "shear_strength_of_softer_body_MPa": _finite(study.shear_limit),
         "cof_area": study.friction.area,
         "cof_shape": _shape(*course(result, "cof")),
         "area_shape": _shape(*course(result, f"area_{study.friction.area}")),
         "cof_reference": study.friction.coefficient,
-        "shear_strength_MPa_for_reference": friction.calibrations(
-            study.friction, history, load=load, hardness=study.indentation_hardness, lap=study.lap
+        "shear_strength_MPa_for_reference": law.calibrations(
+            history, load=load, hardness=study.indentation_hardness, lap=study.lap
         ),
         "hertz": _elastic(study),
         "foundation_N_per_mm3": _finite(stiffness),
