@@ -104,7 +104,8 @@ def wear(**options: Any) -> None:
 def friction(**options: Any) -> None:
     """Shear strength τ0 of μ = μ_p + τ0 A/F, from a measured coefficient or curve.
 
-    The areas of a run are contact, touched, cumulative and nominal; a fit uses contact unless told otherwise.
+    The areas of a run are contact, touched, cumulative and nominal; a fit uses the run's friction.area unless
+    told otherwise.
     """
     click.echo(friction_command.calibrate_friction(**options))
 

@@ -13,14 +13,16 @@ from warpwear.grid import FloatArray
 from warpwear.inference.data import SHOWN, Data, data_of
 from warpwear.inference.identify import identify
 from warpwear.inference.likelihood import Posterior
-from warpwear.inference.model import Model
+from warpwear.inference.model import Model, columns_for
 from warpwear.inference.next_test import best_tests, candidates_of, repeats_needed
 from warpwear.inference.report import write_report
 from warpwear.inference.result import Inference, conflicts_of
 from warpwear.inference.runs import make_runs
 from warpwear.inference.sampler import sample
 from warpwear.inference.unknowns import Unknown, noise_of, unknowns_of
+from warpwear.laws.friction import FITTED, STRENGTH
 from warpwear.measured.course import Experiment
+from warpwear.study.keys import inapplicable
 from warpwear.study.study import Study
 
 #: Draws of the priors that are compared with the data.
@@ -78,7 +80,7 @@ def infer_from(
     """Find unknowns of a study from data that are read; see `infer`."""
     unknowns = unknowns_of(study, unknown)
     noise = noise_for(data, unknown)
-    _check_friction(study, unknowns, data)
+    _check_unknowns(study, unknowns, data)
     with _folder(out) as folder:
 
         def model_of(other: Study) -> Model:
@@ -166,29 +168,35 @@ def _within(what: str, value: float, computed: FloatArray, room: float, kind: st
         )
 
 
-def _check_friction(study: Study, unknowns: Sequence[Unknown], data: Data) -> None:
-    """Raise InputError where friction was measured and its shear strength is neither known nor sought."""
-    keys = {unknown.key for unknown in unknowns}
-    friction = study.friction
-    if data.distance.size and friction.shear_strength is None and "friction.shear_strength" not in keys:
+def _check_unknowns(study: Study, unknowns: Sequence[Unknown], data: Data) -> None:
+    """Raise InputError for unknowns that the study does not use, or that nothing follows from."""
+    unused = inapplicable(study)
+    for unknown in unknowns:
+        if unknown.key.removeprefix("friction.") in FITTED:
+            raise InputError(
+                f"{unknown.key} cannot be an unknown: it is measured, and says what friction.shear_strength "
+                "is; allowed is that one, with the coefficient as a measured value (--cof)"
+            )
+        if unknown.key in unused:
+            raise InputError(
+                f"{unknown.key} cannot be an unknown: it {unused[unknown.key]}; allowed are keys that the "
+                "study uses"
+            )
+    medians = {unknown.key: float(unknown.values(np.zeros(1))[0]) for unknown in unknowns}
+    study.replace({u.key: u.text(medians[u.key]) for u in unknowns if u.key.startswith("friction.")})
+    law = study.friction.law_with(medians)
+    if data.distance.size and law.values[STRENGTH] is None:
         raise InputError(
             "friction.shear_strength is neither given nor unknown: the study calibrates it to "
-            "friction.coefficient; give "
-            "it as an unknown with a prior, such as 'friction.shear_strength=log-uniform 1 .. 100 MPa'"
+            "friction.coefficient; give it as an unknown with a prior, such as "
+            "'friction.shear_strength=log-uniform 1 .. 100 MPa'"
         )
-    pair = {"friction.initial_ratio": friction.initial_ratio, "friction.running_in": friction.running_in}
-    given = {key for key, value in pair.items() if value is not None or key in keys}
-    if len(given) == 1:
-        raise InputError(
-            f"{' and '.join(pair)} need each other: the other one has to be given, or unknown too"
-        )
-    if friction.film is None and "friction.film.shear_strength" in keys:
-        raise InputError("friction.film.shear_strength is unknown, and the study has no [friction.film]")
-    for key in ("wear.decay", "wear.running_in", "wear.initial_sphere", "wear.initial_disc"):
-        law = "exponential" if key == "wear.decay" else "running-in"
-        if key in keys and study.wear.law != law:
+    columns = columns_for(law, 1.0, np.ones(1), np.ones(1))
+    for factor in law.factors:
+        if beyond := set(factor.columns) - set(columns):
             raise InputError(
-                f"{key} is unknown, and the study has wear.law = '{study.wear.law}': it belongs to '{law}'"
+                f"{' and '.join(f'friction.{key}' for key in factor.keys)} cannot be inferred with: the "
+                f"strength follows {', '.join(sorted(beyond))} of a run; allowed are {', '.join(columns)}"
             )
 
 

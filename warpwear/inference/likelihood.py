@@ -18,9 +18,10 @@ from warpwear.grid import FloatArray
 from warpwear.inference.data import Data
 from warpwear.inference.model import Model
 from warpwear.inference.unknowns import Unknown
+from warpwear.laws.friction import FILM_STRENGTH, PLOUGHING, STRENGTH
 
-#: Strengths that friction is linear in.
-LINEAR = ("friction.ploughing", "friction.shear_strength", "friction.film.shear_strength")
+#: Keys that friction is linear in.
+LINEAR = tuple(f"friction.{key}" for key in (PLOUGHING, STRENGTH, FILM_STRENGTH))
 #: Scatter of areas, as a part of them, that is rounding.
 EXACT = 1e-9
 #: Correlation lengths beyond which residuals are independent to the last digit.

@@ -102,7 +102,7 @@ def calibrated(found: Inference) -> str:
     Unknowns that go together are drawn together: a list of joint draws instead of distributions.
     """
     unknowns = found.posterior.model.unknowns
-    medians = {u.key: _written(u, float(np.median(found.values[u.key]))) for u in unknowns}
+    medians = {u.key: u.text(float(np.median(found.values[u.key]))) for u in unknowns}
     try:
         study = found.study.replace(medians)
     except InputError as error:
@@ -114,7 +114,7 @@ def calibrated(found: Inference) -> str:
         section: dict[str, Any] = {"design": "sobol", "samples": SAMPLES}
         told = "# The unknowns hardly go together: each has a distribution of its own.\n"
     else:
-        vary = {u.key: [_written(u, float(v)) for v in found.values[u.key][:SAMPLES]] for u in unknowns}
+        vary = {u.key: [u.text(float(v)) for v in found.values[u.key][:SAMPLES]] for u in unknowns}
         section = {"design": "zip", "band_over": [u.key for u in unknowns]}
         told = f"# The unknowns go together: {SAMPLES} joint draws of the posterior.\n"
     head = "# Calibrated by `warpwear calibrate bayes`: medians, and below their uncertainty for a sweep.\n"
@@ -127,11 +127,6 @@ def _shown(value: float) -> str:
         return f"{value:.3g}"
     first, power = f"{value:.2e}".split("e")
     return f"{first}·10{str(int(power)).translate(fs.RAISED)}"
-
-
-def _written(unknown: Unknown, value: float) -> str | float:
-    value = float(f"{value:.6g}")
-    return f"{value!r} {unknown.unit}" if unknown.unit else value
 
 
 def _distribution(unknown: Unknown, found: Inference) -> str:

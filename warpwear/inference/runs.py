@@ -1,5 +1,6 @@
 """Runs that an inference stands on: one where results only scale, else a Sobol design made by a sweep."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,6 +12,8 @@ from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.inference.unknowns import Unknown
+from warpwear.laws.archard import BODIES, LAWS_OF_KEY
+from warpwear.laws.friction import NUMBERS
 from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
 from warpwear.results.summary import course
@@ -23,22 +26,14 @@ from warpwear.sweeps.table import RUNS
 ndimage, signal = lazy.module("scipy.ndimage"), lazy.module("scipy.signal")
 
 #: Unknowns of the wear laws: of a contact at rest they change only how fast the run goes.
-WEAR = (
-    "wear.sphere",
-    "wear.disc",
-    "wear.decay",
-    "wear.running_in",
-    "wear.initial_sphere",
-    "wear.initial_disc",
-)
-#: Unknowns of friction that need no run.
-FRICTION = ("friction.ploughing", "friction.shear_strength", "friction.initial_ratio", "friction.running_in")
+WEAR = tuple(f"wear.{key}" for key in LAWS_OF_KEY)
+#: Unknowns of friction that need no run, unless junctions grow by their strength.
+FRICTION = tuple(f"friction.{key}" for key in NUMBERS)
 #: Places of a normal prior between which the runs reach.
 REACH = 3.3
 #: A scar that the field does not hold is made smaller by this factor of the wear until it does.
 SMALLER = 0.85
 MOST_CUTS = 40
-BODIES = ("sphere", "disc")
 #: Points of a course between runs.
 POINTS = 240
 #: Points along which a smooth course is a polynomial of this degree (Savitzky and Golay, 1964).
@@ -114,7 +109,7 @@ def needs_runs(study: Study, key: str, *, scaled: bool) -> bool:
     """Tell whether an unknown changes the contact, so that other values need other runs."""
     if key in WEAR:
         return not scaled
-    if key in FRICTION or key == "friction.film.shear_strength":
+    if key in FRICTION:
         return study.friction.junction_growth > 0.0 and key.endswith("shear_strength")
     return True
 
@@ -186,13 +181,13 @@ def _reaching(study: Study, unknowns: Sequence[Unknown], out: Path, device: str)
 
     It wears by Archard's constant law: the others only change how soon it gets as far.
     """
-    fastest = [law.fastest for law in study.wear_laws]
-    for unknown in unknowns:
-        if unknown.key in ("wear.sphere", "wear.initial_sphere", "wear.disc", "wear.initial_disc"):
-            body = unknown.key.endswith("disc")
-            fastest[body] = max(fastest[body], 1e-3 * float(unknown.values(np.array(REACH))))
-    if not any(unknown.key in WEAR for unknown in unknowns) and study.wear.law == "archard":
+    wear = [unknown for unknown in unknowns if unknown.key in WEAR]
+    if not wear and study.wear.law == "archard":
         return study, ""
+    ends = [unknown.values(np.array([-REACH, REACH])) for unknown in wear]
+    corners = [dict(zip((u.key for u in wear), corner, strict=True)) for corner in itertools.product(*ends)]
+    laws = [study.wear_laws, *(study.wear.laws(study.wear_hardness, corner) for corner in corners)]
+    fastest = [max(pair[body].fastest for pair in laws) for body in range(len(BODIES))]
     part = 1.0
     for _ in range(MOST_CUTS):
         texts = {

@@ -105,6 +105,11 @@ class Unknown:
             return math.log(a) - 0.5 * spread**2, spread
         return (math.log(a), math.log(b)) if self.is_logarithmic else (a, b)
 
+    def text(self, value: float) -> str | float:
+        """Write a value as studies do."""
+        value = float(f"{value:.6g}")
+        return f"{value!r} {self.unit}" if self.unit else value
+
     def _scale(self, value: float) -> float:
         return math.log(value) if self.is_logarithmic else value
 

@@ -89,10 +89,10 @@ class FrictionLaw:
             tau = rf"\left(\tau_\mathrm{{f}} + ({tau} - \tau_\mathrm{{f}}) \varphi\right)"
         return r"\mu_\mathrm{p} + " * bool(self.values[PLOUGHING]) + rf"{tau} \, A / F"
 
-    def factor(self, history: Mapping[str, FloatArray]) -> FloatArray:
-        """Return the shear strength of bare contact over τ0 at every step."""
+    def factor(self, history: Mapping[str, FloatArray], strength: str = STRENGTH) -> FloatArray:
+        """Return the shear strength over the given one at every step; 1 for that of a film."""
         product = np.ones_like(history["distance"])
-        for factor in self.factors:
+        for factor in self.factors if strength == STRENGTH else ():
             product = product * factor.of(history, *(self.values[key] for key in factor.keys))
         return product
 
