@@ -187,7 +187,7 @@ def _reaching(study: Study, unknowns: Sequence[Unknown], out: Path, device: str)
     ends = [unknown.values(np.array([-REACH, REACH])) for unknown in wear]
     corners = [dict(zip((u.key for u in wear), corner, strict=True)) for corner in itertools.product(*ends)]
     laws = [study.wear_laws, *(study.wear.laws(study.wear_hardness, corner) for corner in corners)]
-    fastest = [max(pair[body].fastest for pair in laws) for body in range(len(BODIES))]
+    fastest = [float(max(pair[body].fastest for pair in laws)) for body in range(len(BODIES))]
     part = 1.0
     for _ in range(MOST_CUTS):
         texts = {
