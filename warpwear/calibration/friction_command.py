@@ -174,8 +174,8 @@ def _of_curve(
         Row("load F", "load_N", load, digits=6),
     ]
     rows = [*source, *_fit_rows(fit)]
-    study = Row("in a study", "", _in_study(fit, area=area))
-    return rows, ["least squares of μ = μ_p + τ0 A/F", *lines([*rows, study])]
+    in_study = Row("in a study", "", _in_study(fit, area=area))
+    return rows, ["least squares of μ = μ_p + τ0 A/F", *lines([*rows, in_study])]
 
 
 def _fit_rows(fit: FrictionFit) -> list[Row]:

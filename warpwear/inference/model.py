@@ -103,7 +103,8 @@ class Model:
         law = self._friction_law(values)
         worn = self._worn(values, distance[None])
         areas = {key: self._looked_up(*course, values, worn) for key, course in self._strengths.items()}
-        history = columns_for(law, load, distance[None], sum(area for area, _, _ in areas.values()))
+        area = np.sum([area for area, _, _ in areas.values()], axis=0)
+        history = columns_for(law, load, distance[None], area)
         terms = {"friction.ploughing": np.ones((count, distance.size))}
         errors = [np.zeros((count, 0, distance.size))]
         square = np.zeros((count, distance.size))

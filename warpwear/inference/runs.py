@@ -12,7 +12,8 @@ from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.inference.unknowns import Unknown
-from warpwear.laws.archard import BODIES, LAWS_OF_KEY
+from warpwear.laws import archard
+from warpwear.laws.archard import BODIES
 from warpwear.laws.friction import NUMBERS
 from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
@@ -26,7 +27,7 @@ from warpwear.sweeps.table import RUNS
 ndimage, signal = lazy.module("scipy.ndimage"), lazy.module("scipy.signal")
 
 #: Unknowns of the wear laws: of a contact at rest they change only how fast the run goes.
-WEAR = tuple(f"wear.{key}" for key in LAWS_OF_KEY)
+WEAR = tuple(f"wear.{key}" for key in sorted(archard.KEYS))
 #: Unknowns of friction that need no run, unless junctions grow by their strength.
 FRICTION = tuple(f"friction.{key}" for key in NUMBERS)
 #: Places of a normal prior between which the runs reach.

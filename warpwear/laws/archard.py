@@ -6,7 +6,7 @@ a law calls it, with plain numbers or with arrays of them.
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, Self, TypeVar
 
@@ -28,7 +28,7 @@ class WearLaw:
 
     name: ClassVar[str] = "archard"
     #: Number -> key of [wear]; with {body}, the sphere and the disc have a K of their own.
-    keys: ClassVar[Mapping[str, str]] = {"steady": "{body}"}
+    keys: ClassVar[dict[str, str]] = {"steady": "{body}"}
     #: K over the distance L, in LaTeX.
     formula: ClassVar[str] = "K"
     #: What a paper says of the law, with {key} for the values of keys; empty where K is constant.
@@ -121,22 +121,18 @@ class BearingCurveLaw(WearLaw):
 
 #: Value of `wear.law` -> law.
 WEAR_LAWS = {law.name: law for law in (WearLaw, ExponentialLaw, RunningInLaw, BearingCurveLaw)}
-#: Every key of [wear] that is a number of a law -> names of the laws; COEFFICIENTS are those that are a K.
-LAWS_OF_KEY = {
-    key.format(body=body): tuple(name for name, law in WEAR_LAWS.items() if key in law.keys.values())
-    for every in WEAR_LAWS.values()
-    for key in every.keys.values()
-    for body in BODIES
-}
-COEFFICIENTS = tuple(key for key in LAWS_OF_KEY if key.endswith(BODIES))
+#: Keys of [wear] that are numbers of a law, and those of them that are a K.
+KEYS = {key.format(body=body) for law in WEAR_LAWS.values() for key in law.keys.values() for body in BODIES}
+COEFFICIENTS = {key for key in KEYS if key.endswith(BODIES)}
 
 
 def said(laws: tuple[WearLaw, WearLaw]) -> str:
     """Say in half a sentence what is not constant about the laws of sphere and disc; K in mm³/(N·m)."""
-    numbers: dict[str, float] = {}
-    for body, law in zip(BODIES, laws, strict=True):
-        for name, key in law.keys.items():
-            numbers[key.format(body=body)] = getattr(law, name) * (1.0e3 if "{body}" in key else 1.0)
+    numbers = {
+        key.format(body=body): getattr(law, name) * (1.0e3 if "{body}" in key else 1.0)
+        for body, law in zip(BODIES, laws, strict=True)
+        for name, key in law.keys.items()
+    }
     return laws[0].sentence.format(**numbers)
 
 
@@ -158,8 +154,7 @@ def _of_decay(start: float, increment: Number, length: float) -> Number:
     # NumPy's own exp may differ in the last digit from one processor to the next: runs take that of C.
     arrays = any(isinstance(value, np.ndarray) for value in (start, increment, length))
     functions: Any = np if arrays else math
-    found: Number = -length * functions.exp(-start / length) * functions.expm1(-increment / length)
-    return found
+    return -length * functions.exp(-start / length) * functions.expm1(-increment / length)
 
 
 def distance_factor(grid: Grid, kind: Literal["none", "across", "radial"], *, curvature: float) -> FloatArray:

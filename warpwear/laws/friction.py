@@ -120,12 +120,7 @@ class FrictionLaw:
         return np.asarray(bare if filmed is None else filmed + (bare - filmed) * history["bare_fraction"])
 
     def final_strength(
-        self,
-        history: Mapping[str, FloatArray],
-        *,
-        load: float,
-        finished: bool,
-        lap: float | None = None,
+        self, history: Mapping[str, FloatArray], *, load: float, finished: bool, lap: float | None = None
     ) -> float:
         """Return τ0 [MPa], as given or as calibrated; NaN while it waits for the end.
 
@@ -133,8 +128,7 @@ class FrictionLaw:
         """
         values = self.values
         if values[STRENGTH] is not None:
-            tau: float = values[STRENGTH]
-            return tau
+            return values[STRENGTH]
         if values["calibrate"] == "end" and not finished:
             return math.nan
         return self.strength_for(history, values["calibrate"], area=self.area, load=load, lap=lap)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial, reduce
+from functools import partial
 from numbers import Real
 from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Literal, Self
@@ -257,9 +257,7 @@ class Friction(Section):
 
     def law_with(self, values: Mapping[str, Any] = UNCHANGED) -> FrictionLaw:
         """Return the law of friction. values: as of `Wear.laws`."""
-        own = {
-            key: reduce(lambda part, name: getattr(part, name, None), key.split("."), self) for key in KEYS
-        }
+        own = {key: _value(self, key) for key in KEYS}
         return FrictionLaw({key: values.get(f"friction.{key}", value) for key, value in own.items()})
 
     @property
@@ -311,6 +309,13 @@ class Friction(Section):
                 f"friction.area = '{self.area}' does not go with {named}, which shears the cells in contact: "
                 "allowed is 'contact'"
             )
+
+
+def _value(section: Any, key: str) -> Any:
+    """Return the value of a dotted key; None where a section on the way is not there."""
+    for name in key.split("."):
+        section = getattr(section, name, None)
+    return section
 
 
 class Junctions(Section):
