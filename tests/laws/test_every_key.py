@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -23,6 +23,7 @@ from warpwear.inference.infer import _check_unknowns
 from warpwear.inference.model import Model
 from warpwear.inference.runs import make_runs, needs_runs
 from warpwear.inference.unknowns import unknowns_of
+from warpwear.laws import archard
 from warpwear.laws.friction import FITTED, KEYS
 from warpwear.page.content import words_of
 from warpwear.results.summary import course
@@ -116,7 +117,9 @@ def keys() -> list[str]:
 
 def test_every_key_has_a_case() -> None:
     assert sorted(CASES) == sorted(keys())
-    assert {f"friction.{key}" for key in KEYS} <= set(CASES), "a number of the law without a key"
+    numbers = {f"friction.{key}" for key in KEYS} | {f"wear.{key}" for key in archard.KEYS}
+    assert numbers <= set(CASES), "a number of a law without a key"
+    assert {*get_args(Wear.model_fields["law"].annotation)} == {*archard.WEAR_LAWS}, "a law without a value"
 
 
 @dataclass(frozen=True)

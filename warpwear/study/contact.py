@@ -11,7 +11,7 @@ from pydantic import Field, PlainSerializer, PlainValidator
 
 from warpwear.laws.archard import BODIES, COEFFICIENTS, WEAR_LAWS, WearLaw
 from warpwear.laws.elastic import MATCHES
-from warpwear.laws.friction import KEYS, FrictionLaw
+from warpwear.laws.friction import FACTORS, KEYS, FrictionLaw
 from warpwear.study.keys import Length, Pressure, Section, key, when
 from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, Range, parse, text
 
@@ -275,8 +275,9 @@ class Friction(Section):
         self._check_film(measured)
         if self.shear_strength is not None and measured:
             raise ValueError(f"friction.shear_strength and friction.{max(measured)} exclude each other")
-        if (self.initial_ratio is None) != (self.running_in is None):
-            raise ValueError("friction.initial_ratio and friction.running_in need each other")
+        for factor in FACTORS:
+            if len({getattr(self, name) is None for name in factor.keys}) > 1:
+                raise ValueError(f"{' and '.join(f'friction.{k}' for k in factor.keys)} need each other")
         if self.shear_strength is None and self.coefficient <= self.ploughing:
             raise ValueError(
                 f"friction.coefficient = {self.coefficient:g} must exceed friction.ploughing = "
