@@ -136,8 +136,7 @@ def _repeated(values: list[Measured]) -> tuple[list[Measured], list[str]]:
             values = [replace(v, error=ratio * v.error) if v.kind == kind else v for v in values]
             notes.append(
                 f"{KINDS[kind][1]}: {len(same)} tests scatter {ratio:.2g} times as much as their "
-                "uncertainties say, which "
-                "were widened by that."
+                "uncertainties say, which were widened by that."
             )
     return values, notes
 
@@ -202,9 +201,8 @@ def _course(study: Study, given: Experiment | str | Path, columns: str | None) -
     inside = (distance > 0.0) & (distance <= study.sliding.total * (1.0 + 1e-9))
     if inside.sum() < FEWEST:
         raise InputError(
-            f"{name} has {inside.sum()} points from 0 to {study.sliding.total:g} mm, which the study "
-            "slides: at least "
-            f"{FEWEST} are needed"
+            f"{name} has {inside.sum()} points from 0 to {study.sliding.total:g} mm, which the study slides: "
+            f"at least {FEWEST} are needed"
         )
     notes = list(experiment.notes) + list(experiment.warnings)
     if not inside.all():
@@ -250,6 +248,5 @@ def _check_load(path: Path, load: float) -> None:
         if abs(typical - load) > LOAD_OFF * load:
             raise InputError(
                 f"{path}: the normal force is {typical:.3g} N in the middle, the study has contact.load = "
-                f"{load:g} N: "
-                "they have to agree"
+                f"{load:g} N: they have to agree"
             )

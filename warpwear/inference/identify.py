@@ -187,8 +187,7 @@ def _why(posterior: Posterior, group: tuple[str, ...]) -> str:
     if set(group) == wear and posterior.model.runs.scaled:
         return (
             "At rest, area and scar follow from the sum of both wears alone; a worn volume of one body, or "
-            "the section of the "
-            "groove, tells them apart."
+            "the section of the groove, tells them apart."
         )
     strength = any(key.endswith("shear_strength") for key in group)
     if strength and "friction.ploughing" in group:
@@ -198,8 +197,7 @@ def _why(posterior: Posterior, group: tuple[str, ...]) -> str:
         )
     if strength and len(group) > 1:
         return (
-            "Friction is the shear strength times the area: the higher the one, the lower the other. A "
-            "scar or a worn "
-            "volume tells how large the area is."
+            "Friction is the shear strength times the area: the higher the one, the lower the other. A scar "
+            "or a worn volume tells how large the area is."
         )
     return ""

@@ -83,8 +83,7 @@ def _candidate(text: str) -> Candidate:
         else:
             raise InputError(
                 f"the next test '{text}': {', '.join(ALLOWED)} and repeats with a value each are allowed, "
-                "such as "
-                "'contact.load=16 N, repeats=3'"
+                "such as 'contact.load=16 N, repeats=3'"
             )
     return Candidate(changes, repeats)
 

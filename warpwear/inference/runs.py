@@ -151,8 +151,7 @@ def make_runs(
         if failed:
             raise InputError(
                 f"{len(failed)} of {count} runs over the priors of {', '.join(u.key for u in inputs)} "
-                f"{failed[0]} "
-                "Narrower priors, or a study that can be run over all of them, are needed"
+                f"{failed[0]} Narrower priors, or a study that can be run over all of them, are needed"
             )
         columns = []
         for unknown in inputs:
