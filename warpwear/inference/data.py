@@ -49,11 +49,16 @@ class Measured:
     at: float | None = None
 
     @property
+    def unit(self) -> str:
+        """The unit as people write it; empty for a coefficient."""
+        unit = KINDS[self.kind][0]
+        return SHOWN.get(unit, unit)
+
+    @property
     def text(self) -> str:
         """The value for people."""
-        unit = SHOWN.get(KINDS[self.kind][0], KINDS[self.kind][0])
         where = "" if self.at is None else f" at {self.at:.4g} mm"
-        return f"{KINDS[self.kind][1]}{where}: {self.value:.4g} ± {self.error:.2g} {unit}".rstrip()
+        return f"{KINDS[self.kind][1]}{where}: {self.value:.4g} ± {self.error:.2g} {self.unit}".rstrip()
 
 
 @dataclass(frozen=True, eq=False)

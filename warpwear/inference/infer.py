@@ -10,7 +10,7 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.inference.data import SHOWN, Data, data_of
+from warpwear.inference.data import KINDS, SHOWN, Data, data_of
 from warpwear.inference.identify import identify
 from warpwear.inference.likelihood import Posterior
 from warpwear.inference.model import Model, columns_for
@@ -160,11 +160,10 @@ def check_priors(posterior: Posterior, *, seed: int) -> None:
 def _within(what: str, value: float, computed: FloatArray, room: float, kind: str) -> None:
     low, high = float(computed.min()), float(computed.max())
     if not low - room <= value <= high + room:
-        unit = {"diameter": "mm", "section": "mm^2"}.get(kind, "mm^3" if kind.startswith("volume") else "")
+        unit = f" {SHOWN.get(KINDS[kind][0], KINDS[kind][0])}".rstrip()
         raise InputError(
-            f"the priors exclude the data: over all of them the study computes {low:.3g} to {high:.3g} "
-            f"{SHOWN.get(unit, unit)}".rstrip()
-            + f", and measured is {what}; wider or other priors are needed"
+            f"the priors exclude the data: over all of them the study computes {low:.3g} to {high:.3g}{unit}"
+            f", and measured is {what}; wider or other priors are needed"
         )
 
 

@@ -40,7 +40,7 @@ NOISE = {
 class Unknown:
     """An unknown number: its key, its prior in the unit of the key, and the values that it may have.
 
-    told: whether the prior was given, not assumed. unit: empty for a number without one.
+    assumed: whether the prior was not given. unit: empty for a number without one.
     """
 
     key: str
@@ -48,7 +48,7 @@ class Unknown:
     unit: str = ""
     least: float = 0.0
     most: float = math.inf
-    told: bool = True
+    assumed: bool = False
 
     @property
     def is_logarithmic(self) -> bool:
@@ -155,7 +155,7 @@ def noise_of(given: Mapping[str, str | None], *, lengths: tuple[float, float], r
     for key, text in assumed.items():
         unit = "mm" if key == "noise.length" else ""
         prior = _in_unit(_read(given.get(key) or text, key), unit, key)
-        made = Unknown(key, prior, unit, told=given.get(key) is not None)
+        made = Unknown(key, prior, unit, assumed=given.get(key) is None)
         found.append(_within_allowed(made))
     return found
 
@@ -176,7 +176,7 @@ def _unknown(study: Study, key: str, text: str | None) -> Unknown:
     allowed = Range(or_equal=True) if kind is None else kind.range
     prior = _about(key, _value(study, key), unit) if text is None else _in_unit(_read(text, key), unit, key)
     most = allowed.most
-    return _within_allowed(Unknown(key, prior, unit, allowed.least, most, told=text is not None))
+    return _within_allowed(Unknown(key, prior, unit, allowed.least, most, assumed=text is None))
 
 
 def _inside(annotation: Any) -> list[Any]:
