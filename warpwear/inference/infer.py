@@ -1,6 +1,5 @@
 """From what was measured to the unknowns of a study, with their uncertainty: `warpwear.infer`."""
 
-import shutil
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -19,7 +18,7 @@ from warpwear.inference.report import write_report
 from warpwear.inference.result import Inference, conflicts_of
 from warpwear.inference.runs import make_runs
 from warpwear.inference.sampler import sample
-from warpwear.inference.unknowns import Unknown, noise_of, unknowns_of
+from warpwear.inference.unknowns import Unknown, noise_for, unknowns_of
 from warpwear.laws.friction import FITTED, STRENGTH
 from warpwear.measured.course import Experiment
 from warpwear.study.keys import inapplicable
@@ -59,9 +58,17 @@ def infer(
     """
     study = study if isinstance(study, Study) else Study.load(study)
     data = data_of(study, experiments, measured or {})
-    asked = dict(unknown) if isinstance(unknown, Mapping) else dict.fromkeys(unknown)
+    priors = dict(unknown) if isinstance(unknown, Mapping) else dict.fromkeys(unknown)
     return infer_from(
-        study, asked, data, target=target, candidates=candidates, out=out, runs=runs, seed=seed, device=device
+        study,
+        priors,
+        data,
+        target=target,
+        candidates=candidates,
+        out=out,
+        runs=runs,
+        seed=seed,
+        device=device,
     )
 
 
@@ -85,10 +92,10 @@ def infer_from(
 
         def model_of(other: Study) -> Model:
             rough = bool(data.kinds & {"sq_sphere", "sq_disc"})
-            made = make_runs(
+            of_other = make_runs(
                 other, unknowns, samples=runs, seed=seed, out=folder, device=device, roughness=rough
             )
-            return Model(other, tuple(unknowns), made, frozenset(data.kinds))
+            return Model(other, tuple(unknowns), of_other, frozenset(data.kinds))
 
         posterior = Posterior(model_of(study), tuple(noise), data)
         check_priors(posterior, seed=seed)
@@ -99,7 +106,7 @@ def infer_from(
             tried = candidates_of(study, candidates, cheap=not posterior.model.runs.inputs)
             tests = best_tests(posterior, values, target, tried, model_of)
         wear = [u.key for u in unknowns if u.key in ("wear.sphere", "wear.disc")]
-        found = Inference(
+        inference = Inference(
             posterior=posterior,
             samples=samples,
             values=values,
@@ -112,17 +119,8 @@ def infer_from(
             seed=seed,
         )
         if out is not None:
-            write_report(found, folder)
-    return found
-
-
-def noise_for(data: Data, unknown: Mapping[str, str | None]) -> list[Unknown]:
-    """Return the unknowns of the scatter of the courses in the data; none without a course."""
-    if not data.courses:
-        return []
-    spacing = min(float(np.median(np.diff(course.distance))) for course in data.courses)
-    longest = max(float(course.distance[-1]) for course in data.courses)
-    return noise_of(unknown, lengths=(spacing, longest), repeats=len(data.courses))
+            write_report(inference, folder)
+    return inference
 
 
 def check_priors(posterior: Posterior, *, seed: int) -> None:
@@ -203,15 +201,11 @@ def _check_unknowns(study: Study, unknowns: Sequence[Unknown], data: Data) -> No
 def _folder(out: str | Path | None) -> Iterator[Path]:
     if out is not None:
         folder = Path(out)
-        if folder.exists() and (
-            not folder.is_dir() or (any(folder.iterdir()) and not (folder / "runs").is_dir())
-        ):
+        empty = not folder.exists() or (folder.is_dir() and not any(folder.iterdir()))
+        if not empty and not (folder / "runs").is_dir():
             raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected")
         (folder / "runs").mkdir(parents=True, exist_ok=True)
         yield folder
         return
-    place = Path(tempfile.mkdtemp(prefix="warpwear-inference-"))
-    try:
-        yield place
-    finally:
-        shutil.rmtree(place, ignore_errors=True)
+    with tempfile.TemporaryDirectory(prefix="warpwear-inference-", ignore_cleanup_errors=True) as place:
+        yield Path(place)
