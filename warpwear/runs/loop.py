@@ -18,7 +18,6 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
 from warpwear.history.rows import Rows
 from warpwear.history.snapshot import Snapshot
-from warpwear.laws import friction
 from warpwear.results.check import check_snapshots
 from warpwear.results.seal import versions
 from warpwear.results.writer import ResultWriter
@@ -277,8 +276,8 @@ class StepLoop:
     def _history(self, *, finished: bool) -> dict[str, FloatArray]:
         history = {column.name: self._rows.column(column.name) for column in columns_of(self.study)}
         study = self.study
-        history["cof"] = friction.coefficient(
-            study.friction, history, load=study.contact.load, finished=finished, lap=study.lap
+        history["cof"] = study.friction.law.coefficient(
+            history, load=study.contact.load, finished=finished, lap=study.lap
         )
         return history
 
@@ -331,21 +330,20 @@ class StepLoop:
                 f"whose area it changes by more than {100.0 * AREA_ERROR:g} % by estimate: a smaller one is "
                 "needed."
             )
-        tau = friction.final_strength(
-            self.study.friction,
-            history,
-            load=self.study.contact.load,
-            finished=self.finished,
-            lap=self.study.lap,
+        friction = self.study.friction
+        tau = friction.law.final_strength(
+            history, load=self.study.contact.load, finished=self.finished, lap=self.study.lap
         )
-        law = self.study.friction
-        strengths = {"shear strength τ0": tau, "film's": law.film.shear_strength if law.film else 0.0}
+        strengths = {
+            "shear strength τ0": tau,
+            "film's": friction.film.shear_strength if friction.film else 0.0,
+        }
         limit = self.study.shear_limit
         for name, strength in strengths.items():
             if strength > limit:
                 self._add_warning(
-                    f"The {name} = {strength:.3g} MPa is beyond {law.limit} = {limit:.3g} MPa, which the "
-                    "softer body bears: it would shear instead of the interface."
+                    f"The {name} = {strength:.3g} MPa is beyond {friction.limit} = {limit:.3g} MPa, which "
+                    "the softer body bears: it would shear instead of the interface."
                 )
         cells = history["cells_in_contact"]
         if cells.min() < FEW_CELLS <= cells[0]:

@@ -12,7 +12,6 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import UNITS, columns_of
 from warpwear.history.rows import Named
 from warpwear.history.snapshot import Snapshot
-from warpwear.laws import friction
 from warpwear.study.study import Study
 
 
@@ -38,12 +37,11 @@ class RunStep:
         """
         names = [column.name for column in columns_of(self._study)]
         row = Named((name, self._booked.get(name, np.nan)) for name in names)
-        law = self._study.friction
-        if law.shear_strength is not None:
+        study = self._study
+        if study.friction.shear_strength is not None:
             history = {name: np.array([value]) for name, value in row.items()}
-            row["cof"] = float(
-                friction.coefficient(law, history, load=self._study.contact.load, finished=False)[0]
-            )
+            cof = study.friction.law.coefficient(history, load=study.contact.load, finished=False)
+            row["cof"] = float(cof[0])
         return row
 
     @property

@@ -1,13 +1,17 @@
 """[contact], [wear], [friction] and [junctions]: the laws of what touches."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from numbers import Real
+from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, PlainSerializer, PlainValidator
 
+from warpwear.laws.archard import BODIES, COEFFICIENTS, WEAR_LAWS, WearLaw
 from warpwear.laws.elastic import MATCHES
+from warpwear.laws.friction import FACTORS, KEYS, FrictionLaw
 from warpwear.study.keys import Length, Pressure, Section, key, when
 from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, Range, parse, text
 
@@ -31,6 +35,7 @@ fitted_key = partial(key, applies=FITTED, one_of="strength: measured")
 SHEDS = when("wear.sheds", otherwise="does not apply without a wear.particle: all wear leaves at once")
 shed_key = partial(key, applies=SHEDS)
 running_in_key = partial(key, applies=when("wear.law", "running-in"))
+UNCHANGED: Mapping[str, Any] = MappingProxyType({})
 
 
 class Contact(Section):
@@ -173,6 +178,23 @@ class Wear(Section):
         """True where worn volume leaves in pieces."""
         return self.particle is not None
 
+    def laws(self, hardness: float, values: Mapping[str, Any] = UNCHANGED) -> tuple[WearLaw, WearLaw]:
+        """Return the laws of sphere and disc. hardness: H of V = k F L / H [MPa].
+
+        values: dotted keys -> numbers, or arrays of them, in the keys' units, that replace the section's.
+        """
+
+        def number(key: str) -> Any:
+            value = values.get(f"wear.{key}")
+            if value is None:
+                value = getattr(self, key)
+            elif key in COEFFICIENTS:
+                value = ArchardCoefficient(value)
+            return value.resolved(hardness) if isinstance(value, ArchardCoefficient) else value
+
+        sphere, disc = (WEAR_LAWS[self.law].of(body, number) for body in BODIES)
+        return sphere, disc
+
     def _check(self) -> None:
         if self.sheds and self.particle_thickness is None:
             raise ValueError(
@@ -233,6 +255,16 @@ class Friction(Section):
         """Where the coefficient is an input, to which τ0 is fitted; None where τ0 is given."""
         return self.calibrate if self.shear_strength is None else None
 
+    def law_with(self, values: Mapping[str, Any] = UNCHANGED) -> FrictionLaw:
+        """Return the law of friction. values: as of `Wear.laws`."""
+        own = {key: value_in(self, key) for key in KEYS}
+        return FrictionLaw({key: values.get(f"friction.{key}", value) for key, value in own.items()})
+
+    @property
+    def law(self) -> FrictionLaw:
+        """The law by which a run's friction follows from its history."""
+        return self.law_with()
+
     @property
     def limit(self) -> str:
         """Formula of the shear stress that a body of hardness H bears."""
@@ -243,8 +275,9 @@ class Friction(Section):
         self._check_film(measured)
         if self.shear_strength is not None and measured:
             raise ValueError(f"friction.shear_strength and friction.{max(measured)} exclude each other")
-        if (self.initial_ratio is None) != (self.running_in is None):
-            raise ValueError("friction.initial_ratio and friction.running_in need each other")
+        for factor in FACTORS:
+            if len({getattr(self, name) is None for name in factor.keys}) > 1:
+                raise ValueError(f"{' and '.join(f'friction.{k}' for k in factor.keys)} need each other")
         if self.shear_strength is None and self.coefficient <= self.ploughing:
             raise ValueError(
                 f"friction.coefficient = {self.coefficient:g} must exceed friction.ploughing = "
@@ -277,6 +310,13 @@ class Friction(Section):
                 f"friction.area = '{self.area}' does not go with {named}, which shears the cells in contact: "
                 "allowed is 'contact'"
             )
+
+
+def value_in(section: Any, key: str) -> Any:
+    """Return the value of a dotted key of a study or a section; None where a section is not there."""
+    for name in key.split("."):
+        section = getattr(section, name, None)
+    return section
 
 
 class Junctions(Section):

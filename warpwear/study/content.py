@@ -15,7 +15,7 @@ from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
 from warpwear.laws.track import Track
 from warpwear.study.bodies import Disc, Sphere
-from warpwear.study.contact import ArchardCoefficient, Contact, Friction, Junctions, Wear
+from warpwear.study.contact import Contact, Friction, Junctions, Wear
 from warpwear.study.keys import Section, key, value_of, when
 from warpwear.study.motion import GridSection, Sliding, Stepping
 from warpwear.study.settings import About, Checks, Output, PatchesSection, Run
@@ -297,19 +297,13 @@ class Content(Section):
     @property
     def wear_laws(self) -> tuple[WearLaw, WearLaw]:
         """The laws by which sphere and disc wear."""
-        wear, given = self.wear, self.contact.hardness
-        hardness = (self.softer_hardness or math.inf) if given is None else given
+        return self.wear.laws(self.wear_hardness)
 
-        def of(steady: ArchardCoefficient, initial: ArchardCoefficient | None) -> WearLaw:
-            known = steady.resolved(hardness)
-            if wear.law == "exponential":
-                return WearLaw(known, decay=wear.decay)
-            if wear.law == "running-in":
-                at_first = initial.resolved(hardness) if initial else known
-                return WearLaw(known, initial=at_first, running_in=wear.running_in)
-            return WearLaw(known)
-
-        return of(wear.sphere, wear.initial_sphere), of(wear.disc, wear.initial_disc)
+    @property
+    def wear_hardness(self) -> float:
+        """H of V = k F L / H [MPa]: contact.hardness, or the softer body's."""
+        limit = self.contact.hardness
+        return (self.softer_hardness or math.inf) if limit is None else limit
 
     @property
     def cells(self) -> Grid:

@@ -89,7 +89,7 @@ def worn_patch(study: Content) -> float:
     curvature, load, total = study.sphere.curvature, study.contact.load, study.sliding.total
     if curvature == 0.0:
         return study.grid.extent
-    sphere, disc = (load * law.removal(0.0, total) for law in study.wear_laws)
+    sphere, disc = (load * law.wear_per_pressure(0.0, total) for law in study.wear_laws)
     lap = study.sliding.lap
     if not study.is_swept or lap is None:
         return float(2.0 * (4.0 * (sphere + disc) / (math.pi * curvature)) ** 0.25)

@@ -89,7 +89,7 @@ def row_of(result: Result) -> Row:
         "approach [mm]": 1.0e-3 * summary["approach_um"],
         **{f"area_{name} [mm^2]": value for name, value in summary["area_mm2"].items()},
         **{f"pressure_{name} [MPa]": value for name, value in summary["pressure_MPa"].items()},
-        "shear_strength [MPa]": strength_of(result.study, summary),
+        "shear_strength [MPa]": summary["shear_strength_MPa"],
     }
     ends |= {name: np.nan if value is None else float(value) for name, value in of_summary.items()}
     courses = {"distance": course(result, "distance")[0]}
@@ -98,16 +98,6 @@ def row_of(result: Result) -> Row:
     thinned = {name: np.asarray(values[keep], dtype=np.float64) for name, values in courses.items()}
     status = "done" if result.finished else "unfinished"
     return Row(status, float(result.record["elapsed_s"]), ends, thinned)
-
-
-def strength_of(study: Study, summary: dict[str, object]) -> float | None:
-    """The shear strength of a run [MPa], as given or as its calibration came to."""
-    given = study.friction.shear_strength
-    if given is not None or study.friction.calibrate is None:
-        return given
-    found = summary["shear_strength_MPa_for_reference"]
-    value = found.get(study.friction.calibrate) if isinstance(found, dict) else None
-    return None if value is None else float(value)
 
 
 @contextmanager

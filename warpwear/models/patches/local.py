@@ -19,7 +19,7 @@ from warpwear.kernels import patches as passes
 from warpwear.kernels.cells import EXTENTS, PATCH_MAXIMA, PATCH_SUMS
 from warpwear.kernels.two_scale import pressing
 from warpwear.kernels.two_scale import steps as kernels
-from warpwear.laws.archard import removals_of
+from warpwear.laws.archard import wear_in_steps
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.models.model import Model
@@ -196,7 +196,7 @@ class TwoScaleModel(Model):
         """
         task, row = self.task, self._ledger.row
         known = [*increments, *([] if then is None else [then])]
-        removals = removals_of(task.wear, row["distance"], known)
+        removals = wear_in_steps(task.wear, row["distance"], known)
         flexibility = 1.0 / self._ledger.foundation
         plan = self._steps.plan.numpy()
         plan[:, 0] = -1.0  # where no step follows

@@ -174,7 +174,7 @@ class SlidingHalfSpace:
             weight = of_part / cells
             shift = self.state.row_of(row(done, of_part), periodic=self.periodic)
             start = before["distance"] + increment * (done / cells)
-            removals = self.task.removals(start, increment * weight)
+            removals = self.task.wear_per_pressure(start, increment * weight)
             first, end = columns
             self._slides.set(
                 shift=shift,

@@ -23,7 +23,7 @@ from warpwear.kernels.running_in import recession
 from warpwear.kernels.slide import Slide
 from warpwear.kernels.sliding import Bodies, OfCells, OfRows, OfTiles, StepTables
 from warpwear.kernels.wear import BALANCE
-from warpwear.laws.archard import distance_factor, removals_of
+from warpwear.laws.archard import distance_factor, wear_in_steps
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
 from warpwear.models.booking import Found, booked
@@ -325,7 +325,7 @@ class SlidingContact:
     ) -> tuple[list[tuple[float, float]], bool]:
         """Tell the device of the next steps; return K ΔL of both bodies, and whether all are rigid."""
         task, row = self.task, self._ledger.row
-        removals = removals_of(task.wear, row["distance"], increments)
+        removals = wear_in_steps(task.wear, row["distance"], increments)
         own, dust, track = task.compliance_at(row["area_contact"]), task.dust, self._track_fraction
         rows = [self.state.row_of(shift, periodic=self.periodic) for shift in shifts[: len(removals)]]
         sphere, disc = np.array(removals).T
