@@ -21,6 +21,7 @@ import pytest
 import warpwear
 from warpwear import InputError, Study
 from warpwear.cli.main import main
+from warpwear.results.folder import LOCK
 from warpwear.sweeps.figures import courses
 from warpwear.sweeps.plan import Plan, section_of
 from warpwear.sweeps.pool import WorkerDiedError, Workers, local_workers
@@ -334,14 +335,13 @@ def test_two_keys_have_colours_and_kinds_of_line(swept: Any) -> None:
     assert swept.influence()["disc.synthetic.seed"] >= 0.0  # no order, no rank
 
 
-def test_lock_of_a_lost_computer_is_broken(tmp_path: Path) -> None:
-    """Whoever holds the lock of the system knows that the run there is gone; what it left goes, too."""
+def test_work_of_a_lost_computer_is_cleaned_up(tmp_path: Path) -> None:
+    """The system frees the lock of a process that is gone; what it left goes, too."""
     plan = Plan(small(), section_of({"vary": {"contact.load": ["8 N"]}}, {}))
     task = task_of(plan, plan.points[0], tmp_path, 1)
-    left = Path(task.folder) / ".work-gone"
+    left = Path(task.folder) / ".work-0123456789ab"
     left.mkdir(parents=True)
-    owner = {"pid": 1, "started": 0.0, "host": "another", "work": [left.name]}
-    (left.parent / ".lock").write_text(json.dumps(owner), encoding="utf-8")
+    (left.parent / LOCK).write_text("process 1 on another", encoding="utf-8")
     assert run_one(task).status == "done"
     assert not left.exists()
 

@@ -92,7 +92,7 @@ class ResultFile:
         self._file = file
         self.path = path
         self._derived: dict[str, Any] = {}
-        #: What the run took [s], by the names of `warpwear.clock.TOLD`; empty of one that was opened.
+        #: What the run took [s], by the names of `warpwear.clock.REPORTED`; empty of one that was opened.
         self.seconds: dict[str, float] = {}
         #: Number -> snapshot, of those that need not be read.
         self.at_hand: dict[int, Snapshot] = {}

@@ -16,15 +16,13 @@ from warpwear.history.quantities import columns_of
 from warpwear.result import Result
 from warpwear.results.file import FILE_NAME
 from warpwear.results.summary import course
-from warpwear.runs import lock as run_lock
 from warpwear.runs.checkpoint import holds_checkpoint
-from warpwear.runs.run import How, run_study
+from warpwear.runs.run import RunOptions, run_study
 from warpwear.study.study import Study
 
-fcntl = lazy.module("fcntl")
+filelock = lazy.module("filelock")
 
-#: Ending of a file beside a run's folder on which its process holds a lock of the system; it is free again
-#: when that is gone, on whichever computer of a cluster it ran.
+#: Ending of a file beside a run's folder on which who makes the run holds a lock of the operating system.
 LOCK = ".lock"
 #: Points of a course that a row keeps.
 POINTS = 500
@@ -54,13 +52,13 @@ class Row:
 def run_one(task: Task) -> Row:
     """Compute a run, or go on with it, unless its folder holds it finished; a run that fails is a row too."""
     start, folder = time.perf_counter(), Path(task.folder)
-    how = How(out=folder, device=task.device, threads=task.threads, resume=True, whole=False)
+    options = RunOptions(out=folder, device=task.device, threads=task.threads, resume=True, whole=False)
     try:
         study = Study.stored(task.study)
         folder.mkdir(parents=True, exist_ok=True)
-        with _alone_in(folder):
+        with filelock.FileLock(f"{folder}{LOCK}"):  # waits for another sweep that makes the same run
             was_there = is_there(folder) and not holds_checkpoint(folder)
-            with _warnings_left_to_the_summary(), run_study(study, how) as result:
+            with _warnings_left_to_the_summary(), run_study(study, options) as result:
                 found = row_of(result)
         if was_there:
             return replace(found, was_there=True)
@@ -108,19 +106,6 @@ def strength_of(study: Study, summary: dict[str, object]) -> float | None:
     found = summary["shear_strength_MPa_for_reference"]
     value = found.get(study.friction.calibrate) if isinstance(found, dict) else None
     return None if value is None else float(value)
-
-
-@contextmanager
-def _alone_in(folder: Path) -> Iterator[None]:
-    """The run folder for this process alone; waits for another, maybe on another computer."""
-    with folder.with_name(folder.name + LOCK).open("w") as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX)
-        except (ImportError, OSError):  # not every system has it: the run's own lock is left
-            yield
-            return
-        run_lock.forget_other_computers(folder)  # a run there would hold the lock of the system
-        yield
 
 
 def is_there(folder: Path) -> bool:
