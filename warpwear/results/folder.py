@@ -14,7 +14,7 @@ from warpwear.errors import OTHER_FOLDER, InputError
 
 filelock = lazy.module("filelock")
 
-#: File with a lock of the operating system, held by who writes into a folder and free when that process is gone.
+#: File on whose lock of the operating system a process holds a folder; it is free when that process is gone.
 LOCK = ".warpwear.lock"
 #: How long a lock is waited for [s]: another process may look whether the folder is free.
 PATIENCE = 0.3
