@@ -24,9 +24,10 @@ from warpwear.cli.main import main
 from warpwear.results.folder import LOCK
 from warpwear.sweeps.figures import courses
 from warpwear.sweeps.plan import Plan, section_of
+from warpwear.sweeps.points import task_of
 from warpwear.sweeps.pool import WorkerDiedError, Workers, local_workers
 from warpwear.sweeps.run_one import Row, run_one
-from warpwear.sweeps.sweep import make_runs, share_runs, task_of
+from warpwear.sweeps.sweep import make_runs, share_runs
 from warpwear.sweeps.table import SweepResult
 
 ROOT = Path(__file__).parents[2]
@@ -338,7 +339,7 @@ def test_two_keys_have_colours_and_kinds_of_line(swept: Any) -> None:
 def test_work_of_a_lost_computer_is_cleaned_up(tmp_path: Path) -> None:
     """The system frees the lock of a process that is gone; what it left goes, too."""
     plan = Plan(small(), section_of({"vary": {"contact.load": ["8 N"]}}, {}))
-    task = task_of(plan, plan.points[0], tmp_path, 1)
+    task = task_of(plan.points[0], tmp_path, device="cpu", threads=1)
     left = Path(task.folder) / ".work-0123456789ab"
     left.mkdir(parents=True)
     (left.parent / LOCK).write_text("process 1 on another", encoding="utf-8")
@@ -429,7 +430,7 @@ def test_cluster_that_is_refused(address: str, says: str, monkeypatch: pytest.Mo
 def test_one_run_through_a_thread_pool_of_the_library(tmp_path: Path) -> None:
     plan = Plan(small(), section_of({"vary": {"contact.load": ["8 N"]}}, {}))
     with ThreadPoolExecutor(1) as pool:
-        row = pool.submit(run_one, task_of(plan, plan.points[0], tmp_path, 1)).result()
+        row = pool.submit(run_one, task_of(plan.points[0], tmp_path, device="cpu", threads=1)).result()
     assert row.status == "done"
     assert isinstance(pool, Executor)
     assert issubclass(Workers, Executor)

@@ -15,8 +15,8 @@ from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
 from warpwear.results.summary import course
 from warpwear.study.study import Study
-from warpwear.sweeps.points import name_of
-from warpwear.sweeps.run_one import Row, Task, run_one
+from warpwear.sweeps.points import points_of, task_of
+from warpwear.sweeps.run_one import Row, run_one
 from warpwear.sweeps.sweep import sweep
 from warpwear.sweeps.table import RUNS
 
@@ -138,8 +138,9 @@ def make_runs(
     inputs = tuple(unknown for unknown in unknowns if needs_runs(study, unknown.key, scaled=scaled))
     study, cut = _reaching(study, unknowns, out, device) if scaled else (study, "")
     if not inputs:
-        folders = [out / RUNS / name_of(study, device=device)]
-        row = run_one(Task(study.to_toml(), str(folders[0].resolve()), device))
+        (point,) = points_of(study, [{}], device=device)
+        folders = [out / RUNS / point.run]
+        row = run_one(task_of(point, out / RUNS, device=device))
         if row.status != "done":
             raise InputError(f"the run that the inference stands on {row.status}")
         places, rows = np.zeros((1, 0)), [row]
@@ -204,9 +205,8 @@ def _reaching(study: Study, unknowns: Sequence[Unknown], out: Path, device: str)
             if "grid.extent" not in str(error):
                 raise
         else:
-            row = run_one(
-                Task(found.to_toml(), str((out / RUNS / name_of(found, device=device)).resolve()), device)
-            )
+            (point,) = points_of(found, [{}], device=device)
+            row = run_one(task_of(point, out / RUNS, device=device))
             if "grid.extent" not in row.status:
                 break
         part *= SMALLER

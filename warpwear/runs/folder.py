@@ -19,6 +19,7 @@ from warpwear.results.file import FILE_NAME, SURFACE_FILE
 from warpwear.results.folder import LOCK, held, refuse_if_held
 from warpwear.runs import checkpoint
 from warpwear.study.study import Study
+from warpwear.surfaces.reading import digest_of
 
 table = lazy.module("warpwear.figures.table")
 
@@ -101,6 +102,9 @@ def is_finished(folder: Path, study: Study) -> bool:
             raise InputError(
                 f"out = {folder} holds a run of another study ({', '.join(changed)}); {OTHER_FOLDER}."
             )
+        surface, digest = study.disc.surface, result.record["surface"].get("sha256")
+        if digest and surface and Path(surface).is_file() and digest_of(surface) != digest:
+            raise InputError(f"out = {folder} holds a run on what {surface} was before; {OTHER_FOLDER}.")
     if finished and (left := _work_folders(folder)):  # killed when all was in place
         with held(folder):
             _clean(folder, left)

@@ -30,12 +30,16 @@ POINTS = 500
 
 @dataclass(frozen=True)
 class Task:
-    """What a worker is asked for: the study as text, its folder, and where to compute it."""
+    """What a worker is asked for: the study as text, its folder, where to compute it, and on which surface.
+
+    surface: SHA-256 of the file of the surface.
+    """
 
     study: str
     folder: str
     device: str = "cpu"
     threads: int | None = None
+    surface: str | None = None
 
 
 @dataclass(frozen=True)
@@ -52,20 +56,50 @@ class Row:
 def run_one(task: Task) -> Row:
     """Compute a run, or go on with it, unless its folder holds it finished; a run that fails is a row too."""
     start, folder = time.perf_counter(), Path(task.folder)
-    options = RunOptions(out=folder, device=task.device, threads=task.threads, resume=True, whole=False)
     try:
         study = Study.stored(task.study)
         folder.mkdir(parents=True, exist_ok=True)
         with filelock.FileLock(f"{folder}{LOCK}"):  # waits for another sweep that makes the same run
             was_there = is_there(folder) and not holds_checkpoint(folder)
-            with _warnings_left_to_the_summary(), run_study(study, options) as result:
-                found = row_of(result)
-        if was_there:
-            return replace(found, was_there=True)
-        return replace(found, seconds=time.perf_counter() - start)
+            try:
+                row = _row_of_run(task, study, resume=True)
+            except InputError:
+                row = None
+                if not was_there:
+                    raise
+            if row is None and was_there:  # damaged, or of another surface under this name
+                was_there, row = False, _row_of_run(task, study, resume=False)
+            if row is None:
+                (folder / FILE_NAME).unlink()
+                raise InputError(
+                    f"disc.surface '{study.disc.surface}' is not the file any more that the sweep was "
+                    "planned with; start the sweep again"
+                )
+        return replace(row, was_there=was_there, seconds=row.seconds if was_there else _since(start))
     except (InputError, ConvergenceError, InvariantError, MemoryError) as error:
         why = " ".join(str(error).split()) or "the memory ran out"
-        return Row(f"failed: {why}", time.perf_counter() - start)
+        return Row(f"failed: {why}", _since(start))
+
+
+def _row_of_run(task: Task, study: Study, *, resume: bool) -> Row | None:
+    """Make a run, or find it; None where its surface is not that of the task."""
+    options = RunOptions(
+        out=Path(task.folder),
+        device=task.device,
+        threads=task.threads,
+        resume=resume,
+        overwrite=not resume,
+        whole=False,
+    )
+    with _warnings_left_to_the_summary(), run_study(study, options) as result:
+        is_read = study.study.model != "macro" and task.surface is not None
+        if is_read and result.record["surface"].get("sha256") != task.surface:
+            return None
+        return row_of(result)
+
+
+def _since(start: float) -> float:
+    return time.perf_counter() - start
 
 
 @contextmanager

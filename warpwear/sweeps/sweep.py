@@ -17,10 +17,10 @@ from warpwear.errors import InputError
 from warpwear.runs.console import warn
 from warpwear.study.study import Study
 from warpwear.sweeps.plan import Plan, section_of
-from warpwear.sweeps.points import Point
+from warpwear.sweeps.points import task_of
 from warpwear.sweeps.pool import WorkerDiedError, Workers, local_workers
 from warpwear.sweeps.report import failed_sentence, write_report
-from warpwear.sweeps.run_one import Row, Task, is_there, run_one
+from warpwear.sweeps.run_one import Row, is_there, run_one
 from warpwear.sweeps.table import RUNS, SweepResult
 
 #: How often it is looked after runs that take long [s].
@@ -126,7 +126,9 @@ def make_runs(
             continue
         future = asked.get(point.run)
         if future is None:
-            future = asked[point.run] = executor.submit(run_one, task_of(plan, point, folder, threads))
+            future = asked[point.run] = executor.submit(
+                run_one, task_of(point, folder / RUNS, device=plan.device, threads=threads)
+            )
         waiting.setdefault(future, []).append(point.number)
     begun: dict[Future[Row], float] = {}
     longest = 0.0
@@ -200,16 +202,10 @@ def estimate(plan: Plan, folder: Path | None, executor: Executor, *, threads: in
     if not missing:
         return Estimate(len(plan.points), len(runs), 0.0, 0.0)
     with _folder(folder) as place:
-        task = task_of(plan, runs[missing[0]], place, threads)
+        task = task_of(runs[missing[0]], place / RUNS, device=plan.device, threads=threads)
         row = executor.submit(run_one, task).result()
         size = sum(path.stat().st_size for path in Path(task.folder).glob("*") if path.is_file())
     return Estimate(len(plan.points), len(runs) - len(missing), row.seconds, size)
-
-
-def task_of(plan: Plan, point: Point, folder: Path, threads: int | None) -> Task:
-    """What a worker is asked for a run of a plan, in the folder of its sweep."""
-    assert point.study is not None
-    return Task(point.study.to_toml(), str((folder / RUNS / point.run).resolve()), plan.device, threads)
 
 
 def check_folder(folder: Path, *, resume: bool) -> None:
