@@ -56,25 +56,30 @@ def _locked(folder: Path) -> Any:
         ) from None
 
 
+def check_writable(folder: Path) -> None:
+    """Raise InputError unless files can be written into a folder of this name; leave nothing behind."""
+    for path in (folder, *folder.parents):
+        if path.exists() and not path.is_dir():
+            raise InputError(f"out = {folder}: {path} is a file; the name of a folder is expected")
+    try:
+        with tempfile.TemporaryFile(dir=_inside(folder)):
+            pass
+    except OSError as error:
+        raise InputError(f"out = {folder} cannot be written: {error.strerror or error}") from error
+
+
 def check_folder(folder: Path, marks: Sequence[str], *, what: str, overwrite: bool) -> None:
     """Raise InputError unless files may be written into the folder; leave nothing behind.
 
     marks: names of files that every one of its kind has. what: 'a report', for the sentence. overwrite:
     whether one that is there may be replaced.
     """
-    for path in (folder, *folder.parents):
-        if path.exists() and not path.is_dir():
-            raise InputError(f"out = {folder}: {path} is a file; the name of a folder is expected")
+    check_writable(folder)
     if folder.is_dir() and any(folder.iterdir()):
         if not all((folder / mark).is_file() for mark in marks):
             raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected")
         if not overwrite:
             raise InputError(f"out = {folder} already holds {what}; {OTHER_FOLDER}")
-    try:
-        with tempfile.TemporaryFile(dir=_inside(folder)):
-            pass
-    except OSError as error:
-        raise InputError(f"out = {folder} cannot be written: {error.strerror or error}") from error
 
 
 @contextmanager

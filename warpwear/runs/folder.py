@@ -3,8 +3,6 @@
 import os
 import re
 import shutil
-import tempfile
-import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -16,7 +14,7 @@ from warpwear.result import Result
 from warpwear.results import file as results
 from warpwear.results import manifest
 from warpwear.results.file import FILE_NAME, SURFACE_FILE
-from warpwear.results.folder import LOCK, held, refuse_if_held
+from warpwear.results.folder import LOCK, check_writable, held, refuse_if_held
 from warpwear.runs import checkpoint
 from warpwear.study.study import Study
 from warpwear.surfaces.reading import digest_of
@@ -32,17 +30,10 @@ NAMES = ("study.toml", "history.csv", "surface.csv", "summary.json", LOG, manife
 
 def check(folder: Path, *, overwrite: bool, resume: bool) -> None:
     """Raises InputError for a folder that a run must not, or cannot, be written into."""
-    for path in (folder, *folder.parents):
-        if path.exists() and not path.is_dir():
-            raise InputError(f"out = {folder}: {path} is a file; the name of a folder is expected.")
+    check_writable(folder)
     if folder.is_dir():
         refuse_if_held(folder)
         _check_content(folder, overwrite=overwrite, resume=resume)
-    try:
-        with tempfile.TemporaryFile(dir=folder if folder.is_dir() else _nearest_folder(folder)):
-            pass
-    except OSError as error:
-        raise InputError(f"out = {folder} cannot be written: {error.strerror}.") from error
 
 
 def _check_content(folder: Path, *, overwrite: bool, resume: bool) -> None:
@@ -179,10 +170,8 @@ def move_into_place(work: Path, folder: Path) -> None:
     """
     before, now = manifest.written(folder), {item.name for item in work.iterdir()}
     for name in now - before:
-        if os.path.lexists(folder / name) and not (name == FILE_NAME and results.is_one(folder / name)):
-            kept = f"{Path(name).stem}-{uuid4().hex[:6]}{Path(name).suffix}"
-            (folder / name).rename(folder / kept)
-            warnings.warn(f"{folder / name} was not written by a run: it is {kept} now.", stacklevel=2)
+        if not (name == FILE_NAME and results.is_one(folder / name)):
+            manifest.set_aside(folder / name)
     manifest.write(folder, before | now, work=work)
     manifest.remove(folder, {name for name in before if "/" in name or name == manifest.PAGE})
     for item in sorted(work.iterdir(), key=lambda item: item.name == FILE_NAME):
@@ -225,8 +214,3 @@ def _owns_surface(folder: Path) -> bool:
     with suppress(InputError), Result.open(folder) as result:
         return result.owns_surface
     return False
-
-
-def _nearest_folder(path: Path) -> Path:
-    """The nearest parent that exists."""
-    return next(parent for parent in path.absolute().parents if parent.is_dir())

@@ -5,7 +5,7 @@ import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -27,9 +27,10 @@ from warpwear.sweeps.sweep import (
     estimate,
     local_executor,
     make_runs,
+    opened_folder,
     share_runs,
 )
-from warpwear.sweeps.table import RUNS, SweepResult
+from warpwear.sweeps.table import SweepResult
 
 
 def varied(texts: Sequence[str]) -> dict[str, Any]:
@@ -85,11 +86,10 @@ def command(
     check_folder(folder, resume=resume)
     check_runs(plan, folder)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    with _executor(plan, **where) as (executor, threads, workers):
-        if not dry_run:
-            if runs is not None:
-                share_runs(folder, runs)
-            (folder / RUNS).mkdir(parents=True, exist_ok=True)
+    if runs is not None and not dry_run:
+        share_runs(folder, runs)
+    place = nullcontext() if dry_run else opened_folder(folder)
+    with place, _executor(plan, **where) as (executor, threads, workers):
         cost = estimate(plan, None if dry_run else folder, executor, threads=threads)
         click.echo(cost.sentence(workers), err=not dry_run)
         if dry_run:
@@ -115,8 +115,8 @@ def command(
             except KeyboardInterrupt:
                 click.echo("the same command with --resume goes on from here", err=True)
                 raise
-    result = SweepResult(plan, rows, folder)
-    written = write_report(result, folder, measured)
+        result = SweepResult(plan, rows, folder)
+        written = write_report(result, folder, measured)
     click.echo(summary_text(result))
     click.echo(f"written to {folder}/: {', '.join(path.name for path in written)}")
     failed = failed_sentence(result)

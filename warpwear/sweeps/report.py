@@ -1,33 +1,60 @@
 """What a sweep leaves in its folder: tables, figures, and a page that shows them without a network."""
 
+import tempfile
 from collections import Counter
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from warpwear.errors import InputError
 from warpwear.figures import style as fs
 from warpwear.measured.course import Experiment
+from warpwear.results import manifest
 from warpwear.sweeps import figures
 from warpwear.sweeps.page import page
-from warpwear.sweeps.table import SweepResult
+from warpwear.sweeps.table import TABLES, SweepResult
 
+#: The page of a sweep.
+PAGE = "sweep.html"
 #: Sentences of runs that failed, and numbers of them that one sentence names.
 MOST_FAILURES = 8
 
 
 def write_report(result: SweepResult, folder: Path, experiments: tuple[Experiment, ...] = ()) -> list[Path]:
-    """Write table.csv, table.parquet, sweep.nc, figures/ and sweep.html; return what was written."""
-    result.write_tables(folder)
+    """Write the files of `TABLES`, sweep.html and figures/, each as a whole; return what was written.
+
+    Raises InputError where they cannot be written; the runs are kept.
+    """
     drawn = {name: fs.bytes_of(figure) for name, figure in figures.drawn(result, experiments)}
-    (folder / "figures").mkdir(exist_ok=True)
-    pictures = {name: folder / "figures" / f"{name}.png" for name in drawn}
-    for name, png in drawn.items():
-        pictures[name].write_bytes(png)
-    told = {"groups": group_rows(result), "failed": failures(result)}
-    (folder / "sweep.html").write_bytes(page(result, drawn, told, experiments))
-    names = ("table.csv", "table.parquet", "sweep.nc", "sweep.html")
-    return [folder / name for name in names if (folder / name).is_file()] + list(pictures.values())
+    counts = {"groups": group_rows(result), "failed": failures(result)}
+    try:
+        with tempfile.TemporaryDirectory(prefix=".tables-", dir=folder) as name:
+            work = Path(name)
+            result.write_tables(work)
+            (work / PAGE).write_bytes(page(result, drawn, counts, experiments))
+            (work / manifest.FIGURES).mkdir()
+            for figure, png in drawn.items():
+                (work / manifest.FIGURES / f"{figure}.png").write_bytes(png)
+            return _moved(work, folder)
+    except OSError as error:
+        raise InputError(
+            f"out = {folder}: tables and figures could not be written: {error.strerror or error}; the runs "
+            "are kept, and the same command with --resume writes them"
+        ) from error
+
+
+def _moved(work: Path, folder: Path) -> list[Path]:
+    """Move tables and figures into the folder of a sweep, in place of its older ones alone."""
+    ours = manifest.written(folder)
+    tables = [name for name in (*TABLES, PAGE) if (work / name).is_file()]
+    names = [*tables, *sorted(f"{manifest.FIGURES}/{path.name}" for path in work.glob("*/*.png"))]
+    (folder / manifest.FIGURES).mkdir(exist_ok=True)
+    for name in names if ours else ():  # what earlier versions wrote stands in no manifest
+        if name not in ours:
+            manifest.set_aside(folder / name)
+    manifest.write(folder, ours | {*names}, work=work)
+    return [(work / name).replace(folder / name) for name in names]
 
 
 def group_rows(result: SweepResult, column: str = "cof") -> list[dict[str, Any]]:

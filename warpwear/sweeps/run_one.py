@@ -76,7 +76,7 @@ def run_one(task: Task) -> Row:
                     "planned with; start the sweep again"
                 )
         return replace(row, was_there=was_there, seconds=row.seconds if was_there else _since(start))
-    except (InputError, ConvergenceError, InvariantError, MemoryError) as error:
+    except (InputError, ConvergenceError, InvariantError, MemoryError, OSError) as error:
         why = " ".join(str(error).split()) or "the memory ran out"
         return Row(f"failed: {why}", _since(start))
 

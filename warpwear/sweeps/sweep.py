@@ -2,33 +2,34 @@
 
 import csv
 import logging
-import shutil
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from contextlib import contextmanager, nullcontext
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
+from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from warpwear.engine.device import gpu_count, usable_cores
+from warpwear.engine.device import find_device, gpu_count, usable_cores
 from warpwear.errors import InputError
+from warpwear.results import manifest
+from warpwear.results.folder import LOCK, check_writable, held, refuse_if_held
 from warpwear.runs.console import warn
 from warpwear.study.study import Study
 from warpwear.sweeps.plan import Plan, section_of
 from warpwear.sweeps.points import task_of
 from warpwear.sweeps.pool import WorkerDiedError, Workers, local_workers
-from warpwear.sweeps.report import failed_sentence, write_report
+from warpwear.sweeps.report import PAGE, failed_sentence, write_report
 from warpwear.sweeps.run_one import Row, is_there, run_one
-from warpwear.sweeps.table import RUNS, SweepResult
+from warpwear.sweeps.table import RUNS, TABLES, SweepResult
 
 #: How often it is looked after runs that take long [s].
 LOOK = 5.0
 #: A run is told of that takes this many times as long as the longest before, and this long at least [s].
 MANY, SILENCE = 10.0, 60.0
-#: A file that every finished sweep has.
-TABLE = "table.csv"
+#: Workers on this machine at most, or four for each of its cores.
+MOST_WORKERS = 64
 #: Tells at the level INFO how far a sweep from Python is.
 LOG = logging.getLogger("warpwear")
 
@@ -70,8 +71,11 @@ def sweep(
         )
     local = nullcontext((executor, 1, 1)) if executor is not None else local_executor(plan, workers=workers)
     counted = Count(len(plan.points))
-    with _folder(out) as folder, local as (pool, threads, _):
-        check_runs(plan, folder)
+    out = None if out is None else Path(out)
+    if out is not None:
+        check_folder(out, resume=True)
+        check_runs(plan, out)
+    with opened_folder(out) as folder, local as (pool, threads, _):
         rows = make_runs(
             plan, folder, pool, threads=threads, told=lambda _, row: LOG.info(counted.one(row)), warned=warn
         )
@@ -158,8 +162,6 @@ def make_runs(
     except KeyboardInterrupt:
         for future in waiting:
             future.cancel()
-        if isinstance(executor, Workers):
-            executor.stop()
         raise
     return [rows[number] for number in range(len(plan.points))]
 
@@ -168,7 +170,7 @@ def _row(future: "Future[Row]") -> Row:
     """The row of a run; one whose worker was lost says so."""
     try:
         return future.result()
-    except (WorkerDiedError, OSError, RuntimeError, MemoryError) as error:
+    except (WorkerDiedError, CancelledError, OSError, RuntimeError, MemoryError) as error:
         return Row(f"failed: {' '.join(str(error).split()) or type(error).__name__}")
 
 
@@ -201,19 +203,18 @@ def estimate(plan: Plan, folder: Path | None, executor: Executor, *, threads: in
     missing = [name for name in runs if folder is None or not is_there(folder / RUNS / name)]
     if not missing:
         return Estimate(len(plan.points), len(runs), 0.0, 0.0)
-    with _folder(folder) as place:
+    with opened_folder(None) if folder is None else nullcontext(folder) as place:
         task = task_of(runs[missing[0]], place / RUNS, device=plan.device, threads=threads)
-        row = executor.submit(run_one, task).result()
+        row = _row(executor.submit(run_one, task))
         size = sum(path.stat().st_size for path in Path(task.folder).glob("*") if path.is_file())
     return Estimate(len(plan.points), len(runs) - len(missing), row.seconds, size)
 
 
 def check_folder(folder: Path, *, resume: bool) -> None:
     """Raises InputError for a folder that a sweep may not be written into."""
-    for path in (folder, *folder.parents):
-        if path.exists() and not path.is_dir():
-            raise InputError(f"out = {folder}: {path} is a file; the name of a folder is expected.")
-    if not folder.is_dir() or not any(folder.iterdir()):
+    check_writable(folder)
+    names = {path.name for path in folder.iterdir()} - {LOCK} if folder.is_dir() else set()
+    if not names:
         return
     if not (folder / RUNS).is_dir():
         raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected.")
@@ -221,22 +222,41 @@ def check_folder(folder: Path, *, resume: bool) -> None:
         raise InputError(
             f"out = {folder} already holds a sweep; resume it (--resume), or give another folder (--out)."
         )
+    refuse_if_held(folder)
+    if (folder / manifest.FIGURES).is_symlink():
+        raise InputError(
+            f"{folder / manifest.FIGURES} is a link; a sweep draws into its own folder: move it away."
+        )
+    ours = manifest.written(folder)
+    foreign = [name for name in (*TABLES, PAGE) if name in names and name not in ours]
+    if foreign and (ours or TABLES[0] not in names):  # earlier versions wrote no manifest
+        raise InputError(
+            f"out = {folder} holds {', '.join(foreign)}, which no sweep wrote and this one would replace: "
+            "move what you want to keep, or give another folder (out)."
+        )
 
 
 def check_runs(plan: Plan, folder: Path) -> None:
     """Raises InputError for the folder of a sweep with runs that this one has not: its tables would go.
 
-    A sweep may grow, so that its runs are part of those of a larger one. Runs that failed are no loss.
+    A sweep may grow, so that its runs are part of those of a larger one. Runs that failed are no loss, and
+    neither is a row that was cut off while it was written.
     """
+    path = folder / TABLES[0]
     try:
-        with (folder / TABLE).open(newline="", encoding="utf-8-sig") as file:
-            rows = [*csv.DictReader(file)]
-        there = {row["run"] for row in rows if not str(row["status"]).startswith("failed")}
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            reader = csv.DictReader(file)
+            rows = [row for row in reader if None not in row.values()]
+            if path.name not in manifest.written(folder) and not {"run", "status"} <= {
+                *(reader.fieldnames or ())
+            }:
+                raise KeyError("columns run and status")
+        there = {row["run"] for row in rows if not row["status"].startswith("failed")}
     except FileNotFoundError:
         return
     except (OSError, UnicodeError, csv.Error, KeyError) as error:
         raise InputError(
-            f"{folder / TABLE} cannot be read as the table of a sweep, which would be lost ({error}): give "
+            f"{path} cannot be read as the table of a sweep, which would be lost ({error}): give "
             "another folder, or move it away."
         ) from error
     others = there - {point.run for point in plan.points}
@@ -265,17 +285,20 @@ def share_runs(folder: Path, store: Path) -> None:
 
 
 @contextmanager
-def _folder(out: str | Path | None) -> Iterator[Path]:
-    if out is not None:
-        check_folder(Path(out), resume=True)
-        (Path(out) / RUNS).mkdir(parents=True, exist_ok=True)
-        yield Path(out)
+def opened_folder(out: Path | None) -> Iterator[Path]:
+    """Hold the folder of a sweep, or give one that is gone at the end. Raises InputError."""
+    if out is None:
+        with tempfile.TemporaryDirectory(prefix="warpwear-sweep-", ignore_cleanup_errors=True) as place:
+            yield Path(place)
         return
-    place = Path(tempfile.mkdtemp(prefix="warpwear-sweep-"))
     try:
-        yield place
-    finally:
-        shutil.rmtree(place, ignore_errors=True)
+        (out / RUNS).mkdir(parents=True, exist_ok=True)
+        lock = ExitStack()
+        lock.enter_context(held(out))
+    except OSError as error:
+        raise InputError(f"out = {out} cannot be written: {error.strerror or error}.") from error
+    with lock:
+        yield out
 
 
 @contextmanager
@@ -291,8 +314,11 @@ def local_executor(
     if gpus and not visible:
         raise InputError("gpus = 'all': no GPU of CUDA is here.")
     number = workers if workers is not None else len(visible) or min(cores, len(plan.points))
-    if number < 1:
-        raise InputError(f"workers = {number}: at least one is needed.")
+    most = max(MOST_WORKERS, 4 * cores)
+    if not 1 <= number <= most:
+        raise InputError(f"workers = {number} is not possible; allowed: 1 to {most}.")
+    if plan.device != "cpu":
+        find_device(plan.device)  # before any worker asks for it in vain
     with local_workers(number, cores=cores, gpus=visible) as pool:
         yield pool, max(1, cores // number), number
 

@@ -15,6 +15,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import QUANTITIES
 from warpwear.result import Result
 from warpwear.results.ensemble import at, band, is_label
+from warpwear.results.formats.netcdf import require_free_space
 from warpwear.study.keys import value_of
 from warpwear.study.units import parse
 from warpwear.sweeps.indices import Indices, sobol
@@ -26,6 +27,8 @@ stats = lazy.module("scipy.stats")
 
 #: Folder of the runs in that of a sweep.
 RUNS = "runs"
+#: Tables of a sweep; every one that has ended has the first.
+TABLES = ("table.csv", "table.parquet", "sweep.nc")
 MEANINGS = {quantity.name: quantity for quantity in QUANTITIES}
 
 
@@ -147,7 +150,7 @@ class SweepResult:
         return dict(sorted(found.items(), key=lambda item: -abs(item[1])))
 
     def write_tables(self, folder: Path) -> None:
-        """Write table.csv, and table.parquet and sweep.nc where their packages are installed."""
+        """Write `TABLES`, the last two where their packages are installed. Raises OSError."""
         table = self.table
         with (folder / "table.csv").open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
@@ -156,7 +159,9 @@ class SweepResult:
                 writer.writerow([repr(v) if isinstance(v, float) else v for v in row])
         try:
             pandas.DataFrame(table).to_parquet(folder / "table.parquet", index=False)
-            self._dataset().to_netcdf(folder / "sweep.nc", engine="h5netcdf")
+            courses = self._dataset()
+            require_free_space(folder / "sweep.nc", courses.nbytes)
+            courses.to_netcdf(folder / "sweep.nc", engine="h5netcdf")
         except ImportError:  # of what pip install 'warpwear[io]' brings
             return
 
