@@ -170,7 +170,9 @@ def _row(future: "Future[Row]") -> Row:
     """The row of a run; one whose worker was lost says so."""
     try:
         return future.result()
-    except (WorkerDiedError, CancelledError, OSError, RuntimeError, MemoryError) as error:
+    except CancelledError:
+        return Row("failed: it was cancelled, as runs are whose cluster is gone")
+    except (WorkerDiedError, OSError, RuntimeError, MemoryError) as error:
         return Row(f"failed: {' '.join(str(error).split()) or type(error).__name__}")
 
 
