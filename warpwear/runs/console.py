@@ -5,6 +5,7 @@ import sys
 import threading
 import time
 import warnings
+from contextlib import suppress
 from types import FrameType
 from typing import Any, Self
 
@@ -67,9 +68,10 @@ class Progress:
             self.say(f"{self._name}: drawing")
 
     def say(self, line: str) -> None:
-        """A line for the user."""
+        """Write a line for the user, if there is one still."""
         if not self._quiet:
-            tqdm.write(line, file=sys.stderr)
+            with suppress(BrokenPipeError):
+                tqdm.write(line, file=sys.stderr)
 
     def note(self, sentence: str, *, kind: str = "note") -> None:
         """What misleads: a line for the user, or a warning of Python where nothing is printed.
