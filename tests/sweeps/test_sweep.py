@@ -267,7 +267,7 @@ def test_killed_sweep_goes_on_where_it_was(tmp_path: Path) -> None:
             raise KeyboardInterrupt
 
     with local_workers(1, cores=1) as pool, pytest.raises(KeyboardInterrupt):
-        make_runs(plan, tmp_path, pool, threads=1, told=interrupt)
+        make_runs(plan, tmp_path, pool, threads=1, on_row=interrupt)
     finished = [path.parent.name for path in tmp_path.glob("runs/*/result.h5")]
     assert 1 <= len(finished) <= 4
     times = {path: path.stat().st_mtime_ns for path in tmp_path.glob("runs/*/result.h5")}
@@ -301,7 +301,7 @@ def test_run_that_takes_far_longer_than_the_others_is_told(
         told.append(sentence)
         hanging.set()
 
-    rows = make_runs(plan, tmp_path, Hangs(), warned=warned)
+    rows = make_runs(plan, tmp_path, Hangs(), on_warning=warned)
     assert [row.status for row in rows] == ["done"] * 2
     assert len(told) == 1
     assert told[0].startswith("run 1 has taken ")
@@ -396,7 +396,7 @@ def test_dask_cluster_that_loses_a_worker(tmp_path: Path) -> None:
                 if len(seen) == 4:
                     started[2].send_signal(signal.SIGCONT)
 
-            rows = make_runs(plan, tmp_path, executor, threads=1, told=disturb)
+            rows = make_runs(plan, tmp_path, executor, threads=1, on_row=disturb)
     assert [row.status for row in rows] == ["done"] * 8
 
 

@@ -97,13 +97,13 @@ def warn(sentence: str) -> None:
 
 
 class Interrupts:
-    """A context in which the first signal that would raise KeyboardInterrupt only sets `asked`.
+    """A context in which the first signal that would raise KeyboardInterrupt only sets `requested`.
 
     A second one raises it at once. Handlers of others, and signals in other threads, are left alone.
     """
 
     def __init__(self) -> None:
-        self.asked = False
+        self.requested = False
         self._before: dict[signal.Signals, Any] = {}
 
     def __enter__(self) -> Self:
@@ -118,6 +118,6 @@ class Interrupts:
             signal.signal(number, handler)
 
     def _note(self, number: int, frame: FrameType | None) -> None:
-        if self.asked:
+        if self.requested:
             raise KeyboardInterrupt
-        self.asked = True
+        self.requested = True

@@ -37,14 +37,14 @@ def check(folder: Path, *, overwrite: bool, resume: bool) -> None:
 
 
 def _check_content(folder: Path, *, overwrite: bool, resume: bool) -> None:
-    kept = folder / checkpoint.FILE_NAME
-    if checkpoint.is_one(kept):
+    stored = folder / checkpoint.FILE_NAME
+    if checkpoint.is_one(stored):
         if not (overwrite or resume):
             raise InputError(
                 f"out = {folder} holds the checkpoint of an unfinished run; {RESUME_IT}, or {OVERWRITE_IT}."
             )
-    elif resume and kept.exists():
-        raise InputError(f"{kept} is no checkpoint of warpwear or is damaged; delete or {OVERWRITE_IT}.")
+    elif resume and stored.exists():
+        raise InputError(f"{stored} is no checkpoint of warpwear or is damaged; delete or {OVERWRITE_IT}.")
     elif overwrite and results.is_one(folder / FILE_NAME):  # whole or damaged, it is replaced
         pass
     elif _holds_a_run(folder):

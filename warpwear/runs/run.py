@@ -298,8 +298,8 @@ def _draw(result: Result, at_hand: dict[int, Snapshot], options: RunOptions, pai
 def _page_of(result: Result, paths: list[Path]) -> bytes:
     """Make the page of a run whose figures are drawn. paths: of these."""
     content = pages.content_of(result, result.plot)
-    shown = pages.statics(content)
-    page: bytes = pages.made_here(content, {p.stem: p.read_bytes() for p in paths if p.stem in shown})
+    names = pages.statics(content)
+    page: bytes = pages.made_here(content, {p.stem: p.read_bytes() for p in paths if p.stem in names})
     return page
 
 

@@ -35,13 +35,13 @@ from warpwear.sweeps.table import SweepResult
 
 def varied(texts: Sequence[str]) -> dict[str, Any]:
     """Key -> what it is varied over, from texts KEY=VALUES. Raises InputError."""
-    found: dict[str, Any] = {}
+    vary: dict[str, Any] = {}
     for text in texts:
         key, equals, values = (part.strip() for part in text.partition("="))
         if not equals or not values:
             raise InputError(f"--vary {text!r}: KEY=VALUES is expected, such as 'contact.load=2 N,4 N,8 N'.")
-        found[key] = values_of_text(values)
-    return found
+        vary[key] = values_of_text(values)
+    return vary
 
 
 def values_of_text(text: str) -> Any:
@@ -58,7 +58,7 @@ def values_of_text(text: str) -> Any:
 def command(
     study: str,
     changes: Mapping[str, Any],
-    asked: Mapping[str, Any],
+    options: Mapping[str, Any],
     *,
     out: Path | None,
     runs: Path | None,
@@ -72,7 +72,7 @@ def command(
 
     where: workers, cluster, insecure, gpus.
     """
-    plan = read_plan(study, changes, asked, device="cuda:0" if where["gpus"] else device)
+    plan = read_plan(study, changes, options, device="cuda:0" if where["gpus"] else device)
     measured = tuple(
         read_experiment(
             path,
@@ -97,7 +97,7 @@ def command(
         with tqdm(total=len(plan.points), unit="run", disable=not sys.stderr.isatty(), leave=False) as bar:
             counted, said = Count(len(plan.points)), time.monotonic()
 
-            def told(number: int, row: Row) -> None:
+            def on_row(number: int, row: Row) -> None:
                 nonlocal said
                 bar.update()
                 if row.status.startswith("failed"):
@@ -107,11 +107,13 @@ def command(
                     said = time.monotonic()
                     bar.write(line, file=sys.stderr)
 
-            def warned(sentence: str) -> None:
+            def on_warning(sentence: str) -> None:
                 bar.write(f"warning: {sentence}", file=sys.stderr)
 
             try:
-                rows = make_runs(plan, folder, executor, threads=threads, told=told, warned=warned)
+                rows = make_runs(
+                    plan, folder, executor, threads=threads, on_row=on_row, on_warning=on_warning
+                )
             except KeyboardInterrupt:
                 click.echo("the same command with --resume goes on from here", err=True)
                 raise

@@ -83,13 +83,13 @@ def with_positions(study: Study, vary: Mapping[str, Any]) -> dict[str, Any]:
     Each part is as large as the domain, or the track, and lies anywhere in the file, as often as not over
     another. Raises InputError for a disc that is not measured, or too small for any choice.
     """
-    given = vary.get(CROP)
-    if not isinstance(given, Mapping):
+    positions = vary.get(CROP)
+    if not isinstance(positions, Mapping):
         return dict(vary)
-    number = given.get("positions")
-    if set(given) - POSITIONS or not isinstance(number, int) or isinstance(number, bool) or number < 1:
+    number = positions.get("positions")
+    if set(positions) - POSITIONS or not isinstance(number, int) or isinstance(number, bool) or number < 1:
         raise InputError(
-            f"sweep.vary '{CROP}' = {dict(given)!r}: {{positions = 12, seed = 1}} is expected, or a list."
+            f"sweep.vary '{CROP}' = {dict(positions)!r}: {{positions = 12, seed = 1}} is expected, or a list."
         )
     disc = study.disc
     if disc.surface is None:
@@ -108,6 +108,6 @@ def with_positions(study: Study, vary: Mapping[str, Any]) -> dict[str, Any]:
             f"disc.surface '{disc.surface}' measures {whole[0]:.4g} × {whole[1]:.4g} mm: the part of "
             f"{needed[0]:.4g} × {needed[1]:.4g} mm that a run needs has no other place in it."
         )
-    corners = np.random.default_rng(given.get("seed", 0)).random((number, 2)) * (whole - needed)
+    corners = np.random.default_rng(positions.get("seed", 0)).random((number, 2)) * (whole - needed)
     crops = [[f"{e:.9g} mm" for e in (x, x + needed[0], y, y + needed[1])] for x, y in corners.tolist()]
     return {**vary, CROP: crops}

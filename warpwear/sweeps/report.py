@@ -62,15 +62,13 @@ def group_rows(result: SweepResult, column: str = "cof") -> list[dict[str, Any]]
     values = (
         result.ends(column) if any(row.ends for row in result.rows) else np.full(len(result.rows), np.nan)
     )
-    found = []
+    rows = []
     for label, runs in result.plan.groups.items():
         known = values[runs][np.isfinite(values[runs])]
         low, high = np.percentile(known, (5.0, 95.0)) if known.size else (np.nan, np.nan)
         mean = float(known.mean()) if known.size else np.nan
-        found.append(
-            {"label": label or "all runs", "runs": len(runs), "mean": mean, "low": low, "high": high}
-        )
-    return found
+        rows.append({"label": label or "all runs", "runs": len(runs), "mean": mean, "low": low, "high": high})
+    return rows
 
 
 def summary_text(result: SweepResult) -> str:
@@ -87,8 +85,8 @@ def summary_text(result: SweepResult) -> str:
             if result.plan.design.kind == "saltelli"
             else "rank correlation; of words and seeds η²"
         )
-        told = ", ".join(f"{key} {value:.2f}" for key, value in result.influence().items())
-        lines.append(f"what decides it ({what}): {told}")
+        shares = ", ".join(f"{key} {value:.2f}" for key, value in result.influence().items())
+        lines.append(f"what decides it ({what}): {shares}")
     return "\n".join([*lines, *failures(result)])
 
 

@@ -134,11 +134,11 @@ def row_of(result: Result) -> Row:
 
 def strength_of(study: Study, summary: dict[str, object]) -> float | None:
     """The shear strength of a run [MPa], as given or as its calibration came to."""
-    given = study.friction.shear_strength
-    if given is not None or study.friction.calibrate is None:
-        return given
-    found = summary["shear_strength_MPa_for_reference"]
-    value = found.get(study.friction.calibrate) if isinstance(found, dict) else None
+    strength = study.friction.shear_strength
+    if strength is not None or study.friction.calibrate is None:
+        return strength
+    strengths = summary["shear_strength_MPa_for_reference"]
+    value = strengths.get(study.friction.calibrate) if isinstance(strengths, dict) else None
     return None if value is None else float(value)
 
 

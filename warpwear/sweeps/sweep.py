@@ -63,8 +63,8 @@ def sweep(
     StudyWarning at the end names it.
     """
     study = study if isinstance(study, Study) else Study.load(study)
-    asked = {"design": design, "samples": samples, "seed": seed, "band_over": band_over}
-    plan = Plan(study, section_of({"vary": dict(vary)}, asked), device=device)
+    options = {"design": design, "samples": samples, "seed": seed, "band_over": band_over}
+    plan = Plan(study, section_of({"vary": dict(vary)}, options), device=device)
     if executor is not None and not callable(getattr(executor, "submit", None)):
         raise InputError(
             f"executor = {executor!r}: an object with submit(), as in concurrent.futures, is expected."
@@ -77,15 +77,20 @@ def sweep(
         check_runs(plan, out)
     with opened_folder(out) as folder, local as (pool, threads, _):
         rows = make_runs(
-            plan, folder, pool, threads=threads, told=lambda _, row: LOG.info(counted.one(row)), warned=warn
+            plan,
+            folder,
+            pool,
+            threads=threads,
+            on_row=lambda _, row: LOG.info(counted.one(row)),
+            on_warning=warn,
         )
-        found = SweepResult(plan, rows, None if out is None else folder)
+        result = SweepResult(plan, rows, None if out is None else folder)
         if out is not None:
-            write_report(found, folder)
-    failed = failed_sentence(found)
+            write_report(result, folder)
+    failed = failed_sentence(result)
     if failed is not None:
         warn(f"{failed}.")
-    return found
+    return result
 
 
 class Count:
@@ -110,27 +115,27 @@ def make_runs(
     executor: Executor,
     *,
     threads: int | None = None,
-    told: Callable[[int, Row], object] | None = None,
-    warned: Callable[[str], object] = lambda sentence: None,
+    on_row: Callable[[int, Row], object] | None = None,
+    on_warning: Callable[[str], object] = lambda sentence: None,
 ) -> list[Row]:
     """Have an executor make the runs of a plan, each once, and return their rows in the plan's order.
 
-    told: is called with the number and row of each run that is done. warned: is called once with a
+    on_row: is called with the number and row of each run that is done. on_warning: is called once with a
     sentence about a run that takes far longer than all that are done. On an interrupt what is not begun is
     left, and KeyboardInterrupt raised.
     """
     rows: dict[int, Row] = {}
     waiting: dict[Future[Row], list[int]] = {}
-    asked: dict[str, Future[Row]] = {}
+    futures: dict[str, Future[Row]] = {}
     for point in plan.points:
         if point.study is None:
             rows[point.number] = Row(f"failed: {point.problem}")
-            if told is not None:
-                told(point.number, rows[point.number])
+            if on_row is not None:
+                on_row(point.number, rows[point.number])
             continue
-        future = asked.get(point.run)
+        future = futures.get(point.run)
         if future is None:
-            future = asked[point.run] = executor.submit(
+            future = futures[point.run] = executor.submit(
                 run_one, task_of(point, folder / RUNS, device=plan.device, threads=threads)
             )
         waiting.setdefault(future, []).append(point.number)
@@ -148,7 +153,7 @@ def make_runs(
                 if took > max(SILENCE, MANY * longest):
                     late.add(future)
                     point = plan.points[waiting[future][0]]
-                    warned(
+                    on_warning(
                         f"run {point.number} has taken {_duration(took)}, the longest of the others "
                         f"{_duration(longest)}: its process may hang ({folder / RUNS / point.run})"
                     )
@@ -157,8 +162,8 @@ def make_runs(
                 longest = max(longest, row.seconds if row.status == "done" else 0.0)
                 for number in waiting.pop(future):
                     rows[number] = row
-                    if told is not None:
-                        told(number, row)
+                    if on_row is not None:
+                        on_row(number, row)
     except KeyboardInterrupt:
         for future in waiting:
             future.cancel()
