@@ -27,9 +27,10 @@ from warpwear import Study
 from warpwear.engine.device import usable_cores
 from warpwear.study.text import to_marked_toml
 from warpwear.sweeps.plan import Plan, section_of
+from warpwear.sweeps.points import task_of
 from warpwear.sweeps.pool import local_workers
 from warpwear.sweeps.run_one import run_one
-from warpwear.sweeps.sweep import make_runs, task_of
+from warpwear.sweeps.sweep import make_runs
 
 #: A case of every model and law, of those that `kills.py` knows.
 MODELS = (
@@ -58,7 +59,8 @@ def throughput(runs: int, cell: str, workers: int, gpus: int, seed: int) -> tupl
         (place / "runs").mkdir()
         started = time.perf_counter()
         first = [
-            pool.submit(run_one, task_of(plan, point, place, threads)) for point in plan.points[:workers]
+            pool.submit(run_one, task_of(point, place, device=plan.device, threads=threads))
+            for point in plan.points[:workers]
         ]
         wait(first)
         begun = time.perf_counter()

@@ -241,6 +241,7 @@ def _of_file(path: Path, reading: Reading) -> dict[str, Any]:
     px, py = reading.pixel
     return {
         "file": path.name,
+        "sha256": reading.digest,
         "format": reading.format,
         "unit": reading.unit,
         "unit_from": "study" if reading.unit_given else "file",

@@ -1,5 +1,6 @@
 """Height maps in mm: what a file holds, in the units that it states or that are given."""
 
+import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -48,6 +49,7 @@ class Reading:
     unit_given: bool
     notes: tuple[str, ...] = ()  # what was decided while reading, in sentences
     overrides: tuple[str, ...] = ()  # where the study contradicts the file, in sentences
+    digest: str = ""  # SHA-256 of the file, as `digest_of` gives it
 
 
 def read(
@@ -77,7 +79,10 @@ def read(
     given = None if pixel is None else _given_pixel(pixel)
     if height_unit is not None and _millimetres(height_unit) is None:
         raise InputError(f"disc.height_unit is {height_unit!r}: allowed is one of {UNITS}")
+    digest = digest_of(path)
     raw = formats.read_raw(path, pixel=given, array=array)
+    if digest_of(path) != digest:
+        raise InputError(f"disc.surface '{path}' changed while it was read")
     if raw.heights.ndim != 2 or min(raw.heights.shape) < 2:
         shape = "×".join(map(str, raw.heights.shape))
         raise formats.refusal(path, f"holds a line scan or single values (shape {shape})")
@@ -102,7 +107,17 @@ def read(
         unit_given=height_unit is not None,
         notes=raw.notes,
         overrides=overrides,
+        digest=digest,
     )
+
+
+def digest_of(path: str | Path) -> str:
+    """Return the SHA-256 of a file as hexadecimal text. Raises InputError, naming ``disc.surface``."""
+    try:
+        with Path(path).open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise InputError(f"disc.surface '{path}' cannot be read: {error.strerror}") from error
 
 
 def _millimetres(unit: str | None) -> float | None:

@@ -14,14 +14,13 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import BODIES
 from warpwear.inference.unknowns import Unknown
 from warpwear.laws import archard
-from warpwear.laws.archard import BODIES
 from warpwear.laws.friction import NUMBERS
 from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
 from warpwear.results.summary import course
 from warpwear.study.study import Study
-from warpwear.sweeps.points import name_of
-from warpwear.sweeps.run_one import Row, Task, run_one
+from warpwear.sweeps.points import points_of, task_of
+from warpwear.sweeps.run_one import Row, run_one
 from warpwear.sweeps.sweep import sweep
 from warpwear.sweeps.table import RUNS
 
@@ -137,7 +136,8 @@ def make_runs(
     inputs = tuple(unknown for unknown in unknowns if needs_runs(study, unknown.key, scaled=scaled))
     study, cut = _reaching(study, unknowns, out, device) if scaled else (study, "")
     if not inputs:
-        folders, row = [_folder(study, out, device)], _run(study, out, device)
+        folder, row = _run(study, out, device)
+        folders = [folder]
         if row.status != "done":
             raise InputError(f"the run that the inference stands on {row.status}")
         places, rows = np.zeros((1, 0)), [row]
@@ -169,13 +169,10 @@ def _whole(row: Row, folder: Path) -> Row:
     return replace(row, courses=courses)
 
 
-def _folder(study: Study, out: Path, device: str) -> Path:
-    return out / RUNS / name_of(study, device=device)
-
-
-def _run(study: Study, out: Path, device: str) -> Row:
-    """Return the row of a study's run, which is made unless its folder holds it."""
-    return run_one(Task(study.to_toml(), str(_folder(study, out, device).resolve()), device))
+def _run(study: Study, out: Path, device: str) -> tuple[Path, Row]:
+    """Return folder and row of a study's run, which is made unless its folder holds it."""
+    (point,) = points_of(study, [{}], device=device)
+    return out / RUNS / point.run, run_one(task_of(point, out / RUNS, device=device))
 
 
 def _reaching(study: Study, unknowns: Sequence[Unknown], out: Path, device: str) -> tuple[Study, str]:
@@ -199,7 +196,7 @@ def _reaching(study: Study, unknowns: Sequence[Unknown], out: Path, device: str)
             if "grid.extent" not in str(error):
                 raise
         else:
-            if "grid.extent" not in _run(reaching, out, device).status:
+            if "grid.extent" not in _run(reaching, out, device)[1].status:
                 break
         part *= SMALLER
     edge = f"{study.grid.extent:g} mm (grid.extent)"

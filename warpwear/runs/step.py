@@ -59,13 +59,13 @@ class RunStep:
 
         Raises InputError when a later step has been made: the fields are then of that one.
         """
-        found = self._fields()
-        if found is None:
+        snapshot = self._fields()
+        if snapshot is None:
             raise InputError(
                 f"step {self.index} is over: its fields are there until the next one is made; take "
                 "snapshot() before."
             )
-        return deepcopy(found)  # on a CPU a model gives views of what it works on
+        return deepcopy(snapshot)  # on a CPU a model gives views of what it works on
 
     def __repr__(self) -> str:
         distance, area = self._booked["distance"], self._booked["area_contact"]

@@ -69,7 +69,7 @@ def read_sections(path_or_preset: str | Path) -> dict[str, Any]:
             if not (path / "study.toml").is_file():
                 raise InputError(f"STUDY = '{path}' is a folder without a study.toml.")
             path = path / "study.toml"
-        with path.open(encoding="utf-8") as file:
+        with path.open(encoding="utf-8-sig") as file:
             sections = parse_toml(file.read(MOST_CHARACTERS + 1))
     except FileNotFoundError:
         raise InputError(_no_such_study(str(path_or_preset))) from None

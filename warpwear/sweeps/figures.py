@@ -35,8 +35,6 @@ from warpwear.sweeps.table import SweepResult
 NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)")
 #: Groups that are drawn one by one; more are only told apart by the table.
 MOST_GROUPS = 28
-#: Names of the figures that a sweep may have.
-FIGURES = ("courses", "scatter", "heat_map", "tornado")
 #: Values of two keys that have a colour and a kind of line each.
 COLOURS, KINDS = GROUPS, DASHES[:4]
 RANKS = "Rank correlation (Spearman) sees only what rises or falls throughout; of words and seeds η²."
