@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from warpwear.study.keys import Length, LengthOrZero, Section, key, when
+from warpwear.study.keys import Length, LengthOrZero, Section, excludes, key, needs, needs_compliance, when
 from warpwear.study.units import Quantity, Range, one_by_one
 
 ONE_APPROACH = when(
@@ -14,6 +14,11 @@ ONE_APPROACH = when(
 )
 SAMPLES = when("samples_area", otherwise="does not apply: the patches tile the contact")
 AT_RANDOM = when("places_at_random", otherwise="does not apply: no patch is placed at random")
+
+
+COUNTED_TWICE = (
+    ", as a free patch contains the displacement of its mean, which a bulk behind it would count twice"
+)
 
 
 class About(Section):
@@ -27,6 +32,7 @@ class About(Section):
         "micro",
         "macro: smooth bodies on an elastic foundation; micro: every asperity resolved; two-scale: patches "
         "of resolved asperities that share the load",
+        demands=needs_compliance("two-scale", "patches that yield"),
     )
 
 
@@ -50,6 +56,7 @@ class PatchesSection(Section):
         assumed="springs of the patches yield as the smooth bodies do; without hardness or asperities",
         applies=ONE_APPROACH,
         formerly="macro.bulk",
+        demands=excludes("contact.boundary", "free", of="spring", why=COUNTED_TWICE),
         former_value=("foundation", "spring"),
     )
     coupling: Literal["approach", "load"] = key(
@@ -57,6 +64,13 @@ class PatchesSection(Section):
         "approach: one for all patches, whose own answers share the load; load: a smooth macro contact "
         "prescribes the load of each patch",
         formerly="macro.coupling",
+        demands=needs("stepping.scheme", "implicit", of="load")
+        + needs(
+            "caps_pressure",
+            of="load",
+            what="a finite contact.hardness",
+            why=": without it the smooth contact asks of patches what asperities cannot carry",
+        ),
     )
     placement: Literal["centre", "random"] = key(
         "centre",
