@@ -26,7 +26,6 @@ from contenders.roster import (
 from measure.phases import kernel_times, not_recorded
 from measure.timing import Row, Unit, measure, ratio_note
 
-from cases.cold import cold
 from cases.displaced import sliding
 from cases.on_track import finer as sliding_finer
 from cases.on_track import run_full_pass, run_track
@@ -39,17 +38,6 @@ BENCH = str(Path(__file__).parents[1])
 EARLY = [3.0e-3] * 10  # [mm]: near F/H
 LATE = [2400.0, 3.0, 3.0]  # implicit steps may be long: most of the footprint touches
 EARLY_STEP, LATE_STEP = 3.0e-3, 3.0
-
-
-def static(cells: int, setting: Setting) -> list[Row]:
-    """Bearing area at 590 MPa, balanced to one cell's force."""
-    return cold("static", cells, setting, study_on(cells, sliding__distance="0 mm"))
-
-
-def static_springs(cells: int, setting: Setting) -> list[Row]:
-    """Foundation of 1.9e6 N/mm³ capped at 590 MPa, balanced to 1e-12 of the load."""
-    study = study_on(cells, sliding__distance="0 mm", contact__stiffness="1.9e6 N/mm^3")
-    return cold("static-springs", cells, setting, study)
 
 
 def early(cells: int, setting: Setting) -> list[Row]:
@@ -206,8 +194,6 @@ class Case:
 
 
 CASES: dict[str, Case] = {
-    "static": Case(static),
-    "static-springs": Case(static_springs),
     "early": Case(early),
     "late": Case(late),
     "v3": Case(run_v3, sizes=(150,)),
