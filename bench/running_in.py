@@ -29,7 +29,7 @@ from warpwear import Study
 #: Distance over which means are taken [mm], and the distances at which that ends.
 PASS = 30.0
 ENDS = (30.0, 90.0, 150.0, 240.0, 360.0, 480.0, 600.0, 900.0, 1200.0, 2400.0)
-#: What is drawn by default of a study is left out, and so are film and growing junctions without friction.
+#: Left out of every case, and of those without friction.
 QUIET: dict[str, Any] = {"output.snapshots": [], "run.checkpoint": "inf s"}
 BARE: dict[str, Any] = {"friction.film": None, "friction.junction_growth": 0.0}
 DUST_ALONE = {"wear.particle": None, "wear.particle_thickness": None}
@@ -63,8 +63,7 @@ def piece(diameter: float, thickness: float) -> Keys:
     return {"wear.particle": f"{diameter} um", "wear.particle_thickness": f"{thickness} um"}
 
 
-#: Title of a panel -> label -> distance [mm] and changed keys. Friction is of a disc of Ra 3 µm, areas without
-#: a film are of Ra 0.3 µm.
+#: Title of a panel -> label -> distance [mm] and changed keys, beside those of its picture in `PICTURES`.
 FRICTION: dict[str, dict[str, tuple[float, Keys]]] = {
     "ingredients": {
         "dust, no pieces": (480.0, DUST_ALONE),
