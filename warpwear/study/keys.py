@@ -292,7 +292,8 @@ def _check_choices(study: BaseModel) -> None:
             continue
         names = [name, *_other_ways(model, name)]
         said = [way for way in names if _is_given(study, way)]
-        titles = [f"[{way}]" if section_in(keys[way].field.annotation) else way for way in names]
+        sections = {way for way in names if (field := keys[way].field) and section_in(field.annotation)}
+        titles = [f"[{way}]" if way in sections else way for way in names]
         if name in said and len(said) > 1:
             raise ValueError(f"{name} and {titles[names.index(said[1])]} exclude each other")
         if declared.must_be_said and not said and not declared.why_not(study):
