@@ -18,6 +18,8 @@ file_key = partial(key, applies=ROUGH + FROM_A_FILE)
 
 
 class Body(Section):
+    """A body has constants of its material, each given or that of a known material."""
+
     material: Annotated[str, AfterValidator(lambda name: material(name).name)] | None = key(
         None, "name of a known material (see 'warpwear materials'), for constants that are not given"
     )
@@ -43,7 +45,7 @@ class Sphere(Body):
 
     @property
     def curvature(self) -> float:
-        """1/R [1/mm], 0 for a flat."""
+        """Curvature [1/mm]: 1/R, which is 0 for a flat."""
         if self.radius is not None:
             return 1.0 / self.radius
         assert self.diameter is not None

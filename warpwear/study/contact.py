@@ -142,12 +142,12 @@ class ArchardCoefficient:
     dimensionless: bool = False
 
     @classmethod
-    def read(cls, given: Any) -> Self:
+    def read(cls, quantity: Any) -> Self:
         """Return the coefficient of a quantity, or of a bare number. Raises ValueError."""
-        if isinstance(given, cls):
-            return given
-        bare = isinstance(given, Real) and not isinstance(given, bool)
-        value = Number(cls.range).read(given) if bare else parse(given, cls.unit)
+        if isinstance(quantity, cls):
+            return quantity
+        bare = isinstance(quantity, Real) and not isinstance(quantity, bool)
+        value = Number(cls.range).read(quantity) if bare else parse(quantity, cls.unit)
         return cls(cls.range.check(value), bare)
 
     def write(self) -> str | float:

@@ -112,12 +112,12 @@ def _shown(study: BaseModel, name: str) -> str:
 
 def _example(name: str, field: FieldInfo | None) -> str:
     """Return the name of a key, followed by an example of it where it is a quantity."""
-    found = (
+    metadata = (
         [value.__metadata__ for value in get_args(field.annotation) if hasattr(value, "__metadata__")]
         if field
         else []
     )
-    units = [part.unit for part in chain(*found) if isinstance(part, Quantity)]
+    units = [part.unit for part in chain(*metadata) if isinstance(part, Quantity)]
     return f"{name}, {EXAMPLES[units[0]]}" if units else name
 
 
@@ -222,8 +222,8 @@ def no_such_key(model: type[BaseModel], name: str, *, now: str = "") -> str:
     near = [key for key, (_, _, end) in parts.items() if end == last]
     near += [siblings[end] for end in get_close_matches(last, siblings, n=1)]
     hint = f"did you mean '{near[0]}'?" if near else f"allowed are {', '.join(siblings.values())}."
-    shown = name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}…"
-    return f"'{shown}' is no key of a study; {hint}"
+    short = name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}…"
+    return f"'{short}' is no key of a study; {hint}"
 
 
 def key_of(model: type[BaseModel], name: str) -> FieldInfo | None:
@@ -240,26 +240,26 @@ def section_in(annotation: Any) -> type[BaseModel] | None:
 
 def given_keys(section: BaseModel, prefix: str = "") -> set[str]:
     """Return the dotted names of the keys that were given, not left to their defaults."""
-    found = set()
+    names = set()
     for name in section.model_fields_set:
         value = getattr(section, name)
-        found |= given_keys(value, f"{prefix}{name}.") if isinstance(value, BaseModel) else {prefix + name}
-    return found
+        names |= given_keys(value, f"{prefix}{name}.") if isinstance(value, BaseModel) else {prefix + name}
+    return names
 
 
 @cache
 def declarations(model: type[BaseModel], prefix: str = "") -> Mapping[str, Declared]:
     """Map dotted names of keys and sections to what they declare, with the rules of sections above them."""
-    found: dict[str, Declared] = {}
+    keys: dict[str, Declared] = {}
     for name, info in model.model_fields.items():
         extra = info.json_schema_extra
         declared = replace(extra if isinstance(extra, Declared) else Declared(), field=info)
-        found[prefix + name] = declared
+        keys[prefix + name] = declared
         section = section_in(info.annotation)
         if section is not None:
             for below, of_key in declarations(section, f"{prefix}{name}.").items():
-                found[below] = replace(of_key, applies=(*declared.applies, *of_key.applies))
-    return MappingProxyType(found)
+                keys[below] = replace(of_key, applies=(*declared.applies, *of_key.applies))
+    return MappingProxyType(keys)
 
 
 def inapplicable(study: BaseModel) -> dict[str, str]:
@@ -302,10 +302,10 @@ def _check_choices(study: BaseModel) -> None:
 
 def unused_key_notices(study: BaseModel) -> list[str]:
     """Return a sentence about each reason why keys are given but not used."""
-    given = given_keys(study)
+    given_names = given_keys(study)
     reasons: dict[str, list[str]] = {}
     for name, why in inapplicable(study).items():
-        if name in given:
+        if name in given_names:
             reasons.setdefault(why, []).append(name)
     return [
         f"{', '.join(names)} {why if len(names) == 1 else why.replace('does not', 'do not', 1)}."

@@ -35,7 +35,7 @@ growing_key = partial(key, applies=STEPS + FIXED, one_of="plan: growing")
 
 
 class GridSection(Section):
-    """[grid]"""
+    """The section [grid] says how large the cells and the domain are."""
 
     cell: Length = key(..., "size of a cell; 10 um in the macro model, if not given")
     extent: Length = key(..., "side of the square domain")
@@ -56,7 +56,7 @@ class GridSection(Section):
 
 
 class Sliding(Section):
-    """[sliding]"""
+    """The section [sliding] says how far the sphere slides, and which way it takes."""
 
     distance: LengthOrZero | None = total_key(
         None, "total sliding distance; 0 is a static contact", must_be_said=True
@@ -139,7 +139,7 @@ class Sliding(Section):
 
     @property
     def total(self) -> float:
-        """Sliding distance of the whole test [mm]."""
+        """Distance that the whole test slides [mm]."""
         if self.distance is not None:
             return self.distance
         if self.revolutions is not None:
@@ -151,7 +151,7 @@ class Sliding(Section):
 
 
 class Stepping(Section):
-    """[stepping]"""
+    """The section [stepping] says which steps the way is cut into."""
 
     scheme: Literal["explicit", "implicit"] = key("implicit", "pressure of the step's start, or of its end")
     increment: Length | None = key(None, "fixed sliding increment", applies=STEPS, one_of="plan")
@@ -175,7 +175,7 @@ class Stepping(Section):
 
     @property
     def plan(self) -> tuple[float, float, float]:
-        """First increment [mm], growth, largest [mm]."""
+        """First increment [mm], the factor by which increments grow, and the largest [mm]."""
         if self.increment is not None:
             return self.increment, 1.0, self.increment
         return self.first, self.growth, self.largest

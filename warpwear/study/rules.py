@@ -197,16 +197,16 @@ def _of_film(study: Content) -> Iterator[str]:
 def _of_hardness(study: Content) -> Iterator[str]:
     """Yield a sentence about each hardness that is given and plays no part, or one part for both bodies."""
     limit, softer = study.contact.hardness, study.softer_hardness
-    given = [
+    bodies = [
         name
         for name in ("sphere", "disc")
         if "hardness" in getattr(study, name).model_fields_set and f"{name}.hardness" not in study.assumed
     ]
-    if limit is not None and given:
-        names = " and ".join(f"{name}.hardness = {getattr(study, name).hardness:g} MPa" for name in given)
+    if limit is not None and bodies:
+        names = " and ".join(f"{name}.hardness = {getattr(study, name).hardness:g} MPa" for name in bodies)
         yield (
             f"contact.hardness = {limit:g} MPa is the largest pressure of a cell: {names} only "
-            f"{'enter' if len(given) > 1 else 'enters'} the shear strength H/(3√3) of the softer body."
+            f"{'enter' if len(bodies) > 1 else 'enters'} the shear strength H/(3√3) of the softer body."
         )
     bare = " and ".join(_dimensionless(study))
     if bare:

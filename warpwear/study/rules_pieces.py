@@ -99,8 +99,8 @@ def _of_critical(study: Content, pieces: Pieces) -> str:
 
 def _diameter(study: Content, pieces: Pieces) -> str:
     """Return the diameter of the pieces, as it was asked for."""
-    found = _um(pieces.diameter)
-    return f"'critical', {found}," if study.wear.particle == "critical" else found
+    length = _um(pieces.diameter)
+    return f"'critical', {length}," if study.wear.particle == "critical" else length
 
 
 def _um(length: float) -> str:

@@ -22,7 +22,7 @@ COUNTED_TWICE = (
 
 
 class About(Section):
-    """[study]"""
+    """The section [study] names the run and says which model computes it."""
 
     name: Annotated[str, Field(pattern=r"^\w[\w .+-]*$", max_length=100)] = key(
         "study", "name of the run and of its folder: letters, digits, spaces and . + - _"
@@ -37,7 +37,7 @@ class About(Section):
 
 
 class PatchesSection(Section):
-    """[patches] of the two-scale model."""
+    """The section [patches] says where patches of the two-scale model lie and how they share the load."""
 
     macro_cell: Length = key(
         "50 um",
@@ -84,12 +84,12 @@ class PatchesSection(Section):
 
     @property
     def patch_width(self) -> float:
-        """Width of a patch [mm]: as given, or that of a macro cell."""
+        """Width that a patch has [mm]: as given, or that of a macro cell."""
         return self.macro_cell if self.width is None else self.width
 
 
 class Run(Section):
-    """[run]"""
+    """The section [run] says how a run is kept safe."""
 
     checkpoint: Annotated[float, Quantity("s", Range(or_equal=True, infinite=True))] = key(
         "2 min", "time between checkpoints, from which a run is resumed; 0 s is after every step, inf s never"
@@ -97,7 +97,7 @@ class Run(Section):
 
 
 class Checks(Section):
-    """[checks]"""
+    """The section [checks] says what a run does when a check fails."""
 
     strict: bool = key(
         True,
@@ -118,7 +118,7 @@ def _snapshots(value: Any) -> Any:
 
 
 class Output(Section):
-    """[output]"""
+    """The section [output] says which fields and columns are kept."""
 
     snapshots: Annotated[tuple[LengthOrZero, ...] | Literal["auto"], BeforeValidator(_snapshots)] = key(
         "auto",
