@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from warpwear.laws.track import WHOLE, is_whole
+from warpwear.laws.track import WHOLE
 from warpwear.study import rules_pieces, rules_track
 from warpwear.study.content import Content
 from warpwear.study.keys import check_keys
@@ -30,13 +30,8 @@ def check(study: Content) -> None:
 
 def _patches(study: Content) -> None:
     patches, cell = study.patches, study.grid.cell
-    for name, length in (("macro_cell", patches.macro_cell), ("width", patches.patch_width)):
-        if not is_whole(length / cell):
-            near = max(round(length / cell), 1) * cell
-            raise ValueError(
-                f"patches.{name} = {1e3 * length:g} µm is not a whole number of cells of {1e3 * cell:g} µm; "
-                f"the nearest that is, is {1e3 * near:.6g} µm"
-            )
+    rules_track.refuse_parts("patches.macro_cell", patches.macro_cell, cell)
+    rules_track.refuse_parts("patches.width", patches.patch_width, cell)
     named = f"patches.macro_cell = {1e3 * patches.macro_cell:g} µm"
     if patches.patch_width > patches.macro_cell * (1.0 + WHOLE):
         raise ValueError(
@@ -49,12 +44,7 @@ def _patches(study: Content) -> None:
             f"{named} is larger than the contact's domain allows: grid.extent = {study.grid.extent:g} mm "
             "must hold two macro cells or more"
         )
-    cells = study.grid.extent / patches.macro_cell
-    if not is_whole(cells):
-        raise ValueError(
-            f"grid.extent = {study.grid.extent:g} mm is not a whole number of cells of {named}; the nearest "
-            f"extent that is, is {round(cells) * patches.macro_cell:.9g} mm"
-        )
+    rules_track.refuse_parts("grid.extent", study.grid.extent, patches.macro_cell, cells=named)
 
 
 def _boundary(study: Content) -> None:
