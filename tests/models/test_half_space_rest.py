@@ -197,7 +197,7 @@ def test_a_model_goes_on_from_any_step(changes: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"study.model": "macro"}, "is for study.model = 'micro' and 'two-scale', not 'macro'"),
+        ({"study.model": "macro"}, "needs study.model = 'micro' or 'two-scale', not 'macro'"),
         ({"sphere.material": None}, "needs Young's modulus and Poisson's ratio of both bodies"),
         ({"stepping.scheme": "explicit"}, "needs stepping.scheme = 'implicit'"),
         ({"wear.distance_factor": "across"}, "wear.distance_factor = 'across' does not go with"),

@@ -394,8 +394,14 @@ def test_the_area_without_wear_in_the_step() -> None:
         ({"wear.particle": "0.2 mm"}, "a quarter of grid.extent"),
         ({"wear.particle_thickness": "30 um"}, "a piece is a flake"),
         ({"wear.distance_factor": "across"}, "allowed is 'none'"),
-        ({"study.model": "two-scale"}, "cut pieces at their borders"),
-        ({"study.model": "macro", "contact.law": "local"}, "which is smooth"),
+        (
+            {"study.model": "two-scale"},
+            "needs study.model = 'micro', not 'two-scale': patches would cut pieces",
+        ),
+        (
+            {"study.model": "macro", "contact.law": "local"},
+            "not 'macro': patches would cut pieces, and smooth bodies have none",
+        ),
         ({"wear.dust_fraction": 1.5}, "must be at most 1"),
     ],
 )

@@ -116,8 +116,8 @@ class Content(Section):
         """H of a cell without shear [MPa]: contact.hardness, or for rough cells the softer body's."""
         if self.contact.hardness is not None:
             return self.contact.hardness
-        found = None if self.study.model == "macro" else self.softer_hardness
-        return math.inf if found is None else found
+        hardness = None if self.study.model == "macro" else self.softer_hardness
+        return math.inf if hardness is None else hardness
 
     @property
     def caps(self) -> tuple[float, float]:
@@ -135,7 +135,7 @@ class Content(Section):
 
     @property
     def film(self) -> Film | None:
-        """The film on the bodies, None without one."""
+        """The film that the bodies have; None without one."""
         film, hardness = self.friction.film, self.hardness
         if film is None:
             return None
@@ -158,14 +158,14 @@ class Content(Section):
 
     @property
     def resolved(self) -> dict[str, str]:
-        """Dotted names of keys that were left open -> what they come to under the choices made, as text."""
-        found = {
+        """Map the keys that were left open to what they come to under the choices made, as text."""
+        resolved = {
             "contact.hardness": text(self.indentation_hardness, "MPa"),
             "contact.boundary": self.boundary,
             "patches.width": text(self.patches.patch_width, "mm"),
         }
         values = self.model_dump()
-        return {name: value for name, value in found.items() if value_of(values, name) is None}
+        return {name: value for name, value in resolved.items() if value_of(values, name) is None}
 
     @property
     def hertz(self) -> Hertz | None:
@@ -307,18 +307,18 @@ class Content(Section):
 
     @property
     def cells(self) -> Grid:
-        """The grid of cells."""
+        """The grid of cells that the study asks for."""
         n = round(self.grid.extent / self.grid.cell)
         return Grid(n, n, self.grid.cell)
 
     @property
     def snapshot_distances(self) -> tuple[float, ...]:
         """Sliding distances [mm] that fields are kept at, or where the next step ends, beside the end."""
-        asked = self.output.snapshots
-        return tuple(part * self.sliding.total for part in SNAPSHOTS) if asked == "auto" else asked
+        snapshots = self.output.snapshots
+        return tuple(part * self.sliding.total for part in SNAPSHOTS) if snapshots == "auto" else snapshots
 
     @property
     def load_tolerance(self) -> float:
         """Load that a bearing area may leave unbalanced [N], by default what one cell carries, H h²."""
-        asked = self.stepping.load_tolerance
-        return self.hardness * self.cells.cell_area if asked == "one cell" else float(asked)
+        tolerance = self.stepping.load_tolerance
+        return self.hardness * self.cells.cell_area if tolerance == "one cell" else float(tolerance)

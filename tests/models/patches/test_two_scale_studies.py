@@ -62,7 +62,10 @@ BAD = [
         {"wear.law": "running-in", "wear.running_in": "1 mm", "wear.initial_disc": "1 mm^3/N/m"},
         r"wear\.law = 'running-in'",
     ),
-    ({"wear.law": "bearing-curve"}, r"the two-scale model resolves"),
+    (
+        {"wear.law": "bearing-curve"},
+        r"^wear\.law = 'bearing-curve' needs study\.model = 'macro', not 'two-scale': .* resolve",
+    ),
     ({"contact.hardness": "inf MPa", "patches.coupling": "load"}, r"'load' needs a finite contact\.hardness"),
     (
         {"patches.coupling": "load", "stepping.scheme": "explicit", "contact.stiffness": "1e4 N/mm^3"},
