@@ -282,18 +282,17 @@ class Shared:
         pressure, is_first = self.pressure, not self.sharing.search["evaluations"]
         approach = float(self._lowest.min()) if is_first else sum(sharing.common)
         start = np.where(pressure > 0.0, sharing.approaches, approach)
-        none = np.full(start.size, np.inf)
-        values = {
-            sharing.base: start,
-            sharing.offset: np.full(start.size, step),
-            sharing.curves.low: np.stack([-none, -none, 0.0 * start]),
-            sharing.curves.high: np.stack([none, none, np.full(start.size, load.hardness)]),
-        }
-        for field, numbers in values.items():
-            field.assign(numbers)
-        numbers = {"evaluation": 0, "evaluations": 0, "bracketed": 0, "waited": 0, "number": 0, "state": 0}
-        ends = {"low": 0.0 if is_first else -1e300, "high": 1e300, "width": 1e300, "reach": abs(step)}
-        sharing.search.set(flexibility=flexibility, common_base=approach, common=step, **ends, **numbers)
+        sharing.base.assign(start)
+        sharing.offset.fill_(step)
+        for ends, end in (
+            (sharing.curves.low, (-np.inf, -np.inf, 0.0)),
+            (sharing.curves.high, (np.inf, np.inf, load.hardness)),
+        ):
+            ends.assign(np.full(start.size, np.array(end, dtype=ends.numpy().dtype)))
+        low = 0.0 if is_first else -1e300
+        bracket = (step, low, 1e300, abs(step), 1e300, 0, 0)  # by `kernels.newton.Bracket`
+        numbers = dict.fromkeys(("evaluations", "bracketed", "waited", "number"), 0)
+        sharing.search.set(flexibility=flexibility, common_base=approach, bracket=bracket, **numbers)
         for flag in (sharing.flags.searching, sharing.flags.unanswered):
             flag.fill_(1)
         self._program.run()

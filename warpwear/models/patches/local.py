@@ -123,7 +123,7 @@ class TwoScaleModel(Model):
             self._pass(program, passes.carried, self._steps, curves, self.contact.surfaces)
 
         if smooth is None:
-            program.decide(passes.begin, *state)
+            program.decide(kernels.begin, *state)
             self.sharing.say(program, evaluate)
             return
         program.decide(pressing.begin, *state, smooth.smooth, smooth.brackets)
@@ -132,9 +132,9 @@ class TwoScaleModel(Model):
     def _say_wear(self, program: Program) -> None:
         """Add the wear of a step whose approaches are found to a program."""
         state = self._steps, self.sharing.curves, self._foresight.courses
-        program.decide(passes.foresee, *state)
+        program.decide(kernels.foresee, *state)
         self._pass(program, passes.wear, *state, self.contact.surfaces, self._books)
-        program.decide(passes.end, *state, self._books)
+        program.decide(kernels.end, *state, self._books)
 
     def _pass(self, program: Program, kernel: object, *inputs: object) -> None:
         """Add a pass over all patches to a program."""
@@ -205,8 +205,8 @@ class TwoScaleModel(Model):
             plan[number] = removal, stiffness, flexibility
         if not self._executor.device.is_cpu:
             self._steps.plan.assign(plan)
-        extents = {name: self._ledger.most[name] for name in EXTENTS}
-        self._now.set(mean=row["pressure_mean"], number=0, steps=len(increments), **extents)
+        extents = [self._ledger.most[name] for name in EXTENTS]
+        self._now.set(mean=row["pressure_mean"], number=0, steps=len(increments), extents=extents)
         self.sharing.flags.stepping.fill_(1)
         self._chunks = self._executor.split_rows(self._work)
         return removals

@@ -21,7 +21,6 @@ from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
-from warpwear.kernels import patches
 from warpwear.kernels.two_scale import curves, sharing
 
 
@@ -51,8 +50,8 @@ class LoadSharing:
             base=self.base,
             offset=self.offset,
             answer=self.answer,
-            low=of_patches(3),
-            high=of_patches(3),
+            low=wp.zeros(self.count, dtype=curves.End, device=device),
+            high=wp.zeros(self.count, dtype=curves.End, device=device),
             room=of_patches(curves.LINES),
         )
         self.load = arguments(
@@ -77,7 +76,7 @@ class LoadSharing:
         with program.loop(flags.searching):
             with program.branch(flags.unanswered):
                 evaluate()
-            program.decide(patches.judge, self.load, self.curves, self.search.array, flags)
+            program.decide(sharing.judge, self.load, self.curves, self.search.array, flags)
 
     @property
     def trial(self) -> tuple[Field, Field]:
@@ -92,7 +91,8 @@ class LoadSharing:
     @property
     def common(self) -> tuple[float, float]:
         """Approach of the bodies, base and offset [mm]."""
-        return self.search["common_base"], self.search["common"]
+        offset, *_ = self.search["bracket"]
+        return self.search["common_base"], offset
 
     @property
     def approaches(self) -> FloatArray:
