@@ -1,4 +1,4 @@
-"""How patches share a load, as a part of a program: each at an approach of its own, joined by springs.
+"""Share a load among patches, as a part of a program: each at an approach of its own, joined by springs.
 
 A patch k carries the mean pressure p_k(u_k) at its approach u_k. Behind it is a spring of stiffness K_N
 [N/mm³], the bulk, so that all patches have
@@ -85,7 +85,7 @@ class LoadSharing:
 
     @property
     def is_balanced(self) -> bool:
-        """Whether the last search has ended well."""
+        """Tell whether the last search has ended well."""
         return bool(self.flags.balanced.numpy()[0])
 
     @property
@@ -100,7 +100,7 @@ class LoadSharing:
         return np.asarray(self.base.numpy() + self.offset.numpy())
 
     def failure(self) -> ConvergenceError:
-        """What is wrong with a search that has not ended well."""
+        """Return the error for a search that has not ended well."""
         s, load = self.search, self.load.load
         return ConvergenceError(
             f"the load shares of {self.count} patches did not converge in {s['evaluations']} evaluations: "
