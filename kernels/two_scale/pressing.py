@@ -81,20 +81,10 @@ def prescribe(smooth: Smooth, load: Load, flexibility: wp.float64, removal: wp.f
 
 @wp.kernel
 def press_smoothly(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    smooth: Smooth,
-    load: Load,
-    step: wp.array(dtype=wp.float64),
+    first_slot: wp.int32, slots: wp.int32, smooth: Smooth, load: Load, step: wp.array(dtype=wp.float64)
 ):
     """Prescribe the loads of a step by itself. step: 1/K_N, and K ΔL of both bodies [mm³/N]."""
     prescribe(smooth, load, step[0], step[1])
-
-
-@wp.func
-def press_from(curves: Curves, brackets: wp.array(dtype=Bracket), k: wp.int32):
-    """Begin the search of a patch at its trial approach."""
-    brackets[k] = bracket_at(curves.offset[k], wp.abs(curves.offset[k]))
 
 
 @wp.kernel
@@ -118,7 +108,7 @@ def begin(
         curves.base[k] = wp.where(touched, curves.base[k] + curves.offset[k], curves.lowest[k])
         beyond = wp.where(is_pressed, first_guess(steps, now), ZERO)
         curves.offset[k] = wp.where(touched, guess_of(m, now), beyond)
-        press_from(curves, brackets, k)
+        brackets[k] = bracket_at(curves.offset[k], wp.abs(curves.offset[k]))
     wait_for_slot()
     if lane() == 0:
         steps.now[0] = now
@@ -167,7 +157,7 @@ def judge(
                 if brackets[k].state != MET:  # from a base at the solution the offset has digits again
                     curves.base[k] = curves.base[k] + curves.offset[k]
                     curves.offset[k] = ZERO
-                    press_from(curves, brackets, k)
+                    brackets[k] = bracket_at(curves.offset[k], wp.abs(curves.offset[k]))
     if lane() == 0:
         search_out[0] = s
         set_flags(flags, state)

@@ -9,8 +9,8 @@ from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.kernels import patches as kernels
 from warpwear.kernels.cells import TILE_VECTORS
-from warpwear.laws.film import Film
 from warpwear.laws.patches import Patches
+from warpwear.laws.task import ContactTask
 from warpwear.models.film import BareCells
 
 
@@ -48,29 +48,19 @@ def unworn(
 class PatchContact:
     """The gap of every fine cell on a capped foundation, patch by patch: the micro law of two scales.
 
-    executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain. film: on
-    bodies of which sphere and disc lose these fractions of what is worn.
+    executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
     """
 
     STATE: ClassVar = {"gap": Field, "film": BareCells}
 
-    def __init__(
-        self,
-        patches: Patches,
-        heights: FloatArray,
-        executor: Executor,
-        *,
-        curvature: float,
-        film: Film | None = None,
-        fractions: tuple[float, float] = (0.5, 0.5),
-    ) -> None:
-        self.initial, layout = unworn(patches, heights, executor, curvature=curvature)
+    def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
+        self.initial, layout = unworn(patches, heights, executor, curvature=task.curvature)
         self.gap: Field = wp.clone(self.initial)
         #: Lowest gap of each patch before any wear [mm]: below that approach it carries nothing.
         self.lowest: FloatArray = layout.lowest.numpy().min(axis=1)
         #: Worn by both bodies [mm], where a film asks for it.
-        worn = executor.zeros(None if film else 0)
-        self.film = BareCells.of_both(film, executor, worn, fractions)
+        worn = executor.zeros(None if task.film else 0)
+        self.film = BareCells.of_both(task.film, executor, worn, task.wear_fractions)
         parts = None if self.film is None else self.film.parts
         self.surfaces = arguments(
             kernels.Surfaces,

@@ -55,14 +55,7 @@ class TwoScaleModel(Model):
         self.task, self.patches = task, patches
         self._executor = executor
         executor.foresee([passes.wear, *([pressing.judge] if task.prescribed_loads else [])])
-        self.contact = PatchContact(
-            patches,
-            heights,
-            executor,
-            curvature=task.curvature,
-            film=task.film,
-            fractions=task.wear_fractions,
-        )
+        self.contact = PatchContact(task, patches, heights, executor)
         self._ledger = PatchLedger(task, patches)
         self.book = self._ledger.book
         self._smooth = SmoothContact(task, patches, executor) if task.prescribed_loads else None

@@ -79,20 +79,9 @@ class LoadSharing:
             program.decide(sharing.judge, self.load, self.curves, self.search.array, flags)
 
     @property
-    def trial(self) -> tuple[Field, Field]:
-        """Base and offset of the approach of every patch [mm]."""
-        return self.base, self.offset
-
-    @property
     def is_balanced(self) -> bool:
         """Tell whether the last search has ended well."""
         return bool(self.flags.balanced.numpy()[0])
-
-    @property
-    def common(self) -> tuple[float, float]:
-        """Approach of the bodies, base and offset [mm]."""
-        offset, *_ = self.search["bracket"]
-        return self.search["common_base"], offset
 
     @property
     def approaches(self) -> FloatArray:
