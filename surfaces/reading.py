@@ -77,7 +77,7 @@ def read(
     given = None if pixel is None else _given_pixel(pixel)
     if height_unit is not None and _millimetres(height_unit) is None:
         raise InputError(f"disc.height_unit is {height_unit!r}: allowed is one of {UNITS}")
-    raw = formats.read_raw(path, pixel=given, array=array)
+    raw = formats.read_raw(formats.Source(path, pixel=given, array=array))
     if raw.heights.ndim != 2 or min(raw.heights.shape) < 2:
         shape = "×".join(map(str, raw.heights.shape))
         raise formats.refusal(path, f"holds a line scan or single values (shape {shape})")
