@@ -73,13 +73,12 @@ def outliers(heights: FloatArray, *, deviations: float) -> Outliers:
         rim_too |= turn == ROUNDS // 2
         surface = _continued(median)
         distance = np.abs(original - surface)
-        found = valid & (distance > limits)
+        before, where = where, valid & (distance > limits)
         if not rim_too:  # what is continued from a spike says nothing of the rim
-            found &= within
-        touched = found | where
-        field[touched] = np.where(found, surface, original)[touched]
-        settled = np.array_equal(found, where)
-        where = found
+            where &= within
+        touched = before | where
+        field[touched] = np.where(where, surface, original)[touched]
+        settled = np.array_equal(before, where)
         if settled and rim_too:
             break
         rim_too |= settled

@@ -178,8 +178,8 @@ def _first_row(lines: list[str], *, words: bool) -> tuple[int, str | None]:
     beginning = "\n".join(lines)[:4000]
     if sum(not (c.isprintable() or c in "\n\t\f") for c in beginning) > MOST_UNPRINTABLE:
         raise NoTable("is no text file")
-    shown = next(line.strip() for line in lines if line.strip())
-    raise NoTable(f"has no rows of numbers in two or more columns; it begins with '{shown[:60]}'")
+    first = next(line.strip() for line in lines if line.strip())
+    raise NoTable(f"has no rows of numbers in two or more columns; it begins with '{first[:60]}'")
 
 
 def _numbers_between_any(line: str) -> int:

@@ -173,7 +173,7 @@ def _likely_spectra(
         return value, whole[:, :size, :size]
 
     log = start
-    value, whole = (found[0] for found in likelihood(log[None]))
+    value, whole = (one[0] for one in likelihood(log[None]))
     for _ in range(STEPS):
         inverse = np.linalg.inv(whole)
         parts = inverse @ (bands * np.exp(log)[:, None, None])
@@ -185,7 +185,7 @@ def _likely_spectra(
         move *= min(1.0, LONGEST_STEP / float(np.abs(move).max()))
         gain = -math.inf
         for _ in range(10):
-            tried, tried_whole = (found[0] for found in likelihood((log + move)[None]))
+            tried, tried_whole = (one[0] for one in likelihood((log + move)[None]))
             gain = tried - value
             if gain >= 0.0:
                 break
