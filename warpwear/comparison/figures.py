@@ -14,7 +14,7 @@ from warpwear.comparison.groups import Course, Group, RunData
 from warpwear.figures import style as fs
 from warpwear.figures.axes import ACROSS
 from warpwear.grid import FloatArray
-from warpwear.measured.course import Experiment, mean_of_last_tenth
+from warpwear.measured.experiment import Experiment, mean_of_last_tenth
 from warpwear.results.ensemble import band, band_told, in_legend
 
 COLOURS = (fs.SPHERE, fs.DISC, fs.CONTACT, fs.MEAN_PRESSURE, fs.SUM, fs.TOUCHED)
