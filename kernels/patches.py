@@ -1,4 +1,4 @@
-"""Kernels of a contact of patches: passes over those, each at an approach of its own.
+"""Pass over the patches of a contact, each at an approach of its own.
 
 What is decided between passes stands in `two_scale`.
 
@@ -28,7 +28,7 @@ class Ball:
 
 @wp.struct
 class Surfaces:
-    """The cells of all patches."""
+    """Surfaces hold the cells of all patches."""
 
     layout: Layout
     cells: wp.float64  # of a patch

@@ -30,7 +30,7 @@ BLOCK = 2**20  # bytes that are unpacked together
 
 @dataclass(frozen=True)
 class Member:
-    """A measurement in a container.
+    """A container lists a measurement.
 
     label: its name, with that of its surface where there are several; about: what the list says of it.
     """
@@ -41,13 +41,13 @@ class Member:
 
     @property
     def is_map(self) -> bool:
-        """Whether it is areal: a line scan has one size."""
+        """Return whether it is areal: a line scan has one size."""
         sizes = self.about.get("size")
         return not isinstance(sizes, list | tuple) or len(sizes) == 2
 
     @property
     def files(self) -> list[tuple[str, str]]:
-        """Which of its files are there, the original first: kind and name."""
+        """Return which of its files are there, the original first: kind and name."""
         named = dict(self.about.get("datafile") or {})
         return [(kind, named[kind]) for kind in (ORIGINAL, SQUEEZED) if isinstance(named.get(kind), str)]
 

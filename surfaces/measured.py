@@ -1,4 +1,4 @@
-"""Measured surfaces: prepared by a chain of operations, and interpolated at any points."""
+"""Measured surfaces are prepared by a chain of operations, and interpolated at any points."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Spikes of an instrument: points far from the surface around them."""
+"""Find spikes of an instrument, which lie far from the surface around them."""
 
 import math
 from dataclasses import dataclass

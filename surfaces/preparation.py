@@ -1,4 +1,4 @@
-"""The preparation of a measurement: operations in a fixed order, each one recorded."""
+"""Prepare a measurement by operations in a fixed order, each one recorded."""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Roughness: height parameters, slopes, the bearing area curve, and Ra of filtered profiles.
+"""Compute height parameters, slopes, the bearing area curve, and Ra of filtered profiles.
 
 All are of measured points alone: heights may be NaN where a point is missing.
 """

@@ -40,7 +40,7 @@ class NoTable(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """Rows of fields of text, equally many in each, not yet numbers."""
+    """A table has rows of fields of text, equally many in each, not yet numbers."""
 
     header: tuple[str, ...]  # the lines before the rows, comments among them, without empty ones
     separator: str | None  # None for blanks

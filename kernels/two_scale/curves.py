@@ -28,7 +28,7 @@ FAR = wp.constant(wp.float64(math.inf))
 
 @wp.struct
 class End:
-    """An end of the bracket of a patch: a point of its curve."""
+    """An end of the bracket of a patch is a point of its curve."""
 
     approach: wp.float64  # of the patch, an offset [mm]
     point: wp.float64  # of the bodies, an offset [mm]
@@ -37,7 +37,7 @@ class End:
 
 @wp.struct
 class Curves:
-    """The patches and the nearest points of their curves; arrays of one number a patch, or lines of them."""
+    """Patches have curves, whose nearest points are known: arrays of one number a patch, or lines of them."""
 
     lowest: wp.array(dtype=wp.float64)  # below that approach a patch carries nothing [mm]
     base: wp.array(dtype=wp.float64)  # of the trial approach [mm]

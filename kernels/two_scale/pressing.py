@@ -20,7 +20,7 @@ PART = HALF
 
 @wp.struct
 class Smooth:
-    """A Winkler foundation of smooth bodies on the macro cells, with its own wear."""
+    """Smooth bodies are a Winkler foundation on the macro cells, with their own wear."""
 
     initial: wp.array(dtype=wp.float64)  # gap before any wear [mm]
     worn: wp.array(dtype=wp.float64)  # by both bodies [mm]

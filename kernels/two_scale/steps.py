@@ -1,4 +1,4 @@
-"""Decisions between the passes of a step of patches: where its search begins, and what the step leaves."""
+"""Decide between the passes of a step of patches where its search begins, and book what the step leaves."""
 
 import math
 
@@ -87,7 +87,7 @@ class Courses:
 
 @wp.struct
 class Books:
-    """What steps leave: a row a step."""
+    """Books keep what steps leave, a row a step."""
 
     sums: wp.array2d(dtype=wp.float64)  # of the last step, lines of `WearSum`, a column a patch
     maxima: wp.array2d(dtype=wp.float64)  # lines of `WearMost`

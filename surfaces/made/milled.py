@@ -1,4 +1,4 @@
-"""Milled surfaces: feed marks with a fine roughness on them."""
+"""Milled surfaces have feed marks with a fine roughness on them."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Gaussian random surfaces, self-affine between two wavelengths."""
+"""Gaussian random surfaces are self-affine between two wavelengths."""
 
 import math
 from collections.abc import Iterator

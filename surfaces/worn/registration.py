@@ -1,4 +1,4 @@
-"""The difference of two measurements of one place, one laid over the other: shift, rotation and tilt."""
+"""Lay two measurements of one place over each other, by shift, rotation and tilt, and take the difference."""
 
 import itertools
 import math

@@ -1,4 +1,4 @@
-"""The error of a volume: what the same levelling and sum would find anywhere on the unworn surface.
+"""Tell the error of a volume: what the same levelling and sum would find anywhere on unworn surface.
 
 Levelling and sum are one weighted sum of heights, so its scatter over all places of an endless unworn surface
 follows from the spectrum of that surface. The spectrum is taken in bands from the heights that are unworn, by

@@ -1,4 +1,4 @@
-"""A measured course of friction: the coefficient over the distance slid, from a file, and its gaps."""
+"""Read the coefficient of friction over the distance slid from a file, and look for its gaps."""
 
 from collections.abc import Mapping
 from dataclasses import replace

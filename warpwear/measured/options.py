@@ -1,4 +1,4 @@
-"""Options of commands as text with a unit: to numbers, with a sentence for bad ones."""
+"""Turn options of commands, texts with a unit, into numbers, with a sentence for bad ones."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -1,4 +1,4 @@
-"""Records of measurements: a table in text with the names and units of its columns."""
+"""Read records of measurements: a table in text with the names and units of its columns."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -18,7 +18,7 @@ UNITS = frozenset(
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """The table in a file, with the name and the unit of each column."""
+    """A record is the table in a file, with the name and the unit of each column."""
 
     path: Path
     table: Table

@@ -1,4 +1,4 @@
-"""The command `warpwear surface`: from its options to the text it prints and the figure it writes."""
+"""Run the command `warpwear surface`, from its options to the text it prints and the figure it writes."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -46,7 +46,7 @@ KEYS = re.compile(rf"\bdisc\.({'|'.join(Disc.model_fields)})\b")
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceOptions:
-    """Options of `warpwear surface`, lengths as text with a unit.
+    """These are the options of `warpwear surface`, lengths as text with a unit.
 
     figure: where to draw, None for a name made from the file's. track, ball: whether the file is a worn one.
     before: the same place before it was worn.

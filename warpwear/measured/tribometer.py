@@ -1,4 +1,4 @@
-"""The raw record of a reciprocating tribometer, forces and position: one coefficient of friction a cycle."""
+"""Reduce the raw record of a reciprocating tribometer to one coefficient of friction a cycle."""
 
 import math
 from collections.abc import Mapping

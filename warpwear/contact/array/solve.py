@@ -1,4 +1,4 @@
-"""The contact of a rigid plane or sphere with heights in an array, without a study.
+"""Solve the contact of a rigid plane or sphere with heights in an array, without a study.
 
 Numbers are in consistent units of the caller's choice; the solvers work in units of their own, see `Task`.
 """

@@ -1,4 +1,4 @@
-"""Tasks of the solvers of an array's contact, and their solutions.
+"""The solvers of an array's contact get tasks and return solutions.
 
 They work on cells of width 1 that a unit of pressure displaces by a unit of length, so that none of their
 thresholds is a length or a pressure of the caller's: see `Task`.
@@ -23,7 +23,7 @@ ROUNDING = 1.0e-12
 
 
 class Gap(NamedTuple):
-    """The gap before contact in the caller's units, from the heights' mean plane, block by block of rows."""
+    """A gap before contact is made in the caller's units, from the heights' mean plane, by blocks of rows."""
 
     heights: FloatArray
     middle: float  # of the mean plane
@@ -40,7 +40,7 @@ class Gap(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Task:
-    """A contact in units in which its cells are 1 wide and a unit of pressure displaces by a unit of length.
+    """A contact has units in which its cells are 1 wide and a unit of pressure displaces by a unit of length.
 
     length: the caller's lengths over those here, of the order of what heights and displacements span.
     pressure: the caller's pressures over those here, so that E* or the stiffness is 1 here, or the hardness
@@ -59,7 +59,7 @@ class Task:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """The cells of all fields along both axes."""
+        """Return the number of cells of all fields along both axes."""
         return self.unscaled.grid.shape
 
     def gap_of(self, rows: slice, out: FloatArray | None = None) -> FloatArray:
@@ -69,14 +69,14 @@ class Task:
 
     @cached_property
     def gap(self) -> FloatArray:
-        """The gap of all cells, shape (nx, ny)."""
+        """Return the gap of all cells, shape (nx, ny)."""
         gap = np.empty(self.shape)
         each(lambda rows: self.gap_of(rows, gap[rows]), self.shape, self.threads)
         return gap
 
     @cached_property
     def rms(self) -> float:
-        """The rms height of the gap."""
+        """Return the rms height of the gap."""
         return rms_of(self.gap)
 
 

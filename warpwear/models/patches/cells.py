@@ -46,7 +46,7 @@ def unworn(
 
 
 class PatchContact:
-    """The gap of every fine cell on a capped foundation, patch by patch: the micro law of two scales.
+    """The micro law of two scales gives every fine cell a gap on a capped foundation, patch by patch.
 
     executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
     """

@@ -11,7 +11,7 @@ from warpwear.kernels.two_scale import steps as kernels
 
 
 class PatchForesight:
-    """Continues the rate of the common approach, and of every spring's deflection the last one.
+    """Continue the rate of the common approach, and of every spring's deflection the last one.
 
     executor: with one row a patch.
     """

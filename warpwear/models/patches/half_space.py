@@ -46,7 +46,7 @@ OF_BOTH = {"worn": "wear_sphere"}
 
 
 class HalfSpacePatches(Model):
-    """Contact and wear of a two-scale study with contact.law = "half-space".
+    """Patches touch and wear in a two-scale study with contact.law = "half-space".
 
     A step finds the pressure with which it ends (implicit Archard), from the last one's pressure. Only
     patches that the approach may reach are visited: they lie in the order of their lowest points before any

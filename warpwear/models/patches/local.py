@@ -35,7 +35,7 @@ LONGEST_BLOCK, MOST_NUMBERS = 64, 2**20
 
 
 class TwoScaleModel(Model):
-    """Contact and wear of one task: patches share the load by one approach, or as a smooth contact says.
+    """Patches touch and wear in one task: they share the load by one approach, or as a smooth contact says.
 
     Approaches and gaps count from the mean planes, so that the worn mean height of a patch, which closes the
     loop back to the macro contact, is part of its gap.

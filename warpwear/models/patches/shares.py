@@ -85,7 +85,7 @@ class LoadSharing:
 
     @property
     def approaches(self) -> FloatArray:
-        """u_k of every patch [mm]. Of one without pressure it is δ or lower."""
+        """Return u_k of every patch [mm]; of one without pressure it is δ or lower."""
         return np.asarray(self.base.numpy() + self.offset.numpy())
 
     def failure(self) -> ConvergenceError:

@@ -21,7 +21,7 @@ from warpwear.surfaces.sphere import sag
 
 
 class SmoothContact:
-    """A Winkler foundation of smooth bodies on the macro cells, capped at the hardness, with its own wear.
+    """Smooth bodies are a Winkler foundation on the macro cells, capped at the hardness, and wear.
 
     Uncapped it would ask more of the first patches than all their cells carry at the hardness. Its gap is the
     mean over each patch of the sphere's; patches that reach beyond its rim have none and carry nothing.
@@ -78,7 +78,7 @@ class SmoothContact:
 
     @property
     def approach(self) -> float:
-        """Approach of the smooth bodies [mm]."""
+        """Return the approach of the smooth bodies [mm]."""
         return float(self._approach.numpy()[0])
 
     @property
