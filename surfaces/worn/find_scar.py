@@ -60,9 +60,9 @@ def find_scar(
     check_points(heights.shape)
     nx, ny = heights.shape
     measured = ~np.isnan(heights)
-    along, across = (legendre.legvander(np.linspace(-1.0, 1.0, n), degree).T for n in (nx, ny))
+    terms_x, terms_y = (legendre.legvander(np.linspace(-1.0, 1.0, n), degree).T for n in (nx, ny))
     powers = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
-    terms = np.stack([np.multiply.outer(along[i], across[j]) for i, j in powers])
+    terms = np.stack([np.multiply.outer(terms_x[i], terms_y[j]) for i, j in powers])
     unworn = measured.copy()
     unworn[measured] = unchanged(heights[measured], terms[:, measured].T)
     coarse = [max(SMOOTHED, round(JOINED * min(nx * pixel[0], ny * pixel[1]) / d)) for d in pixel]

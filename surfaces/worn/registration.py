@@ -303,7 +303,7 @@ def _fitted(
             break
     # of roughness alone: a deep scar has tilted the later one, and the tilt is no part of the place
     tilt = design[steady][:, 3:]
-    rough = [_rest(z[steady], tilt) for z in (known, below)]
+    rough: list[Any] = [_rest(z[steady], tilt) for z in (known, below)]
     if min(float(np.ptp(z)) for z in rough) == 0.0:
         return place, 0.0
     whole = float(np.corrcoef(*rough)[0, 1])

@@ -91,7 +91,8 @@ def solve_contact(
             "hardness = None is not possible without modulus or stiffness; the bearing area needs a hardness."
         )
     edge = boundary_of(boundary, modulus, sphere_radius)
-    grid, middle = Grid(*surface.shape, cell), total / surface.size
+    nx, ny = surface.shape
+    grid, middle = Grid(nx, ny, cell), total / surface.size
     nearest, furthest, carriers = middle - highest, middle - lowest, surface.size
     unscaled = Gap(surface, middle, grid, sphere_radius)
     if sphere_radius is not None:
@@ -130,7 +131,7 @@ def solve_contact(
     )
     check_memory(surface.shape, device, edge)
     with (
-        Executor(Grid(*surface.shape, 1.0), device=device, threads=threads, fields_needed=0.0) as executor,
+        Executor(Grid(nx, ny, 1.0), device=device, threads=threads, fields_needed=0.0) as executor,
         giving_back(executor),
     ):
         try:
