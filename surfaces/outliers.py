@@ -20,6 +20,12 @@ SAMPLES = 200_000  # of a spread, about: more say nothing new of its median
 TO_SIGMA = 1.4826  # median absolute deviation to standard deviation, of Gaussian values
 
 
+def robust_deviation(values: FloatArray, centre: float | None = None) -> float:
+    """Return the standard deviation of values about their median, or a centre, from absolute deviations."""
+    centre = float(np.median(values)) if centre is None else centre
+    return TO_SIGMA * float(np.median(np.abs(values - centre)))
+
+
 @dataclass(frozen=True, eq=False)
 class Outliers:
     """Outliers are points that lie farther than a limit from the surface around them."""
@@ -149,8 +155,8 @@ def _missed(field: FloatArray, valid: BoolArray, mean: FloatArray, to_x: int, to
 
 def _robust(spread: FloatArray, flat: float) -> float:
     """Return the standard deviation behind absolute deviations, less those up to `flat` if half are."""
-    sigma = TO_SIGMA * float(np.median(spread)) if spread.size else math.inf
+    sigma = robust_deviation(spread, 0.0) if spread.size else math.inf
     if sigma > flat:
         return sigma
     steps = spread[spread > flat]
-    return TO_SIGMA * float(np.median(steps)) if steps.size else math.inf
+    return robust_deviation(steps, 0.0) if steps.size else math.inf

@@ -10,7 +10,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.filling import filled
-from warpwear.surfaces.outliers import TO_SIGMA
+from warpwear.surfaces.outliers import robust_deviation
 from warpwear.surfaces.sphere import NoSphere, Sphere, fit_sphere, places
 from warpwear.surfaces.worn.patch import Body, Patch, check_points
 from warpwear.surfaces.worn.waviness import ROUGH
@@ -128,8 +128,7 @@ def _find(
         if np.isnan(lost[measured]).any():
             raise InputError("the measurement reaches beyond the ball: --crop takes a smaller part")
         lost = filled(lost)
-        rest = lost[unworn]
-        noise = TO_SIGMA * float(np.median(np.abs(rest - np.median(rest))))
+        noise = robust_deviation(lost[unworn])
         limit = max(THRESHOLD * noise, 1e-6 * float(np.ptp(lost)))
         smooth = ndimage.uniform_filter(lost, SMOOTHED, mode="nearest")
         labels, pieces = ndimage.label(smooth > limit / 2.0)

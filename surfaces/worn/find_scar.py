@@ -12,7 +12,7 @@ from warpwear.grid import FloatArray
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.filling import filled
 from warpwear.surfaces.levelling import without_polynomial
-from warpwear.surfaces.outliers import TO_SIGMA
+from warpwear.surfaces.outliers import robust_deviation
 from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.patch import SMOOTHED, Body, Patch, check_points, extents
 from warpwear.surfaces.worn.registration import unchanged
@@ -69,7 +69,7 @@ def find_scar(
     patch = np.zeros_like(unworn)
     for _ in range(ROUNDS):
         lost = filled(-without_polynomial(heights, degree=degree, where=unworn))
-        noise = _scatter(lost[unworn])
+        noise = robust_deviation(lost[unworn], 0.0)
         seed = _seed(lost, unworn, coarse=coarse, pixel=pixel)
         body = Body(lost=lost, unworn=unworn, pixel=pixel, terms=terms)
         reach = body.grown(seed, np.ones_like(seed), noise=noise, inwards=INWARDS)
@@ -95,7 +95,7 @@ def find_scar(
         )
     # a ragged scar ends at its outermost worn asperities, not at the rings about them
     smooth = ndimage.uniform_filter(lost, SMOOTHED, mode="nearest")
-    sharp = patch & (smooth > THRESHOLD * _scatter(smooth[unworn]))
+    sharp = patch & (smooth > THRESHOLD * robust_deviation(smooth[unworn], 0.0))
     along, across = extents(sharp, pixel)
     return replace(scar, along=along or scar.along, across=across or scar.across)
 
@@ -126,11 +126,6 @@ def mean_profile(scar: Patch) -> Profile:
     return Profile(y, np.asarray(lost[averaged].mean(axis=0)), band, averaged, count * px)
 
 
-def _scatter(values: FloatArray) -> float:
-    """Return the robust standard deviation of values about 0."""
-    return TO_SIGMA * float(np.median(np.abs(values)))
-
-
 def _seed(lost: FloatArray, unworn: BoolArray, *, coarse: list[int], pixel: tuple[float, float]) -> BoolArray:
     """Return the region that stands out as worn, shape (nx, ny): the largest of those connected.
 
@@ -138,13 +133,13 @@ def _seed(lost: FloatArray, unworn: BoolArray, *, coarse: list[int], pixel: tupl
     """
     floor = 1e-6 * float(np.ptp(lost))
     fine, wide = (ndimage.uniform_filter(lost, size, mode="nearest") for size in (SMOOTHED, coarse))
-    region, sharp = (z > max(THRESHOLD * _scatter(z[unworn]), floor) for z in (wide, fine))
+    region, sharp = (z > max(THRESHOLD * robust_deviation(z[unworn], 0.0), floor) for z in (wide, fine))
     labels, pieces = ndimage.label(region)
     # means over fewer points, at the field's edges, scatter more
     inner = tuple(slice(n // 2, size - n // 2) for n, size in zip(coarse, lost.shape, strict=True))
     known = np.arange(1, pieces + 1)
     peaks = ndimage.maximum(wide[inner], labels[inner], known) if pieces else np.zeros(0)
-    certain = [max(CERTAIN * _scatter(z[unworn]), floor) for z in (wide, fine)]
+    certain = [max(CERTAIN * robust_deviation(z[unworn], 0.0), floor) for z in (wide, fine)]
     known = known[peaks > certain[0]]
     if not known.size:
         raise InputError("no scar was found: nothing lies below the rest of the surface by more than chance")

@@ -9,7 +9,7 @@ from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.surfaces.base import BoolArray
-from warpwear.surfaces.outliers import TO_SIGMA
+from warpwear.surfaces.outliers import robust_deviation
 from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.waviness import waviness
 
@@ -183,7 +183,7 @@ class Body:
         used = count >= max(LEAST_BLOCK * nx * ny / BLOCKS**2, 1.0)
         used = used if used.any() else count > 0
         blocks = int(used.sum())
-        typical = TO_SIGMA * float(np.median(np.abs(total[used]) / np.sqrt(count[used])))
+        typical = robust_deviation(total[used] / np.sqrt(count[used]), 0.0)
         return typical**2 * self.pixel_area * blocks / max(blocks - len(self.terms), 1)
 
     def _errors(self, parts: list[FloatArray], *, hurst: float) -> list[float]:

@@ -14,7 +14,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.levelling import without_polynomial
-from warpwear.surfaces.outliers import TO_SIGMA
+from warpwear.surfaces.outliers import robust_deviation
 from warpwear.surfaces.sphere import places
 
 fft = lazy.module("scipy.fft")
@@ -371,7 +371,7 @@ def unchanged(values: FloatArray, terms: FloatArray) -> BoolArray:
     apart, steady = values - terms @ form, np.ones(values.size, dtype=np.bool_)
     for again in range(5):
         centre = float(np.median(apart[steady]))
-        spread = TO_SIGMA * float(np.median(np.abs(apart[steady] - centre)))
+        spread = robust_deviation(apart[steady], centre)
         before, steady = steady, np.abs(apart - centre) <= max(STEADY * spread, 1e-15)
         if again and np.array_equal(steady, before):
             break

@@ -12,7 +12,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.levelling import without_polynomial
-from warpwear.surfaces.outliers import TO_SIGMA
+from warpwear.surfaces.outliers import robust_deviation
 from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.waviness import ROUGH, regular_wave, waviness
 
@@ -243,8 +243,7 @@ def _span(profile: FloatArray, outside: BoolArray, *, pixel: float, width: float
     smooth = ndimage.uniform_filter1d(profile, window, mode="nearest")
     rest = smooth[outside]
     centre = float(np.median(rest))
-    sigma = TO_SIGMA * float(np.median(np.abs(rest - centre)))
-    sigma = max(sigma, 1e-6 * float(np.ptp(profile)))
+    sigma = max(robust_deviation(rest, centre), 1e-6 * float(np.ptp(profile)))
     deepest = int(np.argmin(smooth))
     if centre - smooth[deepest] < THRESHOLD * sigma:
         raise InputError(
