@@ -10,7 +10,7 @@ from warpwear import InputError
 from warpwear.inference.data import Data, Measured, data_of
 from warpwear.inference.infer import check_priors
 from warpwear.inference.unknowns import unknowns_of
-from warpwear.measured.course import Experiment
+from warpwear.measured.experiment import Experiment
 
 
 def test_repeats_that_scatter_widen_their_uncertainty() -> None:

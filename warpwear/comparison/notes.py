@@ -3,7 +3,8 @@
 from collections.abc import Callable, Iterator, Sequence
 
 from warpwear.comparison.groups import MOST_NAMES, Group, RunData, listed
-from warpwear.measured.course import Experiment, check_coverage
+from warpwear.measured.course import check_coverage
+from warpwear.measured.experiment import Experiment
 from warpwear.study.keys import declarations, inapplicable, value_of
 from warpwear.study.study import Study
 

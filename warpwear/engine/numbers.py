@@ -51,7 +51,7 @@ class Numbers:
     def __getitem__(self, name: str) -> Any:
         return self._read()[name][0].item()
 
-    def set(self, **values: float) -> None:
+    def set(self, **values: float | Sequence[float]) -> None:
         """Give some of them other values."""
         host = self._read()
         for name, value in values.items():

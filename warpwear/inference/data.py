@@ -14,7 +14,8 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import printed
 from warpwear.measured.columns import NAMES, split_unit
-from warpwear.measured.course import LARGEST_COF, Experiment, read_experiment
+from warpwear.measured.course import LARGEST_COF, read_experiment
+from warpwear.measured.experiment import Experiment
 from warpwear.measured.record import read_record
 from warpwear.study.study import Study
 from warpwear.study.units import parse

@@ -20,7 +20,7 @@ from warpwear.inference.runs import make_runs
 from warpwear.inference.sampler import sample
 from warpwear.inference.unknowns import Unknown, noise_for, unknowns_of
 from warpwear.laws.friction import FITTED, STRENGTH
-from warpwear.measured.course import Experiment
+from warpwear.measured.experiment import Experiment
 from warpwear.study.keys import inapplicable
 from warpwear.study.study import Study
 

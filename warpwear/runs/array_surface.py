@@ -77,7 +77,7 @@ def take_surface(study: Study, surface: Any, folder: Path | None) -> ArraySurfac
     reading = Reading(heights, (cell, cell), format="npy", unit="mm", pixel_given=True, unit_given=True)
     prepared = prepare(reading, Preparation(level="none"), name=SURFACE_FILE if folder else NO_FILE)
     details: dict[str, Any] = {"file": Path(path).name, "format": "npy", "unit": "mm", "level": "none"}
-    details["operations"] = list(prepared.operations)
+    details["operations"] = prepared.record["operations"]
     if filled is not None:
         details["filled_percent"] = 100.0 * float(filled.mean())
     return ArraySurface(

@@ -27,7 +27,7 @@ from warpwear.figures.describe import (
 from warpwear.figures.wording import RAISED
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import Quantity, printed
-from warpwear.measured.course import Experiment
+from warpwear.measured.experiment import Experiment
 from warpwear.results.ensemble import band_told, in_legend, is_label, short_names
 from warpwear.sweeps.table import SweepResult
 

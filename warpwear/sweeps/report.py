@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.errors import InputError
-from warpwear.measured.course import Experiment
+from warpwear.measured.experiment import Experiment
 from warpwear.page.folder import write_report as write_folder
 from warpwear.results import manifest
 from warpwear.sweeps.figures import figures_of
