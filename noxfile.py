@@ -30,7 +30,7 @@ def lint(session: nox.Session) -> None:
     session.install("ruff>=0.12", "clang-format>=23.1,<23.2")
     session.run("ruff", "check", ".")
     session.run("ruff", "format", "--check", ".")
-    headers = [str(header) for header in Path("kernels/native").glob("*.h")]
+    headers = [str(header) for header in Path("kernels/native").rglob("*.h")]
     session.run("clang-format", "--dry-run", "-Werror", *headers)
 
 

@@ -1,11 +1,12 @@
 """What follows from a pass of a search of the half-space solver: the rules of `contact.half_space.search`.
 
-Every decision is one slot. Symbols as in `native/search.h`.
+Every decision is one slot. Symbols as in `native/half_space/search.h`.
 """
 
 import warp as wp
 
 from warpwear.kernels.cells import ABSENT, NONE, ONE, ZERO
+from warpwear.kernels.half_space.certificate import Proof, Proven
 from warpwear.kernels.half_space.solve import (
     CONVERGED,
     LED_NOWHERE,
@@ -37,6 +38,13 @@ TWO = wp.constant(wp.float64(2.0))
 
 
 @wp.kernel(module=TOGETHER)
+def begin(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+    """Begin to search, as often as it takes until a pressure is certified."""
+    if lane() == 0:
+        solve.flags[Flag.SOLVING] = 1
+
+
+@wp.kernel(module=TOGETHER)
 def start(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Begin a search as the host asks, or go on with one that waited for the host."""
     resumes = solve.request[Request.RESUMES] > ZERO
@@ -56,6 +64,11 @@ def start(first_slot: wp.int32, slots: wp.int32, solve: Solve):
             solve.numbers[0] = n
         else:
             n = Numbers()
+            if solve.request[Request.RENEWED] > ZERO:
+                last = solve.numbers[0]
+                n.before = last.before + last.iteration
+                n.transforms_before = last.transforms_before + last.transforms
+                n.renewals = last.renewals + 1
             n.response = solve.request[Request.RESPONSE]
             n.stiffness = ONE / n.response
             n.at_load = wp.where(at_load, 1, 0)
@@ -275,6 +288,50 @@ def judge(first_slot: wp.int32, slots: wp.int32, solve: Solve):
                 solve.flags[Flag.MOVES_FEW] = 1
         solve.flags[Flag.SEARCHING] = wp.where(n.status == RUNS, 1, 0)
         solve.numbers[0] = n
+
+
+@wp.kernel(module=TOGETHER)
+def conclude(first_slot: wp.int32, slots: wp.int32, solve: Solve, proof: Proof):
+    """End a search: what has been found is certified, where that is asked for."""
+    at_load = solve.numbers[0].at_load == 1
+    for i in range(lane(), groups_of(solve), width()):
+        group = solve.groups[i]
+        proven = Proven()
+        proven.approach = group.level
+        proven.load = wp.where(at_load, group.load, -ONE)
+        proven.scale = group.scale
+        proven.allowed = group.allowed
+        proof.groups[i] = proven
+    if lane() == 0:
+        converged = solve.numbers[0].status == CONVERGED
+        certified = solve.request[Request.CERTIFIED] > ZERO
+        solve.flags[Flag.CERTIFIES] = wp.where(converged and certified, 1, 0)
+        solve.flags[Flag.SOLVING] = 0
+
+
+@wp.kernel(module=TOGETHER)
+def accept(first_slot: wp.int32, slots: wp.int32, solve: Solve, proof: Proof):
+    """Search on from a pressure that could not be certified: what the search added up has drifted."""
+    rules = solve.rules[0]
+    faults = ZERO
+    i = first_group(proof)
+    while i < groups_of(proof):
+        group = proof.groups[i]
+        off = ZERO
+        if group.load >= ZERO:
+            off = wp.where(group.load > ZERO, group.total / wp.where(group.load > ZERO, group.load, ONE) - ONE, group.total)
+        violation = wp.max(group.highest - group.approach, group.approach - group.lowest)
+        holds = group.over <= ZERO and group.under <= ZERO and wp.abs(off) <= rules.certified_load
+        holds = holds and violation <= group.allowed and group.gap < NONE
+        faults += wp.where(holds, ZERO, ONE)
+        i += stride(proof)
+    faults = over_groups(proof, faults, True)
+    if lane() == 0 and faults > ZERO and solve.numbers[0].renewals < rules.renewals:
+        solve.request[Request.ANEW] = ZERO
+        solve.request[Request.ROUGH] = ZERO
+        solve.request[Request.RESUMES] = ZERO
+        solve.request[Request.RENEWED] = ONE
+        solve.flags[Flag.SOLVING] = 1
 
 
 @wp.kernel(module=TOGETHER)

@@ -1,4 +1,4 @@
-"""The passes that extend values of free cells to others, for the preconditioner; see `native/extension.h`.
+"""The passes that extend values of free cells to others, for the preconditioner; see `native/half_space/extension.h`.
 
 On a CPU `extend` and `gather` do that tile by tile, on a GPU `extend_once` in five passes.
 """

@@ -1,4 +1,4 @@
-"""The passes over all cells of a search of the half-space solver; `native/search.h` says what each does."""
+"""The passes over all cells of a search of the half-space solver; `native/half_space/search.h` says what each does."""
 
 import warp as wp
 

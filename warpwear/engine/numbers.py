@@ -73,3 +73,23 @@ class Numbers:
 
     def _read(self) -> Any:
         return self.array.numpy() if self._host is None else self._host
+
+
+class Mirror:
+    """Arrays of a device as the host sees them: on a CPU in place, of a GPU as they were when last read."""
+
+    def __init__(self, *arrays: Field) -> None:
+        self._arrays = arrays
+        self._host = [
+            array if array.device.is_cpu else wp.zeros_like(array, device="cpu", pinned=True)
+            for array in arrays
+        ]
+        self._values = [host.numpy() for host in self._host]
+
+    def read(self) -> list[Any]:
+        """Wait for the device; the values of every array."""
+        for array, host in zip(self._arrays, self._host, strict=True):
+            if array is not host:
+                wp.copy(host, array)
+        wp.synchronize_device(self._arrays[0].device)
+        return self._values

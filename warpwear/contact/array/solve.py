@@ -14,8 +14,8 @@ from warpwear.contact.array.contact import ArrayContact
 from warpwear.contact.array.elastic import solve_half_space
 from warpwear.contact.array.memory import check_memory, giving_back
 from warpwear.contact.array.springs import solve_cells
-from warpwear.contact.array.task import ROUNDING, Found, Gap, Task, surface_of
-from warpwear.contact.certificate import Certificate, cells_of, certify
+from warpwear.contact.array.task import ROUNDING, Found, Gap, Task, gap_field, surface_of
+from warpwear.contact.certificate import Certificate, Proof
 from warpwear.contact.half_space.search import SearchRules
 from warpwear.contact.half_space.solver import TOLERANCE
 from warpwear.engine.device import check_threads
@@ -172,7 +172,7 @@ def _contact_of(
     tolerance: float,
 ) -> tuple[ArrayContact, float]:
     """A solved task in the caller's units, certified, and the sum of its pressures. May raise."""
-    certificate = found.certificate or _certify(task, found, tolerance)
+    certificate = found.certificate or _certify(task, found, executor, tolerance)
     if certificate.fault:
         raise ConvergenceError(f"the pressure cannot be certified: {certificate.fault}.")
     here = isinstance(found.pressure, np.ndarray)
@@ -210,15 +210,19 @@ def _contact_of(
     return contact, sum(sums)
 
 
-def _certify(task: Task, found: Found, tolerance: float) -> Certificate:
+def _certify(task: Task, found: Found, executor: Executor, tolerance: float) -> Certificate:
     yielded = abs(found.approach) + float(found.pressure.mean())
     scale = task.rms or yielded
-    asked = None if task.mean is None else np.full(1, task.mean * task.gap.size)
-    return certify(
-        [cells_of(found.pressure, task.gap, found.displacement, task.cap)],
-        approaches=np.full(1, found.approach),
-        asked=asked,
-        scale=np.full(1, scale),
-        allowed=np.full(1, max(tolerance * scale, SearchRules.rounding * yielded, found.allowed)),
-        cell_area=1.0,
+    proof = Proof(
+        executor,
+        pressure=executor.field(found.pressure),
+        gap=gap_field(task.gap, executor),
+        displacement=executor.field(found.displacement),
+        cap=task.cap,
+    )
+    return proof.at(
+        approach=found.approach,
+        load=None if task.mean is None else task.mean * task.gap.size,
+        scale=scale,
+        allowed=max(tolerance * scale, SearchRules.rounding * yielded, found.allowed),
     )

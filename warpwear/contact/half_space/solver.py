@@ -9,12 +9,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from warpwear.contact.certificate import TOGETHER, TOGETHER_ON_GPU, Certificate, cells_of, certify
 from warpwear.contact.half_space import nested
 from warpwear.contact.half_space.contact import HalfSpaceContact, residual_of, worst_of
 from warpwear.contact.half_space.influence import Influence, Operator
-from warpwear.contact.half_space.search import NO_CAP, Search, SearchRules
-from warpwear.contact.half_space.transforms import arrays_of, release
+from warpwear.contact.half_space.search import Search, SearchRules
+from warpwear.contact.half_space.transforms import release
 from warpwear.engine.executor import Executor, Field
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray
@@ -25,8 +24,6 @@ TOLERANCE = SearchRules.tolerance
 MAX_ITERATIONS = SearchRules.iterations
 #: Tolerance from which single precision may be enough for a whole search.
 LOOSE = 1.0e-5
-#: Times that a search goes on from its own result where that cannot be certified.
-RENEWALS = 3
 
 #: Own, streak and window, as of `influence.Operator.set_compliance`.
 Compliances = tuple[float, float, int | None]
@@ -60,8 +57,6 @@ class BoundedPressure:
         self._influence = influence
         names = "pressure", "gradient", "trial", "step", "response"
         self._fields = {name: executor.zeros() for name in names}
-        #: Of the hardness, that cells bear in the last solve.
-        self._fractions: Field | None = None
         self._search: Search | None = None
         #: Gap, cap fractions and groups that the search is said for.
         self._said: tuple[Any, ...] = ()
@@ -114,25 +109,15 @@ class BoundedPressure:
         compliances = compliance, streak_compliance, streak_window
         certified = not self._started if certified is None else certified
         transforms = 0 if self._started else self._start(gap, mean_pressure, approach, compliances, parts)
-        self._fractions = parts
         search = self._search_for(gap, parts, groups=isinstance(mean_pressure, np.ndarray))
         self._influence.set_compliance(*compliances)
-        iterations = 0
-        for renewal in range(1 + RENEWALS):
-            rough = self._rules.tolerance >= LOOSE and not renewal
-            contact = self._searched(search, loads, approach, compliance, rough)
-            iterations, transforms = iterations + contact.iterations, transforms + contact.transforms
-            contact = replace(contact, iterations=iterations, transforms=transforms)
-            if not certified:
-                return contact
-            certificate = self.certificate_of(gap, contact, loads, compliances)
-            if not certificate.fault:
-                return replace(contact, certificate=certificate)
-            # What the search added up has drifted: it goes on from the gradient made anew.
-        self._started = False
-        raise ConvergenceError(
-            f"the pressure of the half-space contact cannot be certified: {certificate.fault}."
-        )
+        contact = self._searched(search, loads, approach, compliance, certified=certified)
+        if contact.certificate and contact.certificate.fault:
+            self._started = False
+            raise ConvergenceError(
+                f"the pressure of the half-space contact cannot be certified: {contact.certificate.fault}."
+            )
+        return replace(contact, transforms=contact.transforms + transforms)
 
     def _start(
         self,
@@ -144,34 +129,6 @@ class BoundedPressure:
     ) -> int:
         """Find a first pressure, where there is a way to; the pairs of transforms that it took."""
         return 0
-
-    def certificate_of(
-        self,
-        gap: Field,
-        contact: HalfSpaceContact,
-        loads: FloatArray | None,
-        compliances: Compliances,
-    ) -> Certificate:
-        """Certify the pressure field as it stands, at the approaches of a contact. It does not change.
-
-        loads: Σ p of each group [MPa]; None at an approach. compliances: as of the solve of the contact.
-        """
-        executor, cap = self._executor, self._hardness if self._hardness < NO_CAP else math.inf
-        self._influence.set_compliance(*compliances)
-        self._influence.respond(self._fields["pressure"], self._fields["response"])
-        terms = {"approaches": contact.approaches, "scale": contact.scale, "allowed": contact.allowed}
-        with arrays_of(executor) as (xp, view):
-            visited = self._influence.rows_visited
-            p, g, u = view(self._fields["pressure"]), view(gap), view(self._fields["response"])
-            fractions = None if self._fractions is None else view(self._fractions)
-            together = TOGETHER if xp is np else TOGETHER_ON_GPU
-            one = contact.approaches.size == 1
-            rows = [slice(visited)] if one else [slice(n, n + 1) for n in range(visited)]
-            groups = [
-                cells_of(p[r], g[r], u[r], cap, None if fractions is None else fractions[r], together)
-                for r in rows
-            ]
-            return certify(groups, asked=loads, cell_area=executor.grid.cell_area, xp=xp, **terms)
 
     def displacement(self) -> Field:
         """Displacement under the pressure that was certified last [mm]; lost in a solve."""
@@ -195,15 +152,22 @@ class BoundedPressure:
         return self._search
 
     def _searched(
-        self, search: Search, loads: FloatArray | None, approach: float | None, compliance: float, rough: bool
+        self,
+        search: Search,
+        loads: FloatArray | None,
+        approach: float | None,
+        compliance: float,
+        *,
+        certified: bool,
     ) -> HalfSpaceContact:
-        """Search as `solve` says. rough: begin in single precision."""
+        """Search as `solve` says."""
         response = self._influence.shortest_response + compliance
         request = {
             Request.RESPONSE: response,
             Request.AT_LOAD: loads is not None,
             Request.ANEW: not self._started,
-            Request.ROUGH: rough,
+            Request.ROUGH: self._rules.tolerance >= LOOSE,
+            Request.CERTIFIED: certified,
         }
         self._started = False
         status = search.run(request, np.full(1, approach) if loads is None else loads)
@@ -226,14 +190,14 @@ class BoundedPressure:
             violation=worst_of(groups["violation"], groups["scale"]),
             load_residual=residual_of(groups["total"], loads),
             cells_in_contact=round(float(groups["touching"].sum())),
-            iterations=int(numbers["iteration"]),
-            transforms=int(numbers["transforms"]),
+            iterations=int(numbers["before"] + numbers["iteration"]),
+            transforms=int(numbers["transforms_before"] + numbers["transforms"]),
             pressure_field=self._fields["pressure"],
             gradient_field=self._fields["gradient"],
             executor=self._executor,
             cells=self._influence.cells,
-            scale=groups["scale"].copy(),
             allowed=groups["allowed"].copy(),
+            certificate=search.certificate() if certified else None,
         )
 
     def _loads(self, mean_pressure: float | FloatArray | None, approach: float | None) -> FloatArray | None:

@@ -40,13 +40,13 @@ struct SearchRow {
 
 // Visit every cell of a slot. `of_row` takes a row and the group that carries its load, and returns what is
 // done with each of its cells, by their place in the row.
-template <typename Solve, typename OfRow>
+template <typename Row = SearchRow, typename Solve, typename OfRow>
 WARPWEAR_FN void each_cell(const Solve& solve, int slot, int slots, const OfRow& of_row)
 {
     const int rows = solve.visited.data[0], cells = solve.fields.pressure.shape[1] * OF_VECTOR;
     const bool is_one = solve.groups.shape[0] == 1;
     for (int row = slot; row < rows; row += slots) {
-        const auto of_cell = of_row(SearchRow(solve.fields, row), solve.groups.data[is_one ? 0 : row]);
+        const auto of_cell = of_row(Row(solve.fields, row), solve.groups.data[is_one ? 0 : row]);
         for (int i = lane_of_slot(); i < cells; i += width_of_slot()) of_cell(i);
     }
 }

@@ -1,35 +1,35 @@
-"""The exact move of the few cells of a half-space contact whose place is open; see `native/few.h`."""
+"""The exact move of the few cells of a half-space contact whose place is open; see `native/half_space/active_set.h`."""
 
 import warp as wp
 
 from warpwear.kernels.cells import ONE, ZERO
 from warpwear.kernels.half_space.decisions import drifted
-from warpwear.kernels.half_space.solve import TOGETHER, Few, Flag, Solve, most_of_columns, sum_of_columns
+from warpwear.kernels.half_space.solve import TOGETHER, ActiveSet, Flag, Solve, most_of_columns, sum_of_columns
 from warpwear.kernels.newton import HALF
 
 
 @wp.func_native("open_cells(slot, slots, solve, few, false);")
-def _count_open(slot: wp.int32, slots: wp.int32, solve: Solve, few: Few): ...
+def _count_open(slot: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet): ...
 
 
 @wp.kernel(module=TOGETHER)
-def count_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
+def count_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet):
     """Count the cells whose place between the bounds is open."""
     _count_open(first_slot + wp.tid() // wp.block_dim(), slots, solve, few)
 
 
 @wp.func_native("open_cells(slot, slots, solve, few, true);")
-def _list_open(slot: wp.int32, slots: wp.int32, solve: Solve, few: Few): ...
+def _list_open(slot: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet): ...
 
 
 @wp.kernel(module=TOGETHER)
-def list_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
+def list_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet):
     """List them; the trial becomes the pressure."""
     _list_open(first_slot + wp.tid() // wp.block_dim(), slots, solve, few)
 
 
 @wp.kernel(module=TOGETHER)
-def place_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
+def place_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet):
     """Give the open cells of every slot their places in the list; tell whether there are few enough."""
     if wp.tid() == 0:
         place = ZERO
@@ -43,13 +43,13 @@ def place_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
 
 
 @wp.func_native("return move_few(solve, few, count);")
-def move_few(solve: Solve, few: Few, count: wp.int32) -> wp.bool:
+def move_few(solve: Solve, few: ActiveSet, count: wp.int32) -> wp.bool:
     """Move the few open cells in the trial; tell whether there is a way."""
     ...
 
 
 @wp.kernel(module=TOGETHER)
-def aim_few(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
+def aim_few(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet):
     """Make the trial pressure the best one for the few cells that are open."""
     if wp.tid() == 0:
         solve.flags[Flag.AIMED_AT_FEW] = wp.where(move_few(solve, few, few.count[0]), 1, 0)
@@ -80,12 +80,12 @@ def go_few(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 
 
 @wp.func_native("return best_of_few(few, count);")
-def _best_of_few(few: Few, count: wp.int32) -> wp.bool: ...
+def _best_of_few(few: ActiveSet, count: wp.int32) -> wp.bool: ...
 
 
 @wp.kernel(module=TOGETHER)
 def solve_few(
-    first_slot: wp.int32, slots: wp.int32, few: Few, count: wp.int32, solved_out: wp.array(dtype=wp.int32)
+    first_slot: wp.int32, slots: wp.int32, few: ActiveSet, count: wp.int32, solved_out: wp.array(dtype=wp.int32)
 ):
     """Find the best changes of some cells' pressures alone; tell whether there are such."""
     if wp.tid() == 0:

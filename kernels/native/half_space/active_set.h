@@ -5,7 +5,7 @@
 // those near enough to change sides. The pressure that is best for them, while all others stay, solves a
 // small dense problem, to which conjugate steps take one transform after another. On a CPU alone: what one
 // thread of a GPU takes for it is more than the steps that it saves.
-#include "search.h"
+#include "half_space/search.h"
 
 #if !defined(__CUDA_ARCH__)
 // Count the open cells of a slot, or list them from the place that the table tells. Listed, the trial becomes

@@ -7,7 +7,7 @@
 // extension E is made, E' |q| E is symmetric and positive as |q| is. In single precision, as the transforms
 // between. Symbols as in `search.h`. A GPU makes each iteration in a pass of its own, see
 // `half_space/extension.py`.
-#include "search.h"
+#include "half_space/search.h"
 
 // A GPU makes each iteration in a pass of its own, a cell a thread, between the trial and two fields that lie
 // one after the other in `gathered`.
