@@ -1,10 +1,20 @@
-"""The exact move of the few cells of a half-space contact whose place is open; see `native/half_space/active_set.h`."""
+"""The active-set solve of the last undecided cells of a half-space contact.
+
+`native/half_space/active_set.h` has its arithmetic.
+"""
 
 import warp as wp
 
 from warpwear.kernels.cells import ONE, ZERO
 from warpwear.kernels.half_space.decisions import drifted
-from warpwear.kernels.half_space.solve import TOGETHER, ActiveSet, Flag, Solve, most_of_columns, sum_of_columns
+from warpwear.kernels.half_space.solve import (
+    TOGETHER,
+    ActiveSet,
+    Flag,
+    Solve,
+    most_of_columns,
+    sum_of_columns,
+)
 from warpwear.kernels.newton import HALF
 
 
@@ -85,7 +95,11 @@ def _best_of_few(few: ActiveSet, count: wp.int32) -> wp.bool: ...
 
 @wp.kernel(module=TOGETHER)
 def solve_few(
-    first_slot: wp.int32, slots: wp.int32, few: ActiveSet, count: wp.int32, solved_out: wp.array(dtype=wp.int32)
+    first_slot: wp.int32,
+    slots: wp.int32,
+    few: ActiveSet,
+    count: wp.int32,
+    solved_out: wp.array(dtype=wp.int32),
 ):
     """Find the best changes of some cells' pressures alone; tell whether there are such."""
     if wp.tid() == 0:

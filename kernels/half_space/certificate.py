@@ -1,4 +1,4 @@
-"""Passes and decisions of a certificate: what a pressure violates, and how far its energy can lie above the least.
+"""Passes and decisions of a certificate: what a pressure violates, how far its energy is above the least.
 
 `contact.certificate` says what is certified, `native/half_space/certificate.h` has the loops over cells.
 """
@@ -76,34 +76,12 @@ class Proof:
     searching: wp.array(dtype=wp.int32)  # whether a level is looked for, one number
 
 
-@wp.func_native("proof_extremes(slot, slots, proof);")
-def _extremes(slot: wp.int32, slots: wp.int32, proof: Proof): ...
-
-
-@wp.kernel
-def extremes(first_slot: wp.int32, slots: wp.int32, proof: Proof):
-    """Sum up the pressure; find by how much it exceeds its bounds, and the gaps that violate conditions."""
-    _extremes(first_slot + wp.tid() // wp.block_dim(), slots, proof)
-
-
-@wp.func_native("proof_carried(slot, slots, proof);")
-def _carried(slot: wp.int32, slots: wp.int32, proof: Proof): ...
-
-
-@wp.kernel
-def carried(first_slot: wp.int32, slots: wp.int32, proof: Proof):
-    """Sum up what cells below levels of the bracket carry at the cap."""
-    _carried(first_slot + wp.tid() // wp.block_dim(), slots, proof)
-
-
-@wp.func_native("proof_gap(slot, slots, proof);")
-def _excess(slot: wp.int32, slots: wp.int32, proof: Proof): ...
-
-
-@wp.kernel
-def excess(first_slot: wp.int32, slots: wp.int32, proof: Proof):
-    """Sum up the bound of the energy at the level that makes it least."""
-    _excess(first_slot + wp.tid() // wp.block_dim(), slots, proof)
+#: Sum up the pressure; find by how much it exceeds its bounds, and the gaps that violate conditions.
+extremes = native_code.a_pass("extremes", "proof_extremes(slot, slots, it);", Proof)
+#: Sum up what cells below levels of the bracket carry at the cap.
+carried = native_code.a_pass("carried", "proof_carried(slot, slots, it);", Proof)
+#: Sum up the bound of the energy at the level that makes it least.
+excess = native_code.a_pass("excess", "proof_gap(slot, slots, it);", Proof)
 
 
 @wp.kernel

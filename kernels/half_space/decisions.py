@@ -297,6 +297,7 @@ def conclude(first_slot: wp.int32, slots: wp.int32, solve: Solve, proof: Proof):
     for i in range(lane(), groups_of(solve), width()):
         group = solve.groups[i]
         proven = Proven()
+        proven.level = -NONE
         proven.approach = group.level
         proven.load = wp.where(at_load, group.load, -ONE)
         proven.scale = group.scale
@@ -319,7 +320,11 @@ def accept(first_slot: wp.int32, slots: wp.int32, solve: Solve, proof: Proof):
         group = proof.groups[i]
         off = ZERO
         if group.load >= ZERO:
-            off = wp.where(group.load > ZERO, group.total / wp.where(group.load > ZERO, group.load, ONE) - ONE, group.total)
+            off = wp.where(
+                group.load > ZERO,
+                group.total / wp.where(group.load > ZERO, group.load, ONE) - ONE,
+                group.total,
+            )
         violation = wp.max(group.highest - group.approach, group.approach - group.lowest)
         holds = group.over <= ZERO and group.under <= ZERO and wp.abs(off) <= rules.certified_load
         holds = holds and violation <= group.allowed and group.gap < NONE

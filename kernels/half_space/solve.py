@@ -14,7 +14,8 @@ from warpwear.kernels.newton import Bracket
 
 #: Kernels of a search are compiled together: each file of its own would compile Warp's headers again.
 TOGETHER = wp.get_module("warpwear.kernels.half_space.solve")
-wp.set_module_options(native_code.options("half_space/extension.h", "half_space/active_set.h", "tiles.h"), module=TOGETHER)
+HEADERS = (f"half_space/{name}.h" for name in ("extension", "active_set", "windows"))
+wp.set_module_options(native_code.options(*HEADERS), module=TOGETHER)
 
 #: How a search ended; `NEEDS_COEFFICIENTS`: it goes on once the operator's coefficients are there.
 RUNS = wp.constant(wp.int32(0))
@@ -161,7 +162,7 @@ class Fields:
 
 @wp.struct
 class ActiveSet:
-    """The few cells whose place between the bounds is open, and room to move them; see `native/half_space/active_set.h`."""
+    """The few cells whose place between the bounds is open, and room to move them."""
 
     count: wp.array(dtype=wp.int32)  # one number
     row: wp.array(dtype=wp.int32)

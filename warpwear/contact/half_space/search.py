@@ -28,7 +28,7 @@ from warpwear.engine.numbers import Mirror
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.kernels.cells import LANES, NONE
-from warpwear.kernels.half_space import active_set, decisions, extension, passes, solve
+from warpwear.kernels.half_space import active_set, decisions, passes, solve
 from warpwear.kernels.half_space.solve import Flag, Request
 
 #: Stands for no cap: kernels compare with it.
@@ -159,33 +159,41 @@ class Search:
         self._chunks = None if operator.chunks is None else lambda: operator.chunks or [(0, slots)]
         self._program = self._say()
 
-    def run(self, request: Mapping[Request, float], loads: FloatArray) -> int:
+    def run(self, request: Mapping[Request, float], loads: FloatArray, then: Program | None = None) -> int:
         """Search; returns how it ended, by the numbers of `kernels.half_space.solve`.
 
-        loads: Σ p of each group [MPa]; at approaches those [mm].
+        loads: Σ p of each group [MPa]; at approaches those [mm]. then: what follows before the host looks.
         """
         executor = self._executor
         executor.put(self._solve.loads, np.resize(loads, self._solve.loads.shape))
         values = np.array([request.get(name, 0.0) for name in Request])
         executor.put(self._solve.request, values)
-        self._replay()
-        while self.numbers["status"] == solve.NEEDS_COEFFICIENTS:
+        self._program.run()
+        if self._few and self._solve.numbers.numpy()["status"][0] == solve.NEEDS_COEFFICIENTS:
             self._take_coefficients()
             values[Request.RESUMES] = 1.0
             executor.put(self._solve.request, values)
-            self._replay()
+            self._program.run()
+        if then is not None:
+            then.run()
+        numbers, groups, proven = self._mirror.read()
+        visited = 1 if len(groups) == 1 else self._operator.rows_visited
+        self.numbers, self.groups, self._proven = numbers[0], groups[:visited], proven[:visited]
         return int(self.numbers["status"])
+
+    @property
+    def gradient(self) -> Field:
+        """Gap after deformation and wear, from the mean planes [mm]."""
+        return self._solve.fields.gradient
+
+    @property
+    def reached(self) -> dict[str, Field]:
+        """What kernels know of approach and certificate: members of `kernels.half_space.windows.Reach`."""
+        return {"groups": self._solve.groups, "proven": self._proof.arguments.groups}
 
     def certificate(self) -> Certificate:
         """What the pressure is worth that was found last, and was to be certified."""
         return Certificate.of(self._proven, cell_area=self._executor.grid.cell_area)
-
-    def _replay(self) -> None:
-        """Run the program, and take what the search knows then."""
-        self._program.run()
-        numbers, groups, proven = self._mirror.read()
-        visited = 1 if len(groups) == 1 else self._operator.rows_visited
-        self.numbers, self.groups, self._proven = numbers[0], groups[:visited], proven[:visited]
 
     def _say(self) -> Program:
         """Say the search, and what follows where its pressure is to be certified."""
@@ -284,20 +292,20 @@ class Search:
         self._pass(program, passes.scatter)
         program.decide(decisions.judge_scatter, search)
         if self._tiled:
-            blocks = -(-self._executor.grid.nx // extension.ROWS)
+            blocks = -(-self._executor.grid.nx // passes.ROWS)
             with program.branch(self._flag(Flag.EXTENDS)):
-                program.launch(extension.extend, search, slots=blocks)
+                program.launch(passes.extend, search, slots=blocks)
             with program.branch(self._flag(Flag.EXTENDS_NOT)):
                 self._pass(program, passes.residual)
             self._operator.say_inverse(program, trial, trial)
             with program.branch(self._flag(Flag.EXTENDS)):
-                program.launch(extension.gather, search, slots=blocks)
+                program.launch(passes.gather, search, slots=blocks)
             return
         self._pass(program, passes.residual)
         for numbers in ((0, 1), (2, 3, 4)):
             with program.branch(self._flag(Flag.EXTENDS)):
                 for number in numbers:
-                    self._pass(program, extension.extend_once, number)
+                    self._pass(program, passes.extend_once[number])
             if numbers[0] == 0:
                 self._operator.say_inverse(program, trial, trial)
 

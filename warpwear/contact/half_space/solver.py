@@ -4,17 +4,19 @@ The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approac
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
 
-from warpwear.contact.half_space import nested
+from warpwear.contact.half_space import coarse_start
 from warpwear.contact.half_space.contact import HalfSpaceContact, residual_of, worst_of
 from warpwear.contact.half_space.influence import Influence, Operator
 from warpwear.contact.half_space.search import Search, SearchRules
 from warpwear.contact.half_space.transforms import release
 from warpwear.engine.executor import Executor, Field
+from warpwear.engine.program import Program
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray
 from warpwear.kernels.half_space.solve import CONVERGED, UNBALANCED, Request
@@ -91,6 +93,7 @@ class BoundedPressure:
         streak_window: int | None = None,
         parts: Field | None = None,
         certified: bool | None = True,
+        then: Callable[[Search], Program] | None = None,
     ) -> HalfSpaceContact:
         """Solve the contact at a mean pressure [MPa] or at an approach [mm].
 
@@ -100,7 +103,8 @@ class BoundedPressure:
         bodies for an implicit step of wear. streak_compliance: K ΔL of a body that the other slides over,
         under pressures averaged along x, see `Influence`. streak_window: cells of that mean; None: the whole
         line. parts: of the hardness, 0 < part ≤ 1, that cells bear; None: all of it. certified: whether to
-        certify the pressure, for one more pair of transforms; None: if it is found from nothing.
+        certify the pressure, for one more pair of transforms; None: if it is found from nothing. then: the
+        program that follows a search before the host looks.
 
         Raises InputError for a load that the hardness cannot carry, ConvergenceError where the tolerance is
         not met.
@@ -111,12 +115,23 @@ class BoundedPressure:
         transforms = 0 if self._started else self._start(gap, mean_pressure, approach, compliances, parts)
         search = self._search_for(gap, parts, groups=isinstance(mean_pressure, np.ndarray))
         self._influence.set_compliance(*compliances)
-        contact = self._searched(search, loads, approach, compliance, certified=certified)
+        request = {
+            Request.RESPONSE: self._influence.shortest_response + compliance,
+            Request.AT_LOAD: loads is not None,
+            Request.ANEW: not self._started,
+            Request.ROUGH: self._rules.tolerance >= LOOSE,
+            Request.CERTIFIED: certified,
+        }
+        self._started = False
+        status = search.run(request, np.full(1, approach) if loads is None else loads, then and then(search))
+        contact = self._contact_of(search, status, loads)
+        if certified:
+            contact = replace(contact, certificate=search.certificate())
         if contact.certificate and contact.certificate.fault:
-            self._started = False
             raise ConvergenceError(
                 f"the pressure of the half-space contact cannot be certified: {contact.certificate.fault}."
             )
+        self._started = True
         return replace(contact, transforms=contact.transforms + transforms)
 
     def _start(
@@ -151,26 +166,8 @@ class BoundedPressure:
             self._said = said
         return self._search
 
-    def _searched(
-        self,
-        search: Search,
-        loads: FloatArray | None,
-        approach: float | None,
-        compliance: float,
-        *,
-        certified: bool,
-    ) -> HalfSpaceContact:
-        """Search as `solve` says."""
-        response = self._influence.shortest_response + compliance
-        request = {
-            Request.RESPONSE: response,
-            Request.AT_LOAD: loads is not None,
-            Request.ANEW: not self._started,
-            Request.ROUGH: self._rules.tolerance >= LOOSE,
-            Request.CERTIFIED: certified,
-        }
-        self._started = False
-        status = search.run(request, np.full(1, approach) if loads is None else loads)
+    def _contact_of(self, search: Search, status: int, loads: FloatArray | None) -> HalfSpaceContact:
+        """Sum up what a search has left. Raises ConvergenceError where it has not come to its end."""
         groups, numbers = search.groups, search.numbers
         if status == UNBALANCED:
             raise ConvergenceError(
@@ -183,7 +180,6 @@ class BoundedPressure:
                 f"complementarity is violated by {groups['violation'].max():.3g} mm, "
                 f"{violation:.3g} of the rms height (allowed {self._rules.tolerance:g})."
             )
-        self._started = True
         return HalfSpaceContact(
             approaches=groups["level"].copy(),
             mean_pressure=float(groups["total"].sum()) / self._influence.cells,
@@ -197,7 +193,6 @@ class BoundedPressure:
             executor=self._executor,
             cells=self._influence.cells,
             allowed=groups["allowed"].copy(),
-            certificate=search.certificate() if certified else None,
         )
 
     def _loads(self, mean_pressure: float | FloatArray | None, approach: float | None) -> FloatArray | None:
@@ -247,13 +242,13 @@ class HalfSpace(BoundedPressure):
     ) -> int:
         """Start from the contact on cells twice as wide, of whose transforms four count as one."""
         fine = self._executor
-        if not nested.pays(fine):
+        if not coarse_start.is_worth_it(fine):
             return 0
         if self._wide is None or (self._wide_fields[1] is None) != (parts is None):
             self._wide = HalfSpace(
-                Executor(nested.wider(fine.grid), device=str(fine.device), threads=fine.threads),
-                tolerance=nested.TOLERANCE,
-                max_iterations=nested.MAX_ITERATIONS,
+                Executor(coarse_start.coarse_grid(fine.grid), device=str(fine.device), threads=fine.threads),
+                tolerance=coarse_start.TOLERANCE,
+                max_iterations=coarse_start.MAX_ITERATIONS,
                 **self._like,
             )
             of_wide = self._wide._executor
@@ -264,20 +259,20 @@ class HalfSpace(BoundedPressure):
         wide.forget()
         try:
             contact = wide.solve(
-                nested.gather(fine, gap, on, wide_gap),
+                coarse_start.restrict(fine, gap, on, wide_gap),
                 mean_pressure=mean_pressure,
                 approach=approach,
                 compliance=own,
                 streak_compliance=streak,
                 streak_window=None if window is None else max(window // 2, 1),
-                parts=None if parts is None else nested.gather(fine, parts, on, wide_parts),
+                parts=None if parts is None else coarse_start.restrict(fine, parts, on, wide_parts),
                 certified=False,
             )
         except (ConvergenceError, InputError):
             return 0
-        nested.spread(on, contact.pressure_field, fine, self.pressure_field)
+        coarse_start.prolong(on, contact.pressure_field, fine, self.pressure_field)
         self._started, transforms = True, -(-contact.transforms // 4)
-        if nested.is_short(fine):
+        if coarse_start.memory_is_short(fine):
             self._wide, self._wide_fields = None, (None, None)
             del wide, on, contact, wide_gap, wide_parts
             release(fine.device)
