@@ -278,23 +278,6 @@ def begin(
         springs.searching[0] = 1
 
 
-@wp.func_native("carry(slot, slots, tiles, count, search, cap, gap, stiffness, parts, trial);")
-def carry_of(
-    slot: wp.int32,
-    slots: wp.int32,
-    tiles: wp.array2d(dtype=wp.int32),
-    count: wp.array(dtype=wp.int32),
-    search: Search,
-    cap: wp.float64,
-    gap: wp.array2d(dtype=Cells),
-    stiffness: wp.array2d(dtype=Cells),
-    parts: wp.array2d(dtype=Cells),
-    trial: wp.array2d(dtype=wp.float64),
-) -> None:
-    """What the cells of a slot carry at the trial of a search."""
-    ...
-
-
 @wp.func_native("return sum_of_line(table, line, 0, table.shape[1]);")
 def sum_of(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64:
     """The sum of a line of a table, by all threads of a deciding slot."""
@@ -307,9 +290,10 @@ def most_of(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64:
     ...
 
 
-@wp.kernel
+@native_code.native_pass("carry")
 def carried(
-    first_slot: wp.int32,
+    first: wp.int32,
+    end: wp.int32,
     slots: wp.int32,
     tiles: wp.array2d(dtype=wp.int32),
     count: wp.array(dtype=wp.int32),
@@ -323,8 +307,7 @@ def carried(
 
     stiffness, parts of the cap: of every cell, or no rows where the search has one, and all bear the cap.
     """
-    slot = first_slot + wp.tid() // wp.block_dim()
-    carry_of(slot, slots, tiles, count, springs.search[0], springs.cap, gap, stiffness, parts, springs.trial)
+    ...
 
 
 @wp.kernel

@@ -252,23 +252,10 @@ def begin(first_slot: wp.int32, slots: wp.int32, springs: Springs, lowest: wp.fl
         springs.searching[0] = 1
 
 
-@wp.func_native("count_level(slot, slots, tiles, count, springs, gap, parts);")
-def count_of(
-    slot: wp.int32,
-    slots: wp.int32,
-    tiles: wp.array2d(dtype=wp.int32),
-    count: wp.array(dtype=wp.int32),
-    springs: Springs,
-    gap: wp.array2d(dtype=Cells),
-    parts: wp.array2d(dtype=Cells),
-) -> None:
-    """Counts cells of a slot below the trial, gathers those inside the bracket, finds the extreme gaps."""
-    ...
-
-
-@wp.kernel
+@native_code.native_pass("count_level")
 def counted_below(
-    first_slot: wp.int32,
+    first: wp.int32,
+    end: wp.int32,
     slots: wp.int32,
     tiles: wp.array2d(dtype=wp.int32),
     count: wp.array(dtype=wp.int32),
@@ -276,9 +263,11 @@ def counted_below(
     gap: wp.array2d(dtype=Cells),
     parts: wp.array2d(dtype=Cells),
 ):
-    """Counts cells in contact at the trial, in cells at the cap: of each its part of it, if it has one."""
-    slot = first_slot + wp.tid() // wp.block_dim()
-    count_of(slot, slots, tiles, count, springs, gap, parts)
+    """Counts cells in contact at the trial, in cells at the cap: of each its part of it, if it has one.
+
+    Those inside the bracket are gathered; the lowest and the highest gap are found.
+    """
+    ...
 
 
 @wp.kernel

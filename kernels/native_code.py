@@ -4,7 +4,9 @@ A native function of a module is a line that calls what a header defines. Header
 structs of a module come after them, and text of the module: a header that changes is compiled anew.
 """
 
+import inspect
 import re
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -15,6 +17,9 @@ FOLDER = Path(__file__).with_name("native")
 #: A line of a header that names another one, which comes before it.
 INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
 
+#: Kernels that take the first and the end of a range of slots.
+RANGED: set[Any] = set()
+
 
 def options(*headers: str) -> dict[str, Any]:
     """Return the options of a module whose native functions call these headers, or `lanes.h` alone."""
@@ -22,6 +27,37 @@ def options(*headers: str) -> dict[str, Any]:
     text = "".join(_text(name) for name in names)
     build = wp.ModuleBuildOptions(extra_cpu_preamble=text, extra_cuda_preamble=text)
     return {"enable_backward": False, "extra_build_options": build}
+
+
+def native_pass(function: str, *, module: Any = None) -> Callable[[Callable[..., None]], Any]:
+    """Make a kernel that calls a C++ function of the headers for each of its slots.
+
+    What is decorated declares the arguments: `first`, `end` and `slots`, then those of the function after its
+    slot and the number of slots. On a CPU one call of the kernel does a range of slots, so that its arguments
+    are read once for all of them. module: of Warp, that the kernel is compiled with; by default its own.
+    """
+
+    def kernel_of(declared: Callable[..., None]) -> Any:
+        signature = inspect.signature(declared)
+        names = [*signature.parameters]
+        call = f"{function}(slot, {', '.join(names[2:])});"
+        native = wp.func_native(f"for (int slot = first; slot < end_of_range(first, end); ++slot) {call}")(
+            declared
+        )
+
+        def kernel() -> Any:
+            return native  # where Warp looks up the name
+
+        for name in ("__name__", "__qualname__", "__module__", "__doc__", "__annotations__"):
+            setattr(kernel, name, getattr(declared, name))
+        kernel.__signature__ = signature  # type: ignore[attr-defined]
+        place = f"{names[0]} + wp.tid() // wp.block_dim()"
+        source = f"def {declared.__name__}({', '.join(names)}):\n    native({place}, {', '.join(names[1:])})"
+        made = wp.Kernel(kernel, module=module, source=source)
+        RANGED.add(made)
+        return made
+
+    return kernel_of
 
 
 @cache

@@ -231,26 +231,10 @@ def judge(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps)
             conclude_step(springs, steps, s, lists)
 
 
-@wp.func_native("wear_rows(slot, slots, tiles, count, law, step, unworn, rest, gap, tables);")
-def wear_slot(
-    slot: wp.int32,
-    slots: wp.int32,
-    tiles: wp.array2d(dtype=wp.int32),
-    count: wp.array(dtype=wp.int32),
-    law: Law,
-    step: Increment,
-    unworn: wp.array2d(dtype=Cells),
-    rest: wp.array(dtype=TileSums),
-    gap: wp.array2d(dtype=Cells),
-    tables: Tables,
-) -> None:
-    """Wears the rows of a slot; arguments as of `wear_step`."""
-    ...
-
-
-@wp.kernel
+@native_code.native_pass("wear_rows")
 def wear_step(
-    first_slot: wp.int32,
+    first: wp.int32,
+    end: wp.int32,
     slots: wp.int32,
     tiles: wp.array2d(dtype=wp.int32),
     count: wp.array(dtype=wp.int32),
@@ -265,8 +249,7 @@ def wear_step(
 
     rest: sums of the tiles of each row that are not listed. Sums and maxima of the step go to `tables`.
     """
-    slot = first_slot + wp.tid() // wp.block_dim()
-    wear_slot(slot, slots, tiles, count, law[0], step[0], unworn, rest, gap, tables)
+    ...
 
 
 @wp.func_native("total_lines(table, adds != 0, &wp::index(history, row, column));")

@@ -50,6 +50,16 @@ WARPWEAR_FN int width_of_slot()
 #endif
 }
 
+// The end of the slots that a call does: on a CPU a range of them, on a GPU a block of threads does one.
+WARPWEAR_FN int end_of_range(int first, int end)
+{
+#if defined(__CUDA_ARCH__)
+    return first + 1;
+#else
+    return end;
+#endif
+}
+
 #if defined(__CUDA_ARCH__)
 WARPWEAR_FN Lanes size_of(Lanes v) { return fabs(v); }
 WARPWEAR_FN bool any(Mask v) { return v; }

@@ -120,14 +120,15 @@ template <bool IS> struct Is {
 };
 
 // The same of a search: a field of no rows says that the cells share one stiffness, or that all bear the cap.
-template <typename List, typename Count, typename Search, typename Field, typename Table>
-WARPWEAR_FN void carry(int slot, int slots, const List& list, const Count& counts, const Search& search,
-                       double cap, const Field& gap, const Field& stiffness, const Field& parts, Table& trial)
+template <typename List, typename Count, typename Springs, typename Field>
+WARPWEAR_FN void carry(int slot, int slots, const List& list, const Count& counts, Springs& springs,
+                       const Field& gap, const Field& stiffness, const Field& parts)
 {
+    const auto& search = wp::index(springs.search, 0);
     const auto by = [&](auto own, auto parted) {
-        carry_by<decltype(own)::value, decltype(parted)::value>(slot, slots, list, counts, search.base,
-                                                                search.bracket.offset, cap, search.stiffness,
-                                                                gap, stiffness, parts, trial);
+        carry_by<decltype(own)::value, decltype(parted)::value>(
+            slot, slots, list, counts, search.base, search.bracket.offset, springs.cap, search.stiffness, gap,
+            stiffness, parts, springs.trial);
     };
     const bool own = stiffness.shape[0] > 0, parted = parts.shape[0] > 0;
     if (!own && !parted) by(Is<false>(), Is<false>());

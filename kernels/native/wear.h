@@ -108,12 +108,14 @@ WARPWEAR_FN void find_columns(Extents& extents, const WearBy& by, const Incremen
 }
 
 // Wear the listed cells of the rows of a slot by a step, and leave what it adds up to.
-template <typename List, typename Count, typename Law, typename Increment, typename Field, typename Rest,
+template <typename List, typename Count, typename Laws, typename Increments, typename Field, typename Rest,
           typename Tables>
-WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& counts, const Law& law,
-                           const Increment& step, const Field& unworn_in, const Rest& rest, Field& gap_out,
+WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& counts, const Laws& laws,
+                           const Increments& steps, const Field& unworn_in, const Rest& rest, Field& gap_out,
                            Tables& tables)
 {
+    const auto& law = wp::index(laws, 0);
+    const auto& step = wp::index(steps, 0);
     const WearBy by = {law.base,
                        law.offset,
                        law.cap,
