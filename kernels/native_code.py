@@ -72,22 +72,3 @@ def _text(header: str) -> str:
     """Read a header without the lines that are for editors, and compilers of single files."""
     text = (FOLDER / header).read_text(encoding="utf-8")
     return INCLUDE.sub("", text).replace("#pragma once\n", "")
-
-
-def a_pass(name: str, call: str, kind: Any, *, module: Any = None) -> Any:
-    """Make a kernel of slots and a struct that calls a C++ function once for each slot.
-
-    call: a line of C++ in which these are `slot`, `slots` and `it`. kind: the struct. module: of the kernel;
-    None: that of the struct.
-    """
-
-    def native(slot: wp.int32, slots: wp.int32, it: kind): ...  # type: ignore[valid-type]
-
-    native.__name__ = native.__qualname__ = f"_{name}"
-    native.__module__ = kind.cls.__module__
-    of_slot = wp.func_native(call)(native)
-
-    def kernel(first_slot: wp.int32, slots: wp.int32, it: kind):  # type: ignore[valid-type]
-        of_slot(first_slot + wp.tid() // wp.block_dim(), slots, it)
-
-    return wp.kernel(kernel, name=name, module=module or wp.get_module(kind.cls.__module__))

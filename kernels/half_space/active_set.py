@@ -15,27 +15,18 @@ from warpwear.kernels.half_space.solve import (
     most_of_columns,
     sum_of_columns,
 )
+from warpwear.kernels.native_code import native_pass
 from warpwear.kernels.newton import HALF
 
 
-@wp.func_native("open_cells(slot, slots, solve, few, false);")
-def _count_open(slot: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet): ...
-
-
-@wp.kernel(module=TOGETHER)
-def count_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet):
+@native_pass("open_cells<false>", module=TOGETHER)
+def count_open(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet):
     """Count the cells whose place between the bounds is open."""
-    _count_open(first_slot + wp.tid() // wp.block_dim(), slots, solve, few)
 
 
-@wp.func_native("open_cells(slot, slots, solve, few, true);")
-def _list_open(slot: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet): ...
-
-
-@wp.kernel(module=TOGETHER)
-def list_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet):
+@native_pass("open_cells<true>", module=TOGETHER)
+def list_open(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet):
     """List them; the trial becomes the pressure."""
-    _list_open(first_slot + wp.tid() // wp.block_dim(), slots, solve, few)
 
 
 @wp.kernel(module=TOGETHER)

@@ -5,7 +5,6 @@
 
 import warp as wp
 
-from warpwear.kernels import native_code
 from warpwear.kernels.cells import NONE, ONE, ZERO, Cells
 from warpwear.kernels.half_space.solve import (
     first_group,
@@ -17,8 +16,9 @@ from warpwear.kernels.half_space.solve import (
     sum_of,
     writes,
 )
+from warpwear.kernels.native_code import native_pass, options
 
-wp.set_module_options(native_code.options("half_space/certificate.h"))
+wp.set_module_options(options("half_space/certificate.h"))
 
 #: Levels of a bracket that one pass looks at, as in the header.
 LEVELS = wp.constant(wp.int32(8))
@@ -76,12 +76,19 @@ class Proof:
     searching: wp.array(dtype=wp.int32)  # whether a level is looked for, one number
 
 
-#: Sum up the pressure; find by how much it exceeds its bounds, and the gaps that violate conditions.
-extremes = native_code.a_pass("extremes", "proof_extremes(slot, slots, it);", Proof)
-#: Sum up what cells below levels of the bracket carry at the cap.
-carried = native_code.a_pass("carried", "proof_carried(slot, slots, it);", Proof)
-#: Sum up the bound of the energy at the level that makes it least.
-excess = native_code.a_pass("excess", "proof_gap(slot, slots, it);", Proof)
+@native_pass("proof_extremes")
+def extremes(first: wp.int32, end: wp.int32, slots: wp.int32, proof: Proof):
+    """Sum up the pressure; find by how much it exceeds its bounds, and the gaps that violate conditions."""
+
+
+@native_pass("proof_carried")
+def carried(first: wp.int32, end: wp.int32, slots: wp.int32, proof: Proof):
+    """Sum up what cells below levels of the bracket carry at the cap."""
+
+
+@native_pass("proof_gap")
+def excess(first: wp.int32, end: wp.int32, slots: wp.int32, proof: Proof):
+    """Sum up the bound of the energy at the level that makes it least."""
 
 
 @wp.kernel

@@ -5,10 +5,10 @@ The loops over cells are in `native/half_space/windows.h`.
 
 import warp as wp
 
-from warpwear.kernels import native_code
 from warpwear.kernels.cells import Cells
 from warpwear.kernels.half_space.certificate import Proven
 from warpwear.kernels.half_space.solve import TOGETHER, Group
+from warpwear.kernels.native_code import native_pass
 
 
 @wp.struct
@@ -32,13 +32,26 @@ class Reach:
     extents: wp.array2d(dtype=wp.float64)  # first and last row, first and last column; a column a slot
 
 
-#: Copy what a field of the larger grid holds in a window.
-take = native_code.a_pass("take_window", "take_window(slot, slots, it);", Transfer, module=TOGETHER)
-#: Copy a field of a window to where it lies in the larger grid.
-give = native_code.a_pass("give_window", "give_window(slot, slots, it);", Transfer, module=TOGETHER)
-#: Give cells twice as wide the means of four, or of those that there are; no surface where one has none.
-restrict = native_code.a_pass("restrict", "restrict_cells(slot, slots, it);", Transfer, module=TOGETHER)
-#: Give each cell the value of the wide cell that it lies in.
-prolong = native_code.a_pass("prolong", "prolong_cells(slot, slots, it);", Transfer, module=TOGETHER)
-#: Find the extents of the cells that a contact reaches; the first ones negated.
-extents = native_code.a_pass("extents", "extents(slot, slots, it);", Reach, module=TOGETHER)
+@native_pass("take_window", module=TOGETHER)
+def take(first: wp.int32, end: wp.int32, slots: wp.int32, transfer: Transfer):
+    """Copy what a field of the larger grid holds in a window."""
+
+
+@native_pass("give_window", module=TOGETHER)
+def give(first: wp.int32, end: wp.int32, slots: wp.int32, transfer: Transfer):
+    """Copy a field of a window to where it lies in the larger grid."""
+
+
+@native_pass("restrict_cells", module=TOGETHER)
+def restrict(first: wp.int32, end: wp.int32, slots: wp.int32, transfer: Transfer):
+    """Give cells twice as wide the means of four, or of those that there are; no surface where one has none."""
+
+
+@native_pass("prolong_cells", module=TOGETHER)
+def prolong(first: wp.int32, end: wp.int32, slots: wp.int32, transfer: Transfer):
+    """Give each cell the value of the wide cell that it lies in."""
+
+
+@native_pass("extents", module=TOGETHER)
+def extents(first: wp.int32, end: wp.int32, slots: wp.int32, reach: Reach):
+    """Find the extents of the cells that a contact reaches; the first ones negated."""

@@ -124,7 +124,7 @@ template <typename Solve> WARPWEAR_FN void springs(int slot, int slots, Solve& s
 
 // Sums of the trial pressures, shifted and clipped, and of the cells between the bounds. takes: whether they
 // become the pressure.
-template <typename Solve> WARPWEAR_FN void carried(int slot, int slots, Solve& solve, bool takes)
+template <bool takes, typename Solve> WARPWEAR_FN void carried(int slot, int slots, Solve& solve)
 {
     Lanes sum = 0.0;
     Counts between = 0;

@@ -305,7 +305,7 @@ class Search:
         for numbers in ((0, 1), (2, 3, 4)):
             with program.branch(self._flag(Flag.EXTENDS)):
                 for number in numbers:
-                    self._pass(program, passes.extend_once[number])
+                    self._pass(program, passes.extend_once, number)
             if numbers[0] == 0:
                 self._operator.say_inverse(program, trial, trial)
 
