@@ -7,14 +7,7 @@ import warp as wp
 
 from warpwear.kernels.cells import ONE, ZERO
 from warpwear.kernels.half_space.decisions import drifted
-from warpwear.kernels.half_space.solve import (
-    TOGETHER,
-    ActiveSet,
-    Flag,
-    Solve,
-    most_of_columns,
-    sum_of_columns,
-)
+from warpwear.kernels.half_space.solve import TOGETHER, ActiveSet, Flag, Solve, all_lines
 from warpwear.kernels.native_code import native_pass
 from warpwear.kernels.newton import HALF
 
@@ -62,12 +55,12 @@ def aim_few(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet)
 @wp.kernel(module=TOGETHER)
 def go_few(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Take the step of the few whole if it leads down; else a common step follows."""
-    columns = wp.min(solve.visited[0], solve.table.shape[1])
-    slope = sum_of_columns(solve.table, 0, columns)
-    curvature = sum_of_columns(solve.table, 2, columns)
-    largest = most_of_columns(solve.table, 3, columns)
+    lines = all_lines(solve, 2, 4)
     if wp.tid() == 0:
         n = solve.numbers[0]
+        slope = lines[0]
+        curvature = lines[1]
+        largest = lines[3]
         n.transforms = n.transforms + 1
         if curvature > ZERO and -slope > HALF * curvature:
             n.step_drift = solve.rules[0].single_rounding * largest

@@ -10,10 +10,9 @@ from warpwear.kernels.half_space.solve import (
     first_group,
     groups_of,
     lane,
-    most_of,
+    lines_of,
     over_groups,
     stride,
-    sum_of,
     writes,
 )
 from warpwear.kernels.native_code import native_pass, options
@@ -29,7 +28,7 @@ ROUNDING = wp.constant(wp.float64(2.0e-16))
 #: What the level may add to the bound, over load times level: less than sums of so many cells are rounded by.
 NEGLIGIBLE = wp.constant(wp.float64(1.0e-18))
 #: Lines of the table of partial results.
-LINES = 9
+LINES = 11
 
 
 @wp.struct
@@ -101,15 +100,14 @@ def bracket(first_slot: wp.int32, slots: wp.int32, proof: Proof):
     has_cap = proof.fields.cap < NONE
     i = first_group(proof)
     while i < groups_of(proof):
-        total = sum_of(proof, 0, i)
-        lost = sum_of(proof, 1, i)
+        lines = lines_of(proof, i, 2, 6)
         group = proof.groups[i]
-        nothing = ZERO / (ONE - wp.min(lost, ONE))  # 0, or not a number
-        group.total = total + nothing
-        group.over = most_of(proof, 2, i) + nothing
-        group.under = most_of(proof, 3, i)
-        group.highest = most_of(proof, 4, i) + nothing
-        group.lowest = -most_of(proof, 5, i)
+        nothing = ZERO / (ONE - wp.min(lines[1], ONE))  # 0, or not a number
+        group.total = lines[0] + nothing
+        group.over = lines[2] + nothing
+        group.under = lines[3]
+        group.highest = lines[4] + nothing
+        group.lowest = -lines[5]
         group.slope = NONE
         group.high = wp.max(group.highest, group.lowest)
         group.low = wp.min(group.highest, group.lowest)
@@ -136,21 +134,26 @@ def narrow(first_slot: wp.int32, slots: wp.int32, proof: Proof):
     wide = ZERO
     i = first_group(proof)
     while i < groups_of(proof):
+        lines = lines_of(proof, i, LEVELS + 1, LEVELS + 3)
         group = proof.groups[i]
-        below = sum_of(proof, 0, i)
         step = (group.high - group.low) / wp.float64(LEVELS + 1)
         low = group.low
         high = group.high
         for n in range(LEVELS):
             level = group.low + wp.float64(n + 1) * step
-            carries = below + sum_of(proof, 1 + n, i)
+            carries = lines[0] + lines[1 + n]
             if carries < group.total:
                 low = level
             elif high == group.high:
                 high = level
                 group.slope = carries - group.total
+        highest = lines[LEVELS + 1]
+        lowest = -lines[LEVELS + 2]
         least = NEGLIGIBLE * wp.max(wp.abs(low), wp.abs(high)) * group.total
-        wide += wp.where((high - low) * group.slope > least and step > ROUNDING * wp.abs(high), ONE, ZERO)
+        if not (highest > lowest):  # one level is left, or none
+            high = wp.where(highest == lowest, highest, group.high)
+        elif (high - low) * group.slope > least and step > ROUNDING * wp.abs(high):
+            wide += ONE
         group.low = low
         group.high = high
         group.level = high
@@ -168,9 +171,9 @@ def conclude(first_slot: wp.int32, slots: wp.int32, proof: Proof):
     """Note the bound of every group."""
     i = first_group(proof)
     while i < groups_of(proof):
-        bound = sum_of(proof, 0, i)
+        lines = lines_of(proof, i, 1, 1)
         if writes(proof):
             group = proof.groups[i]
-            group.gap = bound
+            group.gap = lines[0]
             proof.groups[i] = group
         i += stride(proof)

@@ -222,16 +222,14 @@ def of_slot(value: wp.float64, adds: wp.bool) -> wp.float64:
     ...
 
 
-@wp.func_native("return sum_of_line(table, line, 0, columns);")
-def sum_of_columns(table: wp.array2d(dtype=wp.float64), line: wp.int32, columns: wp.int32) -> wp.float64:
-    """Sum the first columns of a line of a table."""
-    ...
+#: Numbers of the lines of a table.
+Lines = wp.types.vector(length=12, dtype=wp.float64)
 
 
-@wp.func_native("return most_of_line(table, line, 0, columns);")
-def most_of_columns(table: wp.array2d(dtype=wp.float64), line: wp.int32, columns: wp.int32) -> wp.float64:
-    """Find the largest of the first columns of a line of a table."""
-    ...
+@wp.func_native("return lines_of_table<12>(table, columns, sums, lines);")
+def _lines_of_table(
+    table: wp.array2d(dtype=wp.float64), columns: wp.int32, sums: wp.int32, lines: wp.int32
+) -> Lines: ...
 
 
 # A decision is one slot. Where there is one group all of its threads look at it together; of many groups each
@@ -269,19 +267,21 @@ def writes(solve: Any):
 
 
 @wp.func
-def sum_of(solve: Any, line: wp.int32, group: wp.int32):
-    """Sum a line of the table over the slots of a group."""
-    if is_one(solve):
-        return sum_of_columns(solve.table, line, wp.min(solve.visited[0], solve.table.shape[1]))
-    return solve.table[line, group]
+def all_lines(solve: Any, sums: wp.int32, lines: wp.int32):
+    """Bring the first lines of the table to a number each, over all slots: so many sums, then maxima."""
+    return _lines_of_table(solve.table, wp.min(solve.visited[0], solve.table.shape[1]), sums, lines)
 
 
 @wp.func
-def most_of(solve: Any, line: wp.int32, group: wp.int32):
-    """Find the largest of a line of the table over the slots of a group."""
+def lines_of(solve: Any, group: wp.int32, sums: wp.int32, lines: wp.int32):
+    """Bring the first lines of the table to a number each, over the slots of a group, likewise."""
+    values = Lines()
     if is_one(solve):
-        return most_of_columns(solve.table, line, wp.min(solve.visited[0], solve.table.shape[1]))
-    return solve.table[line, group]
+        values = all_lines(solve, sums, lines)
+    else:
+        for line in range(lines):
+            values[line] = solve.table[line, group]
+    return values
 
 
 @wp.func

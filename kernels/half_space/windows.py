@@ -44,7 +44,7 @@ def give(first: wp.int32, end: wp.int32, slots: wp.int32, transfer: Transfer):
 
 @native_pass("restrict_cells", module=TOGETHER)
 def restrict(first: wp.int32, end: wp.int32, slots: wp.int32, transfer: Transfer):
-    """Give cells twice as wide the means of four, or of those that there are; no surface where one has none."""
+    """Give cells twice as wide the means of four, or of fewer at an edge; no surface where one has none."""
 
 
 @native_pass("prolong_cells", module=TOGETHER)

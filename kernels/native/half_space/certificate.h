@@ -44,34 +44,38 @@ template <typename Proof> WARPWEAR_FN void proof_extremes(int slot, int slots, P
             lowest = lowest > down ? lowest : down;
         };
     });
-    leave_sum(proof.table, 0, slot, total(sum));
-    leave_sum(proof.table, 1, slot, count(lost));
-    const double most_of_all[] = {most(over), most(under), most(highest), most(lowest)};
-    for (int n = 0; n < 4; ++n) leave_most(proof.table, 2 + n, slot, most_of_all[n]);
+    leave_lines(proof.table, slot, 2,
+                {total(sum), count(lost), most(over), most(under), most(highest), most(lowest)});
 }
 
 // What cells carry at the cap: those with t up to the low end of the bracket, then those from there up to
-// each of `LEVELS` levels in it.
+// each of `LEVELS` levels in it. Maxima: t and -t in the bracket.
 static const int LEVELS = 8;
 template <typename Proof> WARPWEAR_FN void proof_carried(int slot, int slots, Proof& proof)
 {
     const int columns = proof.columns;
-    Lanes below = 0.0, sums[LEVELS];
+    Lanes below = 0.0, highest = -NO_LIMIT, lowest = -NO_LIMIT, sums[LEVELS];
     for (int n = 0; n < LEVELS; ++n) sums[n] = 0.0;
     each_cell<ProofRow>(proof, slot, slots, [&](const ProofRow& row, const auto& group) {
         const Lanes low = group.low, high = group.high, step = (group.high - group.low) / (LEVELS + 1);
         return [&, row, low, high, step](int i) {
-            const Lanes zero = 0.0, t = row.left(i), cap = row.cap_of(i);
+            const Lanes zero = 0.0, none = NO_LIMIT, t = row.left(i), cap = row.cap_of(i);
             const Mask there = inside(i, columns), under = there & (t <= low),
                        within = there & (t > low) & (t <= high);
             below += under ? cap : zero;
             if (!any(within)) return; // as in most vectors
+            const Lanes up = within ? t : -none, down = within ? -t : -none;
+            highest = highest > up ? highest : up;
+            lowest = lowest > down ? lowest : down;
             for (int n = 0; n < LEVELS; ++n)
                 sums[n] += (within & (t <= low + double(n + 1) * step)) ? cap : zero;
         };
     });
-    leave_sum(proof.table, 0, slot, total(below));
-    for (int n = 0; n < LEVELS; ++n) leave_sum(proof.table, 1 + n, slot, total(sums[n]));
+    double values[LEVELS + 3] = {total(below)};
+    for (int n = 0; n < LEVELS; ++n) values[1 + n] = total(sums[n]);
+    values[LEVELS + 1] = most(highest);
+    values[LEVELS + 2] = most(lowest);
+    leave_lines(proof.table, slot, LEVELS + 1, values);
 }
 
 // Sum of p max(t - L', 0) + (H - p) max(L' - t, 0); without a cap the first term alone.

@@ -25,8 +25,7 @@ template <typename Reach> WARPWEAR_FN void extents(int slot, int slots, const Re
             }
         }
     }
-    const double most_of_all[] = {first_row, last_row, first, last};
-    for (int n = 0; n < 4; ++n) leave_most(reach.extents, n, slot, most_of_all[n]);
+    leave_lines(reach.extents, slot, 0, {first_row, last_row, first, last});
 }
 
 // Do something with every stored vector of a window, and with that of the larger grid where it lies.
