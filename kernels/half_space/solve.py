@@ -14,7 +14,7 @@ from warpwear.kernels.newton import Bracket
 
 #: Kernels of a search are compiled together: each file of its own would compile Warp's headers again.
 TOGETHER = wp.get_module("warpwear.kernels.half_space.solve")
-HEADERS = (f"half_space/{name}.h" for name in ("extension", "active_set", "windows"))
+HEADERS = "half_space/extension.h", "half_space/active_set.h", "half_space/windows.h"
 wp.set_module_options(native_code.options(*HEADERS), module=TOGETHER)
 
 #: How a search ended; `NEEDS_COEFFICIENTS`: it goes on once the operator's coefficients are there.

@@ -153,6 +153,7 @@ class Search:
             groups=groups,
             visited=operator.visited,
         )
+        self._inputs = Mirror(self._solve.request, self._solve.loads)
         self._mirror = Mirror(self._solve.numbers, self._solve.groups, self._proof.arguments.groups)
         self._slots = slots
         #: Ranges of slots for the threads, as of `Program.launch`.
@@ -164,15 +165,14 @@ class Search:
 
         loads: Σ p of each group [MPa]; at approaches those [mm]. then: what follows before the host looks.
         """
-        executor = self._executor
-        executor.put(self._solve.loads, np.resize(loads, self._solve.loads.shape))
         values = np.array([request.get(name, 0.0) for name in Request])
-        executor.put(self._solve.request, values)
+        loads = np.resize(loads, self._solve.loads.shape)
+        self._inputs.write(values, loads)
         self._program.run()
         if self._few and self._solve.numbers.numpy()["status"][0] == solve.NEEDS_COEFFICIENTS:
             self._take_coefficients()
             values[Request.RESUMES] = 1.0
-            executor.put(self._solve.request, values)
+            self._inputs.write(values, loads)
             self._program.run()
         if then is not None:
             then.run()
