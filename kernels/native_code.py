@@ -41,9 +41,7 @@ def native_pass(function: str, *, module: Any = None) -> Callable[[Callable[...,
         signature = inspect.signature(declared)
         names = [*signature.parameters]
         call = f"{function}(slot, {', '.join(names[2:])});"
-        native = wp.func_native(f"for (int slot = first; slot < end_of_range(first, end); ++slot) {call}")(
-            declared
-        )
+        native = wp.func_native(f"EACH_SLOT {call}")(declared)
 
         def kernel() -> Any:
             return native  # where Warp looks up the name

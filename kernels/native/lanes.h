@@ -50,15 +50,13 @@ WARPWEAR_FN int width_of_slot()
 #endif
 }
 
-// The end of the slots that a call does: on a CPU a range of them, on a GPU a block of threads does one.
-WARPWEAR_FN int end_of_range(int first, int end)
-{
+// The slots that a call does, from `first` on: on a CPU a range of them, on a GPU a block of threads does
+// one. A loop there, even over one slot, takes a sixth more registers, and twice the time of what needs many.
 #if defined(__CUDA_ARCH__)
-    return first + 1;
+#define EACH_SLOT const int slot = first;
 #else
-    return end;
+#define EACH_SLOT for (int slot = first; slot < end; ++slot)
 #endif
-}
 
 #if defined(__CUDA_ARCH__)
 WARPWEAR_FN Lanes size_of(Lanes v) { return fabs(v); }
