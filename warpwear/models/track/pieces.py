@@ -32,7 +32,7 @@ class Pending:
     fields: height and wear of the body. number: 0 the sphere, whose heights grow as it is worn, 1 the disc.
     """
 
-    STATE: ClassVar = {"pending": Field, "waiting": np.ndarray, "_of_rows": Field}
+    STATE: ClassVar = {"pending": Field, "overflow": np.ndarray, "_of_rows": Field}
 
     def __init__(
         self,
@@ -58,8 +58,8 @@ class Pending:
             wear=_numbers(self._wear),
             pending=_numbers(self.pending),
             sums=wp.zeros(size, dtype=wp.float64, device=device),
-            listed=wp.zeros(size, dtype=wp.int32, device=device),
-            waiting=wp.zeros(size, dtype=wp.int32, device=device),
+            candidates=wp.zeros(size, dtype=wp.int32, device=device),
+            overflow=wp.zeros(size, dtype=wp.int32, device=device),
             peaks=wp.zeros(self.most, dtype=wp.int32, device=device),
             counts=wp.zeros(kernels.COUNTS, dtype=wp.int32, device=device),
             of_rows=self._of_rows,
@@ -70,31 +70,31 @@ class Pending:
         )
         every = Program(executor, records=False)
         whole = Numbers(Slide, executor.device, rows=rows + executor.grid.nx)
-        self._count(int(kernels.HAD_WAITED), 1)
+        self._count(int(kernels.OVERFLOW_BEFORE), 1)
         every.launch(
             shedding.total_rows,
             *(whole.array, footprint, self.body, self._wear, self.pending),
             slots=executor.slots_of(rows),
         )
         every.run()
-        self._count(int(kernels.HAD_WAITED), 0)
+        self._count(int(kernels.OVERFLOW_BEFORE), 0)
         self.body.start = float(self._of_rows.numpy()[1].sum())
 
     @property
-    def waiting(self) -> "np.ndarray[Any, Any]":
+    def overflow(self) -> "np.ndarray[Any, Any]":
         """Cells that are due since the rounds of a step were not enough, by index; may be set."""
-        count = int(self.body.counts.numpy()[int(kernels.WAITING)])
-        cells: np.ndarray[Any, Any] = np.sort(self.body.waiting.numpy()[:count])
+        count = int(self.body.counts.numpy()[int(kernels.OVERFLOW)])
+        cells: np.ndarray[Any, Any] = np.sort(self.body.overflow.numpy()[:count])
         return cells
 
-    @waiting.setter
-    def waiting(self, cells: "np.ndarray[Any, Any]") -> None:
-        host = self.body.waiting.numpy()
+    @overflow.setter
+    def overflow(self, cells: "np.ndarray[Any, Any]") -> None:
+        host = self.body.overflow.numpy()
         host[: cells.size] = cells
-        self.body.waiting.assign(host)
-        self._count(int(kernels.WAITING), cells.size)
+        self.body.overflow.assign(host)
+        self._count(int(kernels.OVERFLOW), cells.size)
 
-    def say_shed(self, program: Program, slides: Field, left: Arguments, line: tuple[Field, int]) -> None:
+    def say_shed(self, program: Program, slides: Field, release: Arguments, line: tuple[Field, int]) -> None:
         """Add to a program that pieces leave which are due, and what the body has lost then.
 
         line: the rows of the history, and the column of the first of `OF_BODY`.
@@ -103,14 +103,14 @@ class Pending:
         few = self._executor.slots_of(self.pending.shape[0]) if self._executor.device.is_cuda else 1
         alone: dict[str, Any] = {"slots": few, "chunks": [(0, few)]}
         footprint, body = self._footprint, self.body
-        program.decide(shedding.begin_rounds, body, left)
-        with program.loop(left.sheds):
+        program.decide(shedding.begin_rounds, body, release)
+        with program.loop(release.sheds):
             program.launch(shedding.sum_up, footprint, body, **alone)
             program.launch(shedding.find_peaks, footprint, body, **alone)
-            program.decide(shedding.begin_cut, footprint, body, left)
-            program.launch(shedding.cut, slides, footprint, body, left, **alone)
-        program.decide(shedding.end_rounds, body, left)
-        with program.branch(left.closes):
+            program.decide(shedding.begin_cut, footprint, body, release)
+            program.launch(shedding.cut, slides, footprint, body, release, **alone)
+        program.decide(shedding.end_rounds, body, release)
+        with program.branch(release.closes):
             program.launch(shedding.close, footprint, body, **alone)
             program.launch(shedding.total_rows, slides, footprint, body, self._wear, self.pending)
             rows, column = line
@@ -163,8 +163,8 @@ class SlidingPieces:
         self._both = arguments(kernels.Both, footprint=self._footprint, **both)
         self.book = PieceBook()
         room = max(self.sphere.most, self.disc.most, ROOM)
-        self._left = arguments(
-            shedding.Left,
+        self._release = arguments(
+            shedding.Release,
             pieces=wp.zeros((room, shedding.COLUMNS), dtype=wp.float64, device=device),
             **{name: wp.zeros(1, dtype=wp.int32, device=device) for name in ("count", "full")},
             **{name: wp.zeros(1, dtype=wp.int32, device=device) for name in ("sheds", "closes", "ends")},
@@ -188,12 +188,12 @@ class SlidingPieces:
     @property
     def begins(self) -> Field:
         """Flag of a program: whether a step begins, or goes on in the midst of its pieces."""
-        return self._left.begins
+        return self._release.begins
 
     @property
     def ends(self) -> Field:
         """Flag of a program: whether all pieces of a step have left."""
-        return self._left.ends
+        return self._release.ends
 
     @property
     def margin(self) -> int:
@@ -208,7 +208,7 @@ class SlidingPieces:
     def say_begin(self, program: Program) -> None:
         """Add to a program that a step begins: what waits since the last one is looked at."""
         for body in self.both:
-            program.launch(kernels.list_waiting, body.body, **self._alone)
+            program.launch(kernels.list_overflow, body.body, **self._alone)
 
     def say_take(self, program: Program, slides: Field, pressure: Field) -> None:
         """Add to a program that the wear by a pressure field [MPa] becomes pending.
@@ -228,24 +228,24 @@ class SlidingPieces:
         step, with `OF_BODY` of sphere and disc from a column on.
         """
         for number, body in enumerate(self.both):
-            body.say_shed(program, slides, self._left, (rows, column + number * len(OF_BODY)))
-        program.decide(shedding.end_step, self.sphere.body, self.disc.body, self._left, goes)
+            body.say_shed(program, slides, self._release, (rows, column + number * len(OF_BODY)))
+        program.decide(shedding.end_step, self.sphere.body, self.disc.body, self._release, goes)
 
     def drain(self) -> bool:
         """Enter the pieces that have left into the book; tell whether the program is to go on in its step."""
-        count = self._left.count.numpy()
+        count = self._release.count.numpy()
         if count[0]:
-            left = self._left.pieces.numpy()[: count[0]]
-            step, body, turn, peak, middle, volume, cells = left.T
+            rows_of_pieces = self._release.pieces.numpy()[: count[0]]
+            step, body, turn, peak, middle, volume, cells = rows_of_pieces.T
             order = np.lexsort((peak, turn, body, step))  # the order of a list is no matter
             area = self._executor.grid.cell_area
             row, column = np.divmod(middle[order].astype(np.int64), self._executor.vectors * LANES)
             diameter = 2.0 * np.sqrt(cells[order] * (area / math.pi))
             self.book.enter(step[order], body[order], (row, column), volume[order] * area, diameter)
-            self._left.count.zero_()
-        goes_on = bool(self._left.full.numpy()[0])
+            self._release.count.zero_()
+        goes_on = bool(self._release.full.numpy()[0])
         if goes_on:
-            self._left.full.zero_()
+            self._release.full.zero_()
         return goes_on
 
     @property
