@@ -1,6 +1,8 @@
 """Wear in pieces of a contact that slides: what is pending of its bodies, and the pieces that have left."""
 
 import math
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -9,6 +11,7 @@ import warp as wp
 from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
+from warpwear.grid import FloatArray
 from warpwear.history.pieces import PieceBook
 from warpwear.kernels.cells import LANES
 from warpwear.kernels.running_in import pieces as kernels
@@ -17,11 +20,14 @@ from warpwear.kernels.slide import Slide
 from warpwear.laws.pieces import ROUNDS
 from warpwear.laws.pieces import Pieces as PieceLaw
 from warpwear.laws.task import ContactTask
+from warpwear.models.attachment import Attachment, Place
 from warpwear.models.track.bodies import SlidingBodies
 
 BODIES = ("sphere", "disc")
 #: What a row of the history says of each body.
 OF_BODY = ("pieces", "wear", "pending", "deepest")
+#: Columns of a row of the history.
+COLUMNS = tuple(f"{name}_{body}" for body in BODIES for name in OF_BODY)
 #: Pieces that the table holds at least.
 ROOM = 4096
 
@@ -122,29 +128,20 @@ class Pending:
         self.body.counts.assign(host)
 
 
-class SlidingPieces:
+class SlidingPieces(Attachment):
     """Pieces of both bodies of a contact that slides or lies still.
 
-    A step of a program is
-
-        with program.branch(pieces.begins):
-            ...
-            pieces.say_begin(program); pieces.say_take(program, ...)
-            ...
-        pieces.say_shed(program, ...)
-        with program.branch(pieces.ends):
-            ...
-
-    as the table of pieces may get full while they leave: `drain` empties it after each replay, and says
-    whether the program is to be run again before its step is done.
+    The table of pieces may get full while they leave: `drain` empties it after each replay, and tells whether
+    the program is to be run again before its step is done.
     """
 
     STATE: ClassVar = {"sphere": Pending, "disc": Pending, "book": PieceBook}
+    columns = COLUMNS
 
     def __init__(self, law: PieceLaw, executor: Executor, bodies: SlidingBodies, *, periodic: bool) -> None:
         cell, device = executor.grid.cell, executor.device
         places, bowl = law.footprint(cell)
-        self.law, self._executor = law, executor
+        self.law, self._executor, self.margin = law, executor, law.margin(cell)
         self._footprint = arguments(
             kernels.Footprint,
             along=wp.array(places[:, 0], dtype=wp.int32, device=device),
@@ -153,7 +150,7 @@ class SlidingPieces:
             needed=float(bowl.sum()),
             reach=law.reach(cell),
             apart=law.apart(cell),
-            margin=law.margin(cell),
+            margin=self.margin,
             rounds=ROUNDS,
         )
         of_sphere, of_disc = (bodies.sphere, bodies.wear_sphere), (bodies.disc, bodies.wear_disc)
@@ -185,25 +182,41 @@ class SlidingPieces:
         """What is pending of sphere and disc."""
         return self.sphere, self.disc
 
-    @property
-    def begins(self) -> Field:
-        """Flag of a program: whether a step begins, or goes on in the midst of its pieces."""
-        return self._release.begins
-
-    @property
-    def ends(self) -> Field:
-        """Flag of a program: whether all pieces of a step have left."""
-        return self._release.ends
-
-    @property
-    def margin(self) -> int:
-        """Cells beside one in contact that a piece may reach."""
-        return int(self._footprint.margin)
-
     def beside(self, columns: tuple[int, int]) -> tuple[int, int]:
         """First column of those given, and the one after the last, where pieces of them may lie too."""
         first, end = columns
         return max(first - self.margin, 0), min(end + self.margin, self._executor.grid.ny)
+
+    def at_beginning(self, program: Program) -> AbstractContextManager[None]:
+        """Enclose what is done once in a step: a program may go on in the midst of its pieces."""
+        return program.branch(self._release.begins)
+
+    def at_end(self, program: Program) -> AbstractContextManager[None]:
+        """Enclose what follows when all pieces of a step have left."""
+        return program.branch(self._release.ends)
+
+    def before_search(self, program: Program, place: Place) -> None:
+        """Say that a step begins."""
+        self.say_begin(program)
+
+    def before_wear(self, program: Program, place: Place) -> None:
+        """Say that the wear of the tiles listed becomes pending."""
+        contact = place.springs, *place.listed, place.of_cells, place.bodies.gap
+        program.launch(kernels.take_tiles, place.slides, self._both, *contact, **self._alone)
+
+    def between(self, program: Program, place: Place) -> None:
+        """Say that the pieces of a step leave."""
+        self.say_shed(program, place.slides, place.steps.stepping, place.steps.history)
+
+    def end_steps(self, count: int) -> None:
+        """Enter into the book that a program has made so many steps."""
+        self.book.end_steps(count)
+
+    def enter(self, columns: Mapping[str, FloatArray], total: dict[str, Any], most: dict[str, Any]) -> None:
+        """Enter what has left each body, what is worn of it and pending."""
+        for body in BODIES:
+            pieces, wear, pending, most[f"wear_{body}"] = (columns[f"{name}_{body}"] for name in OF_BODY)
+            total |= {f"pieces_{body}": pieces, f"wear_{body}": wear, f"pending_{body}": pending}
 
     def say_begin(self, program: Program) -> None:
         """Add to a program that a step begins: what waits since the last one is looked at."""
@@ -217,16 +230,13 @@ class SlidingPieces:
         """
         program.launch(kernels.take_field, slides, self._both, pressure, **self._alone)
 
-    def say_take_tiles(self, program: Program, slides: Field, *contact: Any) -> None:
-        """Add to a program that the wear of the tiles listed becomes pending, as of `kernels.take_tiles`."""
-        program.launch(kernels.take_tiles, slides, self._both, *contact, **self._alone)
-
-    def say_shed(self, program: Program, slides: Field, goes: Field, rows: Field, column: int) -> None:
+    def say_shed(self, program: Program, slides: Field, goes: Field, rows: Field) -> None:
         """Add to a program that the pieces of a step leave.
 
         goes: flag of the loop over steps, which becomes 0 where the table is full. rows: the history, a row a
-        step, with `OF_BODY` of sphere and disc from a column on.
+        step, whose last columns are `COLUMNS`.
         """
+        column = rows.shape[1] - len(COLUMNS)
         for number, body in enumerate(self.both):
             body.say_shed(program, slides, self._release, (rows, column + number * len(OF_BODY)))
         program.decide(shedding.end_step, self.sphere.body, self.disc.body, self._release, goes)
