@@ -276,9 +276,6 @@ def most_of(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64:
 
 @native_code.native_pass("carry")
 def carried(
-    first: wp.int32,
-    end: wp.int32,
-    slots: wp.int32,
     tiles: wp.array2d(dtype=wp.int32),
     count: wp.array(dtype=wp.int32),
     springs: Springs,

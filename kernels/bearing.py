@@ -242,9 +242,6 @@ def begin(first_slot: wp.int32, slots: wp.int32, springs: Springs, lowest: wp.fl
 
 @native_code.native_pass("count_level")
 def counted_below(
-    first: wp.int32,
-    end: wp.int32,
-    slots: wp.int32,
     tiles: wp.array2d(dtype=wp.int32),
     count: wp.array(dtype=wp.int32),
     springs: Springs,

@@ -227,9 +227,6 @@ def judge(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps)
 
 @native_code.native_pass("wear_rows")
 def wear_step(
-    first: wp.int32,
-    end: wp.int32,
-    slots: wp.int32,
     tiles: wp.array2d(dtype=wp.int32),
     count: wp.array(dtype=wp.int32),
     law: wp.array(dtype=Law),

@@ -30,9 +30,6 @@ class Pressed:
 
 @native_code.native_pass("mean_along")
 def means(
-    first: wp.int32,
-    end: wp.int32,
-    slots: wp.int32,
     slides: wp.array(dtype=Slide),
     field_in: wp.array2d(dtype=Cells),
     means_out: wp.array2d(dtype=Cells),
@@ -43,9 +40,6 @@ def means(
 
 @native_code.native_pass("meet")
 def gaps(
-    first: wp.int32,
-    end: wp.int32,
-    slots: wp.int32,
     slides: wp.array(dtype=Slide),
     bodies: Bodies,
     means_in: wp.array2d(dtype=Cells),
@@ -60,9 +54,6 @@ def gaps(
 
 @native_code.native_pass("wear_by_pressure")
 def wear(
-    first: wp.int32,
-    end: wp.int32,
-    slots: wp.int32,
     slides: wp.array(dtype=Slide),
     layout: Layout,
     pressed: Pressed,

@@ -42,22 +42,19 @@ class Films:
 
 
 @native_code.native_pass("look_at_film", module=TOGETHER)
-def look(first: wp.int32, end: wp.int32, slots: wp.int32, slides: wp.array(dtype=Slide), films: Films):
+def look(slides: wp.array(dtype=Slide), films: Films):
     """See which of the cells ever touched are bare as a step begins, and what their caps are."""
     ...
 
 
 @native_code.native_pass("rub_film", module=TOGETHER)
-def rub(first: wp.int32, end: wp.int32, slots: wp.int32, slides: wp.array(dtype=Slide), films: Films):
+def rub(slides: wp.array(dtype=Slide), films: Films):
     """Note the distance at the end of a step where the bodies were worn in it; of films that form anew."""
     ...
 
 
 @native_code.native_pass("count_bare", module=TOGETHER)
 def bare_under_pressure(
-    first: wp.int32,
-    end: wp.int32,
-    slots: wp.int32,
     slides: wp.array(dtype=Slide),
     films: Films,
     pressure_in: wp.array2d(dtype=Cells),

@@ -246,9 +246,6 @@ def close(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Bod
 
 @native_code.native_pass("total_body", module=TOGETHER)
 def total_rows(
-    first: wp.int32,
-    end: wp.int32,
-    slots: wp.int32,
     slides: wp.array(dtype=Slide),
     footprint: Footprint,
     body: Body,

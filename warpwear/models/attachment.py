@@ -24,7 +24,7 @@ class Place(NamedTuple):
 class Attachment:
     """An optional part of a step: a contact asks all that it has, in their order.
 
-    A step is a search, the wear of both bodies where the search has found a balance, and a row of the history.
+    A step is a search, the wear of both bodies where it has found a balance, and a row of the history.
     """
 
     #: Columns beside those touched that it may change.
