@@ -9,7 +9,8 @@ import time
 
 from warpwear import Study
 from warpwear.runs.invariants import Invariants
-from warpwear.runs.make import executor_of, model_of, plan_of
+from warpwear.runs.make import executor_of, model_of
+from warpwear.runs.plan import plan_of
 from warpwear.study.surface import surface_in
 
 

@@ -18,7 +18,8 @@ from measure.machine import machine
 
 from warpwear import Study
 from warpwear.figures.data import load_share_error
-from warpwear.runs.make import executor_of, model_of, plan_of
+from warpwear.runs.make import executor_of, model_of
+from warpwear.runs.plan import plan_of
 from warpwear.study.surface import surface_in
 
 AT = (0.01, 0.3, 3.0, 30.0, 240.0, 2400.0)  # [mm]

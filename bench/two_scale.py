@@ -20,7 +20,8 @@ from measure.machine import machine
 import warpwear
 from warpwear.figures import style as fs
 from warpwear.figures.data import load_share_error
-from warpwear.runs.make import executor_of, model_of, plan_of
+from warpwear.runs.make import executor_of, model_of
+from warpwear.runs.plan import plan_of
 from warpwear.study.surface import surface_in
 
 Table = list[dict[str, Any]]

@@ -12,13 +12,7 @@ follows, on a smaller bracket. Few cells take one pass, many cells a few.
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.balance import (
-    Search,
-    Springs,
-    ask_for,
-    most_of,
-    sum_of,
-)
+from warpwear.kernels.balance import Search, Springs, ask_for, begin_anew, most_of, sum_of
 from warpwear.kernels.cells import NONE, ZERO, Cells
 from warpwear.kernels.contact import Law
 from warpwear.kernels.newton import EVALUATIONS, GROWS, HALF, HOPELESS, LOOKS, MET, STUCK, bracket_at
@@ -243,20 +237,11 @@ def conclude_area(springs: Springs, s: Search, lists: Listing, law: Law):
 def begin(first_slot: wp.int32, slots: wp.int32, springs: Springs, lowest: wp.float64):
     """Begins a search of which nothing is known, on any list. lowest: gap [mm]."""
     if wp.tid() == 0:
-        lists = springs.lists[0]
-        if lists.is_fixed == 0 and lists.is_fresh == 1:
-            lists.limit = lowest
-            lists.asked = lowest
-        ask_for(springs, lists)
-        springs.search[0] = area_between(springs, lowest, ZERO)
-        springs.searching[0] = 1
+        begin_anew(springs, lowest, area_between(springs, lowest, ZERO))
 
 
 @native_code.native_pass("count_level")
 def counted_below(
-    first: wp.int32,
-    end: wp.int32,
-    slots: wp.int32,
     tiles: wp.array2d(dtype=wp.int32),
     count: wp.array(dtype=wp.int32),
     springs: Springs,

@@ -32,28 +32,34 @@ def options(*headers: str) -> dict[str, Any]:
 def native_pass(function: str, *, module: Any = None) -> Callable[[Callable[..., None]], Any]:
     """Make a kernel that calls a C++ function of the headers for each of its slots.
 
-    What is decorated declares the arguments: `first`, `end` and `slots`, then those of the function after its
-    slot and the number of slots. On a CPU one call of the kernel does a range of slots, so that its arguments
-    are read once for all of them. module: of Warp, that the kernel is compiled with; by default its own.
+    What is decorated declares the arguments of the function after its slot and the number of slots. Before
+    them the kernel takes the first and the end of a range of slots, and their number: on a CPU one call of it
+    does a range, so that its arguments are read once. module: of Warp, that it is compiled with.
     """
 
     def kernel_of(declared: Callable[..., None]) -> Any:
-        signature = inspect.signature(declared)
-        names = [*signature.parameters]
+        names = ["first", "end", "slots", *inspect.signature(declared).parameters]
         call = f"{function}(slot, {', '.join(names[2:])});"
-        native = wp.func_native(f"EACH_SLOT {call}")(declared)
+
+        def slots_of_range() -> None: ...
 
         def kernel() -> Any:
             return native  # where Warp looks up the name
 
-        for name in ("__name__", "__qualname__", "__module__", "__doc__", "__annotations__"):
-            setattr(kernel, name, getattr(declared, name))
-        kernel.__signature__ = signature  # type: ignore[attr-defined]
-        place = f"{names[0]} + wp.tid() // wp.block_dim()"
+        for stub in (slots_of_range, kernel):
+            for name in ("__name__", "__qualname__", "__module__", "__doc__"):
+                setattr(stub, name, getattr(declared, name))
+            types = dict.fromkeys(names[:3], wp.int32) | inspect.get_annotations(declared)
+            stub.__annotations__ = {name: types[name] for name in names}
+            stub.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+                [inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for name in names]
+            )
+        native = wp.func_native(f"EACH_SLOT {call}")(slots_of_range)
+        place = "first + wp.tid() // wp.block_dim()"
         source = f"def {declared.__name__}({', '.join(names)}):\n    native({place}, {', '.join(names[1:])})"
-        made = wp.Kernel(kernel, module=module, source=source)
-        RANGED.add(made)
-        return made
+        whole = wp.Kernel(kernel, module=module, source=source)
+        RANGED.add(whole)
+        return whole
 
     return kernel_of
 

@@ -116,9 +116,6 @@ def bounds(
 
 @native_code.native_pass("select_tiles")
 def select(
-    first: wp.int32,
-    end: wp.int32,
-    slots: wp.int32,
     lists: wp.array(dtype=Listing),
     slides: wp.array(dtype=Slide),
     bounds: Bounds,
@@ -163,9 +160,6 @@ def listed(
 
 @native_code.native_pass("wear_tiles")
 def wear_step(
-    first: wp.int32,
-    end: wp.int32,
-    slots: wp.int32,
     tiles: wp.array2d(dtype=wp.int32),
     count: wp.array(dtype=wp.int32),
     slides: wp.array(dtype=Slide),

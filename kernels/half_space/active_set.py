@@ -13,12 +13,12 @@ from warpwear.kernels.newton import HALF
 
 
 @native_pass("open_cells<false>", module=TOGETHER)
-def count_open(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet):
+def count_open(solve: Solve, few: ActiveSet):
     """Count the cells whose place between the bounds is open."""
 
 
 @native_pass("open_cells<true>", module=TOGETHER)
-def list_open(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet):
+def list_open(solve: Solve, few: ActiveSet):
     """List them; the trial becomes the pressure."""
 
 

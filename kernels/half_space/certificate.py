@@ -76,17 +76,17 @@ class Proof:
 
 
 @native_pass("proof_extremes")
-def extremes(first: wp.int32, end: wp.int32, slots: wp.int32, proof: Proof):
+def extremes(proof: Proof):
     """Sum up the pressure; find by how much it exceeds its bounds, and the gaps that violate conditions."""
 
 
 @native_pass("proof_carried")
-def carried(first: wp.int32, end: wp.int32, slots: wp.int32, proof: Proof):
+def carried(proof: Proof):
     """Sum up what cells below levels of the bracket carry at the cap."""
 
 
 @native_pass("proof_gap")
-def excess(first: wp.int32, end: wp.int32, slots: wp.int32, proof: Proof):
+def excess(proof: Proof):
     """Sum up the bound of the energy at the level that makes it least."""
 
 

@@ -13,80 +13,80 @@ ROWS = 16
 
 
 @native_pass("moments", module=TOGETHER)
-def moments(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve):
+def moments(solve: Solve):
     """Sum up cells, gap − mean and its square of every group; find the lowest gap."""
 
 
 @native_pass("springs", module=TOGETHER)
-def springs(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve):
+def springs(solve: Solve):
     """Make the trial pressure of springs under the gap, and sum it up as `carried` does."""
 
 
 @native_pass("carried<false>", module=TOGETHER)
-def carried(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve):
+def carried(solve: Solve):
     """Sum up the trial, shifted and clipped, and the cells between the bounds."""
 
 
 @native_pass("carried<true>", module=TOGETHER)
-def take(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve):
+def take(solve: Solve):
     """Make the trial, shifted and clipped, the pressure."""
 
 
 @native_pass("bound", module=TOGETHER)
-def bound(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve):
+def bound(solve: Solve):
     """Bring pressures down to caps that may have fallen."""
 
 
 @native_pass("gradient", module=TOGETHER)
-def gradient(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve):
+def gradient(solve: Solve):
     """Make the gradient of the present pressure from its response."""
 
 
 @native_pass("advance", module=TOGETHER)
-def advance(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve):
+def advance(solve: Solve):
     """Go along the step, or take the trial; sum up and bound what that leaves."""
 
 
 @native_pass("residual", module=TOGETHER)
-def residual(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve):
+def residual(solve: Solve):
     """Give the preconditioner the gradient of the free cells."""
 
 
 @native_pass("scatter", module=TOGETHER)
-def scatter(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve):
+def scatter(solve: Solve):
     """Count cells between the bounds, and the ends of their lines, in some rows."""
 
 
 @native_pass("products", module=TOGETHER)
-def products(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve):
+def products(solve: Solve):
     """Sum up products of descent, gradient, last step and its response."""
 
 
 @native_pass("direction", module=TOGETHER)
-def direction(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve):
+def direction(solve: Solve):
     """Make the trial pressure of a step, and sum it up as `carried` does."""
 
 
 @native_pass("step", module=TOGETHER)
-def step(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve):
+def step(solve: Solve):
     """Make the feasible step to the trial; sum up its slope and how much room it uses."""
 
 
 @native_pass("curvature", module=TOGETHER)
-def curvature(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve):
+def curvature(solve: Solve):
     """Sum up step × response."""
 
 
 @native_pass("extend<false>", module=TOGETHER)
-def extend(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve):
+def extend(solve: Solve):
     """Extend the gradient of the free cells to the others, in the trial, on a CPU. A slot is `ROWS` rows."""
 
 
 @native_pass("extend<true>", module=TOGETHER)
-def gather(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve):
+def gather(solve: Solve):
     """Add to the free cells what the others give back; the transpose of `extend`, on a CPU."""
 
 
 @native_pass("extend_once", module=TOGETHER)
-def extend_once(first: wp.int32, end: wp.int32, slots: wp.int32, solve: Solve, number: wp.int32):
+def extend_once(solve: Solve, number: wp.int32):
     """On a GPU: make one of the passes 0 and 1, which extend the trial, or 2 to 4, which gather it."""

@@ -33,25 +33,25 @@ class Reach:
 
 
 @native_pass("take_window", module=TOGETHER)
-def take(first: wp.int32, end: wp.int32, slots: wp.int32, transfer: Transfer):
+def take(transfer: Transfer):
     """Copy what a field of the larger grid holds in a window."""
 
 
 @native_pass("give_window", module=TOGETHER)
-def give(first: wp.int32, end: wp.int32, slots: wp.int32, transfer: Transfer):
+def give(transfer: Transfer):
     """Copy a field of a window to where it lies in the larger grid."""
 
 
 @native_pass("restrict_cells", module=TOGETHER)
-def restrict(first: wp.int32, end: wp.int32, slots: wp.int32, transfer: Transfer):
+def restrict(transfer: Transfer):
     """Give cells twice as wide the means of four, or of fewer at an edge; no surface where one has none."""
 
 
 @native_pass("prolong_cells", module=TOGETHER)
-def prolong(first: wp.int32, end: wp.int32, slots: wp.int32, transfer: Transfer):
+def prolong(transfer: Transfer):
     """Give each cell the value of the wide cell that it lies in."""
 
 
 @native_pass("extents", module=TOGETHER)
-def extents(first: wp.int32, end: wp.int32, slots: wp.int32, reach: Reach):
+def extents(reach: Reach):
     """Find the extents of the cells that a contact reaches; the first ones negated."""

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
+from warpwear.history.arrangements import ARRANGEMENTS
 from warpwear.study.study import Study
 
 #: What a quantity has one value for: a step; a step and patch; a cell of a snapshot; a snapshot; a piece.
@@ -37,10 +38,9 @@ class Quantity:
         """Whether a run of the study has it."""
         return {
             None: True,
-            "track": study.is_swept,
+            **{name: one.serves(study) for name, one in ARRANGEMENTS.items()},
             "half-space": study.contact.law == "half-space",
             "half-space track": study.is_swept and study.contact.law == "half-space",
-            "patches": study.study.model == "two-scale",
             "pieces": study.wear.sheds,
             "static area": study.static_area_every > 0,
             "dents": study.is_swept and study.sliding.plastic == "keep",

@@ -348,9 +348,7 @@ class SlidingHalfSpace:
         pieces, slides = self.pieces, self._slides.array
         assert pieces is not None
         for _ in itertools.count():
-            self._run(
-                "shed", lambda program: pieces.say_shed(program, slides, self._goes, self._of_pieces, 0)
-            )
+            self._run("shed", lambda program: pieces.say_shed(program, slides, self._goes, self._of_pieces))
             if not pieces.drain():
                 break
         pieces.book.end_steps()
