@@ -65,7 +65,7 @@ def lint(session: nox.Session) -> None:
     install(session, *tools("ruff", "clang-format"))
     session.run("ruff", "check", ".")
     session.run("ruff", "format", "--check", ".")
-    headers = [str(header) for header in Path("kernels/native").glob("*.h")]
+    headers = [str(header) for header in Path("kernels/native").rglob("*.h")]
     session.run("clang-format", "--dry-run", "-Werror", *headers)
 
 

@@ -100,12 +100,12 @@ def next_trial(
     slope: wp.float64,
     load: wp.float64,
     tolerance: wp.float64,
-    straight: wp.float64,
+    linear_range: wp.float64,
 ):
     """The search with its next trial, or at its end, by the force and its slope at the last one.
 
-    tolerance: of the force. straight: way as far as which the force is surely a straight line; 0 where that
-    is not known.
+    tolerance: of the force. linear_range: way as far as which the force is surely a straight line; 0 where
+    that is not known.
     """
     b = before
     b.evaluation = b.evaluation + 1
@@ -123,7 +123,7 @@ def next_trial(
         rises = slope > ZERO
         newton = offset - residual / wp.where(rises, slope, ONE)
         way = wp.abs(newton - offset)
-        if rises and way < SURELY * straight and slope * wp.abs(newton) < DIGITS * load:
+        if rises and way < SURELY * linear_range and slope * wp.abs(newton) < DIGITS * load:
             b.offset = newton
             b.state = SURE
         else:

@@ -19,7 +19,7 @@ from warpwear import Study
 from warpwear.engine.executor import Executor
 from warpwear.grid import Grid
 from warpwear.history.recorder import Step
-from warpwear.runs.make import model_at_rest
+from warpwear.runs.arrangements import model_at_rest
 from warpwear.study.surface import surface_in
 
 #: Relative difference allowed between contenders, in approach, volumes and area.

@@ -9,7 +9,7 @@ from warpwear.engine.executor import Executor
 from warpwear.grid import Grid
 from warpwear.laws.archard import ExponentialLaw, RunningInLaw, WearLaw, wear_in_steps
 from warpwear.models.rest.local import OneScaleModel
-from warpwear.runs.make import model_at_rest
+from warpwear.runs.arrangements import model_at_rest
 
 SHAPE, CELL = (150, 203), 0.005  # a width that needs padding
 LAWS = {

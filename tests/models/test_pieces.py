@@ -174,10 +174,10 @@ class Shedding:
         goes = wp.zeros(1, dtype=wp.int32, device=executor.device)
         self._rows = wp.zeros((1, 2 * len(OF_BODY)), dtype=wp.float64, device=executor.device)
         self._program = Program(executor)
-        with self._program.branch(self.pieces.begins):
+        with self.pieces.at_beginning(self._program):
             self.pieces.say_begin(self._program)
             self.pieces.say_take(self._program, self._slides.array, self._pressure)
-        self.pieces.say_shed(self._program, self._slides.array, goes, self._rows, 0)
+        self.pieces.say_shed(self._program, self._slides.array, goes, self._rows)
 
     def step(self, number: int, shift: int) -> list[list[float]]:
         """Numbers of `OF_BODY` of both bodies after a step."""

@@ -22,7 +22,7 @@ from warpwear.history.recorder import Step
 from warpwear.models.track import local
 from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.model import SweptModel
-from warpwear.runs.make import plan_of
+from warpwear.runs.plan import plan_of
 
 
 def positions(track: str, rows: int) -> Iterator[tuple[int, int]]:
@@ -319,7 +319,7 @@ def test_a_bad_track_is_one_sentence(changes: dict[str, Any], message: str) -> N
 
 def test_a_track_that_memory_does_not_hold(monkeypatch: pytest.MonkeyPatch) -> None:
     study = Study.load("v3-fine").replace({"sliding.kinematics": "swept"})
-    monkeypatch.setattr("warpwear.runs.make.free_memory", lambda device: {"the host": 10**9})
+    monkeypatch.setattr("warpwear.runs.arrangements.free_memory", lambda device: {"the host": 10**9})
     with pytest.raises(
         InputError, match=r"31500 × 1500 cells, which takes 1\.5 GiB .* sliding\.track = '3\.2 mm'"
     ):

@@ -25,7 +25,8 @@ from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.runs.checkpoint import Checkpoint, Checkpoints, StoredCheckpoint, checksum, opened
 from warpwear.runs.console import Interrupts, Progress
 from warpwear.runs.invariants import Invariants, Violation
-from warpwear.runs.make import model_of, plan_of
+from warpwear.runs.make import model_of
+from warpwear.runs.plan import plan_of
 from warpwear.runs.step import RunStep
 from warpwear.study.rules import too_small
 from warpwear.study.study import Study

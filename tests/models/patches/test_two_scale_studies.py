@@ -133,10 +133,11 @@ def test_a_history_of_patches_that_memory_does_not_hold(monkeypatch: pytest.Monk
         r"patches\.macro_cell = 2 µm makes 562500 patches, .* 1099 steps take 18\.4 GiB .* a larger "
         r"patches\.macro_cell"
     )
-    monkeypatch.setattr("warpwear.runs.make.free_memory", lambda device: {"the host": tables + fields - 1})
+    place = "warpwear.runs.arrangements.free_memory"
+    monkeypatch.setattr(place, lambda device: {"the host": tables + fields - 1})
     with pytest.raises(InputError, match=refused):
         warpwear.run(study)
-    monkeypatch.setattr("warpwear.runs.make.free_memory", lambda device: {"the host": tables + fields})
+    monkeypatch.setattr(place, lambda device: {"the host": tables + fields})
     with executor_of(study, device="cpu", threads=1) as executor:
         assert executor.grid.cells == cells
 

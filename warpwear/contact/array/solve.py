@@ -15,8 +15,8 @@ from warpwear.contact.array.contact import ArrayContact
 from warpwear.contact.array.elastic import solve_half_space
 from warpwear.contact.array.memory import check_memory, giving_back
 from warpwear.contact.array.springs import solve_cells
-from warpwear.contact.array.task import ROUNDING, Gap, Solution, Task, surface_of
-from warpwear.contact.certificate import Certificate, cells_of, certify
+from warpwear.contact.array.task import ROUNDING, Gap, Solution, Task, gap_field, surface_of
+from warpwear.contact.certificate import Certificate, Proof
 from warpwear.contact.half_space.search import SearchRules
 from warpwear.contact.half_space.solver import TOLERANCE
 from warpwear.engine.device import check_threads
@@ -179,7 +179,7 @@ def _contact_of(
     task: Task, solution: Solution, executor: Executor, hardness: float | None, tolerance: float
 ) -> tuple[ArrayContact, float]:
     """Return a solved task in the caller's units, certified, and the sum of its pressures. May raise."""
-    certificate = solution.certificate or _certify(task, solution, tolerance)
+    certificate = solution.certificate or _certify(task, solution, executor, tolerance)
     if certificate.fault:
         raise ConvergenceError(f"the pressure cannot be certified: {certificate.fault}.")
     here = isinstance(solution.pressure, np.ndarray)
@@ -215,15 +215,20 @@ def _contact_of(
     return contact, sum(sums)
 
 
-def _certify(task: Task, solution: Solution, tolerance: float) -> Certificate:
+def _certify(task: Task, solution: Solution, executor: Executor, tolerance: float) -> Certificate:
     """Certify a solution of springs, of a bearing area or of a window."""
     yielded = abs(solution.approach) + float(solution.pressure.mean())
     scale = task.rms or yielded
-    return certify(
-        [cells_of(solution.pressure, task.gap, solution.displacement, task.cap)],
-        approaches=np.full(1, solution.approach),
-        asked=None if task.mean is None else np.full(1, task.mean * task.gap.size),
-        scale=np.full(1, scale),
-        allowed=np.full(1, max(tolerance * scale, SearchRules.rounding * yielded, solution.allowed)),
-        cell_area=1.0,
+    proof = Proof(
+        executor,
+        pressure=executor.field(solution.pressure),
+        gap=gap_field(task.gap, executor),
+        displacement=executor.field(solution.displacement),
+        cap=task.cap,
+    )
+    return proof.at(
+        approach=solution.approach,
+        load=None if task.mean is None else task.mean * task.gap.size,
+        scale=scale,
+        allowed=max(tolerance * scale, SearchRules.rounding * yielded, solution.allowed),
     )

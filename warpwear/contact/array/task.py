@@ -11,13 +11,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from warpwear.contact.certificate import TOGETHER, Certificate
+from warpwear.contact.certificate import Certificate
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.staging import each
 from warpwear.grid import FloatArray, Grid, blocks_of_rows
 from warpwear.kernels.cells import PADDING
 from warpwear.surfaces.sphere import sag
 
+#: Cells looked at together, which stay in the cache of a core.
+TOGETHER = 2**16
 #: Relative rounding of a load: it may exceed as much what the hardness carries.
 ROUNDING = 1.0e-12
 
