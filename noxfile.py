@@ -1,7 +1,16 @@
-"""Tasks of development: `nox -l` lists them, `nox -s docs` runs one, each in an environment of its own."""
+"""Tasks of development and of continuous integration: `nox -l` lists them, `nox -s docs` runs one.
 
+Each has an environment of its own. `.ci/run` makes one for all, and runs its tasks there with
+`nox --no-venv`.
+"""
+
+import os
 import re
+import shlex
+import shutil
+import sys
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 
 import nox
@@ -9,7 +18,33 @@ import nox
 nox.options.sessions = ["lint", "tests"]
 ROOT = Path(__file__).parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
 QUICK = ("-n", "auto", "--dist", "loadfile")
+PYTHONS = ("3.11", "3.12", "3.13", "3.14")
+#: Something that a page of the site would fetch when it is shown.
+FETCHED = re.compile(r'(<script[^>]*src|<link[^>]*rel="(stylesheet|preload)"[^>]*href)="(https?:)?//')
+
+
+def install(session: nox.Session, *packages: str) -> None:
+    """Install into the task's own environment, or into the one that `nox --no-venv` was started in."""
+    if isinstance(session.virtualenv, nox.virtualenv.PassthroughEnv):
+        session.run("python", "-m", "pip", "install", "--quiet", *packages)
+    else:
+        session.install(*packages)
+
+
+def tools(*names: str) -> list[str]:
+    """Return the requirements of tools as `pip install ".[dev]"` has them."""
+    wanted = PROJECT["optional-dependencies"]["dev"]
+    return [one for one in wanted if re.split(r"[<>=~]", one)[0] in names]
+
+
+def temporary(session: nox.Session) -> Path:
+    """Return an empty folder of the task, with an absolute path."""
+    folder = Path(session.create_tmp()).absolute()
+    shutil.rmtree(folder)
+    folder.mkdir()
+    return folder
 
 
 def oldest() -> list[str]:
@@ -27,18 +62,52 @@ def release_notes() -> str:
 @nox.session
 def lint(session: nox.Session) -> None:
     """Check style and format."""
-    session.install("ruff>=0.12", "clang-format>=23.1,<23.2")
+    install(session, *tools("ruff", "clang-format"))
     session.run("ruff", "check", ".")
     session.run("ruff", "format", "--check", ".")
-    headers = [str(header) for header in Path("kernels/native").glob("*.h")]
+    headers = [str(header) for header in Path("kernels/native").rglob("*.h")]
     session.run("clang-format", "--dry-run", "-Werror", *headers)
 
 
-@nox.session(python=["3.11", "3.12", "3.13", "3.14"])
+@nox.session
+def types(session: nox.Session) -> None:
+    """Check types and layers of the package as installed, from a folder without the sources."""
+    install(session, *tools("mypy", "import-linter"))
+    if not isinstance(session.virtualenv, nox.virtualenv.PassthroughEnv):
+        session.install(".[io,test]")
+    with session.chdir(folder := temporary(session)):
+        config = str(ROOT / "pyproject.toml")
+        session.run("mypy", "--config-file", config, "--cache-dir", str(folder / "mypy"), "-p", "warpwear")
+        session.run("lint-imports", "--config", config, "--no-cache")
+
+
+@nox.session
+def readme(session: nox.Session) -> None:
+    """Run the tests by the README's command, in an environment made by its install command."""
+    if not isinstance(session.virtualenv, nox.virtualenv.PassthroughEnv):
+        session.run(*command_of_readme("pip install"))
+    session.run(*command_of_readme("python -m pytest"), *session.posargs)
+
+
+def command_of_readme(start: str) -> list[str]:
+    """Return the words of the first command of the README that starts so."""
+    (line,) = re.findall(rf"^((?:python -m )?{re.escape(start)}.*)$", README, re.MULTILINE)[:1]
+    return shlex.split(line, comments=True)
+
+
+@nox.session(python=PYTHONS)
 def tests(session: nox.Session) -> None:
     """Run the quick tests with the newest dependencies, on every Python that is here."""
     session.install(".[io,test]")
     session.run("python", "-m", "pytest", *QUICK, *session.posargs)
+
+
+@nox.session
+def pages(session: nox.Session) -> None:
+    """Check the pages and pictures that scripts write; as a hook of pre-commit with `nox -R`."""
+    session.install("-e", ".[io,test]")
+    files = ("tests/docs/test_site.py", "tests/study/test_keys_page.py", "tests/history/test_quantities.py")
+    session.run("python", "-m", "pytest", "-q", *files)
 
 
 @nox.session(python="3.11")
@@ -59,9 +128,67 @@ def coverage(session: nox.Session) -> None:
 
 @nox.session
 def docs(session: nox.Session) -> None:
-    """Make the site in build/site."""
-    session.install(".[io,docs]")
-    session.run("python", "-m", "sphinx", "-W", "-j", "auto", "docs", "build/site")
+    """Make the site in build/site, with its tutorials and examples run; a page of it fetches nothing."""
+    install(session, ".[io,docs]")
+    site = ROOT / "build" / "site"
+    shutil.rmtree(site, ignore_errors=True)
+    session.run("python", "-m", "sphinx", "-W", "--keep-going", "-j", "auto", "-q", "docs", str(site))
+    if not (site / "searchindex.js").stat().st_size:
+        session.error("the site cannot be searched")
+    fetching = [str(page) for page in site.rglob("*.html") if FETCHED.search(page.read_text("utf-8"))]
+    if fetching:
+        session.error(f"these pages load something from the network: {', '.join(fetching)}")
+
+
+@nox.session
+def wheel(session: nox.Session) -> None:
+    """Run the wheel in another folder, on this Python and on the others that are here."""
+    install(session, *tools("build"))
+    folder = temporary(session)
+    shutil.rmtree(ROOT / "build" / "lib", ignore_errors=True)  # what another install left would be packed
+    session.run("python", "-m", "build", "--quiet", "--wheel", "--outdir", str(folder / "dist"), ".")
+    (file,) = (folder / "dist").glob("*.whl")
+    with session.chdir(folder):
+        command = installed_in(session, folder / "own", Path(sys.executable), file)
+        session.run(command, "--version", external=True)
+        session.run(command, "studies", external=True)
+        coarse = ("run", "v3-fine", "--set", "grid.cell=5 um")
+        session.run(command, *coarse, "--out", "run", "--set", "sliding.distance=30 mm", external=True)
+        for name in ("result.h5", "history.csv", "figures/cof.png"):
+            if not (folder / "run" / name).stat().st_size:
+                session.error(f"the run left no {name}")
+        session.run(command, "run", "v3", "--set", "contact.load=-8 N", success_codes=[2], external=True)
+        for version, python in other_pythons(session):
+            command = installed_in(session, folder / version, python, file)
+            short = ("--out", f"on-{version}", "--no-plots", "--set", "sliding.distance=3 mm")
+            session.run(command, *coarse, *short, external=True)
+            session.run(command, "plot", f"on-{version}", "--only", "cof", external=True)
+
+
+def installed_in(session: nox.Session, place: Path, python: Path, file: Path) -> str:
+    """Install a wheel into a new environment of a Python; return the path of its command."""
+    session.run(str(python), "-m", "venv", str(place), external=True)
+    session.run(str(place / "bin" / "python"), "-m", "pip", "install", "--quiet", str(file), external=True)
+    return str(place / "bin" / "warpwear")
+
+
+def other_pythons(session: nox.Session) -> Iterator[tuple[str, Path]]:
+    """Yield each other version of Python that is here, with its program."""
+    versions = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
+    for version in PYTHONS:
+        if version == f"{sys.version_info.major}.{sys.version_info.minor}":
+            continue
+        programs = [shutil.which(f"python{version}"), *versions.glob(f"{version}.*/bin/python")]
+        asks = f"import sys, venv; print(sys.version_info[:2] == {tuple(map(int, version.split('.')))})"
+        for program in filter(None, programs):
+            answer = session.run(
+                str(program), "-c", asks, external=True, silent=True, log=False, success_codes=[*range(256)]
+            )
+            if str(answer).strip() == "True":
+                yield version, Path(program)
+                break
+        else:
+            session.log(f"Python {version} is not here")
 
 
 @nox.session

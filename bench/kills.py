@@ -170,13 +170,11 @@ def start(case: str, every: float, out: Path, turn: int) -> subprocess.Popen[byt
     if one_core and hasattr(os, "sched_setaffinity"):
         cores = sorted(os.sched_getaffinity(0))
         command = [sys.executable, "-c", ON_ONE_CORE, str(cores[os.getpid() % len(cores)]), *command]
-    lock = out / ".lock"
-    before = lock.stat().st_mtime_ns if lock.exists() else 0
+    before = {*out.glob(".work-*")}
     process = subprocess.Popen(command, env=os.environ | variables, stderr=subprocess.PIPE)
     while process.poll() is None:
-        with contextlib.suppress(OSError):
-            if lock.stat().st_mtime_ns != before:
-                break
+        if {*out.glob(".work-*")} - before:
+            break
         time.sleep(0.001)
     return process
 

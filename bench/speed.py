@@ -68,9 +68,6 @@ def plan_of(
     jobs = []
     free = psutil.virtual_memory().available / 2**30
     for name, case in cases.items():
-        if case.threads > max(setting.threads):
-            left_out.append(f"{name} is left out: it needs --threads with a {case.threads}.")
-            continue
         asked = case.default_sizes or (QUICK_SIZES if setting.quick else SIZES) if sizes is None else sizes
         for cells in case.sizes or asked:
             if gib_needed(case, cells) <= free:

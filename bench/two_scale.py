@@ -21,7 +21,8 @@ import warpwear
 from warpwear.figures import describe as fs
 from warpwear.figures.of_run.data import load_share_error
 from warpwear.figures.style import style
-from warpwear.runs.make import executor_of, model_of, plan_of
+from warpwear.runs.make import executor_of, model_of
+from warpwear.runs.plan import plan_of
 from warpwear.study.surface import surface_in
 
 Table = list[dict[str, Any]]

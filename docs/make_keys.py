@@ -1,6 +1,7 @@
 """Write docs/reference/keys.md, the page of every key of a study, from the declarations of the keys."""
 
 import math
+import sys
 import types
 from collections.abc import Iterator
 from pathlib import Path
@@ -8,11 +9,12 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
+import warpwear
 from warpwear import Study
 from warpwear.inference.command import InferSection
 from warpwear.inference.data import KINDS
 from warpwear.inference.unknowns import NOISE
-from warpwear.study.keys import Rule, declarations, key_of, section_in
+from warpwear.study.keys import Demand, Rule, declarations, key_of, section_in
 from warpwear.study.units import Number, Range
 
 PAGE = Path(__file__).parent / "reference" / "keys.md"
@@ -22,8 +24,8 @@ This page is written by `python docs/make_keys.py` from the declarations of the 
 
 Quantities are text with a unit. In Python they may be pairs such as `(8, "N")`, or quantities of pint. The
 unit here is the one of Python and results; any other of its kind may be given. *allowed* is what one key may
-be by itself; what does not go together is refused in a sentence when a study is read. A default that is
-marked *assumed* is a choice of ours, with its reason. A key that is given but not used gets a notice.
+be by itself; a study that has not what its keys need is refused in a sentence when it is read. A default
+that is marked *assumed* is a choice of ours, with its reason. A key that is given but not used gets a notice.
 """
 
 
@@ -88,6 +90,14 @@ def condition(rule: Rule) -> str:
     return f"with `{rule.name}` = " + " or ".join(f'`"{value}"`' for value in rule.values)
 
 
+def demand_text(demand: Demand) -> str:
+    """Return what a key demands of others, in words."""
+    values = " or ".join(f'`"{value}"`' for value in demand.values)
+    what = demand.what or f"`{demand.name}`" + f" = {values}" * bool(values)
+    of = " or ".join("`inf`" if value == math.inf else f'`"{value}"`' for value in demand.of)
+    return f"{of} " * bool(of) + ("does not go with" if demand.excludes else "needs") + f" {what}"
+
+
 def entry(name: str, of_section: int) -> str:
     """Return the lines about a key. of_section: number of its rules that its section has."""
     info, declared = key_of(Study, name), declarations(Study)[name]
@@ -107,6 +117,7 @@ def entry(name: str, of_section: int) -> str:
     told = ["**required**"] if info.is_required() else []
     told += [f"*{what}* {value}" for what, value in facts.items() if value]
     told += [rule for rule in used if not rule.startswith("with")]
+    told += [demand_text(demand) for demand in declared.demands]
     return f"- `{name}`: {info.description}\\\n  " + " · ".join(told)
 
 
@@ -142,4 +153,6 @@ def of_infer() -> list[str]:
 
 
 if __name__ == "__main__":
+    if not Path(warpwear.__file__).is_relative_to(PAGE.parents[2]):
+        sys.exit(f"{warpwear.__file__} is not of this checkout: set PYTHONPATH to the checkout's folder.")
     PAGE.write_text(page(), encoding="utf-8")

@@ -4,6 +4,7 @@ python docs/make_pages.py [--chromium /usr/bin/chromium]
 """
 
 import argparse
+import sys
 import tempfile
 from io import BytesIO
 from pathlib import Path
@@ -28,6 +29,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--chromium", default="/usr/bin/chromium")
     chromium = parser.parse_args().chromium
+    if not Path(warpwear.__file__).is_relative_to(PICTURES.parents[1]):
+        sys.exit(f"{warpwear.__file__} is not of this checkout: set PYTHONPATH to the checkout's folder.")
     PICTURES.mkdir(exist_ok=True)
     study = Study.load("v3-fine").replace({"grid.cell": "5 um", "sliding.distance": "30 mm"})
     with tempfile.TemporaryDirectory() as place, sync_playwright() as playwright:

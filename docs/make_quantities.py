@@ -1,5 +1,9 @@
 """Print the table of all quantities of a result, which stands in docs/reference/results.md."""
 
+import sys
+from pathlib import Path
+
+import warpwear
 from warpwear.history.quantities import ONLY, QUANTITIES
 
 
@@ -15,4 +19,6 @@ def markdown_table() -> str:
 
 
 if __name__ == "__main__":
+    if not Path(warpwear.__file__).is_relative_to(Path(__file__).parents[1]):
+        sys.exit(f"{warpwear.__file__} is not of this checkout: set PYTHONPATH to the checkout's folder.")
     print(markdown_table(), end="")

@@ -14,7 +14,7 @@ from warpwear.kernels import native_code
 from warpwear.kernels.cells import ABSENT, LANES, NONE, ONE, TILE_VECTORS, ZERO, Cells, TileSums
 from warpwear.kernels.contact import Law, pressure_of
 from warpwear.kernels.newton import HALF, HOPELESS, LOOKS, STUCK, SURE, Bracket, bracket_at, next_trial
-from warpwear.kernels.tiles import SAMPLE, SAMPLED, Listing, Tiles, kept_of, limit_of, reached
+from warpwear.kernels.tiles import SAMPLE, SAMPLED, Listing, Tiles, kept_of, limit_of, list_from, reached
 
 wp.set_module_options(native_code.options("springs.h", "tiles.h"))
 
@@ -102,14 +102,6 @@ def search_from_lowest(springs: Springs, lowest: wp.float64, stiffness: wp.float
 
 
 @wp.func
-def evaluated(before: Search):
-    """The search, with one pass more."""
-    s = before
-    s.evaluations = s.evaluations + 1
-    return s
-
-
-@wp.func
 def judged(
     springs: Springs,
     before: Search,
@@ -126,8 +118,8 @@ def judged(
     s = before
     lists = lists_before
     alike = s.stiffness > ZERO
-    straight = wp.where(alike, near / wp.where(alike, s.stiffness, ONE), ZERO)
-    b = next_trial(s.bracket, force, slope, springs.load, springs.tolerance, straight)
+    linear_range = wp.where(alike, near / wp.where(alike, s.stiffness, ONE), ZERO)
+    b = next_trial(s.bracket, force, slope, springs.load, springs.tolerance, linear_range)
     approach = s.base + b.offset
     s.residual = wp.where(b.state == SURE, ZERO, force - springs.load)
     if b.state == STUCK:
@@ -255,44 +247,19 @@ def listed(
     lists[0] = now
 
 
+@wp.func
+def begin_anew(springs: Springs, lowest: wp.float64, s: Search):
+    """Begin a search of which nothing is known, on any list. lowest: gap [mm]."""
+    ask_for(springs, list_from(springs.lists[0], lowest))
+    springs.search[0] = s
+    springs.searching[0] = 1
+
+
 @wp.kernel
-def begin(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    springs: Springs,
-    lowest: wp.float64,
-    stiffness: wp.float64,
-    softest: wp.float64,
-):
-    """Begins a search of which nothing is known, on any list.
-
-    lowest: gap [mm]. stiffness: of cells that are alike, else 0; softest: of a cell [N/mm³].
-    """
+def begin(first_slot: wp.int32, slots: wp.int32, springs: Springs, lowest: wp.float64, softest: wp.float64):
+    """Begins a search of which nothing is known. lowest: gap [mm]; softest: stiffness of a cell [N/mm³]."""
     if wp.tid() == 0:
-        lists = springs.lists[0]
-        if lists.is_fixed == 0 and lists.is_fresh == 1:
-            lists.limit = lowest
-            lists.asked = lowest
-        ask_for(springs, lists)
-        springs.search[0] = search_from_lowest(springs, lowest, stiffness, softest)
-        springs.searching[0] = 1
-
-
-@wp.func_native("carry(slot, slots, tiles, count, search, cap, gap, stiffness, parts, trial);")
-def carry_of(
-    slot: wp.int32,
-    slots: wp.int32,
-    tiles: wp.array2d(dtype=wp.int32),
-    count: wp.array(dtype=wp.int32),
-    search: Search,
-    cap: wp.float64,
-    gap: wp.array2d(dtype=Cells),
-    stiffness: wp.array2d(dtype=Cells),
-    parts: wp.array2d(dtype=Cells),
-    trial: wp.array2d(dtype=wp.float64),
-) -> None:
-    """What the cells of a slot carry at the trial of a search."""
-    ...
+        begin_anew(springs, lowest, search_from_lowest(springs, lowest, ZERO, softest))
 
 
 @wp.func_native("return sum_of_line(table, line, 0, table.shape[1]);")
@@ -307,10 +274,8 @@ def most_of(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64:
     ...
 
 
-@wp.kernel
+@native_code.native_pass("carry")
 def carried(
-    first_slot: wp.int32,
-    slots: wp.int32,
     tiles: wp.array2d(dtype=wp.int32),
     count: wp.array(dtype=wp.int32),
     springs: Springs,
@@ -323,19 +288,53 @@ def carried(
 
     stiffness, parts of the cap: of every cell, or no rows where the search has one, and all bear the cap.
     """
-    slot = first_slot + wp.tid() // wp.block_dim()
-    carry_of(slot, slots, tiles, count, springs.search[0], springs.cap, gap, stiffness, parts, springs.trial)
+    ...
+
+
+@wp.func
+def judged_pass(springs: Springs):
+    """The search on springs after a pass, and the list of tiles that it needs. All threads follow it."""
+    force = sum_of(springs.trial, 0) * springs.cell_area
+    slope = sum_of(springs.trial, 1) * springs.cell_area
+    near = -most_of(springs.trial, 2)
+    s = springs.search[0]
+    s.evaluations = s.evaluations + 1
+    return judged(springs, s, springs.lists[0], force, slope, near)
 
 
 @wp.kernel
 def judge(first_slot: wp.int32, slots: wp.int32, springs: Springs):
     """Decides what follows from a pass on springs."""
-    force = sum_of(springs.trial, 0) * springs.cell_area
-    slope = sum_of(springs.trial, 1) * springs.cell_area
-    near = -most_of(springs.trial, 2)
+    s, lists = judged_pass(springs)
     if wp.tid() == 0:
-        s, lists = judged(springs, evaluated(springs.search[0]), springs.lists[0], force, slope, near)
         conclude(springs, s, lists)
+
+
+@wp.func
+def pressures_at(
+    row: wp.int32,
+    k: wp.int32,
+    springs: Springs,
+    gap: wp.array2d(dtype=Cells),
+    stiffness: wp.array2d(dtype=Cells),
+    parts: wp.array2d(dtype=Cells),
+):
+    """The pressures of the cells of a vector, at the end of a search; fields as of `carried`."""
+    law = springs.law[0]
+    g = gap[row, k]
+    s = Cells(springs.search[0].stiffness)
+    if stiffness.shape[0] > 0:
+        s = stiffness[wp.min(row, stiffness.shape[0] - 1), k]
+    part = Cells(ONE)
+    if parts.shape[0] > 0:
+        part = parts[row, k]
+    p = Cells(ZERO)
+    for j in range(LANES):
+        own = law  # of a cell that bears a part of the cap, also where it is tied with the approach
+        own.cap = law.cap * part[j]
+        own.tie_pressure = law.tie_pressure * part[j]
+        p[j] = pressure_of(own, g[j], s[j])
+    return p
 
 
 @wp.kernel
@@ -352,28 +351,8 @@ def pressures(
 ):
     """The pressures of the cells listed, at the end of a search; fields as of `carried`."""
     slot = first_slot + wp.tid() // wp.block_dim()
-    law = springs.law[0]
-    s = Cells(springs.search[0].stiffness)
-    part = Cells(ONE)
     for row in range(slot, gap.shape[0], slots):
         for n in range(wp.tid() % wp.block_dim(), count[row], wp.block_dim()):
             t = tiles[row, n]
             for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap.shape[1])):
-                g = gap[row, k]
-                if stiffness.shape[0] > 0:
-                    s = stiffness[wp.min(row, stiffness.shape[0] - 1), k]
-                if parts.shape[0] > 0:
-                    part = parts[row, k]
-                p = Cells(ZERO)
-                for j in range(LANES):
-                    p[j] = pressure_of(law_of_cell(law, part[j]), g[j], s[j])
-                pressure_out[row, k] = p
-
-
-@wp.func
-def law_of_cell(law: Law, part: wp.float64):
-    """The law of a cell that bears a part of the cap; where it is tied with the approach, of that too."""
-    own = law
-    own.cap = law.cap * part
-    own.tie_pressure = law.tie_pressure * part
-    return own
+                pressure_out[row, k] = pressures_at(row, k, springs, gap, stiffness, parts)

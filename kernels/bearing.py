@@ -12,13 +12,7 @@ follows, on a smaller bracket. Few cells take one pass, many cells a few.
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.balance import (
-    Search,
-    Springs,
-    ask_for,
-    most_of,
-    sum_of,
-)
+from warpwear.kernels.balance import Search, Springs, ask_for, begin_anew, most_of, sum_of
 from warpwear.kernels.cells import NONE, ZERO, Cells
 from warpwear.kernels.contact import Law
 from warpwear.kernels.newton import EVALUATIONS, GROWS, HALF, HOPELESS, LOOKS, MET, STUCK, bracket_at
@@ -243,42 +237,22 @@ def conclude_area(springs: Springs, s: Search, lists: Listing, law: Law):
 def begin(first_slot: wp.int32, slots: wp.int32, springs: Springs, lowest: wp.float64):
     """Begins a search of which nothing is known, on any list. lowest: gap [mm]."""
     if wp.tid() == 0:
-        lists = springs.lists[0]
-        if lists.is_fixed == 0 and lists.is_fresh == 1:
-            lists.limit = lowest
-            lists.asked = lowest
-        ask_for(springs, lists)
-        springs.search[0] = area_between(springs, lowest, ZERO)
-        springs.searching[0] = 1
+        begin_anew(springs, lowest, area_between(springs, lowest, ZERO))
 
 
-@wp.func_native("count_level(slot, slots, tiles, count, springs, gap, parts);")
-def count_of(
-    slot: wp.int32,
-    slots: wp.int32,
-    tiles: wp.array2d(dtype=wp.int32),
-    count: wp.array(dtype=wp.int32),
-    springs: Springs,
-    gap: wp.array2d(dtype=Cells),
-    parts: wp.array2d(dtype=Cells),
-) -> None:
-    """Counts cells of a slot below the trial, gathers those inside the bracket, finds the extreme gaps."""
-    ...
-
-
-@wp.kernel
+@native_code.native_pass("count_level")
 def counted_below(
-    first_slot: wp.int32,
-    slots: wp.int32,
     tiles: wp.array2d(dtype=wp.int32),
     count: wp.array(dtype=wp.int32),
     springs: Springs,
     gap: wp.array2d(dtype=Cells),
     parts: wp.array2d(dtype=Cells),
 ):
-    """Counts cells in contact at the trial, in cells at the cap: of each its part of it, if it has one."""
-    slot = first_slot + wp.tid() // wp.block_dim()
-    count_of(slot, slots, tiles, count, springs, gap, parts)
+    """Counts cells in contact at the trial, in cells at the cap: of each its part of it, if it has one.
+
+    Those inside the bracket are gathered; the lowest and the highest gap are found.
+    """
+    ...
 
 
 @wp.kernel

@@ -4,6 +4,8 @@ The C++ is in `native/fourier.h`, which says how modes lie. Kernels of transform
 precision, by kind of number.
 """
 
+import inspect
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,6 +13,7 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import Cells
+from warpwear.kernels.native_code import native_pass
 
 #: Whole registers, where compilers take half of each: a fifth less time.
 FLAGS = "-march=native -mprefer-vector-width=512"
@@ -20,19 +23,32 @@ wp.set_module_options(native_code.options("transforms.h", "fourier.h") | {"cpu_c
 LINES = {np.float32: 16, np.float64: 8}
 
 
-def of_both(function: Any) -> dict[Any, Any]:
-    """Kernels of a function, with arrays of either type of number wherever any will do.
+def of_both(function: str) -> Callable[[Callable[..., None]], dict[Any, Any]]:
+    """Make kernels as `native_pass` does, with arrays of either type of number wherever any will do.
 
     Each has a name of its own: overloads of one kernel are one and the same for a recording on a CPU.
     """
-    kernels = {}
-    for kind in LINES:
-        kernel = wp.kernel(function, name=f"{function.__name__}_{kind.__name__}")
-        arrays = {a.label: a.type for a in kernel.adj.args if getattr(a.type, "dtype", None) is Any}
-        real = wp.dtype_from_numpy(kind)
-        types = {name: wp.array(dtype=real, ndim=array.ndim) for name, array in arrays.items()}
-        kernels[kind] = wp.overload(kernel, types)
-    return kernels
+
+    def kernels_of(declared: Callable[..., None]) -> dict[Any, Any]:
+        return {kind: native_pass(function)(_of_kind(declared, kind)) for kind in LINES}
+
+    return kernels_of
+
+
+def _of_kind(declared: Callable[..., None], kind: Any) -> Callable[..., None]:
+    """Declare the same with arrays of a type of number wherever any will do."""
+
+    def stub() -> None: ...
+
+    real, types = wp.dtype_from_numpy(kind), inspect.get_annotations(declared)
+    stub.__name__ = stub.__qualname__ = f"{declared.__name__}_{kind.__name__}"
+    stub.__module__, stub.__doc__ = declared.__module__, declared.__doc__
+    stub.__signature__ = inspect.signature(declared)  # type: ignore[attr-defined]
+    stub.__annotations__ = {
+        name: wp.array(dtype=real, ndim=of.ndim) if getattr(of, "dtype", None) is Any else of
+        for name, of in types.items()
+    }
+    return stub
 
 
 @wp.struct
@@ -54,53 +70,8 @@ class Plan:
     turns_across: wp.int32  # where the factors of columns begin
 
 
-@wp.func_native("forward_rows(slot, slots, plan, turns, field, scratch, spectrum);")
-def forward_rows(
-    slot: wp.int32,
-    slots: wp.int32,
-    plan: Plan,
-    turns: wp.array(dtype=Any),
-    field: wp.array2d(dtype=Cells),
-    scratch: wp.array2d(dtype=Any),
-    spectrum: wp.array3d(dtype=Any),
-):
-    """Modes of rows."""
-    ...
-
-
-@wp.func_native("across_columns(slot, slots, plan, turns, table, line, scratch, spectrum);")
-def across_columns(
-    slot: wp.int32,
-    slots: wp.int32,
-    plan: Plan,
-    turns: wp.array(dtype=Any),
-    table: wp.array3d(dtype=Any),
-    line: wp.array(dtype=wp.float64),
-    scratch: wp.array2d(dtype=Any),
-    spectrum: wp.array3d(dtype=Any),
-):
-    """Transforms columns of modes, multiplies them and transforms them back."""
-    ...
-
-
-@wp.func_native("back_rows(slot, slots, plan, turns, scratch, spectrum, field);")
-def back_rows(
-    slot: wp.int32,
-    slots: wp.int32,
-    plan: Plan,
-    turns: wp.array(dtype=Any),
-    scratch: wp.array2d(dtype=Any),
-    spectrum: wp.array3d(dtype=Any),
-    field: wp.array2d(dtype=Cells),
-):
-    """Cells of rows from their modes."""
-    ...
-
-
-@of_both
+@of_both("forward_rows")
 def forward(
-    first_slot: wp.int32,
-    slots: wp.int32,
     plan: Plan,
     turns_in: wp.array(dtype=Any),
     field_in: wp.array2d(dtype=Cells),
@@ -108,13 +79,10 @@ def forward(
     spectrum_out: wp.array3d(dtype=Any),
 ):
     """Modes of the rows. turns: cosines and sines, first those that part modes of rows, then of stages."""
-    forward_rows(first_slot + wp.tid(), slots, plan, turns_in, field_in, scratch_out, spectrum_out)
 
 
-@of_both
+@of_both("across_columns")
 def across(
-    first_slot: wp.int32,
-    slots: wp.int32,
     plan: Plan,
     turns_in: wp.array(dtype=Any),
     table_in: wp.array3d(dtype=Any),
@@ -123,13 +91,10 @@ def across(
     spectrum_out: wp.array3d(dtype=Any),
 ):
     """Multiply the modes of all columns by the table and the line of each row, in place."""
-    across_columns(first_slot + wp.tid(), slots, plan, turns_in, table_in, line_in, scratch_out, spectrum_out)
 
 
-@of_both
+@of_both("back_rows")
 def back(
-    first_slot: wp.int32,
-    slots: wp.int32,
     plan: Plan,
     turns_in: wp.array(dtype=Any),
     scratch_out: wp.array2d(dtype=Any),
@@ -137,32 +102,10 @@ def back(
     field_out: wp.array2d(dtype=Cells),
 ):
     """Cells of the rows from their modes."""
-    back_rows(first_slot + wp.tid(), slots, plan, turns_in, scratch_out, spectrum_in, field_out)
 
 
-@wp.func_native(
-    "convolve_grids(slot, slots, plan, turns, table, line, field_in, scratch, spectrum, field_out);"
-)
-def convolve_grids(
-    slot: wp.int32,
-    slots: wp.int32,
-    plan: Plan,
-    turns: wp.array(dtype=Any),
-    table: wp.array3d(dtype=Any),
-    line: wp.array(dtype=wp.float64),
-    field_in: wp.array2d(dtype=Cells),
-    scratch: wp.array2d(dtype=Any),
-    spectrum: wp.array3d(dtype=Any),
-    field_out: wp.array2d(dtype=Cells),
-):
-    """Convolves grids, each while it is in the cache."""
-    ...
-
-
-@of_both
+@of_both("convolve_grids")
 def convolve(
-    first_slot: wp.int32,
-    slots: wp.int32,
     plan: Plan,
     turns_in: wp.array(dtype=Any),
     table_in: wp.array3d(dtype=Any),
@@ -172,19 +115,7 @@ def convolve(
     spectrum_out: wp.array3d(dtype=Any),
     field_out: wp.array2d(dtype=Cells),
 ):
-    """Forward, across and back for one grid after another."""
-    convolve_grids(
-        first_slot + wp.tid(),
-        slots,
-        plan,
-        turns_in,
-        table_in,
-        line_in,
-        field_in,
-        scratch_out,
-        spectrum_out,
-        field_out,
-    )
+    """Forward, across and back for one grid after another, each while it is in the cache."""
 
 
 @wp.struct
@@ -199,75 +130,21 @@ class Around:
     scale: wp.float64  # of a factor
 
 
-@wp.func_native("pad_rows(slot, slots, grids, field, padded);")
-def pad_rows(
-    slot: wp.int32,
-    slots: wp.int32,
-    grids: Around,
-    field: wp.array2d(dtype=Cells),
-    padded: wp.array3d(dtype=Any),
-):
-    """Cells of grids into padded ones."""
-    ...
-
-
-@wp.func_native("crop_rows(slot, slots, grids, padded, field);")
-def crop_rows(
-    slot: wp.int32,
-    slots: wp.int32,
-    grids: Around,
-    padded: wp.array3d(dtype=Any),
-    field: wp.array2d(dtype=Cells),
-):
-    """The way back."""
-    ...
-
-
-@wp.func_native("multiply_modes(slot, slots, grids, table, line, modes);")
-def multiply_modes(
-    slot: wp.int32,
-    slots: wp.int32,
-    grids: Around,
-    table: wp.array2d(dtype=wp.float64),
-    line: wp.array(dtype=wp.float64),
-    modes: wp.array3d(dtype=Any),
-):
-    """Multiplies, or divides, modes by the table and the line."""
-    ...
-
-
-@of_both
-def pad(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    grids: Around,
-    field_in: wp.array2d(dtype=Cells),
-    padded_out: wp.array3d(dtype=Any),
-):
+@of_both("pad_rows")
+def pad(grids: Around, field_in: wp.array2d(dtype=Cells), padded_out: wp.array3d(dtype=Any)):
     """Cells of grids into padded ones, whose padding stays zero."""
-    pad_rows(first_slot + wp.tid() // wp.block_dim(), slots, grids, field_in, padded_out)
 
 
-@of_both
-def crop(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    grids: Around,
-    padded_in: wp.array3d(dtype=Any),
-    field_out: wp.array2d(dtype=Cells),
-):
+@of_both("crop_rows")
+def crop(grids: Around, padded_in: wp.array3d(dtype=Any), field_out: wp.array2d(dtype=Cells)):
     """The way back."""
-    crop_rows(first_slot + wp.tid() // wp.block_dim(), slots, grids, padded_in, field_out)
 
 
-@of_both
+@of_both("multiply_modes")
 def multiply(
-    first_slot: wp.int32,
-    slots: wp.int32,
     grids: Around,
     table_in: wp.array2d(dtype=wp.float64),
     line_in: wp.array(dtype=wp.float64),
     modes: wp.array3d(dtype=Any),
 ):
     """Multiply, or divide, modes by the table and the line of their row, in place."""
-    multiply_modes(first_slot + wp.tid() // wp.block_dim(), slots, grids, table_in, line_in, modes)

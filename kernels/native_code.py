@@ -4,7 +4,9 @@ A native function of a module is a line that calls what a header defines. Header
 structs of a module come after them, and text of the module: a header that changes is compiled anew.
 """
 
+import inspect
 import re
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -15,6 +17,9 @@ FOLDER = Path(__file__).with_name("native")
 #: A line of a header that names another one, which comes before it.
 INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
 
+#: Kernels that take the first and the end of a range of slots.
+RANGED: set[Any] = set()
+
 
 def options(*headers: str) -> dict[str, Any]:
     """Return the options of a module whose native functions call these headers, or `lanes.h` alone."""
@@ -22,6 +27,41 @@ def options(*headers: str) -> dict[str, Any]:
     text = "".join(_text(name) for name in names)
     build = wp.ModuleBuildOptions(extra_cpu_preamble=text, extra_cuda_preamble=text)
     return {"enable_backward": False, "extra_build_options": build}
+
+
+def native_pass(function: str, *, module: Any = None) -> Callable[[Callable[..., None]], Any]:
+    """Make a kernel that calls a C++ function of the headers for each of its slots.
+
+    What is decorated declares the arguments of the function after its slot and the number of slots. Before
+    them the kernel takes the first and the end of a range of slots, and their number: on a CPU one call of it
+    does a range, so that its arguments are read once. module: of Warp, that it is compiled with.
+    """
+
+    def kernel_of(declared: Callable[..., None]) -> Any:
+        names = ["first", "end", "slots", *inspect.signature(declared).parameters]
+        call = f"{function}(slot, {', '.join(names[2:])});"
+
+        def slots_of_range() -> None: ...
+
+        def kernel() -> Any:
+            return native  # where Warp looks up the name
+
+        for stub in (slots_of_range, kernel):
+            for name in ("__name__", "__qualname__", "__module__", "__doc__"):
+                setattr(stub, name, getattr(declared, name))
+            types = dict.fromkeys(names[:3], wp.int32) | inspect.get_annotations(declared)
+            stub.__annotations__ = {name: types[name] for name in names}
+            stub.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+                [inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for name in names]
+            )
+        native = wp.func_native(f"EACH_SLOT {call}")(slots_of_range)
+        place = "first + wp.tid() // wp.block_dim()"
+        source = f"def {declared.__name__}({', '.join(names)}):\n    native({place}, {', '.join(names[1:])})"
+        whole = wp.Kernel(kernel, module=module, source=source)
+        RANGED.add(whole)
+        return whole
+
+    return kernel_of
 
 
 @cache

@@ -61,18 +61,51 @@ def bracket_at(offset: wp.float64, reach: wp.float64):
 
 
 @wp.func
+def is_closed(b: Bracket):
+    """Tell whether both sides of the bracket are known."""
+    return b.low > -NONE and b.high < NONE
+
+
+@wp.func
+def stepped(
+    before: Bracket, residual: wp.float64, newton: wp.float64, rises: wp.bool, even: wp.bool, halves: wp.bool
+):
+    """Return the search with its next trial, by Newton's step and the bracket.
+
+    residual: force less load at the last trial. rises: whether the slope gives a Newton's step. even: whether
+    this is an evaluation, one in two, at which the bracket's width is noted. halves: whether the bracket has
+    to be half as wide by then, or is halved.
+    """
+    b = before
+    if is_closed(b):
+        stalled = halves and even and b.high - b.low > HALF * b.width
+        if even:
+            b.width = b.high - b.low
+        b.offset = HALF * (b.low + b.high)
+        if rises and newton > b.low and newton < b.high and not stalled:
+            b.offset = newton
+    else:
+        way = wp.abs(newton - b.offset)
+        b.offset = b.offset + wp.where(residual < ZERO, b.reach, -b.reach)
+        if rises and way <= b.reach:
+            b.offset = newton
+        b.reach = GROWS * b.reach
+    return b
+
+
+@wp.func
 def next_trial(
     before: Bracket,
     force: wp.float64,
     slope: wp.float64,
     load: wp.float64,
     tolerance: wp.float64,
-    straight: wp.float64,
+    linear_range: wp.float64,
 ):
     """The search with its next trial, or at its end, by the force and its slope at the last one.
 
-    tolerance: of the force. straight: way as far as which the force is surely a straight line; 0 where that
-    is not known.
+    tolerance: of the force. linear_range: way as far as which the force is surely a straight line; 0 where
+    that is not known.
     """
     b = before
     b.evaluation = b.evaluation + 1
@@ -90,23 +123,12 @@ def next_trial(
         rises = slope > ZERO
         newton = offset - residual / wp.where(rises, slope, ONE)
         way = wp.abs(newton - offset)
-        if rises and way < SURELY * straight and slope * wp.abs(newton) < DIGITS * load:
+        if rises and way < SURELY * linear_range and slope * wp.abs(newton) < DIGITS * load:
             b.offset = newton
             b.state = SURE
-        elif b.low <= -NONE or b.high >= NONE:
-            b.offset = offset + wp.where(residual < ZERO, b.reach, -b.reach)
-            if rises and way <= b.reach:
-                b.offset = newton
-            b.reach = GROWS * b.reach
         else:
-            even = b.evaluation % 2 == 0
-            stalled = even and b.high - b.low > HALF * b.width
-            if even:
-                b.width = b.high - b.low
-            b.offset = HALF * (b.low + b.high)
-            if rises and newton > b.low and newton < b.high and not stalled:
-                b.offset = newton
-            if b.offset <= b.low or b.offset >= b.high:
+            b = stepped(b, residual, newton, rises, b.evaluation % 2 == 0, True)
+            if is_closed(b) and (b.offset <= b.low or b.offset >= b.high):
                 b.offset = offset
                 b.state = STUCK
     return b

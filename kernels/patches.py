@@ -1,6 +1,6 @@
-"""Kernels of a contact of patches: passes over those, each at an approach of its own, and decisions.
+"""Pass over the patches of a contact, each at an approach of its own.
 
-What is decided between passes stands in `two_scale`; all kernels of a step are compiled together, here.
+What is decided between passes stands in `two_scale`.
 
 All patches lie in one field of shape (patches, lines · vectors of a line): a row is a patch, its lines of
 cells (along axis 1 of the domain) one after another, each padded to whole vectors. A tile is `TILE_VECTORS`
@@ -10,31 +10,10 @@ above the patch's approach are skipped.
 
 import warp as wp
 
-from warpwear.kernels import native_code
-from warpwear.kernels.cells import (
-    ABSENT,
-    LANES,
-    ONE,
-    TILE_VECTORS,
-    ZERO,
-    Cells,
-    Layout,
-    lowest_of,
-)
+from warpwear.kernels.cells import ABSENT, LANES, ONE, TILE_VECTORS, ZERO, Cells, Layout, lowest_of
 from warpwear.kernels.contact import Law, pressure_of, sag
-from warpwear.kernels.two_scale.curves import Curves
-from warpwear.kernels.two_scale.sharing import Flags, Load, Search, judge_shares
-from warpwear.kernels.two_scale.steps import (
-    Books,
-    Courses,
-    Now,
-    Steps,
-    begin_step,
-    end_step,
-    foresee_step,
-)
-
-wp.set_module_options(native_code.options("patches.h"))
+from warpwear.kernels.two_scale.curves import TOGETHER, Curves
+from warpwear.kernels.two_scale.steps import Books, Courses, Now, Steps
 
 
 @wp.struct
@@ -49,7 +28,7 @@ class Ball:
 
 @wp.struct
 class Surfaces:
-    """The cells of all patches."""
+    """Surfaces hold the cells of all patches."""
 
     layout: Layout
     cells: wp.float64  # of a patch
@@ -59,7 +38,7 @@ class Surfaces:
     trial: wp.array2d(dtype=wp.float64)  # what a pass adds up for `Curves.answer`
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def gap(
     first_slot: wp.int32,
     slots: wp.int32,
@@ -69,7 +48,7 @@ def gap(
     roughness_in: wp.array2d(dtype=Cells),
     gap_out: wp.array2d(dtype=Cells),
 ):
-    """Gap of the unworn bodies from the mean planes, and its lowest in every tile, in `layout`.
+    """Lay the gap of the unworn bodies from the mean planes, and its lowest in every tile of `layout`.
 
     columns: of a line.
     """
@@ -95,20 +74,12 @@ def gap(
 
 
 @wp.func_native("carry_patch(patch, steps.load.hardness, now.stiffness, curves, surfaces);")
-def carry_patch(patch: wp.int32, steps: Steps, now: Now, curves: Curves, surfaces: Surfaces):
-    """Add up what the cells of a patch carry, and give its answer."""
-    ...
+def carry_patch(patch: wp.int32, steps: Steps, now: Now, curves: Curves, surfaces: Surfaces): ...
 
 
-@wp.kernel
-def carried(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    steps: Steps,
-    curves: Curves,
-    surfaces: Surfaces,
-):
-    """What every patch answers at its trial approach, see `Curves.answer`.
+@wp.kernel(module=TOGETHER)
+def carried(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, surfaces: Surfaces):
+    """Add up what the cells of every patch carry at its trial approach, and give its `Curves.answer`.
 
     As far as the change of pressure that the cell nearest to it needs to open, close or reach the cap, the
     pressure is a straight line.
@@ -116,7 +87,7 @@ def carried(
     carry_patch(first_slot + wp.tid() // wp.block_dim(), steps, steps.now[0], curves, surfaces)
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def pressures(
     first_slot: wp.int32,
     slots: wp.int32,
@@ -125,7 +96,7 @@ def pressures(
     surfaces: Surfaces,
     pressure_out: wp.array2d(dtype=Cells),
 ):
-    """The pressure field of solved approaches."""
+    """Lay the pressure field of solved approaches."""
     patch = first_slot + wp.tid() // wp.block_dim()
     law = Law()
     law.base = curves.base[patch]
@@ -155,12 +126,10 @@ def wear_patch(
     courses: Courses,
     surfaces: Surfaces,
     books: Books,
-):
-    """Wear the cells of a patch, add up what they leave, and evaluate it for the next step."""
-    ...
+): ...
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def wear(
     first_slot: wp.int32,
     slots: wp.int32,
@@ -170,7 +139,7 @@ def wear(
     surfaces: Surfaces,
     books: Books,
 ):
-    """One increment of wear in place: the gap opens by K p ΔL of both bodies.
+    """Wear the cells in place: the gap opens by K p ΔL of both bodies; evaluate them for the next step.
 
     Sums and maxima are those of the step and of each patch. A tile above the largest approach that its patch
     has had was never touched; every other one is visited, so that the sums of what was touched and worn are
@@ -180,40 +149,9 @@ def wear(
     wear_patch(patch, steps, steps.now[0], curves, courses, surfaces, books)
 
 
-@wp.kernel
+@wp.kernel(module=TOGETHER)
 def worn(first_slot: wp.int32, slots: wp.int32, surfaces: Surfaces, worn_out: wp.array2d(dtype=Cells)):
-    """What both bodies have lost so far: how far the gap has opened."""
+    """Lay what both bodies have lost so far: how far the gap has opened."""
     patch = first_slot + wp.tid() // wp.block_dim()
     for k in range(wp.tid() % wp.block_dim(), surfaces.gap.shape[1], wp.block_dim()):
         worn_out[patch, k] = surfaces.gap[patch, k] - surfaces.unworn[patch, k]
-
-
-@wp.kernel
-def begin(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses):
-    """Begin a step whose load is shared, see `begin_step`."""
-    begin_step(steps, curves, courses)
-
-
-@wp.kernel
-def judge(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    load: Load,
-    curves: Curves,
-    search_out: wp.array(dtype=Search),
-    flags: Flags,
-):
-    """Decide what follows from an evaluation, see `judge_shares`."""
-    judge_shares(load, curves, search_out, flags)
-
-
-@wp.kernel
-def foresee(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses):
-    """Learn from the approaches of a step, see `foresee_step`."""
-    foresee_step(steps, curves, courses)
-
-
-@wp.kernel
-def end(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses, books: Books):
-    """Enter a step into the books, see `end_step`."""
-    end_step(steps, curves, courses, books)

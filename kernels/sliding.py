@@ -114,23 +114,8 @@ def bounds(
             highest_out[row, t] = wp.max(high)
 
 
-@wp.func_native("select_tiles(slot, slots, lists, slides, bounds, bodies, list_out, count_out);")
-def _select(
-    slot: wp.int32,
-    slots: wp.int32,
-    lists: wp.array(dtype=Listing),
-    slides: wp.array(dtype=Slide),
-    bounds: Bounds,
-    bodies: Bodies,
-    list_out: wp.array2d(dtype=wp.int32),
-    count_out: wp.array(dtype=wp.int32),
-): ...
-
-
-@wp.kernel
+@native_code.native_pass("select_tiles")
 def select(
-    first_slot: wp.int32,
-    slots: wp.int32,
     lists: wp.array(dtype=Listing),
     slides: wp.array(dtype=Slide),
     bounds: Bounds,
@@ -139,8 +124,7 @@ def select(
     count_out: wp.array(dtype=wp.int32),
 ):
     """Lists, row by row, the tiles with a gap that does not exceed the limit, and writes their gaps."""
-    slot = first_slot + wp.tid() // wp.block_dim()
-    _select(slot, slots, lists, slides, bounds, bodies, list_out, count_out)
+    ...
 
 
 @wp.func_native("return count_listed(count);")
@@ -174,25 +158,8 @@ def listed(
         lists[0] = now
 
 
-@wp.func_native("wear_tiles(slot, slots, tiles, count, slides, springs, of_cells, bodies, of_tiles, tables);")
-def _wear_tiles(
-    slot: wp.int32,
-    slots: wp.int32,
-    tiles: wp.array2d(dtype=wp.int32),
-    count: wp.array(dtype=wp.int32),
-    slides: wp.array(dtype=Slide),
-    springs: Springs,
-    of_cells: OfCells,
-    bodies: Bodies,
-    of_tiles: OfTiles,
-    tables: StepTables,
-): ...
-
-
-@wp.kernel
+@native_code.native_pass("wear_tiles")
 def wear_step(
-    first_slot: wp.int32,
-    slots: wp.int32,
     tiles: wp.array2d(dtype=wp.int32),
     count: wp.array(dtype=wp.int32),
     slides: wp.array(dtype=Slide),
@@ -208,5 +175,4 @@ def wear_step(
     gap, the bounds and the sums are made anew, also of their rows. Columns count that lie beyond the
     known ones.
     """
-    slot = first_slot + wp.tid() // wp.block_dim()
-    _wear_tiles(slot, slots, tiles, count, slides, springs, of_cells, bodies, of_tiles, tables)
+    ...

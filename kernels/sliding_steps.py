@@ -14,7 +14,7 @@ from warpwear.kernels.newton import HALF, STUCK
 from warpwear.kernels.slide import Slide
 from warpwear.kernels.sliding import OfRows, StepTables
 from warpwear.kernels.tiles import reached
-from warpwear.kernels.wear import BALANCE, total_of
+from warpwear.kernels.wear import BALANCE, enter_balance, is_within, total_of
 
 #: All kernels of a step are compiled together.
 TOGETHER = wp.get_module("warpwear.kernels.sliding")
@@ -198,22 +198,6 @@ def _sum_of(values: wp.array(dtype=wp.float64)) -> wp.float64: ...
 def _end_of(of_rows: wp.array(dtype=wp.float64), is_last: wp.int32) -> wp.float64: ...
 
 
-@wp.func
-def is_within(steps: Steps, c: Course, row: wp.int32):
-    """Whether a contact does not grow to the edge or the rim in a step."""
-    found = steps.history
-    within = steps.within
-    row_first = found[row, OF_ROWS + 4] > wp.max(c.first_row, within[0])
-    row_last = found[row, OF_ROWS + 5] > wp.max(c.last_row, within[1])
-    column_first = found[row, MAXIMA + wp.static(int(TrackMost.FIRST_COLUMN))] > wp.max(
-        c.first_column, within[2]
-    )
-    column_last = found[row, MAXIMA + wp.static(int(TrackMost.LAST_COLUMN))] > wp.max(
-        c.last_column, within[3]
-    )
-    return not (row_first or row_last or column_first or column_last)
-
-
 @wp.kernel(module=TOGETHER)
 def record(
     first_slot: wp.int32,
@@ -241,16 +225,7 @@ def record(
     last_row = _end_of(of_rows.touched, 1)
     if wp.tid() == 0:
         c = steps.course[0]
-        law = springs.law[0]
-        s = springs.search[0]
-        history[row, 0] = law.base
-        history[row, 1] = law.offset
-        history[row, 2] = law.cap
-        history[row, 3] = s.residual
-        history[row, 4] = law.tie_width
-        history[row, 5] = law.tie_pressure
-        history[row, 6] = wp.float64(s.evaluations)
-        history[row, 7] = steps.slides[0].reference
+        enter_balance(history, row, springs, steps.slides[0].reference)
         history[row, OF_ROWS] = touched
         history[row, OF_ROWS + 1] = worn_sphere
         history[row, OF_ROWS + 2] = worn_disc
@@ -259,11 +234,16 @@ def record(
         history[row, OF_ROWS + 5] = last_row
         pressure = history[row, TOTALS + wp.static(int(TrackSum.PRESSURE))]
         contact = history[row, TOTALS + wp.static(int(TrackSum.CONTACT))]
-        goes_on = steps.solved[0] == 1 and contact > ZERO and pressure < NONE and is_within(steps, c, row)
-        c.first_row = wp.max(c.first_row, first_row)
-        c.last_row = wp.max(c.last_row, last_row)
-        c.first_column = wp.max(c.first_column, history[row, MAXIMA + wp.static(int(TrackMost.FIRST_COLUMN))])
-        c.last_column = wp.max(c.last_column, history[row, MAXIMA + wp.static(int(TrackMost.LAST_COLUMN))])
+        first_column = history[row, MAXIMA + wp.static(int(TrackMost.FIRST_COLUMN))]
+        last_column = history[row, MAXIMA + wp.static(int(TrackMost.LAST_COLUMN))]
+        before = wp.vec4d(c.first_row, c.last_row, c.first_column, c.last_column)
+        now = wp.max(before, wp.vec4d(first_row, last_row, first_column, last_column))
+        goes_on = steps.solved[0] == 1 and contact > ZERO and pressure < NONE
+        goes_on = goes_on and is_within(before, now, steps.within)
+        c.first_row = now[0]
+        c.last_row = now[1]
+        c.first_column = now[2]
+        c.last_column = now[3]
         if steps.solved[0] == 1:
             c.mean = pressure / wp.max(contact, ONE)
             c.step = row + 1

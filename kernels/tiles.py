@@ -55,6 +55,16 @@ def reached(before: Listing, approach: wp.float64, margin: wp.float64):
 
 
 @wp.func
+def list_from(before: Listing, lowest: wp.float64):
+    """The list that a first search begins with, from the lowest gap [mm]; any there is, if one was made."""
+    lists = before
+    if lists.is_fixed == 0 and lists.is_fresh == 1:
+        lists.limit = lowest
+        lists.asked = lowest
+    return lists
+
+
+@wp.func
 def kept_of(row: wp.int32, t: wp.int32, gap: wp.array2d(dtype=Cells), unworn: wp.array2d(dtype=Cells)):
     """Number of worn cells of a tile, and the sum of their wear."""
     touched = ZERO

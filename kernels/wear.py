@@ -16,18 +16,16 @@ from warpwear.kernels.balance import (
     Springs,
     ask_for,
     conclude,
-    evaluated,
     judged,
-    most_of,
+    judged_pass,
     search_from,
     search_from_lowest,
-    sum_of,
 )
 from warpwear.kernels.bearing import area_between, conclude_area, judged_area
 from warpwear.kernels.cells import NONE, ONE, ZERO, Cells, TileSums, WearMost, WearSum
 from warpwear.kernels.contact import Law
 from warpwear.kernels.newton import HALF, LOOKS, STUCK
-from warpwear.kernels.tiles import Listing, reached
+from warpwear.kernels.tiles import Listing, list_from, reached
 
 wp.set_module_options(native_code.options("wear.h"))
 
@@ -122,9 +120,8 @@ def begin_step(springs: Springs, steps: Steps):
     removal = steps.plan[c.step, 0]
     stiffness = steps.plan[c.step, 1]
     lists = springs.lists[0]
-    if (c.is_begun == 0 or steps.is_rigid == 1) and lists.is_fresh == 1 and lists.is_fixed == 0:
-        lists.limit = steps.smallest
-        lists.asked = steps.smallest
+    if c.is_begun == 0 or steps.is_rigid == 1:
+        lists = list_from(lists, steps.smallest)
     steps.stepping[0] = 1
     if steps.is_rigid == 1:
         ask_for(springs, lists)
@@ -223,35 +220,13 @@ def judge(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps)
                 lists = expect(steps, s, lists, law.base, law.cap)
             conclude_area(springs, s, lists, law)
     else:
-        force = sum_of(springs.trial, 0) * springs.cell_area
-        slope = sum_of(springs.trial, 1) * springs.cell_area
-        near = -most_of(springs.trial, 2)
+        s, lists = judged_pass(springs)
         if wp.tid() == 0:
-            s, lists = judged(springs, evaluated(springs.search[0]), springs.lists[0], force, slope, near)
             conclude_step(springs, steps, s, lists)
 
 
-@wp.func_native("wear_rows(slot, slots, tiles, count, law, step, unworn, rest, gap, tables);")
-def wear_slot(
-    slot: wp.int32,
-    slots: wp.int32,
-    tiles: wp.array2d(dtype=wp.int32),
-    count: wp.array(dtype=wp.int32),
-    law: Law,
-    step: Increment,
-    unworn: wp.array2d(dtype=Cells),
-    rest: wp.array(dtype=TileSums),
-    gap: wp.array2d(dtype=Cells),
-    tables: Tables,
-) -> None:
-    """Wears the rows of a slot; arguments as of `wear_step`."""
-    ...
-
-
-@wp.kernel
+@native_code.native_pass("wear_rows")
 def wear_step(
-    first_slot: wp.int32,
-    slots: wp.int32,
     tiles: wp.array2d(dtype=wp.int32),
     count: wp.array(dtype=wp.int32),
     law: wp.array(dtype=Law),
@@ -265,8 +240,7 @@ def wear_step(
 
     rest: sums of the tiles of each row that are not listed. Sums and maxima of the step go to `tables`.
     """
-    slot = first_slot + wp.tid() // wp.block_dim()
-    wear_slot(slot, slots, tiles, count, law[0], step[0], unworn, rest, gap, tables)
+    ...
 
 
 @wp.func_native("total_lines(table, adds != 0, &wp::index(history, row, column));")
@@ -289,6 +263,32 @@ def total_step(
     ...
 
 
+@wp.func
+def enter_balance(
+    history: wp.array2d(dtype=wp.float64), row: wp.int32, springs: Springs, reference: wp.float64
+):
+    """Enter what a search has found in the first columns of a row, by `BALANCE`."""
+    law = springs.law[0]
+    s = springs.search[0]
+    history[row, 0] = law.base
+    history[row, 1] = law.offset
+    history[row, 2] = law.cap
+    history[row, 3] = s.residual
+    history[row, 4] = law.tie_width
+    history[row, 5] = law.tie_pressure
+    history[row, 6] = wp.float64(s.evaluations)
+    history[row, 7] = reference
+
+
+@wp.func
+def is_within(before: wp.vec4d, now: wp.vec4d, within: wp.array(dtype=wp.float64)):
+    """Whether a contact does not grow to the edge or the rim: extents before a step, now, and allowed."""
+    grows = wp.int32(0)
+    for end in range(4):
+        grows += wp.where(now[end] > wp.max(before[end], within[end]), 1, 0)
+    return grows == 0
+
+
 @wp.kernel
 def record(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps, tables: Tables):
     """Writes the row of a step, and begins the next one, if there is one.
@@ -304,35 +304,22 @@ def record(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps
     near = -ahead[2]
     if wp.tid() == 0:
         c = steps.course[0]
-        law = springs.law[0]
-        s = springs.search[0]
-        history[row, 0] = law.base
-        history[row, 1] = law.offset
-        history[row, 2] = law.cap
-        history[row, 3] = s.residual
-        history[row, 4] = law.tie_width
-        history[row, 5] = law.tie_pressure
-        history[row, 6] = wp.float64(s.evaluations)
-        history[row, 7] = steps.increment[0].reference
+        enter_balance(history, row, springs, steps.increment[0].reference)
         pressure = history[row, TOTALS + wp.static(int(WearSum.PRESSURE))]
         contact = history[row, TOTALS + wp.static(int(WearSum.CONTACT))]
         goes_on = c.failed == 0 and contact > ZERO and pressure < LARGEST
         if steps.is_rigid == 0:
             left = wp.abs(pressure * springs.cell_area - springs.load)
             goes_on = goes_on and left <= LEFT * springs.tolerance
-        first_row = history[row, MAXIMA + wp.static(int(WearMost.FIRST_ROW))]
-        last_row = history[row, MAXIMA + wp.static(int(WearMost.LAST_ROW))]
-        first_column = history[row, MAXIMA + wp.static(int(WearMost.FIRST_COLUMN))]
-        last_column = history[row, MAXIMA + wp.static(int(WearMost.LAST_COLUMN))]
-        within = steps.within
-        goes_on = goes_on and not (first_row > wp.max(c.first_row, within[0]))
-        goes_on = goes_on and not (last_row > wp.max(c.last_row, within[1]))
-        goes_on = goes_on and not (first_column > wp.max(c.first_column, within[2]))
-        goes_on = goes_on and not (last_column > wp.max(c.last_column, within[3]))
-        c.first_row = wp.max(c.first_row, first_row)
-        c.last_row = wp.max(c.last_row, last_row)
-        c.first_column = wp.max(c.first_column, first_column)
-        c.last_column = wp.max(c.last_column, last_column)
+        before = wp.vec4d(c.first_row, c.last_row, c.first_column, c.last_column)
+        now = before
+        for end in range(4):
+            now[end] = wp.max(before[end], history[row, MAXIMA + wp.static(int(WearMost.FIRST_ROW)) + end])
+        goes_on = goes_on and is_within(before, now, steps.within)
+        c.first_row = now[0]
+        c.last_row = now[1]
+        c.first_column = now[2]
+        c.last_column = now[3]
         c.is_ahead = wp.where(c.ahead != ZERO, 1, 0)
         c.force = force
         c.slope = slope

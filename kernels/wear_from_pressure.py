@@ -28,44 +28,18 @@ class Pressed:
     cap: wp.float64  # largest pressure [MPa]
 
 
-@wp.func_native("mean_along(slot, slots, slides, field_in, means_out);")
-def _means(
-    slot: wp.int32,
-    slots: wp.int32,
-    slides: wp.array(dtype=Slide),
-    field_in: wp.array2d(dtype=Cells),
-    means_out: wp.array2d(dtype=Cells),
-): ...
-
-
-@wp.kernel
+@native_code.native_pass("mean_along")
 def means(
-    first_slot: wp.int32,
-    slots: wp.int32,
     slides: wp.array(dtype=Slide),
     field_in: wp.array2d(dtype=Cells),
     means_out: wp.array2d(dtype=Cells),
 ):
     """Means of a field over the rows that pass over each, `Slide.window` of them; of one row none is made."""
-    slot = first_slot + wp.tid() // wp.block_dim()
-    _means(slot, slots, slides, field_in, means_out)
+    ...
 
 
-@wp.func_native("meet(slot, slots, slides, bodies, means_in, gap_out);")
-def _gaps(
-    slot: wp.int32,
-    slots: wp.int32,
-    slides: wp.array(dtype=Slide),
-    bodies: Bodies,
-    means_in: wp.array2d(dtype=Cells),
-    gap_out: wp.array2d(dtype=Cells),
-): ...
-
-
-@wp.kernel
+@native_code.native_pass("meet")
 def gaps(
-    first_slot: wp.int32,
-    slots: wp.int32,
     slides: wp.array(dtype=Slide),
     bodies: Bodies,
     means_in: wp.array2d(dtype=Cells),
@@ -75,28 +49,11 @@ def gaps(
 
     means_in: of the sphere's wear along that way, instead of the wear at its middle.
     """
-    slot = first_slot + wp.tid() // wp.block_dim()
-    _gaps(slot, slots, slides, bodies, means_in, gap_out)
+    ...
 
 
-@wp.func_native("wear_by_pressure(slot, slots, slides, layout, pressed, bodies, of_rows, sums, maxima);")
-def _wear(
-    slot: wp.int32,
-    slots: wp.int32,
-    slides: wp.array(dtype=Slide),
-    layout: Layout,
-    pressed: Pressed,
-    bodies: Bodies,
-    of_rows: OfRows,
-    sums: wp.array2d(dtype=wp.float64),
-    maxima: wp.array2d(dtype=wp.float64),
-): ...
-
-
-@wp.kernel
+@native_code.native_pass("wear_by_pressure")
 def wear(
-    first_slot: wp.int32,
-    slots: wp.int32,
     slides: wp.array(dtype=Slide),
     layout: Layout,
     pressed: Pressed,
@@ -111,5 +68,4 @@ def wear(
     displaced for good by what is beyond the gap after the step. Sums are lines of `PressureSum`, maxima of
     `PressureMost`, over what is visited; those of the disc are left in `of_rows`, a sum a row.
     """
-    slot = first_slot + wp.tid() // wp.block_dim()
-    _wear(slot, slots, slides, layout, pressed, bodies, of_rows, sums_out, maxima_out)
+    ...

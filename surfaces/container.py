@@ -30,7 +30,7 @@ BLOCK = 2**20  # bytes that are unpacked together
 
 @dataclass(frozen=True)
 class Member:
-    """A measurement in a container.
+    """A container lists a measurement.
 
     label: its name, with that of its surface where there are several; about: what the list says of it.
     """
@@ -41,13 +41,13 @@ class Member:
 
     @property
     def is_map(self) -> bool:
-        """Whether it is areal: a line scan has one size."""
+        """Return whether it is areal: a line scan has one size."""
         sizes = self.about.get("size")
         return not isinstance(sizes, list | tuple) or len(sizes) == 2
 
     @property
     def files(self) -> list[tuple[str, str]]:
-        """Which of its files are there, the original first: kind and name."""
+        """Return which of its files are there, the original first: kind and name."""
         named = dict(self.about.get("datafile") or {})
         return [(kind, named[kind]) for kind in (ORIGINAL, SQUEEZED) if isinstance(named.get(kind), str)]
 
@@ -75,14 +75,14 @@ def members_of(path: Path) -> list[Member]:
             raise ValueError(f"its list {YAML} has merge keys, which may grow without end")
     reader = containers.CEReader(str(path))
     surfaces = [reader.container(number).info for number in range(reader.nb_containers)]
-    found: list[Member] = []
+    members: list[Member] = []
     for surface in surfaces:
         for about in surface["topographies"]:
-            label = _name(about, f"measurement {len(found)}")
+            label = _name(about, f"measurement {len(members)}")
             if len(surfaces) > 1:
                 label = f"{_name(surface, 'surface')}/{label}"
-            found.append(Member(len(found), label, dict(about)))
-    return found
+            members.append(Member(len(members), label, dict(about)))
+    return members
 
 
 def _name(about: Any, otherwise: str) -> str:
@@ -90,23 +90,22 @@ def _name(about: Any, otherwise: str) -> str:
     return name if isinstance(name, str) and name else otherwise
 
 
-def choose(path: Path, members: list[Member], asked: str | None) -> Member:
-    """Return the measurement of a container that is asked for by its name or number, or the only map.
+def choose(path: Path, members: list[Member], name: str | None) -> Member:
+    """Return the measurement of a container that has this name or number; without one the only map.
 
     Raises InputError, naming ``disc.array``, where there is not one such.
     """
     maps = [member for member in members if member.is_map]
-    if asked is None:
-        fitting = maps
-    else:
-        fitting = [m for m in maps if m.label == asked] or [m for m in maps if str(m.number) == asked.strip()]
+    fitting = maps
+    if name is not None:
+        fitting = [m for m in maps if m.label == name] or [m for m in maps if str(m.number) == name.strip()]
     if len(fitting) == 1:
         return fitting[0]
     if not maps:
         raise InputError(f"disc.surface '{path}' holds no areal measurement, only line scans or nothing")
-    what = "several measurements" if asked is None else f"no measurement {asked!r}"
-    if asked is not None and fitting:
-        what = f"{len(fitting)} measurements {asked!r}"
+    what = "several measurements"
+    if name is not None:
+        what = f"{len(fitting) or 'no'} measurement{'s' if fitting else ''} {name!r}"
     listed = ", ".join(f"{member.number} ({member.label})" for member in maps)
     raise InputError(f"disc.surface '{path}' holds {what}: disc.array gives a number or a name of: {listed}")
 

@@ -1,4 +1,4 @@
-"""Levelling and filtering of measured heights."""
+"""Level and filter measured heights."""
 
 from collections.abc import Callable
 

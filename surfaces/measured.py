@@ -1,4 +1,4 @@
-"""Measured surfaces: prepared by a chain of operations, and interpolated at any points."""
+"""Measured surfaces are prepared by a chain of operations, and interpolated at any points."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -56,6 +56,11 @@ class Measured:
         return self.levelled.shape[0] * self.pixel[0], self.levelled.shape[1] * self.pixel[1]
 
     @property
+    def _edge(self) -> str:
+        """Return what is beyond the measurement, in the words of `scipy.ndimage`."""
+        return "grid-wrap" if self.extend == "periodic" else "reflect"
+
+    @property
     def measured(self) -> FloatArray:
         """Return the heights [mm] that were measured, shape (nx, ny), NaN elsewhere."""
         return self.levelled if self.filled is None else np.where(self.filled, np.nan, self.levelled)
@@ -67,9 +72,8 @@ class Measured:
         """
         if self.filled is None:
             return None
-        edge = "grid-wrap" if self.extend == "periodic" else "reflect"
         triples = zip((x, y), self.levelled.shape, self.pixel, strict=True)
-        return np.asarray(self.filled[np.ix_(*(_nearest(p, n, d, edge=edge) for p, n, d in triples))])
+        return np.asarray(self.filled[np.ix_(*(_nearest(p, n, d, edge=self._edge) for p, n, d in triples))])
 
     def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """Return heights [mm] at the points x × y [mm], shape (x.size, y.size), by cubic splines.
@@ -89,8 +93,7 @@ class Measured:
         pixels = [_pixels(p, n, d) for p, n, d in zip((x, y), self.levelled.shape, self.pixel, strict=True)]
         if pixels[0] is not None and pixels[1] is not None:
             return self.levelled[pixels[0], pixels[1]].copy()
-        edge = "grid-wrap" if self.extend == "periodic" else "reflect"
-        field = self.levelled
+        edge, field = self._edge, self.levelled
         for axis, cut_off in enumerate(self._cut_offs((spacing(x), spacing(y)))):
             if cut_off is not None:
                 field = low_pass(field, axis=axis, pixel=self.pixel[axis], cut_off=cut_off, edge=edge)
@@ -108,33 +111,31 @@ class Measured:
         Further notices are of overridden units, many missing points or outliers, and an rms slope that
         depends on the shortest wavelength.
         """
-        told = list(self.details.get("overrides", []))
+        notices = list(self.details.get("overrides", []))
         reach = _reach(x, y)
         if self.extend != "refuse" and self._is_exceeded(reach):
             copies = " × ".join(f"{r / s:.1f}" for r, s in zip(reach, self.size, strict=True))
-            told.append(
+            notices.append(
                 f"the measurement, {_pair(self.size)} mm, is smaller than the grid, {_pair(reach)} mm, and "
                 f"is {'mirrored' if self.extend == 'mirror' else 'repeated'}: {copies} copies"
             )
         cells = (spacing(x), spacing(y))
         along, across = map(_sampling, self.pixel, cells, self._cut_offs(cells))
-        if along == across:
-            told += along
-        else:
-            told += [f"along x: {text}" for text in along] + [f"along y: {text}" for text in across]
+        if along != across:
+            along = [f"along x: {text}" for text in along] + [f"along y: {text}" for text in across]
         filled_here = self.filled_at(x, y)
         here = 0.0 if filled_here is None else 100.0 * float(filled_here.mean())
-        return told + self._doubts(max(*cells, *self.pixel), filled_percent=here)
+        return notices + along + self._doubts(max(*cells, *self.pixel), filled_percent=here)
 
     def record(self) -> dict[str, Any]:
         """Return file, format, grid, pixel, what was done, and the roughness of the measured points."""
-        found = roughness(self.measured, pixel=self.pixel)
+        parameters = roughness(self.measured, pixel=self.pixel)
         return {
             "kind": "measured",
             **self.details,
             "extend": self.extend,
-            **{f"{name}_um": found[name] * 1e3 for name in ("sa", "sq", "sz")},
-            **{name: found[name] for name in ("ssk", "sku", "rms_slope")},
+            **{f"{name}_um": parameters[name] * 1e3 for name in ("sa", "sq", "sz")},
+            **{name: parameters[name] for name in ("ssk", "sku", "rms_slope")},
         }
 
     def _doubts(self, cell: float, *, filled_percent: float) -> list[str]:
@@ -142,17 +143,17 @@ class Measured:
 
         filled_percent: of those points.
         """
-        told = []
+        doubts = []
         filled = 0.0 if self.filled is None else 100.0 * float(self.filled.mean())
         if max(filled, filled_percent) >= MUCH_MISSING:
-            told.append(
+            doubts.append(
                 f"{filled:.3g} % of the measurement is missing and was filled in, as are "
                 f"{filled_percent:.3g} % of the points used: the surface there is not known, so that a "
                 "contact there means nothing"
             )
         sq = float(np.nanstd(self.measured))
         if min(self.pixel) > COARSE and sq > COARSE:
-            told.append(
+            doubts.append(
                 f"pixel {_pair((1e3 * self.pixel[0], 1e3 * self.pixel[1]))} µm and Sq {1e3 * sq:.3g} µm are "
                 f"large for a measured disc: is the file's unit, {self.details.get('unit')}, right? "
                 "disc.height_unit and disc.pixel override it"
@@ -160,13 +161,13 @@ class Measured:
         highest = float(np.nanmax(self.measured)) / sq if sq > 0.0 else 0.0
         removed = self.details.get("outliers_removed", 0)
         if highest > SPIKE and not removed:
-            told.append(
+            doubts.append(
                 f"the highest point stands {highest:.2g} times Sq above the mean, which roughness seldom "
                 "does: it may be a spike of the instrument, and decides where the bodies first touch; look at"
                 " the map; disc.outliers, 6 for example, removes points that stand out from their neighbours"
             )
         if (share := 100.0 * removed / self.levelled.size) > MANY_OUTLIERS:
-            told.append(
+            doubts.append(
                 f"outliers: {removed} points, {share:.3g} % of the measurement, were removed: more than "
                 "spikes usually are, so real peaks or valleys may be among them; compare without outliers"
             )
@@ -178,11 +179,11 @@ class Measured:
             measured=None if self.filled is None else ~self.filled,
         )
         if fine - coarse > SLOPE_CHANGE * fine:
-            told.append(
+            doubts.append(
                 f"the rms slope still depends on the shortest wavelength: {fine:.3g} from {_um(shortest)} "
                 f"on, {coarse:.3g} from {_um(2 * shortest)} on; so does the contact"
             )
-        return told
+        return doubts
 
     def _is_exceeded(self, reach: tuple[float, float]) -> bool:
         """Return whether a reach [mm] is wider than the measurement."""
@@ -211,28 +212,18 @@ def read_measured(
     """
     _check_extend(extend)
     reading = read(path, pixel=pixel, height_unit=height_unit, array=array)
-    prepared = prepare(reading, preparation, name=str(path))
-    size = prepared.heights.size
-    details = _of_file(Path(path), reading) | {
+    heights, filled, pixel, record = prepare(reading, preparation, name=str(path))
+    details = {
+        **_of_file(Path(path), reading),
         "sliding_axis": preparation.sliding_axis,
         "level": preparation.level,
-        "missing": prepared.missing,
-        "missing_percent": 100.0 * prepared.missing / size,
-        "outliers_removed": prepared.removed,
-        "filled_percent": 100.0 * (prepared.missing + prepared.removed) / size,
-        "operations": list(prepared.operations),
+        **record,
         "overrides": list(reading.overrides),
     }
     if preparation.s_filter is not None:
         details["s_filter_um"] = preparation.s_filter * 1e3
-    prepared.heights.flags.writeable = False
-    return Measured(
-        levelled=prepared.heights,
-        pixel=prepared.pixel,
-        extend=extend,
-        filled=prepared.filled,
-        details=details,
-    )
+    heights.flags.writeable = False
+    return Measured(levelled=heights, pixel=pixel, extend=extend, filled=filled, details=details)
 
 
 def _of_file(path: Path, reading: Reading) -> dict[str, Any]:
@@ -241,6 +232,7 @@ def _of_file(path: Path, reading: Reading) -> dict[str, Any]:
     px, py = reading.pixel
     return {
         "file": path.name,
+        "sha256": reading.digest,
         "format": reading.format,
         "unit": reading.unit,
         "unit_from": "study" if reading.unit_given else "file",
@@ -294,9 +286,9 @@ def _spline_rows(points: FloatArray, *, count: int, pixel: float, edge: str) -> 
     place = points / pixel + 0.5 * (count - 1)
     first = np.floor(place)
     t = place - first
-    weights = np.stack(
-        [(1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, 3 * (1 - t) ** 3 - 6 * (1 - t) ** 2 + 4, t**3], axis=1
-    )
+    # four pieces of the cubic B-spline
+    pieces = (1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, 3 * (1 - t) ** 3 - 6 * (1 - t) ** 2 + 4, t**3
+    weights = np.stack(pieces, axis=1)
     columns = _folded(first.astype(np.int64)[:, None] + np.arange(-1, 3), count, edge=edge)
     starts = np.arange(0, columns.size + 1, 4)
     return sparse.csr_array((weights.ravel() / 6.0, columns.ravel(), starts), shape=(points.size, count))

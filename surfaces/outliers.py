@@ -1,4 +1,4 @@
-"""Spikes of an instrument: points far from the surface around them."""
+"""Find spikes of an instrument, which lie far from the surface around them."""
 
 import math
 from dataclasses import dataclass
@@ -18,6 +18,12 @@ HALF = WINDOW // 2  # pixels from the rim to the nearest middle of a window that
 ROUNDS = 12  # bounded, as walls of what is wider than the window would be eaten from their corners
 SAMPLES = 200_000  # of a spread, about: more say nothing new of its median
 TO_SIGMA = 1.4826  # median absolute deviation to standard deviation, of Gaussian values
+
+
+def robust_deviation(values: FloatArray, centre: float | None = None) -> float:
+    """Return the standard deviation of values about their median, or a centre, from absolute deviations."""
+    centre = float(np.median(values)) if centre is None else centre
+    return TO_SIGMA * float(np.median(np.abs(values - centre)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,13 +79,12 @@ def outliers(heights: FloatArray, *, deviations: float) -> Outliers:
         rim_too |= turn == ROUNDS // 2
         surface = _continued(median)
         distance = np.abs(original - surface)
-        found = valid & (distance > limits)
+        before, where = where, valid & (distance > limits)
         if not rim_too:  # what is continued from a spike says nothing of the rim
-            found &= within
-        touched = found | where
-        field[touched] = np.where(found, surface, original)[touched]
-        settled = np.array_equal(found, where)
-        where = found
+            where &= within
+        touched = before | where
+        field[touched] = np.where(where, surface, original)[touched]
+        settled = np.array_equal(before, where)
         if settled and rim_too:
             break
         rim_too |= settled
@@ -150,8 +155,8 @@ def _missed(field: FloatArray, valid: BoolArray, mean: FloatArray, to_x: int, to
 
 def _robust(spread: FloatArray, flat: float) -> float:
     """Return the standard deviation behind absolute deviations, less those up to `flat` if half are."""
-    sigma = TO_SIGMA * float(np.median(spread)) if spread.size else math.inf
+    sigma = robust_deviation(spread, 0.0) if spread.size else math.inf
     if sigma > flat:
         return sigma
     steps = spread[spread > flat]
-    return TO_SIGMA * float(np.median(steps)) if steps.size else math.inf
+    return robust_deviation(steps, 0.0) if steps.size else math.inf

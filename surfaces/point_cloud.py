@@ -46,8 +46,7 @@ def gridded(points: FloatArray) -> Cloud:
     """
     x, y, z = points[:, 0], points[:, 1], points[:, 2]
     placed = np.isfinite(x) & np.isfinite(y)
-    if not placed.all():
-        x, y, z = x[placed], y[placed], z[placed]
+    x, y, z = x[placed], y[placed], z[placed]
     if x.size < 4:
         raise ValueError("fewer than four points")
     column, nx, px = _axis(x, "x")
@@ -75,16 +74,13 @@ def gridded(points: FloatArray) -> Cloud:
 
 def units_in(header: Sequence[str]) -> tuple[str | None, str | None]:
     """Return the lateral unit and the unit of heights that a header states, None where not unambiguous."""
-    found: dict[str, set[str]] = {"x": set(), "y": set(), "z": set(), "": set()}
+    units: dict[str, set[str]] = {"x": set(), "y": set(), "z": set(), "": set()}
     for line in header:
         for axis, unit in _units_of_axes(line):
-            found[axis.lower()].add(_canonical(unit))
-    lateral = found["x"] | found["y"] or found[""]
-    height_units = found["z"] or found[""]
-    return (
-        next(iter(lateral)) if len(lateral) == 1 else None,
-        next(iter(height_units)) if len(height_units) == 1 else None,
-    )
+            units[axis.lower()].add(_canonical(unit))
+    along, across = units["x"] | units["y"] or units[""], units["z"] or units[""]
+    lateral, height = (next(iter(one)) if len(one) == 1 else None for one in (along, across))
+    return lateral, height
 
 
 def _units_of_axes(line: str) -> list[tuple[str, str]]:

@@ -1,9 +1,9 @@
-"""The preparation of a measurement: operations in a fixed order, each one recorded."""
+"""Prepare a measurement by operations in a fixed order, each one recorded."""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -65,16 +65,15 @@ class Preparation:
             )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Prepared:
+class Prepared(NamedTuple):
     """A prepared measurement is complete, over its mean, and says what was done to it."""
 
     heights: FloatArray  # [mm], shape (nx, ny), axis 0 along sliding
     filled: BoolArray | None  # points that were missing or removed, shape (nx, ny); None without any
     pixel: tuple[float, float]  # along both axes [mm]
-    operations: tuple[str, ...]  # what was done, one sentence each, in order
-    missing: int  # number of points that the file lacks
-    removed: int  # number of points that were outliers
+    record: dict[
+        str, Any
+    ]  # how many points were missing or removed, and in sentences what was done, in order
 
 
 def prepare(reading: Reading, preparation: Preparation, *, name: str) -> Prepared:
@@ -89,8 +88,8 @@ def prepare(reading: Reading, preparation: Preparation, *, name: str) -> Prepare
         heights = -heights
         done.append("heights turned over: the file gives depths")
     if preparation.crop is not None:
-        heights, told = _cropped(heights, pixel, preparation.crop)
-        done.append(told)
+        heights, sentence = _cropped(heights, pixel, preparation.crop)
+        done.append(sentence)
     if preparation.sliding_axis == "y":
         heights, pixel = np.ascontiguousarray(heights.T), (pixel[1], pixel[0])
         done.append("transposed: the file's y is along the sliding direction")
@@ -99,13 +98,13 @@ def prepare(reading: Reading, preparation: Preparation, *, name: str) -> Prepare
         raise InputError(f"disc.crop leaves no valid point of disc.surface '{name}'")
     removed = 0
     if preparation.outliers is not None:
-        found = outliers(heights, deviations=preparation.outliers)
-        heights = np.where(found.where, np.nan, heights)
-        removed = found.points
+        spikes = outliers(heights, deviations=preparation.outliers)
+        heights = np.where(spikes.where, np.nan, heights)
+        removed = spikes.points
         done.append(
-            f"outliers: {removed} points in {found.groups} groups farther than {preparation.outliers:g} "
-            f"robust standard deviations ({1e3 * found.limit:.4g} µm) from the median of 5 × 5 points removed"
-            + (f", the farthest {1e3 * found.farthest:.4g} µm" if removed else "")
+            f"outliers: {removed} points in {spikes.groups} groups farther than {preparation.outliers:g} "
+            f"robust standard deviations ({1e3 * spikes.limit:.4g} µm) from the median of 5 × 5 points "
+            "removed" + (f", the farthest {1e3 * spikes.farthest:.4g} µm" if removed else "")
         )
     share = (missing + removed) / heights.size
     if share > LARGEST_MISSING:
@@ -114,12 +113,12 @@ def prepare(reading: Reading, preparation: Preparation, *, name: str) -> Prepare
             + (f", {removed} of them removed by disc.outliers" if removed else "")
             + f": allowed are at most {100 * LARGEST_MISSING:g} %"
         )
-    heights, told = _levelled(heights, pixel, preparation.level)
-    done.append(told)
+    heights, sentence = _levelled(heights, pixel, preparation.level)
+    done.append(sentence)
     sq = float(np.sqrt(np.nanmean(np.square(heights))))
     _check_plausible(heights, pixel, sq, name=name, unit=reading.unit)
-    heights, told_filters = _filtered(heights, pixel, preparation)
-    done += told_filters
+    heights, sentences = _filtered(heights, pixel, preparation)
+    done += sentences
     absent = np.isnan(heights)
     if float(np.nanstd(heights)) < FLAT:
         heights = np.where(absent, np.nan, 0.0)
@@ -130,14 +129,14 @@ def prepare(reading: Reading, preparation: Preparation, *, name: str) -> Prepare
             f"{missing + removed} missing points ({100 * share:.3g} %) filled: holes from their rim, what "
             "lies beyond the measured region with its mean plane"
         )
-    return Prepared(
-        heights=heights,
-        filled=absent if missing + removed else None,
-        pixel=pixel,
-        operations=tuple(done),
-        missing=missing,
-        removed=removed,
-    )
+    record = {
+        "missing": missing,
+        "missing_percent": 100.0 * missing / heights.size,
+        "outliers_removed": removed,
+        "filled_percent": 100.0 * (missing + removed) / heights.size,
+        "operations": done,
+    }
+    return Prepared(heights, absent if missing + removed else None, pixel, record)
 
 
 def degree_of(level: str | int) -> int | Literal["sphere"]:
@@ -165,26 +164,25 @@ def _cropped(
     if len(crop) == 2:
         pairs = zip(crop, extent, strict=True)
         bounds = [edge for size, whole in pairs for edge in ((whole - size) / 2, (whole + size) / 2)]
-    shown = ", ".join(f"{v:.6g}" for v in crop)
+    text = ", ".join(f"{v:.6g}" for v in crop)
     allowed = (
         f"allowed is x0, x1, y0, y1 within the measurement, {extent[0]:.6g} × {extent[1]:.6g} mm, or a size "
         "along x and y up to that"
     )
     if len(bounds) != 4:
-        raise InputError(f"disc.crop is ({shown}) mm: {allowed}")
+        raise InputError(f"disc.crop is ({text}) mm: {allowed}")
     slices = []
     for low, high, size, step in zip(bounds[::2], bounds[1::2], extent, pixel, strict=True):
         slack = 1e-6 * step
         first, last = math.ceil((low - slack) / step), math.floor((high + slack) / step)
         if not -slack <= low < high <= size + slack or last - first < 2:
-            raise InputError(f"disc.crop is ({shown}) mm: {allowed}")
+            raise InputError(f"disc.crop is ({text}) mm: {allowed}")
         slices.append(slice(max(first, 0), last))
-    kept = np.ascontiguousarray(heights[tuple(slices)])
-    told = (
+    part = np.ascontiguousarray(heights[tuple(slices)])
+    return part, (
         f"cropped to x {bounds[0]:.6g} to {bounds[1]:.6g} mm and y {bounds[2]:.6g} to {bounds[3]:.6g} mm of "
-        f"the file, {kept.shape[0]} × {kept.shape[1]} points"
+        f"the file, {part.shape[0]} × {part.shape[1]} points"
     )
-    return kept, told
 
 
 def _levelled(heights: FloatArray, pixel: tuple[float, float], level: str | int) -> tuple[FloatArray, str]:
@@ -202,46 +200,42 @@ def _levelled(heights: FloatArray, pixel: tuple[float, float], level: str | int)
         rest -= np.nanmean(rest)
         way = "bulging" if sphere.radius > 0 else "hollow"
         return rest, f"least-squares sphere of radius {abs(sphere.radius):.5g} mm ({way}) taken off"
-    told = {"none": "mean height taken off", "plane": "least-squares plane taken off"}.get(
-        str(level), f"least-squares polynomial of degree {level} taken off"
+    form = {"none": "mean height", "plane": "least-squares plane"}.get(
+        str(level), f"least-squares polynomial of degree {level}"
     )
-    return without_polynomial(heights, degree=degree), told
+    return without_polynomial(heights, degree=degree), f"{form} taken off"
 
 
 def _filtered(
     heights: FloatArray, pixel: tuple[float, float], preparation: Preparation
 ) -> tuple[FloatArray, list[str]]:
     """Return the heights after the S- and the L-filter, and what was done."""
-    told = []
     shortest = 2.0 * max(pixel)
     longest = min(n * p for n, p in zip(heights.shape, pixel, strict=True))
-    for key in ("s_filter", "l_filter"):
-        cut_off = getattr(preparation, key)
+    short, long = preparation.s_filter, preparation.l_filter
+    for key, cut_off in (("s_filter", short), ("l_filter", long)):
         if cut_off is not None and not shortest * (1 - 1e-9) <= cut_off <= longest:
             raise InputError(
                 f"disc.{key} is {1e3 * cut_off:.4g} µm: allowed is from two pixels, {1e3 * shortest:.4g} µm, "
                 f"to the measurement's shorter side, {1e3 * longest:.4g} µm"
             )
-    short, long = preparation.s_filter, preparation.l_filter
     if short is not None and long is not None and short >= long:
         raise InputError(
             f"disc.s_filter is {1e3 * short:.4g} µm: allowed is less than disc.l_filter, {1e3 * long:.4g} µm"
         )
+    sentence = (
+        "{}-filter: Gaussian (ISO 16610-61), waves {} than {:.4g} µm taken off, half transmitted there, "
+        "mirrored at the edges"
+    )
+    done = []
     if short is not None:
         heights = areal_low_pass(heights, pixel=pixel, cut_off=short)
-        told.append(_filter_told("S", "shorter", short))
+        done.append(sentence.format("S", "shorter", 1e3 * short))
     if long is not None:
         heights = heights - areal_low_pass(heights, pixel=pixel, cut_off=long)
         heights -= np.nanmean(heights)
-        told.append(_filter_told("L", "longer", long))
-    return heights, told
-
-
-def _filter_told(kind: str, side: str, cut_off: float) -> str:
-    return (
-        f"{kind}-filter: Gaussian (ISO 16610-61), waves {side} than {1e3 * cut_off:.4g} µm taken off, half "
-        "transmitted there, mirrored at the edges"
-    )
+        done.append(sentence.format("L", "longer", 1e3 * long))
+    return heights, done
 
 
 def _check_plausible(

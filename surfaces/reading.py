@@ -1,5 +1,6 @@
 """Height maps in mm: what a file holds, in the units that it states or that are given."""
 
+import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -48,6 +49,7 @@ class Reading:
     unit_given: bool
     notes: tuple[str, ...] = ()  # what was decided while reading, in sentences
     overrides: tuple[str, ...] = ()  # where the study contradicts the file, in sentences
+    digest: str = ""  # SHA-256 of the file, as `digest_of` gives it
 
 
 def read(
@@ -74,17 +76,19 @@ def read(
         raise InputError(f"disc.surface '{path}' cannot be read: {why}") from error
     if size == 0 or not is_file:
         raise InputError(f"disc.surface '{path}' {'is empty' if is_file else 'is not a file'}")
-    given = None if pixel is None else _given_pixel(pixel)
+    pair = None if pixel is None else _pixel_pair(pixel)
     if height_unit is not None and _millimetres(height_unit) is None:
         raise InputError(f"disc.height_unit is {height_unit!r}: allowed is one of {UNITS}")
-    raw = formats.read_raw(path, pixel=given, array=array)
+    digest = digest_of(path)
+    raw = formats.read_raw(formats.Source(path, pixel=pair, array=array))
+    if digest_of(path) != digest:
+        raise InputError(f"disc.surface '{path}' changed while it was read")
     if raw.heights.ndim != 2 or min(raw.heights.shape) < 2:
         shape = "×".join(map(str, raw.heights.shape))
         raise formats.refusal(path, f"holds a line scan or single values (shape {shape})")
     unit = height_unit if height_unit is not None else raw.height_unit
     factor = _height_factor(path, unit)
-    used = given if given is not None else _pixel_of_file(path, raw)
-    overrides = _overrides(raw, unit=height_unit, pixel=given)
+    overrides = _overrides(raw, unit=height_unit, pixel=pair)
     heights = np.ma.filled(raw.heights.astype(np.float64), np.nan) * factor
     heights[~np.isfinite(heights)] = np.nan
     if np.isnan(heights).all():
@@ -95,14 +99,24 @@ def read(
         )
     return Reading(
         heights=heights,
-        pixel=used,
+        pixel=_pixel_of_file(path, raw) if pair is None else pair,
         format=raw.format,
         unit=str(unit).strip(),
-        pixel_given=given is not None,
+        pixel_given=pixel is not None,
         unit_given=height_unit is not None,
         notes=raw.notes,
         overrides=overrides,
+        digest=digest,
     )
+
+
+def digest_of(path: str | Path) -> str:
+    """Return the SHA-256 of a file as hexadecimal text. Raises InputError, naming ``disc.surface``."""
+    try:
+        with Path(path).open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise InputError(f"disc.surface '{path}' cannot be read: {error.strerror}") from error
 
 
 def _millimetres(unit: str | None) -> float | None:
@@ -112,20 +126,22 @@ def _millimetres(unit: str | None) -> float | None:
 
 def _overrides(raw: "Raw", *, unit: str | None, pixel: tuple[float, float] | None) -> tuple[str, ...]:
     """Say, in sentences, where what is given differs from what the file says."""
-    told = []
+    notices = []
     of_file = _millimetres(raw.height_unit)
     if unit is not None and of_file is not None and _millimetres(unit) != of_file:
-        told.append(f"disc.height_unit = {unit} overrides the unit that the file states, {raw.height_unit}")
+        notices.append(
+            f"disc.height_unit = {unit} overrides the unit that the file states, {raw.height_unit}"
+        )
     lateral = _millimetres(raw.lateral_unit)
     if pixel is not None and raw.pixel is not None and lateral is not None:
         stated = [p * lateral for p in raw.pixel]
         if any(abs(a - b) > 1e-6 * b for a, b in zip(pixel, stated, strict=True)):
-            given, own = (" × ".join(f"{1e3 * p:.4g}" for p in pair) for pair in (pixel, stated))
-            told.append(f"disc.pixel = {given} µm overrides the pixel that the file states, {own} µm")
-    return tuple(told)
+            own, other = (" × ".join(f"{1e3 * p:.4g}" for p in pair) for pair in (stated, pixel))
+            notices.append(f"disc.pixel = {other} µm overrides the pixel that the file states, {own} µm")
+    return tuple(notices)
 
 
-def _given_pixel(pixel: float | tuple[float, float]) -> tuple[float, float]:
+def _pixel_pair(pixel: float | tuple[float, float]) -> tuple[float, float]:
     pair = (pixel, pixel) if isinstance(pixel, (int, float)) else tuple(pixel)
     if len(pair) != 2 or not all(map(_is_pixel, pair)):
         raise InputError(f"disc.pixel is {' × '.join(f'{p:g}' for p in pair)} mm: {PIXELS_ALLOWED}")

@@ -1,4 +1,4 @@
-"""Roughness: height parameters, slopes, the bearing area curve, and Ra of filtered profiles.
+"""Compute height parameters, slopes, the bearing area curve, and Ra of filtered profiles.
 
 All are of measured points alone: heights may be NaN where a point is missing.
 """
@@ -190,39 +190,17 @@ def profile_roughness(
             f"--lambda-s is {1e3 * short:g} µm: must be shorter than --lambda-c, here {1e3 * cut_off:g} µm"
         )
     count, step = heights.shape[axis], pixel[axis]
-    length = count * step
-    notes = []
-    used: float | None = cut_off
-    if _sampling_lengths(length, cut_off) < 1:
-        smaller = (c for c in CUT_OFFS if c < cut_off and _sampling_lengths(length, c) >= 1)
-        used = next(smaller, None)
-        if used is None:
-            notes.append(f"no λc: profiles of {length:.3g} mm are too short for any of ISO 3274")
-        else:
-            notes.append(f"λc reduced from {cut_off:g} to {used:g} mm: profiles are {length:.3g} mm long")
-    whole = 0 if used is None else _sampling_lengths(length, used)
-    if 0 < whole < SAMPLING_LENGTHS:
-        notes.append(f"{whole} sampling length{'s' if whole > 1 else ''} instead of {SAMPLING_LENGTHS}")
-    asked = f"{1e3 * short:g}"
-    if replaced := short >= (length if used is None else used):
-        short = min(CUT_OFFS.values()) if used is None else CUT_OFFS[used]
-    smooth = short >= 2.0 * step * (1.0 - 1e-6)
-    if not smooth:
-        instead = f" (instead of {asked} µm)" if replaced else ""
-        notes.append(f"no λs: {1e3 * short:g} µm{instead} is shorter than two pixels")
-    elif replaced:
-        limit = "the profiles" if used is None else "λc"
-        notes.append(f"λs reduced from {asked} to {1e3 * short:g} µm: it must be shorter than {limit}")
+    used, waves, notes = _cut_offs(count * step, step, cut_off=cut_off, short=short)
 
     def smoothed(field: FloatArray, wave: float) -> FloatArray:
         return over_measured(field, partial(low_pass, axis=axis, pixel=step, cut_off=wave))
 
-    rough = smoothed(heights, short) if smooth else heights
+    rough = heights if waves is None else smoothed(heights, waves)
     if used is not None:
         rough = rough - smoothed(rough, used)
-        evaluated = min(max(round(whole * used / step), 1), count)
+        evaluated = min(max(round(_sampling_lengths(count * step, used) * used / step), 1), count)
         first = (count - evaluated) // 2
-        rough = rough[first : first + evaluated] if axis == 0 else rough[:, first : first + evaluated]
+        rough = rough.take(range(first, first + evaluated), axis)
     rough = rough.T if axis == 0 else rough  # a profile a row
     there = ~np.isnan(rough)
     enough = there.mean(axis=1) > LEAST_OF_A_PROFILE
@@ -232,17 +210,42 @@ def profile_roughness(
     points = there.sum(axis=1)
     rest = rough - (np.sum(rough, axis=1, where=there) / points)[:, None]
     values = np.sum(np.abs(rest), axis=1, where=there) / points
-    if flat := not values.size or values.mean() < FLAT:
-        why = "the filters leave no height of 1 pm" if values.size else "too much is missing"
-        notes.append(f"no Ra: {why}")
-    return ProfileRoughness(
-        ra=None if flat else float(values.mean()),
-        scatter=None if flat else float(spread if (spread := values.std()) >= FLAT else 0.0),
-        profiles=values.size,
-        cut_off=used,
-        short=short if smooth else None,
-        notes=tuple(notes),
-    )
+    ra = scatter = None
+    if not values.size:
+        notes.append("no Ra: too much is missing")
+    elif values.mean() < FLAT:
+        notes.append("no Ra: the filters leave no height of 1 pm")
+    else:
+        ra, scatter = float(values.mean()), float(values.std())
+        scatter = scatter if scatter >= FLAT else 0.0
+    return ProfileRoughness(ra, scatter, values.size, used, waves, tuple(notes))
+
+
+def _cut_offs(
+    length: float, step: float, *, cut_off: float, short: float
+) -> tuple[float | None, float | None, list[str]]:
+    """Return λc and λs [mm] for profiles of a length and step [mm], None for none, and why not others."""
+    notes = []
+    fitting = (c for c in (cut_off, *CUT_OFFS) if c <= cut_off and _sampling_lengths(length, c) >= 1)
+    used = next(fitting, None)
+    if used is None:
+        notes.append(f"no λc: profiles of {length:.3g} mm are too short for any of ISO 3274")
+    elif used != cut_off:
+        notes.append(f"λc reduced from {cut_off:g} to {used:g} mm: profiles are {length:.3g} mm long")
+    whole = 0 if used is None else _sampling_lengths(length, used)
+    if 0 < whole < SAMPLING_LENGTHS:
+        notes.append(f"{whole} sampling length{'s' if whole > 1 else ''} instead of {SAMPLING_LENGTHS}")
+    waves, limit = short, length if used is None else used
+    if short >= limit:
+        waves = min(CUT_OFFS.values()) if used is None else CUT_OFFS[used]
+    if waves < 2.0 * step * (1.0 - 1e-6):
+        instead = f" (instead of {1e3 * short:g} µm)" if short >= limit else ""
+        notes.append(f"no λs: {1e3 * waves:g} µm{instead} is shorter than two pixels")
+        return used, None, notes
+    if short >= limit:
+        than = "the profiles" if used is None else "λc"
+        notes.append(f"λs reduced from {1e3 * short:g} to {1e3 * waves:g} µm: it must be shorter than {than}")
+    return used, waves, notes
 
 
 def _sampling_lengths(length: float, cut_off: float) -> int:

@@ -160,16 +160,16 @@ def suggested_roll_off(spectrum: Spectrum, *, correlation: float | None, resolve
     """
     if not spectrum.density.size:
         return RollOff(wavelength=None, source="a flat, which has no waves")
-    kept = spectrum.wavelength > 1.5 * resolved
+    rough = spectrum.wavelength > 1.5 * resolved
     # nor does a sharp cut-off of the surface itself belong to the power law
     fall = np.diff(np.log(spectrum.density)) / np.diff(-np.log(spectrum.wavelength))
     cliff = np.flatnonzero((fall < STEEPEST) & (spectrum.modes[1:] > SURE_MODES))
     if cliff.size:
-        kept[max(cliff[0], 1) :] = False
-    q = -np.log(spectrum.wavelength[kept])
-    c = np.log(spectrum.density[kept])
+        rough[max(cliff[0], 1) :] = False
+    q = -np.log(spectrum.wavelength[rough])
+    c = np.log(spectrum.density[rough])
     # few waves to a bin scatter much; many differ by the model's faults, not by chance
-    weight = 1.0 / (0.02 + 1.0 / spectrum.modes[kept])
+    weight = 1.0 / (0.02 + 1.0 / spectrum.modes[rough])
     best: tuple[float, float, float] | None = None
     for knee in np.linspace(q[0], q[-1], KNEES) if q.size > FLAT_BINS + STEEP_BINS else []:
         if np.sum(q <= knee) < FLAT_BINS or np.sum(q > knee) < STEEP_BINS:

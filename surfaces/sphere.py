@@ -1,4 +1,4 @@
-"""Spheres: the height of a smooth one over its apex, and the one fitted to measured heights."""
+"""Give the height of a sphere over its apex, and fit one to measured heights."""
 
 import math
 from dataclasses import dataclass

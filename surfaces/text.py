@@ -40,7 +40,7 @@ class NoTable(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """Rows of fields of text, equally many in each, not yet numbers."""
+    """A table has rows of fields of text, equally many in each, not yet numbers."""
 
     header: tuple[str, ...]  # the lines before the rows, comments among them, without empty ones
     separator: str | None  # None for blanks
@@ -178,8 +178,8 @@ def _first_row(lines: list[str], *, words: bool) -> tuple[int, str | None]:
     beginning = "\n".join(lines)[:4000]
     if sum(not (c.isprintable() or c in "\n\t\f") for c in beginning) > MOST_UNPRINTABLE:
         raise NoTable("is no text file")
-    shown = next(line.strip() for line in lines if line.strip())
-    raise NoTable(f"has no rows of numbers in two or more columns; it begins with '{shown[:60]}'")
+    first = next(line.strip() for line in lines if line.strip())
+    raise NoTable(f"has no rows of numbers in two or more columns; it begins with '{first[:60]}'")
 
 
 def _numbers_between_any(line: str) -> int:

@@ -14,6 +14,8 @@ import pytest
 import reference
 from numpy.testing import assert_allclose, assert_array_equal
 
+from warpwear import Study
+
 BENCH = Path(__file__).parents[1] / "bench"
 #: Names that the scripts of the benchmark and their folders have as modules.
 MODULES = {path.stem for path in BENCH.iterdir() if path.is_dir() or path.suffix == ".py"}
@@ -35,7 +37,6 @@ def bench_on_path(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 def test_contenders_agree(kind: str) -> None:
     """Approach, volumes and area of every step to 1e-9, balances of both kinds."""
     from contenders.baselines import NumpyLoop, Problem, sag_of
-    from contenders.candidates import CandidateLoop
     from contenders.published import PublishedLoop
     from contenders.roster import TIGHT, Setting, c_loops, check, gap_of, heights_of, package, study_on
 
@@ -56,11 +57,6 @@ def test_contenders_agree(kind: str) -> None:
         traces[name] = [loop.advance(d) for d in increments]
     in_numpy = NumpyLoop(problem, gap_of(study))
     traces["NumPy"] = [in_numpy.advance(d) for d in increments]
-    if kind != "explicit":
-        candidates = CandidateLoop(problem, gap_of(study))
-        traces["candidates"] = [candidates.advance(d) for d in increments]
-        assert_allclose(candidates.gap, in_numpy.gap, rtol=1e-9, atol=1e-15)
-        assert_allclose(candidates.wear_disc, in_numpy.wear_disc, rtol=1e-9, atol=1e-15)
     sphere = sag_of(study.cells.x, study.cells.y, study.sphere.curvature)
     published = PublishedLoop(problem, sphere, heights_of(study).copy())
     tolerance = None if kind == "explicit" else TIGHT * problem.load
@@ -170,28 +166,23 @@ def test_places_and_extrapolation() -> None:
 
 
 def test_courses_are_drawn_from_their_table(tmp_path: Path) -> None:
-    """A table that was written is read back, and its courses stand in the picture at F/H of their load."""
+    """A table that was written is read back and drawn; every case is a study."""
     import running_in
 
-    def course(areas: dict[float, float], friction: dict[float, float]) -> object:
-        nan = float("nan")
-        return running_in.Course(areas, 0.0, 1.0, nan, nan, 0.0, 0.0, 1.0, 1, friction, friction, 0.0, 89.0)
-
-    found = {f"μ, seed {n}": course({30.0: 0.014}, {30.0: 0.07 * n, 90.0: 0.1}) for n in (1, 3)}
-    found["Ra 0.3, load 4 N"] = course({30.0: 0.008, 90.0: 0.009}, {})
-    running_in.write_csv(tmp_path / "courses.csv", found)
-    tables = running_in.read_csv(tmp_path / "courses.csv")
-    assert tables["Ra 0.3, load 4 N"] == {"area": {30.0: 0.008, 90.0: 0.009}, "friction": {}}
-    slid, over = running_in.course_in(tables["Ra 0.3, load 4 N"], "area", "Ra 0.3, load 4 N")
-    assert list(slid) == [30.0, 90.0]
-    assert list(over) == pytest.approx([0.008 * 590.0 / 4.0, 0.009 * 590.0 / 4.0])
-    figure = running_in.draw(tables)
+    courses = {f"friction, seed {n}": {30.0: 0.07 * n, 90.0: 0.1} for n in (1, 3)}
+    courses["area, load, H, Ra, mesh: 4 N"] = {30.0: 1.18, 90.0: 1.33}
+    running_in.write_csv(tmp_path / "courses.csv", courses)
+    assert running_in.read_csv(tmp_path / "courses.csv") == courses
+    figure = running_in.draw(courses)
     (band,) = figure.axes[0].lines
     assert list(band.get_ydata()) == pytest.approx([0.14, 0.1])
-    assert running_in.main(["--read", str(tmp_path / "courses.csv"), "--draw", str(tmp_path / "a.png")]) == 0
+    (course, _) = figure.axes[7].lines  # the other says where F/H is
+    assert list(course.get_ydata()) == [1.18, 1.33]
+    files = ["--read", str(tmp_path / "courses.csv"), "--draw", str(tmp_path / "a.png")]
+    running_in.main(files, standalone_mode=False)
     assert (tmp_path / "a.png").stat().st_size > 10_000
-    drawn = {name for panels, seeds in running_in.PANELS.values() for p in panels.values() for name in p}
-    assert drawn <= {*running_in.cases(), *running_in.friction_cases()}
+    for _, keys in running_in.cases().values():
+        assert Study.load("running-in").replace(keys)
 
 
 def test_seconds_of_the_readme_are_those_recorded() -> None:

@@ -148,19 +148,6 @@ def test_nobody_imports_the_face_of_the_package() -> None:
     assert not found, "imports of the package itself:\n" + "\n".join(found)
 
 
-def test_docstrings_can_be_read_alone() -> None:
-    nodes = (ast.Module, ast.ClassDef, *Function.__args__)
-    found = [
-        f"{name}: {docstring.partition(chr(10))[0]}"
-        for name, tree in files().items()
-        if not name.startswith("tests/")
-        for node in ast.walk(tree)
-        if isinstance(node, nodes)
-        and (docstring := ast.get_docstring(node) or "").startswith(("Of ", "The same", "That ", "As "))
-    ]
-    assert not found, "docstrings that need another one:\n" + "\n".join(found)
-
-
 def test_test_files_do_not_import_each_other() -> None:
     found = [
         f"{name}: line {node.lineno}"

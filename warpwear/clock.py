@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
-#: What a person is told, of which phases it is the sum.
-TOLD = {
+#: Name of a time that a person reads -> the phases of which it is the sum.
+REPORTED = {
     "load": ("imports", "kernels", "surface"),
     "compile": ("compile",),
     "solve": ("steps",),
@@ -19,13 +19,15 @@ TOLD = {
 class Clock:
     """Adds up the seconds of each phase; one inside another counts for itself alone.
 
-    before: seconds that had gone when it was made, which are imports. entered: is told what phase begins.
+    import_seconds: what imports took before. entered: is called with the name of a phase that begins.
     """
 
-    def __init__(self, *, before: float = 0.0, entered: Callable[[str], object] = lambda phase: None) -> None:
+    def __init__(
+        self, *, import_seconds: float = 0.0, entered: Callable[[str], object] = lambda phase: None
+    ) -> None:
         self.phases: defaultdict[str, float] = defaultdict(float)
         self._entered = entered
-        self._phase, self._since = "imports", time.perf_counter() - before
+        self._phase, self._since = "imports", time.perf_counter() - import_seconds
 
     def turn_to(self, phase: str) -> str:
         """Begin a phase; returns the one that went on."""
@@ -46,9 +48,11 @@ class Clock:
 
     @property
     def seconds(self) -> dict[str, float]:
-        """Seconds so far of what `TOLD` names."""
+        """Sum up the seconds so far by the names of `REPORTED`."""
         self.turn_to(self._phase)
-        return {name: round(sum(self.phases.get(p, 0.0) for p in parts), 3) for name, parts in TOLD.items()}
+        return {
+            name: round(sum(self.phases.get(p, 0.0) for p in parts), 3) for name, parts in REPORTED.items()
+        }
 
 
 _CLOCK: ContextVar[Clock | None] = ContextVar("clock", default=None)

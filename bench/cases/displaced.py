@@ -8,7 +8,6 @@ from functools import partial
 import numpy as np
 from contenders.baselines import FloatArray, Problem, Solved, sag_of, sliding_step, work_for
 from contenders.roster import Setting, Trace, check, heights_of, named, study_on
-from measure.phases import kernel_times, not_recorded
 from measure.timing import Row, Unit, measure
 
 from warpwear import Study
@@ -102,12 +101,6 @@ def sliding(cells: int, setting: Setting) -> list[Row]:
                 times = measure(model.together, unit, setting.repeats)
                 trials = [found.evaluations for found in model.trace[-TOGETHER:]]
                 row(name, times, f"{statistics.mean(trials):.1f} evaluations")
-                if threads == 1 and law == "implicit":
-                    with not_recorded():
-                        walked = Package(study, track.copy(), executor)
-                        for _ in range(BEFORE):
-                            walked.advance()
-                        rows.extend(_parts(cells, walked, times, unit, setting))
                 _check_archard(study, model.trace)
                 if law != "implicit":
                     compared[name] = model.trace[:COMPARED]
@@ -127,24 +120,6 @@ def _cold(study: Study, track: FloatArray, setting: Setting, threads: int) -> fl
         start = time.perf_counter()
         model.advance()
         return time.perf_counter() - start
-
-
-def _parts(
-    cells: int, model: Package, whole: tuple[list[float], list[float]], unit: Unit, setting: Setting
-) -> list[Row]:
-    """Where the time of the step goes, kernel by kernel, one thread."""
-    spent: list[dict[str, float]] = []
-    for _ in range(setting.repeats):
-        with kernel_times() as times:
-            seconds = model.together()
-        parts = {name: taken / TOGETHER for name, taken in times.items()}
-        spent.append(parts | {"rest": seconds - sum(parts.values())})
-    found = []
-    for name in spent[0]:
-        part = [parts[name] for parts in spent]
-        share = f"{100 * statistics.median(part) / statistics.median(whole[0]):.0f} %"
-        found.append(Row("sliding", cells, f"one thread: {name}", part, whole[1], share))
-    return found
 
 
 def _check_archard(study: Study, trace: Trace) -> None:

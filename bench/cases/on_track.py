@@ -2,37 +2,16 @@
 
 import time
 
-import numpy as np
-from contenders.roster import DisagreementError, Setting, heights_of, named, study_on
-from measure.timing import Row, Unit, measure, ratio_note
+from contenders.roster import DisagreementError, Setting, named
+from measure.timing import Row, Unit
 
 import warpwear
-from cases.displaced import BEFORE, EXTENT, SHIFT, Package
 from warpwear import Study
-from warpwear.engine.executor import Executor
 
 #: Relative difference allowed of Archard's volumes.
 EXACT = 1.0e-9
 #: Distance of a quick run [mm].
 QUICK = 60.0
-
-
-def finer(_: int, setting: Setting) -> list[Row]:
-    """A displaced step near F/H at 1 and at 0.5 µm on the same 2.048 mm: what halving the cell costs."""
-    rows: list[Row] = []
-    threads = max(setting.threads)
-    for cells in (2048, 4096):
-        study = study_on(cells, extent=EXTENT)
-        track = np.pad(heights_of(study), ((0, SHIFT * 32), (0, 0)), mode="reflect")
-        with Executor(study.cells, device=setting.device, threads=threads) as executor:
-            model = Package(study, track, executor)
-            for _ in range(BEFORE):
-                model.advance()
-            seconds, units = measure(model.together, Unit(cells), setting.repeats)
-        name = f"{named(threads)}, {1e3 * study.grid.cell:g} µm"
-        note = ratio_note("0.5 µm over 1 µm", Row("", 0, "", seconds, units), rows[0]) if rows else ""
-        rows.append(Row("sliding-finer", cells, name, seconds, units, note))
-    return rows
 
 
 def run_track(_: int, setting: Setting) -> list[Row]:

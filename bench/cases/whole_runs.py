@@ -7,7 +7,6 @@ from copy import copy
 
 import numpy as np
 from contenders.baselines import FloatArray, NumpyLoop, Problem, sag_of
-from contenders.candidates import CandidateLoop
 from contenders.published import PublishedLoop
 from contenders.roster import (
     Loop,
@@ -110,7 +109,6 @@ def sampled_run(case: str, study: Study, places: int, unit: Unit, setting: Setti
                 rows.insert(0, whole_row)
     for name, made in c_loops(study, setting.threads):
         timed(name, made)
-    timed("NumPy, candidates", lambda: CandidateLoop(Problem.of(study), gap_of(study)))
     timed("NumPy", lambda: NumpyLoop(Problem.of(study), gap_of(study)))
     check(case, traces)
     return [*rows, published_run(case, study, plan, places_in(plan, setting.repeats), unit)]
@@ -170,8 +168,6 @@ def whole_run(case: str, study: Study, unit: Unit, setting: Setting, *, share: f
             timed(named(threads), fresh)
     for name, made in c_loops(study, counts):
         timed(name, made)
-    if not small:
-        timed("NumPy, candidates", lambda: CandidateLoop(Problem.of(study), gap_of(study)))
     timed("NumPy", lambda: NumpyLoop(Problem.of(study), gap_of(study)))
     if small:
         timed("published way", lambda: unworn_published(study))

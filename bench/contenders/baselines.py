@@ -6,7 +6,7 @@ is allocated in a loop. Less is recorded than by the package: approach, area in 
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -63,12 +63,6 @@ class Problem:
             tolerance=study.load_tolerance,
             factor=factor,
         )
-
-    def without_factor(self) -> Self:
-        """Return the problem for cells in any order. ValueError where the distance factor differs along y."""
-        if np.any(self.factor != 1.0):
-            raise ValueError("the distance factor belongs to columns")
-        return replace(self, factor=np.ones(1))
 
     def compliance_of(self, increment: float) -> float:
         """c of a step [mm³/N]; the implicit one's is of a disc without a factor."""

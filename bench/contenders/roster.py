@@ -14,21 +14,18 @@ from measure.timing import Row, Unit, measure
 
 from contenders.baselines import FloatArray, NumpyLoop, Problem, Solved, sag_of
 from contenders.c_loop import CLoop, NoCompilerError, library
-from contenders.candidates import CandidateLoop
 from contenders.published import PublishedLoop
 from warpwear import Study
 from warpwear.engine.executor import Executor
 from warpwear.grid import Grid
 from warpwear.history.recorder import Step
-from warpwear.runs.make import model_at_rest
+from warpwear.runs.arrangements import model_at_rest
 from warpwear.study.surface import surface_in
 
 #: Relative difference allowed between contenders, in approach, volumes and area.
 AGREEMENT = 1.0e-9
 #: Tolerance over the load of the published bisection when it is compared; timed it has the study's.
 TIGHT = 1.0e-10
-#: Cells along a side above which NumPy on candidates is left out: a late contact's lists need the memory.
-MOST_FOR_CANDIDATES = 8192
 EXTENT = 1.4336  # [mm]: the scar after 2400 mm covers 61 % of it
 
 Trace = list[Solved]
@@ -178,8 +175,6 @@ def steps(
             del model
     for name, made in c_loops(study, setting.threads):
         timed(name, made())
-    if unit.cells <= MOST_FOR_CANDIDATES:
-        timed("NumPy, candidates", CandidateLoop(Problem.of(study), gap_of(study)))
     in_numpy = NumpyLoop(Problem.of(study), gap_of(study))
     timed("NumPy", in_numpy)
     published = PublishedLoop.after(in_numpy, study.cells.x, study.cells.y, study.sphere.curvature)

@@ -1,8 +1,8 @@
 """Tables of what the benchmarks of the half-space recorded, as text: python bench/measure/tables.py [FOLDER].
 
 FOLDER holds the records (default: bench/recorded): aspher_*.json and half_space*.json of `half_space.py`,
-alone_*.json of the same without contenders, capped_*.json of `cases/capped.py`, challenge.json of
-`cases/challenge.py`, largest.json of the largest contacts on a GPU. A table without a record is left out.
+alone_*.json of the same without contenders, capped_*.json of contacts with a hardness, challenge.json of the
+challenge's surface, largest.json of the largest contacts on a GPU. A table without a record is left out.
 """
 
 import json

@@ -1,11 +1,12 @@
 """What follows from a pass of a search of the half-space solver: the rules of `contact.half_space.search`.
 
-Every decision is one slot. Symbols as in `native/search.h`.
+Every decision is one slot. Symbols as in `native/half_space/search.h`.
 """
 
 import warp as wp
 
 from warpwear.kernels.cells import ABSENT, NONE, ONE, ZERO
+from warpwear.kernels.half_space.certificate import Proof, Proven
 from warpwear.kernels.half_space.solve import (
     CONVERGED,
     LED_NOWHERE,
@@ -19,21 +20,26 @@ from warpwear.kernels.half_space.solve import (
     Request,
     Rules,
     Solve,
+    all_lines,
     first_group,
     groups_of,
     lane,
-    most_of,
-    most_of_columns,
+    lines_of,
     over_groups,
     stride,
-    sum_of,
-    sum_of_columns,
     width,
     writes,
 )
 from warpwear.kernels.newton import HALF, LOOKS, STUCK, bracket_at, next_trial
 
 TWO = wp.constant(wp.float64(2.0))
+
+
+@wp.kernel(module=TOGETHER)
+def begin(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+    """Begin to search, as often as it takes until a pressure is certified."""
+    if lane() == 0:
+        solve.flags[Flag.SOLVING] = 1
 
 
 @wp.kernel(module=TOGETHER)
@@ -56,6 +62,11 @@ def start(first_slot: wp.int32, slots: wp.int32, solve: Solve):
             solve.numbers[0] = n
         else:
             n = Numbers()
+            if solve.request[Request.RENEWED] > ZERO:
+                last = solve.numbers[0]
+                n.before = last.before + last.iteration
+                n.transforms_before = last.transforms_before + last.transforms
+                n.renewals = last.renewals + 1
             n.response = solve.request[Request.RESPONSE]
             n.stiffness = ONE / n.response
             n.at_load = wp.where(at_load, 1, 0)
@@ -79,10 +90,10 @@ def measure(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     n = solve.numbers[0]
     i = first_group(solve)
     while i < groups_of(solve):
-        cells = sum_of(solve, 0, i)
-        first = sum_of(solve, 1, i) / cells
-        second = sum_of(solve, 2, i) / cells
-        lowest = -most_of(solve, 3, i)
+        lines = lines_of(solve, i, 3, 4)
+        first = lines[1] / lines[0]
+        second = lines[2] / lines[0]
+        lowest = -lines[3]
         if writes(solve):
             group = solve.groups[i]
             group.mean = group.mean + first
@@ -114,8 +125,9 @@ def balanced(solve: Solve, begins: wp.bool):
     stuck = ZERO
     i = first_group(solve)
     while i < groups_of(solve):
-        total = sum_of(solve, 0, i)
-        between = sum_of(solve, 1, i)
+        lines = lines_of(solve, i, 2, 2)
+        total = lines[0]
+        between = lines[1]
         group = solve.groups[i]
         if begins:
             group = begun(solve.rules[0], group, total, between)
@@ -157,11 +169,11 @@ def balance(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 @wp.kernel(module=TOGETHER)
 def renew(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Note how far off the gradient may be that was made anew."""
-    largest = most_of(solve, 0, 0)
+    largest = all_lines(solve, 0, 1)
     if lane() == 0:
         n = solve.numbers[0]
         n.drift = wp.where(
-            solve.flags[Flag.RENEWS_ROUGHLY] == 1, solve.rules[0].single_rounding * largest, ZERO
+            solve.flags[Flag.RENEWS_ROUGHLY] == 1, solve.rules[0].single_rounding * largest[0], ZERO
         )
         n.step_drift = ZERO
         n.length = ZERO
@@ -209,13 +221,14 @@ def judge(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     least_allowed = -NONE
     i = first_group(solve)
     while i < groups_of(solve):
+        lines = lines_of(solve, i, 4, 6)
         group = solve.groups[i]
-        group.total = sum_of(solve, 0, i)
-        group.touching = sum_of(solve, 1, i)
-        between = sum_of(solve, 2, i)
-        level = sum_of(solve, 3, i)
-        highest = most_of(solve, 4, i)
-        lowest = -most_of(solve, 5, i)
+        group.total = lines[0]
+        group.touching = lines[1]
+        between = lines[2]
+        level = lines[3]
+        highest = lines[4]
+        lowest = -lines[5]
         loaded = n.at_load == 0 or wp.abs(group.total - group.load) <= rules.load_tolerance * group.load
         if n.at_load == 1:
             group.level = level_of(group, between, level, highest, lowest, loaded)
@@ -278,13 +291,61 @@ def judge(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 
 
 @wp.kernel(module=TOGETHER)
+def conclude(first_slot: wp.int32, slots: wp.int32, solve: Solve, proof: Proof):
+    """End a search: what has been found is certified, where that is asked for."""
+    at_load = solve.numbers[0].at_load == 1
+    for i in range(lane(), groups_of(solve), width()):
+        group = solve.groups[i]
+        proven = Proven()
+        proven.level = -NONE
+        proven.approach = group.level
+        proven.load = wp.where(at_load, group.load, -ONE)
+        proven.scale = group.scale
+        proven.allowed = group.allowed
+        proof.groups[i] = proven
+    if lane() == 0:
+        converged = solve.numbers[0].status == CONVERGED
+        certified = solve.request[Request.CERTIFIED] > ZERO
+        solve.flags[Flag.CERTIFIES] = wp.where(converged and certified, 1, 0)
+        solve.flags[Flag.SOLVING] = 0
+
+
+@wp.kernel(module=TOGETHER)
+def accept(first_slot: wp.int32, slots: wp.int32, solve: Solve, proof: Proof):
+    """Search on from a pressure that could not be certified: what the search added up has drifted."""
+    rules = solve.rules[0]
+    faults = ZERO
+    i = first_group(proof)
+    while i < groups_of(proof):
+        group = proof.groups[i]
+        off = ZERO
+        if group.load >= ZERO:
+            off = wp.where(
+                group.load > ZERO,
+                group.total / wp.where(group.load > ZERO, group.load, ONE) - ONE,
+                group.total,
+            )
+        violation = wp.max(group.highest - group.approach, group.approach - group.lowest)
+        holds = group.over <= ZERO and group.under <= ZERO and wp.abs(off) <= rules.certified_load
+        holds = holds and violation <= group.allowed and group.gap < NONE
+        faults += wp.where(holds, ZERO, ONE)
+        i += stride(proof)
+    faults = over_groups(proof, faults, True)
+    if lane() == 0 and faults > ZERO and solve.numbers[0].renewals < rules.renewals:
+        solve.request[Request.ANEW] = ZERO
+        solve.request[Request.ROUGH] = ZERO
+        solve.request[Request.RESUMES] = ZERO
+        solve.request[Request.RENEWED] = ONE
+        solve.flags[Flag.SOLVING] = 1
+
+
+@wp.kernel(module=TOGETHER)
 def judge_scatter(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Decide whether extending the gradient pays: cells between the bounds lie in small spots then."""
-    cells = sum_of_columns(solve.table, 0, wp.min(solve.visited[0], solve.table.shape[1]))
-    ends = sum_of_columns(solve.table, 1, wp.min(solve.visited[0], solve.table.shape[1]))
+    lines = all_lines(solve, 2, 2)
     if lane() == 0:
         n = solve.numbers[0]
-        extends = wp.where(ends > solve.rules[0].scattered * cells, 1, 0)
+        extends = wp.where(lines[1] > solve.rules[0].scattered * lines[0], 1, 0)
         n.extended = extends * solve.rules[0].tiled
         solve.flags[Flag.EXTENDS] = extends
         solve.flags[Flag.EXTENDS_NOT] = 1 - extends
@@ -302,17 +363,14 @@ def aim(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     largest_r = ZERO
     i = first_group(solve)
     while i < groups_of(solve):
+        lines = lines_of(solve, i, 7, 9)
         group = solve.groups[i]
-        cells = sum_of(solve, 0, i)
-        z = sum_of(solve, 1, i)
-        r = sum_of(solve, 2, i)
-        y = sum_of(solve, 3, i)
-        group.descent_mean = wp.where(n.at_load == 1, z / wp.max(cells, ONE), ZERO)
-        zy += sum_of(solve, 4, i) - group.descent_mean * y
-        zr += sum_of(solve, 5, i) - group.descent_mean * r
-        sr += sum_of(solve, 6, i)
-        largest_z = wp.max(largest_z, most_of(solve, 7, i))
-        largest_r = wp.max(largest_r, most_of(solve, 8, i))
+        group.descent_mean = wp.where(n.at_load == 1, lines[1] / wp.max(lines[0], ONE), ZERO)
+        zy += lines[4] - group.descent_mean * lines[3]
+        zr += lines[5] - group.descent_mean * lines[2]
+        sr += lines[6]
+        largest_z = wp.max(largest_z, lines[7])
+        largest_r = wp.max(largest_r, lines[8])
         if writes(solve):
             solve.groups[i] = group
         i += stride(solve)
@@ -335,8 +393,9 @@ def aim(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     leads_down = n.plain == 1 or downhill > ZERO
     i = first_group(solve)
     while i < groups_of(solve):
+        lines = lines_of(solve, i, 7, 9)
         group = solve.groups[i]
-        reach = wp.max(most_of(solve, 7, i), most_of(solve, 8, i) * n.outward)
+        reach = wp.max(lines[7], lines[8] * n.outward)
         group.unit = n.trial_length * reach
         if writes(solve):
             solve.groups[i] = group
@@ -398,13 +457,13 @@ def drifted(before: Numbers):
 @wp.kernel(module=TOGETHER)
 def go(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Decide how far to go along the step."""
-    columns = wp.min(solve.visited[0], solve.table.shape[1])
-    slope = sum_of_columns(solve.table, 0, columns)
-    used = most_of_columns(solve.table, 1, columns)
-    curvature = sum_of_columns(solve.table, 2, columns)
-    largest = most_of_columns(solve.table, 3, columns)
+    lines = all_lines(solve, 2, 4)
     if lane() == 0:
         n = solve.numbers[0]
+        slope = lines[0]
+        curvature = lines[1]
+        used = lines[2]
+        largest = lines[3]
         n.transforms = n.transforms + 1
         n.step_drift = solve.rules[0].single_rounding * largest
         best = wp.where(curvature > ZERO, -slope / wp.where(curvature > ZERO, curvature, ONE), ZERO)

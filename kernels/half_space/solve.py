@@ -4,6 +4,7 @@ A group carries one load at one approach: all rows together, or each row for its
 """
 
 from enum import IntEnum
+from typing import Any
 
 import warp as wp
 
@@ -13,7 +14,8 @@ from warpwear.kernels.newton import Bracket
 
 #: Kernels of a search are compiled together: each file of its own would compile Warp's headers again.
 TOGETHER = wp.get_module("warpwear.kernels.half_space.solve")
-wp.set_module_options(native_code.options("search.h", "extension.h", "few.h", "tiles.h"), module=TOGETHER)
+HEADERS = "half_space/extension.h", "half_space/active_set.h", "half_space/windows.h"
+wp.set_module_options(native_code.options(*HEADERS), module=TOGETHER)
 
 #: How a search ended; `NEEDS_COEFFICIENTS`: it goes on once the operator's coefficients are there.
 RUNS = wp.constant(wp.int32(0))
@@ -33,6 +35,8 @@ class Request(IntEnum):
     ANEW = 2  # 1 where it starts from nothing
     ROUGH = 3  # 1 where single precision may do
     RESUMES = 4  # 1 where it goes on as it ended
+    CERTIFIED = 5  # 1 where its pressure is to be certified
+    RENEWED = 6  # 1 where it goes on from a pressure that could not be certified; the host writes 0
 
 
 class Flag(IntEnum):
@@ -53,6 +57,8 @@ class Flag(IntEnum):
     EXTENDS = 12
     EXTENDS_NOT = 13
     BALANCING = 14
+    SOLVING = 15
+    CERTIFIES = 16
 
 
 @wp.struct
@@ -77,6 +83,8 @@ class Rules:
     single_rounding: wp.float64  # 0 where responses to steps are made in double precision
     few: wp.int32  # cells that are moved at once, at most; 0 where they are not
     near: wp.float64
+    renewals: wp.int32
+    certified_load: wp.float64
     has_coefficients: wp.int32  # of the operator, for them
     group_cells: wp.float64  # of the surface, in a group
 
@@ -131,6 +139,9 @@ class Numbers:
     moved: wp.int32  # whether this was an iteration
     iteration: wp.int32
     transforms: wp.int32  # pairs
+    before: wp.int32  # iterations of searches whose pressures could not be certified
+    transforms_before: wp.int32
+    renewals: wp.int32
     status: wp.int32
 
 
@@ -150,8 +161,8 @@ class Fields:
 
 
 @wp.struct
-class Few:
-    """The few cells whose place between the bounds is open, and room to move them; see `native/few.h`."""
+class ActiveSet:
+    """The few cells whose place between the bounds is open, and room to move them."""
 
     count: wp.array(dtype=wp.int32)  # one number
     row: wp.array(dtype=wp.int32)
@@ -211,16 +222,14 @@ def of_slot(value: wp.float64, adds: wp.bool) -> wp.float64:
     ...
 
 
-@wp.func_native("return sum_of_line(table, line, 0, columns);")
-def sum_of_columns(table: wp.array2d(dtype=wp.float64), line: wp.int32, columns: wp.int32) -> wp.float64:
-    """Sum the first columns of a line of a table."""
-    ...
+#: Numbers of the lines of a table.
+Lines = wp.types.vector(length=12, dtype=wp.float64)
 
 
-@wp.func_native("return most_of_line(table, line, 0, columns);")
-def most_of_columns(table: wp.array2d(dtype=wp.float64), line: wp.int32, columns: wp.int32) -> wp.float64:
-    """Find the largest of the first columns of a line of a table."""
-    ...
+@wp.func_native("return lines_of_table<12>(table, columns, sums, lines);")
+def _lines_of_table(
+    table: wp.array2d(dtype=wp.float64), columns: wp.int32, sums: wp.int32, lines: wp.int32
+) -> Lines: ...
 
 
 # A decision is one slot. Where there is one group all of its threads look at it together; of many groups each
@@ -228,53 +237,55 @@ def most_of_columns(table: wp.array2d(dtype=wp.float64), line: wp.int32, columns
 
 
 @wp.func
-def is_one(solve: Solve):
+def is_one(solve: Any):
     """Tell whether all rows are one group."""
     return solve.groups.shape[0] == 1
 
 
 @wp.func
-def groups_of(solve: Solve):
+def groups_of(solve: Any):
     """Count the groups that are visited."""
     return wp.where(is_one(solve), 1, solve.visited[0])
 
 
 @wp.func
-def first_group(solve: Solve):
+def first_group(solve: Any):
     """Name the first group that a thread looks at."""
     return wp.where(is_one(solve), 0, lane())
 
 
 @wp.func
-def stride(solve: Solve):
+def stride(solve: Any):
     """Count from one group of a thread to its next."""
     return wp.where(is_one(solve), 1, width())
 
 
 @wp.func
-def writes(solve: Solve):
+def writes(solve: Any):
     """Tell whether a thread writes what it has found of a group."""
     return not is_one(solve) or lane() == 0
 
 
 @wp.func
-def sum_of(solve: Solve, line: wp.int32, group: wp.int32):
-    """Sum a line of the table over the slots of a group."""
-    if is_one(solve):
-        return sum_of_columns(solve.table, line, wp.min(solve.visited[0], solve.table.shape[1]))
-    return solve.table[line, group]
+def all_lines(solve: Any, sums: wp.int32, lines: wp.int32):
+    """Bring the first lines of the table to a number each, over all slots: so many sums, then maxima."""
+    return _lines_of_table(solve.table, wp.min(solve.visited[0], solve.table.shape[1]), sums, lines)
 
 
 @wp.func
-def most_of(solve: Solve, line: wp.int32, group: wp.int32):
-    """Find the largest of a line of the table over the slots of a group."""
+def lines_of(solve: Any, group: wp.int32, sums: wp.int32, lines: wp.int32):
+    """Bring the first lines of the table to a number each, over the slots of a group, likewise."""
+    values = Lines()
     if is_one(solve):
-        return most_of_columns(solve.table, line, wp.min(solve.visited[0], solve.table.shape[1]))
-    return solve.table[line, group]
+        values = all_lines(solve, sums, lines)
+    else:
+        for line in range(lines):
+            values[line] = solve.table[line, group]
+    return values
 
 
 @wp.func
-def over_groups(solve: Solve, value: wp.float64, adds: wp.bool):
+def over_groups(solve: Any, value: wp.float64, adds: wp.bool):
     """Bring what the threads have of their groups to one number."""
     if is_one(solve):
         return value

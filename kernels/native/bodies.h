@@ -24,17 +24,30 @@ WARPWEAR_FN Lanes columns_from(int first)
 WARPWEAR_FN Lanes larger_of(Lanes a, Lanes b) { return a > b ? a : b; }
 WARPWEAR_FN Lanes smaller_of(Lanes a, Lanes b) { return a < b ? a : b; }
 
-// Sums of wear and of what is pending, and the deepest wear, of rows of a body from a first one on.
-template <typename Table, typename Field>
-WARPWEAR_FN void total_body(int slot, int slots, int first, int count, const Field& wear_of,
-                            const Field& pending_of, Table& table)
+static const int OVERFLOW_BEFORE = 5; // where a body counts what had overflowed, as in pieces.py
+
+// Sums of wear and of what is pending, and the deepest wear, of the rows of a body that a step may have
+// changed: those under the contact and beside it, or all where pieces had overflowed.
+template <typename Slides, typename Footprint, typename Body, typename Field>
+WARPWEAR_FN void total_body(int slot, int slots, const Slides& slides, const Footprint& footprint,
+                            const Body& body, const Field& wear_of, const Field& pending_of)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(off)
 #endif
+    const auto& slide = wp::index(slides, 0);
     const int rows = wear_of.shape[0], of_row = wear_of.shape[1] * OF_VECTOR;
+    int first = slide.shift * body.number - footprint.margin, count = slide.rows + 2 * footprint.margin;
+    if (wp::index(body.counts, OVERFLOW_BEFORE) > 0) {
+        first = 0;
+        count = rows;
+    } else if (body.periodic == 0) {
+        count = wp::min(first + count, rows) - wp::max(first, 0);
+        first = wp::max(first, 0);
+    }
+    count = wp::min(count, rows);
     for (int number = slot; number < count; number += slots) {
-        const int row = (first + number) % rows;
+        const int row = (first + rows + number) % rows;
         const Stored *const wear = row_of(wear_of, row), *const pending = row_of(pending_of, row);
         Lanes worn = 0.0, waits = 0.0, deepest = 0.0;
         for (int i = lane_of_slot(); i < of_row; i += width_of_slot()) {
@@ -42,8 +55,8 @@ WARPWEAR_FN void total_body(int slot, int slots, int first, int count, const Fie
             waits += pending[i];
             deepest = larger_of(deepest, wear[i]);
         }
-        leave_sum(table, 0, row, total(worn));
-        leave_sum(table, 1, row, total(waits));
-        leave_most(table, 2, row, most(deepest));
+        leave_sum(body.of_rows, 0, row, total(worn));
+        leave_sum(body.of_rows, 1, row, total(waits));
+        leave_most(body.of_rows, 2, row, most(deepest));
     }
 }

@@ -50,6 +50,14 @@ WARPWEAR_FN int width_of_slot()
 #endif
 }
 
+// The slots that a call does, from `first` on: on a CPU a range of them, on a GPU a block of threads does
+// one. A loop there, even over one slot, takes a sixth more registers, and twice the time of what needs many.
+#if defined(__CUDA_ARCH__)
+#define EACH_SLOT const int slot = first;
+#else
+#define EACH_SLOT for (int slot = first; slot < end; ++slot)
+#endif
+
 #if defined(__CUDA_ARCH__)
 WARPWEAR_FN Lanes size_of(Lanes v) { return fabs(v); }
 WARPWEAR_FN bool any(Mask v) { return v; }
@@ -179,4 +187,94 @@ WARPWEAR_FN double most_of_line(const Table& table, int line, int first, int col
 #endif
     for (; i < columns; i += width_of_slot()) largest = largest > v[i] ? largest : v[i];
     return of_slot(largest, false);
+}
+
+// What a slot leaves in a column of a table: the sum of what its threads have, or the largest.
+struct Left {
+    double value;
+    double* place;
+    bool adds;
+};
+
+template <int N> WARPWEAR_FN void leave_each(const Left (&left)[N])
+{
+#if defined(__CUDA_ARCH__)
+    // All at once: each warp brings every value to one, then has some of the values of all warps.
+    __shared__ double of_warps[N][32];
+    const int warp = threadIdx.x / 32, lane = threadIdx.x % 32, warps = blockDim.x / 32;
+    const auto of_warp = [](double v, bool adds) {
+        for (int apart = 16; apart > 0; apart /= 2) {
+            const double other = __shfl_down_sync(0xffffffff, v, apart);
+            v = adds ? v + other : (v > other ? v : other);
+        }
+        return v;
+    };
+#pragma unroll
+    for (int n = 0; n < N; ++n) {
+        const double v = of_warp(left[n].value, left[n].adds);
+        if (lane == 0) of_warps[n][warp] = v;
+    }
+    __syncthreads();
+#pragma unroll
+    for (int n = 0; n < N; ++n) {
+        if (n % warps != warp) continue;
+        const double nothing = left[n].adds ? 0.0 : -NO_LIMIT;
+        const double v = of_warp(lane < warps ? of_warps[n][lane] : nothing, left[n].adds);
+        if (lane == 0) *left[n].place = v;
+    }
+#else
+    for (const Left& one : left) *one.place = one.value;
+#endif
+}
+
+// Leave the first lines of a column of a table likewise: so many sums, then maxima.
+template <int N, typename Table>
+WARPWEAR_FN void leave_lines(Table& table, int slot, int sums, const double (&values)[N])
+{
+    Left left[N];
+    for (int n = 0; n < N; ++n) left[n] = {values[n], &wp::index(table, n, slot), n < sums};
+    leave_each(left);
+}
+
+// The sum of the first columns of a line of a table, or the largest: on a GPU by the threads of a warp, of
+// which the first gets it.
+template <typename Table>
+WARPWEAR_FN double total_of_line(const Table& table, int line, int columns, bool adds)
+{
+#if defined(__CUDA_ARCH__)
+    double v = adds ? 0.0 : -NO_LIMIT;
+#pragma unroll 8
+    for (int i = threadIdx.x % 32; i < columns; i += 32) {
+        const double other = wp::index(table, line, i);
+        v = adds ? v + other : (v > other ? v : other);
+    }
+    for (int apart = 16; apart > 0; apart /= 2) {
+        const double other = __shfl_down_sync(0xffffffff, v, apart);
+        v = adds ? v + other : (v > other ? v : other);
+    }
+    return v;
+#else
+    return adds ? sum_in_pairs(&wp::index(table, line, 0), columns) : most_of_line(table, line, 0, columns);
+#endif
+}
+
+// The first lines of a table, over their first columns: so many sums, then maxima. Every thread of a deciding
+// slot calls it; each of its warps brings some of the lines to one number.
+template <int N, typename Table>
+WARPWEAR_FN wp::vec_t<N, double> lines_of_table(const Table& table, int columns, int sums, int lines)
+{
+    wp::vec_t<N, double> values;
+#if defined(__CUDA_ARCH__)
+    __shared__ double totals[N];
+    __syncthreads(); // others may still read what was there
+    for (int line = threadIdx.x / 32; line < lines; line += blockDim.x / 32) {
+        const double total = total_of_line(table, line, columns, line < sums);
+        if (threadIdx.x % 32 == 0) totals[line] = total;
+    }
+    __syncthreads();
+    for (int line = 0; line < lines; ++line) values[line] = totals[line];
+#else
+    for (int line = 0; line < lines; ++line) values[line] = total_of_line(table, line, columns, line < sums);
+#endif
+    return values;
 }

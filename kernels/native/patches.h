@@ -125,8 +125,8 @@ WARPWEAR_FN Extents extents_of(int patch, const Surfaces& surfaces, const WearBy
     const int lines = surfaces.gap.shape[1] / surfaces.layout.vectors;
     const int row = wp::index(surfaces.layout.first_row, patch);
     const int column = wp::index(surfaces.layout.first_column, patch);
-    if (-row <= now.first_row && row + lines - 1 <= now.last_row && -column <= now.first_column &&
-        column + of_line * LANES - 1 <= now.last_column)
+    if (-row <= now.extents[0] && row + lines - 1 <= now.extents[1] && -column <= now.extents[2] &&
+        column + of_line * LANES - 1 <= now.extents[3])
         return extents;
     const double* const gap = (const double*)row_of(surfaces.gap, patch);
     const double* const unworn = (const double*)row_of(surfaces.unworn, patch);

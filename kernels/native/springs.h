@@ -35,44 +35,6 @@ WARPWEAR_FN void visit_listed(const int* tiles, int listed, int of_row, const Vi
 #endif
 }
 
-// What a slot leaves in a column of a table: the sum of what its threads have, or the largest.
-struct Left {
-    double value;
-    double* place;
-    bool adds;
-};
-
-template <int N> WARPWEAR_FN void leave_each(const Left (&left)[N])
-{
-#if defined(__CUDA_ARCH__)
-    // All at once: each warp brings every value to one, then has some of the values of all warps.
-    __shared__ double of_warps[N][32];
-    const int warp = threadIdx.x / 32, lane = threadIdx.x % 32, warps = blockDim.x / 32;
-    const auto of_warp = [](double v, bool adds) {
-        for (int apart = 16; apart > 0; apart /= 2) {
-            const double other = __shfl_down_sync(0xffffffff, v, apart);
-            v = adds ? v + other : (v > other ? v : other);
-        }
-        return v;
-    };
-#pragma unroll
-    for (int n = 0; n < N; ++n) {
-        const double v = of_warp(left[n].value, left[n].adds);
-        if (lane == 0) of_warps[n][warp] = v;
-    }
-    __syncthreads();
-#pragma unroll
-    for (int n = 0; n < N; ++n) {
-        if (n % warps != warp) continue;
-        const double nothing = left[n].adds ? 0.0 : -NO_LIMIT;
-        const double v = of_warp(lane < warps ? of_warps[n][lane] : nothing, left[n].adds);
-        if (lane == 0) *left[n].place = v;
-    }
-#else
-    for (const Left& one : left) *one.place = one.value;
-#endif
-}
-
 // What cells carry at an approach base + offset: the sum of the pressures, of the stiffnesses of the cells
 // that are neither open nor capped, and how near one is to changing that [MPa]. OWN: whether cells have a
 // stiffness of their own; PARTED: whether they have a part of the cap.
@@ -120,14 +82,15 @@ template <bool IS> struct Is {
 };
 
 // The same of a search: a field of no rows says that the cells share one stiffness, or that all bear the cap.
-template <typename List, typename Count, typename Search, typename Field, typename Table>
-WARPWEAR_FN void carry(int slot, int slots, const List& list, const Count& counts, const Search& search,
-                       double cap, const Field& gap, const Field& stiffness, const Field& parts, Table& trial)
+template <typename List, typename Count, typename Springs, typename Field>
+WARPWEAR_FN void carry(int slot, int slots, const List& list, const Count& counts, Springs& springs,
+                       const Field& gap, const Field& stiffness, const Field& parts)
 {
+    const auto& search = wp::index(springs.search, 0);
     const auto by = [&](auto own, auto parted) {
-        carry_by<decltype(own)::value, decltype(parted)::value>(slot, slots, list, counts, search.base,
-                                                                search.bracket.offset, cap, search.stiffness,
-                                                                gap, stiffness, parts, trial);
+        carry_by<decltype(own)::value, decltype(parted)::value>(
+            slot, slots, list, counts, search.base, search.bracket.offset, springs.cap, search.stiffness, gap,
+            stiffness, parts, springs.trial);
     };
     const bool own = stiffness.shape[0] > 0, parted = parts.shape[0] > 0;
     if (!own && !parted) by(Is<false>(), Is<false>());

@@ -108,12 +108,14 @@ WARPWEAR_FN void find_columns(Extents& extents, const WearBy& by, const Incremen
 }
 
 // Wear the listed cells of the rows of a slot by a step, and leave what it adds up to.
-template <typename List, typename Count, typename Law, typename Increment, typename Field, typename Rest,
+template <typename List, typename Count, typename Laws, typename Increments, typename Field, typename Rest,
           typename Tables>
-WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& counts, const Law& law,
-                           const Increment& step, const Field& unworn_in, const Rest& rest, Field& gap_out,
+WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& counts, const Laws& laws,
+                           const Increments& steps, const Field& unworn_in, const Rest& rest, Field& gap_out,
                            Tables& tables)
 {
+    const auto& law = wp::index(laws, 0);
+    const auto& step = wp::index(steps, 0);
     const WearBy by = {law.base,
                        law.offset,
                        law.cap,
@@ -191,27 +193,6 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
     leave_wear(tables, slot, sums, extents, by.stiffness_next, rest_touched, rest_worn, NO_LIMIT);
 }
 
-// The sum of a line of a table, or its largest number: on a GPU by the threads of a warp.
-template <typename Table> WARPWEAR_FN double total_of_line(const Table& table, int line, bool adds)
-{
-    const int columns = table.shape[1];
-#if defined(__CUDA_ARCH__)
-    double v = adds ? 0.0 : -NO_LIMIT;
-#pragma unroll 8
-    for (int i = threadIdx.x % 32; i < columns; i += 32) {
-        const double other = wp::index(table, line, i);
-        v = adds ? v + other : (v > other ? v : other);
-    }
-    for (int apart = 16; apart > 0; apart /= 2) {
-        const double other = __shfl_down_sync(0xffffffff, v, apart);
-        v = adds ? v + other : (v > other ? v : other);
-    }
-    return v;
-#else
-    return adds ? sum_in_pairs(&wp::index(table, line, 0), columns) : most_of_line(table, line, 0, columns);
-#endif
-}
-
 // Where a line is brought to one number, among the warps of a slot, and whether a thread writes it.
 WARPWEAR_FN bool is_of_warp(int line)
 {
@@ -230,7 +211,7 @@ template <typename Table> WARPWEAR_FN void total_lines(const Table& table, bool 
 {
     for (int line = 0; line < table.shape[0]; ++line) {
         if (!is_of_warp(line)) continue;
-        const double total = total_of_line(table, line, adds);
+        const double total = total_of_line(table, line, table.shape[1], adds);
         if (is_first_of_warp()) totals[line] = total;
     }
 #if defined(__CUDA_ARCH__)
@@ -252,11 +233,11 @@ template <typename Tables> WARPWEAR_FN wp::vec_t<3, double> total_step(const Tab
         if (!is_of_warp(line)) continue;
         double total = 0.0;
         if (line < sums)
-            total = total_of_line(tables.sums, line, true);
+            total = total_of_line(tables.sums, line, tables.sums.shape[1], true);
         else if (line < lines)
-            total = total_of_line(tables.maxima, line - sums, false);
+            total = total_of_line(tables.maxima, line - sums, tables.maxima.shape[1], false);
         else
-            total = total_of_line(tables.ahead, line - lines, line - lines < 2);
+            total = total_of_line(tables.ahead, line - lines, tables.ahead.shape[1], line - lines < 2);
         if (is_first_of_warp()) *(line < lines ? totals + line : ahead + line - lines) = total;
     }
 #if defined(__CUDA_ARCH__)

@@ -162,10 +162,10 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
             if (lane_of_slot() == 0) wp::index(of_rows.pressed_disc, under) = dents;
         }
     }
-    const double of_all[] = {total(pressure), total(deviation), count(contact),
-                             count(capped),   count(touched),   total(worn_sphere)};
-    for (int n = 0; n < 6; ++n) leave_sum(sums, n, slot, of_all[n]);
-    const double most_of_all[] = {most(highest), most(deepest_sphere), most(deepest_disc), first_row,
-                                  last_row,      most(first),          most(last)};
-    for (int n = 0; n < 7; ++n) leave_most(maxima, n, slot, most_of_all[n]);
+    leave_lines(sums, slot, 6,
+                {total(pressure), total(deviation), count(contact), count(capped), count(touched),
+                 total(worn_sphere)});
+    leave_lines(maxima, slot, 0,
+                {most(highest), most(deepest_sphere), most(deepest_disc), first_row, last_row, most(first),
+                 most(last)});
 }

@@ -41,48 +41,24 @@ class Films:
     parts: wp.array2d(dtype=Cells)  # cap over the hardness; no rows where it is the same for all
 
 
-@wp.func_native("look_at_film(slot, slots, slides, films);")
-def _look(slot: wp.int32, slots: wp.int32, slides: wp.array(dtype=Slide), films: Films): ...
-
-
-@wp.kernel(module=TOGETHER)
-def look(first_slot: wp.int32, slots: wp.int32, slides: wp.array(dtype=Slide), films: Films):
+@native_code.native_pass("look_at_film", module=TOGETHER)
+def look(slides: wp.array(dtype=Slide), films: Films):
     """See which of the cells ever touched are bare as a step begins, and what their caps are."""
-    slot = first_slot + wp.tid() // wp.block_dim()
-    _look(slot, slots, slides, films)
+    ...
 
 
-@wp.func_native("rub_film(slot, slots, slides, films);")
-def _rub(slot: wp.int32, slots: wp.int32, slides: wp.array(dtype=Slide), films: Films): ...
-
-
-@wp.kernel(module=TOGETHER)
-def rub(first_slot: wp.int32, slots: wp.int32, slides: wp.array(dtype=Slide), films: Films):
+@native_code.native_pass("rub_film", module=TOGETHER)
+def rub(slides: wp.array(dtype=Slide), films: Films):
     """Note the distance at the end of a step where the bodies were worn in it; of films that form anew."""
-    slot = first_slot + wp.tid() // wp.block_dim()
-    _rub(slot, slots, slides, films)
+    ...
 
 
-@wp.func_native("count_bare(slot, slots, slides, films, pressure_in, sums);")
-def _bare_under_pressure(
-    slot: wp.int32,
-    slots: wp.int32,
-    slides: wp.array(dtype=Slide),
-    films: Films,
-    pressure_in: wp.array2d(dtype=Cells),
-    sums: wp.array2d(dtype=wp.float64),
-): ...
-
-
-@wp.kernel(module=TOGETHER)
+@native_code.native_pass("count_bare", module=TOGETHER)
 def bare_under_pressure(
-    first_slot: wp.int32,
-    slots: wp.int32,
     slides: wp.array(dtype=Slide),
     films: Films,
     pressure_in: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
 ):
     """Bare cells among those with a pressure, of the rows visited."""
-    slot = first_slot + wp.tid() // wp.block_dim()
-    _bare_under_pressure(slot, slots, slides, films, pressure_in, sums_out)
+    ...

@@ -10,17 +10,17 @@ A step lists the cells whose footprints gained. Then each body sheds pieces, see
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.balance import Springs, law_of_cell
+from warpwear.kernels.balance import Springs, pressures_at
 from warpwear.kernels.cells import LANES, ONE, TILE_VECTORS, ZERO, Cells
-from warpwear.kernels.contact import pressure_of
 from warpwear.kernels.slide import Slide, beneath
 from warpwear.kernels.sliding import OfCells
 
 wp.set_module_options({**native_code.options("law.h", "bodies.h"), "fuse_fp": False})
 
-#: Counts of a body: cells listed, peaks of a round and those that are cut, rounds in which pieces left, cells
-#: that wait for the next step, whether any had waited for this one, how far the step is, its pieces.
-LISTED, PEAKS, CUT, ROUND, WAITING, HAD_WAITED, STAGE, PIECES = (wp.constant(wp.int32(n)) for n in range(8))
+#: Counts of a body: candidates, peaks of a round and those that are cut, rounds in which pieces left, cells
+#: over for the next step and those that were for this one, how far the step is, its pieces.
+CANDIDATES, PEAKS, CUT, ROUND = (wp.constant(wp.int32(n)) for n in range(4))
+OVERFLOW, OVERFLOW_BEFORE, STAGE, PIECES = (wp.constant(wp.int32(n)) for n in range(4, 8))
 COUNTS = 8
 #: How far a body is with a step: it takes wear, sheds pieces, or is done.
 TAKES, SHEDS, DONE = (wp.constant(wp.int32(n)) for n in range(3))
@@ -48,10 +48,10 @@ class Body:
     wear: wp.array2d(dtype=wp.float64)  # [mm]
     pending: wp.array2d(dtype=wp.float64)  # [mm]
     sums: wp.array(dtype=wp.float64)  # pending in the footprint around a listed cell, 0 elsewhere [mm]
-    listed: wp.array(dtype=wp.int32)  # cells whose footprint gained in this step
-    waiting: wp.array(dtype=wp.int32)  # cells that are due since the rounds of a step were not enough
+    candidates: wp.array(dtype=wp.int32)  # cells whose footprint gained in this step
+    overflow: wp.array(dtype=wp.int32)  # cells still due after all rounds of the last step
     peaks: wp.array(dtype=wp.int32)  # those where a piece is due in this round
-    counts: wp.array(dtype=wp.int32)  # by `LISTED` and so on
+    counts: wp.array(dtype=wp.int32)  # by `CANDIDATES` and so on
     of_rows: wp.array2d(dtype=wp.float64)  # sums of wear and pending, and the deepest wear, of each row [mm]
     start: wp.float64  # sum of what was pending at first [mm]
     down: wp.float64  # 1 where heights grow as a body is worn, as those of the sphere; −1 of the disc
@@ -84,7 +84,7 @@ def row_at(row: wp.int32, body: Body):
 def list_cell(cell: wp.int32, body: Body):
     """List a cell once. A sum of 0 says that it is not listed yet."""
     if wp.atomic_add(body.sums, cell, ONE) == ZERO:
-        body.listed[wp.atomic_add(body.counts, LISTED, 1)] = cell
+        body.candidates[wp.atomic_add(body.counts, CANDIDATES, 1)] = cell
 
 
 @wp.func
@@ -99,13 +99,7 @@ def add_pending(row: wp.int32, column: wp.int32, depth: wp.float64, footprint: F
 
 
 @wp.func
-def share_out(
-    row: wp.int32,
-    column: wp.int32,
-    pressure: wp.float64,
-    slide: Slide,
-    both: Both,
-):
+def share_out(row: wp.int32, column: wp.int32, pressure: wp.float64, slide: Slide, both: Both):
     """Make the wear by the pressure of one cell pending."""
     if pressure > ZERO:
         if slide.pending_sphere > ZERO:
@@ -149,25 +143,17 @@ def take_tiles(
     """Make the wear by the pressure of a solved approach pending, of the tiles listed."""
     slot = first_slot + wp.tid() // wp.block_dim()
     slide = slides[0]
-    law = springs.law[0]
-    s = Cells(springs.search[0].stiffness)
     for row in range(slot, gap_in.shape[0], slots):
         for n in range(wp.tid() % wp.block_dim(), count_in[row], wp.block_dim()):
             t = tiles_in[row, n]
             for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap_in.shape[1])):
-                g = gap_in[row, k]
-                if of_cells.stiffness.shape[0] > 0:
-                    s = of_cells.stiffness[wp.min(row, of_cells.stiffness.shape[0] - 1), k]
-                part = Cells(ONE)
-                if of_cells.parts.shape[0] > 0:
-                    part = of_cells.parts[row, k]
+                p = pressures_at(row, k, springs, gap_in, of_cells.stiffness, of_cells.parts)
                 for j in range(LANES):
-                    p = pressure_of(law_of_cell(law, part[j]), g[j], s[j])
-                    share_out(row, k * LANES + j, p, slide, both)
+                    share_out(row, k * LANES + j, p[j], slide, both)
 
 
 @wp.kernel
-def list_waiting(first_slot: wp.int32, slots: wp.int32, body: Body):
-    """List cells that have waited since the last step."""
-    for n in range(first_slot * wp.block_dim() + wp.tid(), body.counts[WAITING], slots * wp.block_dim()):
-        list_cell(body.waiting[n], body)
+def list_overflow(first_slot: wp.int32, slots: wp.int32, body: Body):
+    """List the cells that were still due after all rounds of the last step."""
+    for n in range(first_slot * wp.block_dim() + wp.tid(), body.counts[OVERFLOW], slots * wp.block_dim()):
+        list_cell(body.overflow[n], body)

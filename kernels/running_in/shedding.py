@@ -7,19 +7,21 @@ then.
 
 import warp as wp
 
+from warpwear.kernels import native_code
+from warpwear.kernels.balance import most_of, sum_of
 from warpwear.kernels.cells import NONE, ONE, ZERO, Cells
 from warpwear.kernels.running_in.pieces import (
+    CANDIDATES,
     CUT,
     DONE,
-    HAD_WAITED,
-    LISTED,
+    OVERFLOW,
+    OVERFLOW_BEFORE,
     PEAKS,
     PIECES,
     ROUND,
     SHEDS,
     STAGE,
     TAKES,
-    WAITING,
     Body,
     Footprint,
     row_at,
@@ -35,7 +37,7 @@ COLUMNS = 7
 
 
 @wp.struct
-class Left:
+class Release:
     """The pieces that have left, and the flags by which a program goes on."""
 
     pieces: wp.array2d(dtype=wp.float64)
@@ -88,7 +90,7 @@ def find_peak(cell: wp.int32, footprint: Footprint, body: Body):
 
 
 @wp.func
-def cut_at(peak: wp.int32, place: wp.int32, footprint: Footprint, body: Body, left: Left):
+def cut_at(peak: wp.int32, place: wp.int32, footprint: Footprint, body: Body, release: Release):
     """A piece leaves at a peak, and is entered in a place of the table, but for its step.
 
     Its middle is the cell near the peak with most pending, the last of those with as much. The crack surface
@@ -152,58 +154,58 @@ def cut_at(peak: wp.int32, place: wp.int32, footprint: Footprint, body: Body, le
                 body.height[r, c] = body.down * deeper
                 body.wear[r, c] = body.wear[r, c] + (deeper - depth)
                 removed += deeper - depth
-    left.pieces[place, 1] = wp.float64(body.number)
-    left.pieces[place, 2] = wp.float64(body.counts[ROUND])
-    left.pieces[place, 3] = wp.float64(peak)
-    left.pieces[place, 4] = wp.float64(middle)
-    left.pieces[place, 5] = removed
-    left.pieces[place, 6] = cells
+    release.pieces[place, 1] = wp.float64(body.number)
+    release.pieces[place, 2] = wp.float64(body.counts[ROUND])
+    release.pieces[place, 3] = wp.float64(peak)
+    release.pieces[place, 4] = wp.float64(middle)
+    release.pieces[place, 5] = removed
+    release.pieces[place, 6] = cells
 
 
 @wp.kernel(module=TOGETHER)
-def begin_rounds(first_slot: wp.int32, slots: wp.int32, body: Body, left: Left):
+def begin_rounds(first_slot: wp.int32, slots: wp.int32, body: Body, release: Release):
     """A body begins to shed, or goes on with it."""
     if wp.tid() == 0:
         if body.counts[STAGE] == TAKES:
             body.counts[STAGE] = SHEDS
             body.counts[ROUND] = 0
             body.counts[PIECES] = 0
-            body.counts[HAD_WAITED] = body.counts[WAITING]
-            body.counts[WAITING] = 0
-        goes_on = body.counts[STAGE] == SHEDS and left.full[0] == 0 and body.counts[LISTED] > 0
-        left.sheds[0] = wp.where(goes_on, 1, 0)
+            body.counts[OVERFLOW_BEFORE] = body.counts[OVERFLOW]
+            body.counts[OVERFLOW] = 0
+        goes_on = body.counts[STAGE] == SHEDS and release.full[0] == 0 and body.counts[CANDIDATES] > 0
+        release.sheds[0] = wp.where(goes_on, 1, 0)
 
 
 @wp.kernel(module=TOGETHER)
 def sum_up(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Body):
     """What is pending around the cells listed; after the first round only where a piece was due."""
     anew = wp.where(body.counts[ROUND] == 0, 1, 0)
-    for n in range(first_slot * wp.block_dim() + wp.tid(), body.counts[LISTED], slots * wp.block_dim()):
-        sum_around(body.listed[n], anew, footprint, body)
+    for n in range(first_slot * wp.block_dim() + wp.tid(), body.counts[CANDIDATES], slots * wp.block_dim()):
+        sum_around(body.candidates[n], anew, footprint, body)
 
 
 @wp.kernel(module=TOGETHER)
 def find_peaks(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Body):
     """The peaks among the cells listed."""
-    for n in range(first_slot * wp.block_dim() + wp.tid(), body.counts[LISTED], slots * wp.block_dim()):
-        find_peak(body.listed[n], footprint, body)
+    for n in range(first_slot * wp.block_dim() + wp.tid(), body.counts[CANDIDATES], slots * wp.block_dim()):
+        find_peak(body.candidates[n], footprint, body)
 
 
 @wp.kernel(module=TOGETHER)
-def begin_cut(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Body, left: Left):
+def begin_cut(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Body, release: Release):
     """The peaks of a round are cut if the table has room for them, and another round follows."""
     if wp.tid() == 0:
         peaks = body.counts[PEAKS]
         body.counts[PEAKS] = 0
-        if left.count[0] + peaks > left.pieces.shape[0]:
-            left.full[0] = 1
+        if release.count[0] + peaks > release.pieces.shape[0]:
+            release.full[0] = 1
             peaks = 0
         if peaks > 0:
-            left.count[0] = left.count[0] + peaks
+            release.count[0] = release.count[0] + peaks
             body.counts[PIECES] = body.counts[PIECES] + peaks
             body.counts[ROUND] = body.counts[ROUND] + 1
         body.counts[CUT] = peaks
-        left.sheds[0] = wp.where(peaks > 0 and body.counts[ROUND] < footprint.rounds, 1, 0)
+        release.sheds[0] = wp.where(peaks > 0 and body.counts[ROUND] < footprint.rounds, 1, 0)
 
 
 @wp.kernel(module=TOGETHER)
@@ -213,78 +215,45 @@ def cut(
     slides: wp.array(dtype=Slide),
     footprint: Footprint,
     body: Body,
-    left: Left,
+    release: Release,
 ):
     """A piece leaves at each peak."""
     peaks = body.counts[CUT]
     for n in range(first_slot * wp.block_dim() + wp.tid(), peaks, slots * wp.block_dim()):
-        place = left.count[0] - peaks + n
-        left.pieces[place, 0] = wp.float64(slides[0].number)
-        cut_at(body.peaks[n], place, footprint, body, left)
+        place = release.count[0] - peaks + n
+        release.pieces[place, 0] = wp.float64(slides[0].number)
+        cut_at(body.peaks[n], place, footprint, body, release)
 
 
 @wp.kernel(module=TOGETHER)
-def end_rounds(first_slot: wp.int32, slots: wp.int32, body: Body, left: Left):
+def end_rounds(first_slot: wp.int32, slots: wp.int32, body: Body, release: Release):
     """Tell whether a body is done with its rounds."""
     if wp.tid() == 0:
-        left.closes[0] = wp.where(body.counts[STAGE] == SHEDS and left.full[0] == 0, 1, 0)
+        release.closes[0] = wp.where(body.counts[STAGE] == SHEDS and release.full[0] == 0, 1, 0)
 
 
 @wp.kernel(module=TOGETHER)
 def close(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Body):
     """Cells where pieces are still due after all rounds wait for the next step; the sums are forgotten."""
-    for n in range(first_slot * wp.block_dim() + wp.tid(), body.counts[LISTED], slots * wp.block_dim()):
-        cell = body.listed[n]
+    for n in range(first_slot * wp.block_dim() + wp.tid(), body.counts[CANDIDATES], slots * wp.block_dim()):
+        cell = body.candidates[n]
         if body.counts[ROUND] == footprint.rounds:
             sum_around(cell, 0, footprint, body)
             if body.sums[cell] >= footprint.needed:
-                body.waiting[wp.atomic_add(body.counts, WAITING, 1)] = cell
+                body.overflow[wp.atomic_add(body.counts, OVERFLOW, 1)] = cell
         body.sums[cell] = ZERO
 
 
-@wp.func_native("total_body(slot, slots, first, count, wear_in, pending_in, table_out);")
-def _total_rows(
-    slot: wp.int32,
-    slots: wp.int32,
-    first: wp.int32,
-    count: wp.int32,
-    wear_in: wp.array2d(dtype=Cells),
-    pending_in: wp.array2d(dtype=Cells),
-    table_out: wp.array2d(dtype=wp.float64),
-): ...
-
-
-@wp.kernel(module=TOGETHER)
+@native_code.native_pass("total_body", module=TOGETHER)
 def total_rows(
-    first_slot: wp.int32,
-    slots: wp.int32,
     slides: wp.array(dtype=Slide),
     footprint: Footprint,
     body: Body,
     wear_in: wp.array2d(dtype=Cells),
     pending_in: wp.array2d(dtype=Cells),
 ):
-    """Sum up the rows that a step may have changed: under the contact, or all where pieces had waited."""
-    slot = first_slot + wp.tid() // wp.block_dim()
-    every = wear_in.shape[0]
-    first = slides[0].shift * body.number - footprint.margin
-    count = slides[0].rows + 2 * footprint.margin
-    if body.counts[HAD_WAITED] > 0:
-        first = wp.int32(0)
-        count = every
-    elif body.periodic == 0:
-        count = wp.min(first + count, every) - wp.max(first, 0)
-        first = wp.max(first, 0)
-    first = (first + every) % every
-    _total_rows(slot, slots, first, wp.min(count, every), wear_in, pending_in, body.of_rows)
-
-
-@wp.func_native("return sum_of_line(table, line, 0, table.shape[1]);")
-def _sum_of(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64: ...
-
-
-@wp.func_native("return most_of_line(table, line, 0, table.shape[1]);")
-def _most_of(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64: ...
+    """Sum up the rows that a step may have changed: under the contact, or all where pieces had overflowed."""
+    ...
 
 
 @wp.kernel(module=TOGETHER)
@@ -297,16 +266,16 @@ def note(
     rows_out: wp.array2d(dtype=wp.float64),
 ):
     """Enter what a body has lost in the row of the step: pieces, sums of wear and pending, deepest wear."""
-    worn = _sum_of(body.of_rows, 0)
-    pending = _sum_of(body.of_rows, 1)
-    deepest = _most_of(body.of_rows, 2)
+    worn = sum_of(body.of_rows, 0)
+    pending = sum_of(body.of_rows, 1)
+    deepest = most_of(body.of_rows, 2)
     if wp.tid() == 0:
         row = slides[0].number
         rows_out[row, first_column] = wp.float64(body.counts[PIECES])
         rows_out[row, first_column + 1] = worn
         rows_out[row, first_column + 2] = pending - body.start
         rows_out[row, first_column + 3] = deepest
-        body.counts[LISTED] = 0
+        body.counts[CANDIDATES] = 0
         body.counts[STAGE] = DONE
 
 
@@ -316,16 +285,16 @@ def end_step(
     slots: wp.int32,
     sphere: Body,
     disc: Body,
-    left: Left,
+    release: Release,
     goes_out: wp.array(dtype=wp.int32),
 ):
     """A step ends when both bodies are done with it; the program stops where the table is full."""
     if wp.tid() == 0:
-        ends = wp.where(left.full[0] == 0, 1, 0)
+        ends = wp.where(release.full[0] == 0, 1, 0)
         if ends == 1:
             sphere.counts[STAGE] = TAKES
             disc.counts[STAGE] = TAKES
         else:
             goes_out[0] = 0
-        left.begins[0] = ends
-        left.ends[0] = ends
+        release.begins[0] = ends
+        release.ends[0] = ends

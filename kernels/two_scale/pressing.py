@@ -5,18 +5,10 @@ import warp as wp
 from warpwear.kernels import native_code
 from warpwear.kernels.balance import sum_of
 from warpwear.kernels.cells import ONE, ZERO
-from warpwear.kernels.newton import HALF, LOOKS, MET, Bracket, bracket_at, next_trial
-from warpwear.kernels.two_scale import sharing
+from warpwear.kernels.newton import HALF, LOOKS, MET, STUCK, Bracket, bracket_at, next_trial
 from warpwear.kernels.two_scale.curves import PRESSURE, SLOPE, Curves, lane, wait_for_slot, width
-from warpwear.kernels.two_scale.sharing import Flags, Load, Search
-from warpwear.kernels.two_scale.steps import (
-    Courses,
-    Steps,
-    begun,
-    first_guess,
-    flexibility_of,
-    guess_of,
-)
+from warpwear.kernels.two_scale.sharing import Flags, Load, Search, set_flags
+from warpwear.kernels.two_scale.steps import Courses, Steps, begun, first_guess, flexibility_of, guess_of
 
 wp.set_module_options(native_code.options("patches.h"))
 
@@ -28,7 +20,7 @@ PART = HALF
 
 @wp.struct
 class Smooth:
-    """A Winkler foundation of smooth bodies on the macro cells, with its own wear."""
+    """Smooth bodies are a Winkler foundation on the macro cells, with their own wear."""
 
     initial: wp.array(dtype=wp.float64)  # gap before any wear [mm]
     worn: wp.array(dtype=wp.float64)  # by both bodies [mm]
@@ -41,7 +33,7 @@ class Smooth:
 
 @wp.func
 def smooth_pressure(smooth: Smooth, k: wp.int32, base: wp.float64, offset: wp.float64, stiffness: wp.float64):
-    """Pressure of a macro cell without its cap [MPa]."""
+    """Return the pressure of a macro cell without its cap [MPa]."""
     return ((base - (smooth.initial[k] + smooth.worn[k])) + offset) * stiffness
 
 
@@ -89,20 +81,10 @@ def prescribe(smooth: Smooth, load: Load, flexibility: wp.float64, removal: wp.f
 
 @wp.kernel
 def press_smoothly(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    smooth: Smooth,
-    load: Load,
-    step: wp.array(dtype=wp.float64),
+    first_slot: wp.int32, slots: wp.int32, smooth: Smooth, load: Load, step: wp.array(dtype=wp.float64)
 ):
     """Prescribe the loads of a step by itself. step: 1/K_N, and K ΔL of both bodies [mm³/N]."""
     prescribe(smooth, load, step[0], step[1])
-
-
-@wp.func
-def press_from(curves: Curves, brackets: wp.array(dtype=Bracket), k: wp.int32):
-    """Begin the search of a patch at its trial approach."""
-    brackets[k] = bracket_at(curves.offset[k], wp.abs(curves.offset[k]))
 
 
 @wp.kernel
@@ -126,16 +108,12 @@ def begin(
         curves.base[k] = wp.where(touched, curves.base[k] + curves.offset[k], curves.lowest[k])
         beyond = wp.where(is_pressed, first_guess(steps, now), ZERO)
         curves.offset[k] = wp.where(touched, guess_of(m, now), beyond)
-        press_from(curves, brackets, k)
+        brackets[k] = bracket_at(curves.offset[k], wp.abs(curves.offset[k]))
     wait_for_slot()
     if lane() == 0:
         steps.now[0] = now
         steps.search[0] = s
-        steps.flags.searching[0] = smooth.balanced[0]
-        steps.flags.unanswered[0] = 1
-        steps.flags.balanced[0] = 0
-        if smooth.balanced[0] == 0:
-            steps.flags.stepping[0] = 0
+        set_flags(steps.flags, wp.where(smooth.balanced[0] == 1, LOOKS, STUCK))
 
 
 @wp.kernel
@@ -167,21 +145,19 @@ def judge(
     unmet = sum_of(curves.room, 1)
     s.residual = load.area * sum_of(curves.answer, PRESSURE) - load.load
     spent = s.evaluations >= load.evaluations
+    state = LOOKS
     if looking == ZERO or spent:
         s.number += 1
-        s.state = wp.where(unmet == ZERO, sharing.SHARED, sharing.LOOKS)
-        if unmet > ZERO and (s.number >= ROUNDS or spent):
-            s.state = sharing.FAILED
-        if s.state == sharing.LOOKS:
+        if unmet == ZERO:
+            state = MET
+        elif s.number >= ROUNDS or spent:
+            state = STUCK
+        else:
             for k in range(lane(), count, width()):
                 if brackets[k].state != MET:  # from a base at the solution the offset has digits again
                     curves.base[k] = curves.base[k] + curves.offset[k]
                     curves.offset[k] = ZERO
-                    press_from(curves, brackets, k)
+                    brackets[k] = bracket_at(curves.offset[k], wp.abs(curves.offset[k]))
     if lane() == 0:
         search_out[0] = s
-        flags.searching[0] = wp.where(s.state == sharing.LOOKS, 1, 0)
-        flags.unanswered[0] = 1
-        flags.balanced[0] = wp.where(s.state == sharing.SHARED, 1, 0)
-        if s.state == sharing.FAILED:
-            flags.stepping[0] = 0
+        set_flags(flags, state)

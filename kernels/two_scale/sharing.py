@@ -12,18 +12,28 @@ the solution, which together hold more digits than their sum.
 
 import warp as wp
 
-from warpwear.kernels import native_code
 from warpwear.kernels.balance import most_of, sum_of
 from warpwear.kernels.cells import NONE, ONE, ZERO
-from warpwear.kernels.newton import DIGITS, FIRST_REACH, GROWS, HALF, HOPELESS, SURELY
+from warpwear.kernels.newton import (
+    DIGITS,
+    HALF,
+    HOPELESS,
+    LOOKS,
+    MET,
+    STUCK,
+    SURELY,
+    Bracket,
+    bracket_at,
+    is_closed,
+    stepped,
+)
 from warpwear.kernels.two_scale.curves import (
-    AT,
-    CARRIES,
-    POINT,
     PRESSURE,
     SLOPE,
     STRAIGHT,
+    TOGETHER,
     Curves,
+    End,
     clear_bracket,
     enter_point,
     lane,
@@ -31,19 +41,12 @@ from warpwear.kernels.two_scale.curves import (
     width,
 )
 
-wp.set_module_options(native_code.options("patches.h"))
-
 #: Evaluations after which the approach of the bodies is held while the patches are solved at it, in brackets.
 JOINT = wp.constant(wp.int32(12))
 #: Of them, one in this many halves a bracket.
 BISECT_EVERY = wp.constant(wp.int32(3))
 #: Searches, each from bases nearer the solution: where cells are almost rigid, patches get digits in turns.
 SEARCHES = wp.constant(wp.int32(8))
-
-#: How far a search is.
-LOOKS = wp.constant(wp.int32(0))
-SHARED = wp.constant(wp.int32(1))
-FAILED = wp.constant(wp.int32(2))
 
 
 @wp.struct
@@ -63,20 +66,14 @@ class Search:
 
     flexibility: wp.float64  # 1/K_N [mm³/N], 0 without a spring
     common_base: wp.float64  # of the bodies' approach δ [mm]
-    common: wp.float64  # its offset: the last trial, or the solution
-    low: wp.float64  # bracket of it
-    high: wp.float64
-    reach: wp.float64  # of a step without a bracket, at most
-    width: wp.float64  # of the bracket two steps ago
+    bracket: Bracket  # of its offset: LOOKS, MET where the load is shared, or STUCK
     residual: wp.float64  # carried − load [N]
     spring_residual: wp.float64  # largest |u_k + p_k / K_N − δ| [mm]
     spring_allowed: wp.float64
-    evaluation: wp.int32  # of this search
     evaluations: wp.int32  # of all searches
     bracketed: wp.int32  # evaluations inside a bracket
     waited: wp.int32  # evaluations at an approach that is held
     number: wp.int32  # of the search
-    state: wp.int32  # LOOKS, SHARED or FAILED
 
 
 @wp.struct
@@ -90,8 +87,18 @@ class Flags:
 
 
 @wp.func
+def set_flags(flags: Flags, state: wp.int32):
+    """Say how far a search is, and end the steps where it has failed."""
+    flags.searching[0] = wp.where(state == LOOKS, 1, 0)
+    flags.unanswered[0] = 1
+    flags.balanced[0] = wp.where(state == MET, 1, 0)
+    if state == STUCK:
+        flags.stepping[0] = 0
+
+
+@wp.func
 def point_of(curves: Curves, s: Search, k: wp.int32):
-    """The point of a patch's curve: δ at which it is where it was evaluated, as an offset."""
+    """Return the point of a patch's curve: δ at which it is where it was evaluated, as an offset."""
     p = curves.answer[PRESSURE, k]
     shift = s.common_base - curves.base[k]  # exact where both are of one size
     point = (curves.offset[k] - shift) + s.flexibility * p
@@ -103,7 +110,7 @@ def point_of(curves: Curves, s: Search, k: wp.int32):
 
 @wp.func
 def apart_of(free: wp.bool, point: wp.float64, common: wp.float64):
-    """How far a patch is from a common approach; none is that it does not reach."""
+    """Return how far a patch is from a common approach; it is not from one that it does not reach."""
     return wp.where(free and point >= common, ZERO, wp.abs(point - common))
 
 
@@ -111,40 +118,46 @@ def apart_of(free: wp.bool, point: wp.float64, common: wp.float64):
 def search_from(
     curves: Curves, load: Load, before: Search, common_base: wp.float64, guess: wp.float64, low: wp.float64
 ):
-    """A search from bases, with trial offsets that stand already. guess, low: of the bodies' offset."""
+    """Begin a search at bases, with trial offsets that stand already. guess, low: of the bodies' offset."""
     s = before
     s.common_base = common_base
-    s.common = guess
-    s.low = low
-    s.high = NONE
-    s.reach = wp.where(guess == ZERO, FIRST_REACH, wp.abs(guess))
-    s.width = NONE
-    s.evaluation = wp.int32(0)
+    b = bracket_at(guess, wp.abs(guess))
+    b.low = low
+    s.bracket = b
     s.bracketed = wp.int32(0)
     s.waited = wp.int32(0)
-    s.state = LOOKS
     for k in range(lane(), curves.base.shape[0], width()):
         clear_bracket(curves, k, load.hardness)
     return s
 
 
 @wp.func
-def search_again(curves: Curves, load: Load, before: Search):
-    """The next search: from bases at the last approaches the offsets have digits again."""
+def ended(before: Search, common: wp.float64, state: wp.int32):
+    """End a search at an offset of the bodies."""
+    s = before
+    b = s.bracket
+    b.offset = common
+    b.state = state
+    s.bracket = b
+    return s
+
+
+@wp.func
+def search_again(curves: Curves, load: Load, before: Search, common: wp.float64):
+    """Begin the next search: from bases at the last approaches the offsets have digits again."""
     s = before
     s.number += 1
-    if s.number >= SEARCHES or not (wp.abs(s.common) < HOPELESS):
-        s.state = FAILED
-        return s
+    if s.number >= SEARCHES or not (wp.abs(common) < HOPELESS):
+        return ended(s, common, STUCK)
     for k in range(lane(), curves.base.shape[0], width()):
         curves.base[k] = curves.base[k] + curves.offset[k]
         curves.offset[k] = ZERO
-    return search_from(curves, load, s, s.common_base + s.common, ZERO, -NONE)
+    return search_from(curves, load, s, s.common_base + common, ZERO, -NONE)
 
 
 @wp.func
 def take_sure_step(curves: Curves, load: Load, before: Search, newton: wp.float64):
-    """Newton's step, where no patch leaves its straight line on the way: it needs no second look."""
+    """Take Newton's step where no patch leaves its straight line on the way: it needs no second look."""
     s = before
     for k in range(lane(), curves.base.shape[0], width()):
         p = curves.answer[PRESSURE, k]
@@ -176,92 +189,71 @@ def take_sure_step(curves: Curves, load: Load, before: Search, newton: wp.float6
     s.residual = residual
     s.spring_residual = apart
     s.spring_allowed = allowed
-    s.common = newton
-    s.state = SHARED
-    return s
+    return ended(s, newton, MET)
 
 
 @wp.func
-def total_at(curves: Curves, load: Load, s: Search, hardness: wp.float64):
-    """Sum of the pressures at the common approach [MPa], on its side of the load; negative while it is open.
+def evaluated_end(curves: Curves, s: Search, k: wp.int32):
+    """Return the point at which a patch was evaluated; one that carries nothing is at its lowest cell."""
+    point = point_of(curves, s, k)
+    p = curves.answer[PRESSURE, k]
+    approach = wp.where(p == ZERO, point + (s.common_base - curves.base[k]), curves.offset[k])
+    return End(approach, point, p)
+
+
+@wp.func
+def total_at(curves: Curves, load: Load, s: Search, common: wp.float64):
+    """Sum the pressures at the common approach [MPa], on its side of the load; negative while it is open.
 
     Where a patch's approach is down to neighbouring numbers, its cells are almost rigid and the curve between
     them is straight.
     """
     wanted = load.load / load.area
     for k in range(lane(), curves.base.shape[0], width()):
-        point = point_of(curves, s, k)
-        p = curves.answer[PRESSURE, k]
-        at = wp.where(p == ZERO, point + (s.common_base - curves.base[k]), curves.offset[k])
-        enter_point(curves, k, s.common, at, point, hardness)
-        far = apart_of(p == ZERO, point, s.common) > s.spring_allowed
-        low = curves.low[AT, k]
-        high = curves.high[AT, k]
-        below = curves.low[POINT, k]
-        least = curves.low[CARRIES, k]
-        part = (s.common - below) / (curves.high[POINT, k] - below)
-        curves.room[0, k] = wp.where(far and next_number(low, high) < high, ONE, ZERO)
-        curves.room[1, k] = wp.where(far, least + part * (curves.high[CARRIES, k] - least), p)
-    least_of_all = sum_of(curves.low, CARRIES)
-    most_of_all = sum_of(curves.high, CARRIES)
+        here = evaluated_end(curves, s, k)
+        enter_point(curves, k, common, here, load.hardness)
+        far = apart_of(here.pressure == ZERO, here.point, common) > s.spring_allowed
+        low = curves.low[k]
+        high = curves.high[k]
+        part = (common - low.point) / (high.point - low.point)
+        between = low.pressure + part * (high.pressure - low.pressure)
+        curves.room[0, k] = wp.where(
+            far and next_number(low.approach, high.approach) < high.approach, ONE, ZERO
+        )
+        curves.room[1, k] = wp.where(far, between, here.pressure)
+        curves.room[2, k] = low.pressure
+        curves.room[3, k] = high.pressure
     is_open = most_of(curves.room, 0) > ZERO
     total = sum_of(curves.room, 1)
+    least = sum_of(curves.room, 2)
+    most = sum_of(curves.room, 3)
     if is_open:
         total = -ONE
-    if most_of_all < wanted:
-        total = most_of_all
-    if least_of_all > wanted:
-        total = least_of_all
+    if most < wanted:
+        total = most
+    if least > wanted:
+        total = least
     return total
 
 
 @wp.func
-def next_common(before: Search, residual: wp.float64, newton: wp.float64, rises: wp.bool, exact: wp.bool):
-    """The search with its next trial approach of the bodies, by Newton's step and the bracket of it.
-
-    exact: whether the bracket is as narrow as what is known. While patches move as well, it is wide and what
-    halves it no measure.
-    """
-    s = before
-    x = s.common
-    if s.low <= -NONE or s.high >= NONE:
-        s.common = x + wp.where(residual < ZERO, s.reach, -s.reach)
-        if rises and wp.abs(newton - x) <= s.reach:
-            s.common = newton
-        s.reach = GROWS * s.reach
-        return s
-    s.bracketed += 1
-    even = s.bracketed % 2 == 0
-    stalled = exact and even and s.high - s.low > HALF * s.width
-    if even:
-        s.width = s.high - s.low
-    s.common = HALF * (s.low + s.high)
-    if rises and newton > s.low and newton < s.high and not stalled:
-        s.common = newton
-    return s
-
-
-@wp.func
-def guess_offsets(curves: Curves, load: Load, s: Search, last: wp.float64, bisects: wp.bool):
-    """Trial offsets of the patches at the next approach of the bodies. last: at which they were evaluated."""
+def guess_offsets(curves: Curves, load: Load, s: Search, common: wp.float64, bisects: wp.bool):
+    """Lay trial offsets of the patches at the next approach of the bodies."""
     # There may be no hardness.
     deepest = wp.where(s.flexibility > ZERO, s.flexibility * load.hardness, ZERO)
     for k in range(lane(), curves.base.shape[0], width()):
-        shift = s.common_base - curves.base[k]
-        point = point_of(curves, s, k)
-        p = curves.answer[PRESSURE, k]
-        at = wp.where(p == ZERO, point + shift, curves.offset[k])
-        enter_point(curves, k, s.common, at, point, load.hardness)
+        here = evaluated_end(curves, s, k)
+        enter_point(curves, k, common, here, load.hardness)
         # Where nothing is carried, and where the hardness is.
-        bound = s.common + shift
-        highest = wp.min(curves.high[AT, k], bound)
+        bound = common + (s.common_base - curves.base[k])
+        highest = wp.min(curves.high[k].approach, bound)
         lowest = wp.max(curves.lowest[k] - curves.base[k], bound - deepest)
-        lowest = wp.min(wp.max(curves.low[AT, k], lowest), highest)
-        way = s.common - point
-        guess = at + way / (ONE + s.flexibility * curves.answer[SLOPE, k])
-        if guess == at and way != ZERO:
+        lowest = wp.min(wp.max(curves.low[k].approach, lowest), highest)
+        way = common - here.point
+        guess = here.approach + way / (ONE + s.flexibility * curves.answer[SLOPE, k])
+        if guess == here.approach and way != ZERO:
             # A step too short for another number goes to the next one, so that brackets close.
-            guess = next_number(at, wp.where(way > ZERO, NONE, -NONE))
+            guess = next_number(here.approach, wp.where(way > ZERO, NONE, -NONE))
         if guess < lowest or guess > highest or (bisects and wp.abs(way) > s.spring_allowed):
             guess = HALF * (lowest + highest)
         curves.offset[k] = guess
@@ -269,13 +261,15 @@ def guess_offsets(curves: Curves, load: Load, s: Search, last: wp.float64, bisec
 
 @wp.func
 def evaluated(curves: Curves, load: Load, before: Search):
-    """The search after an evaluation: at its end, or with the next trial approaches."""
+    """Return the search after an evaluation: at its end, or with the next trial approaches."""
     s = before
-    s.evaluation += 1
+    b = s.bracket
+    b.evaluation += 1
+    s.bracket = b
     s.evaluations += 1
-    x = s.common
+    x = b.offset
     rigid = s.flexibility == ZERO
-    held = not rigid and s.evaluation > JOINT
+    held = not rigid and b.evaluation > JOINT
     for k in range(lane(), curves.base.shape[0], width()):
         slope = curves.answer[SLOPE, k]
         joined = slope / (ONE + s.flexibility * slope)
@@ -301,46 +295,49 @@ def evaluated(curves: Curves, load: Load, before: Search):
     furthest = most_of(curves.room, 2)
     solved = s.spring_residual <= s.spring_allowed
     if solved and wp.abs(residual) <= load.tolerance * load.load:
-        s.common = common
-        s.state = SHARED
-        return s
+        return ended(s, common, MET)
     if rises:
         s = take_sure_step(curves, load, s, newton)
-    if s.state == SHARED:
+    if s.bracket.state == MET:
         return s
-    if not (wp.abs(x) < HOPELESS) or s.evaluation >= load.evaluations:
-        return search_again(curves, load, s)
+    if not (wp.abs(x) < HOPELESS) or b.evaluation >= load.evaluations:
+        return search_again(curves, load, s, x)
     if held and not solved:
-        total = total_at(curves, load, s, load.hardness)
+        total = total_at(curves, load, s, x)
         if total >= ZERO:
             solved = True
             residual = load.area * total - load.load
     # No curve falls, so beyond the range of these points the common approach cannot lie.
     if residual < ZERO:
-        s.low = wp.max(s.low, wp.where(held and solved, x, nearest))
+        b.low = wp.max(b.low, wp.where(held and solved, x, nearest))
     else:
-        s.high = wp.min(s.high, wp.where(held and solved, x, furthest))
+        b.high = wp.min(b.high, wp.where(held and solved, x, furthest))
     s.waited += 1
     if not held or solved:
         s.waited = 0
-        s = next_common(s, residual, newton, rises, rigid or held)
-        known = s.low > -NONE and s.high < NONE
-        if (rigid or held) and known and not (s.common > s.low and s.common < s.high):
-            s.common = x
-            return search_again(curves, load, s)  # down to neighbouring numbers
+        if is_closed(b):
+            s.bracketed += 1
+        # While patches move as well the bracket is wide, and what halves it no measure.
+        b = stepped(b, residual, newton, rises, s.bracketed % 2 == 0, rigid or held)
+        if (rigid or held) and is_closed(b) and not (b.offset > b.low and b.offset < b.high):
+            return search_again(curves, load, s, x)  # down to neighbouring numbers
+    s.bracket = b
     bisects = held and s.waited % BISECT_EVERY == BISECT_EVERY - 1
-    guess_offsets(curves, load, s, x, bisects)
+    guess_offsets(curves, load, s, b.offset, bisects)
     return s
 
 
-@wp.func
-def judge_shares(load: Load, curves: Curves, search_out: wp.array(dtype=Search), flags: Flags):
+@wp.kernel(module=TOGETHER)
+def judge(
+    first_slot: wp.int32,
+    slots: wp.int32,
+    load: Load,
+    curves: Curves,
+    search_out: wp.array(dtype=Search),
+    flags: Flags,
+):
     """Decide after an evaluation whether the load is shared, and at what approaches to look next."""
     s = evaluated(curves, load, search_out[0])
     if lane() == 0:
         search_out[0] = s
-        flags.searching[0] = wp.where(s.state == LOOKS, 1, 0)
-        flags.unanswered[0] = 1
-        flags.balanced[0] = wp.where(s.state == SHARED, 1, 0)
-        if s.state == FAILED:
-            flags.stepping[0] = 0
+        set_flags(flags, s.bracket.state)

@@ -1,17 +1,14 @@
-"""Decisions between the passes of a step of patches: where its search begins, and what the step leaves."""
+"""Decide between the passes of a step of patches where its search begins, and book what the step leaves."""
 
 import math
 
 import warp as wp
 
-from warpwear.kernels import native_code
 from warpwear.kernels.balance import most_of, sum_of
 from warpwear.kernels.cells import NO_INDEX, NONE, ONE, ZERO, WearMost, WearSum
-from warpwear.kernels.newton import HALF
-from warpwear.kernels.two_scale.curves import PRESSURE, Curves, lane, wait_for_slot, width
-from warpwear.kernels.two_scale.sharing import Flags, Load, Search, search_from
-
-wp.set_module_options(native_code.options("patches.h"))
+from warpwear.kernels.newton import HALF, LOOKS
+from warpwear.kernels.two_scale.curves import PRESSURE, TOGETHER, Curves, lane, wait_for_slot, width
+from warpwear.kernels.two_scale.sharing import Flags, Load, Search, search_from, set_flags
 
 #: Columns of a row that a step leaves, before its sums and maxima.
 HEADER = ("base", "offset", "reference", "evaluations")
@@ -26,17 +23,14 @@ QUARTER = wp.constant(wp.float64(math.pi / 4.0))
 
 @wp.struct
 class Now:
-    """The step that is made."""
+    """The step that is being computed."""
 
     removal: wp.float64  # K ΔL of both bodies [mm³/N]
     stiffness: wp.float64  # 1/c of the cells [N/mm³]
     stiffness_next: wp.float64  # for which the pass that wears looks ahead
     reference: wp.float64  # pressure from which the scatter counts [MPa]
     mean: wp.float64  # pressure of the last step [MPa]
-    first_row: wp.float64  # extents of what was touched so far, the first ones negated
-    last_row: wp.float64
-    first_column: wp.float64
-    last_column: wp.float64
+    extents: wp.vec4d  # of what was touched so far, by `kernels.cells.EXTENTS`
     answered: wp.int32  # whether its first evaluation was made by the step before
     number: wp.int32  # of the step in the plan
     steps: wp.int32  # of the plan
@@ -93,7 +87,7 @@ class Courses:
 
 @wp.struct
 class Books:
-    """What steps leave: a row a step."""
+    """Books keep what steps leave, a row a step."""
 
     sums: wp.array2d(dtype=wp.float64)  # of the last step, lines of `WearSum`, a column a patch
     maxima: wp.array2d(dtype=wp.float64)  # lines of `WearMost`
@@ -105,7 +99,7 @@ class Books:
 
 @wp.func
 def foreseen_step(m: Memory, removal: wp.float64):
-    """How far a step goes on [mm], on the line through the rates at which the approach grew."""
+    """Return how far a step goes on [mm], on the line through the rates at which the approach grew."""
     where = m.slid + HALF * removal
     rate = m.rate_0
     if m.rates > ONE:  # Lagrange's line
@@ -115,8 +109,8 @@ def foreseen_step(m: Memory, removal: wp.float64):
 
 
 @wp.func
-def noted(before: Memory, approach: wp.float64, removal: wp.float64):
-    """What is known after a step that ended at an approach [mm], and removed K ΔL [mm³/N]."""
+def learnt(before: Memory, approach: wp.float64, removal: wp.float64):
+    """Return what is known after a step that ended at an approach [mm], and removed K ΔL [mm³/N]."""
     m = before
     where = m.slid + HALF * removal
     last = wp.where(m.rates > ONE, m.where_1, m.where_0)
@@ -142,7 +136,7 @@ def noted(before: Memory, approach: wp.float64, removal: wp.float64):
 
 @wp.func
 def guess_of(m: Memory, now: Now):
-    """How far the solution is expected from where a search begins [mm]."""
+    """Return how far the solution is expected from where a search begins [mm]."""
     guess = now.removal * now.mean
     if m.rates > ZERO:
         guess = foreseen_step(m, now.removal)
@@ -151,14 +145,14 @@ def guess_of(m: Memory, now: Now):
 
 @wp.func
 def first_guess(steps: Steps, now: Now):
-    """First step of a search from the lowest cell [mm]."""
+    """Return the first step of a search from the lowest cell [mm]."""
     pressure = wp.min(steps.load.hardness, steps.load.load / steps.cell_area)
     return HALF * pressure / now.stiffness
 
 
 @wp.func
 def begun(steps: Steps):
-    """The next step of the plan."""
+    """Return the next step of the plan."""
     now = steps.now[0]
     now.removal = steps.plan[now.number, REMOVAL]
     now.stiffness = steps.plan[now.number, STIFFNESS]
@@ -171,17 +165,18 @@ def begun(steps: Steps):
 
 @wp.func
 def flexibility_of(steps: Steps, now: Now):
-    """1/K_N of the step [mm³/N], which may follow the contact as it grows."""
+    """Return 1/K_N of the step [mm³/N], which may follow the contact as it grows."""
     flexibility = steps.plan[now.number, FLEXIBILITY]
-    if steps.follows > ZERO and now.last_row > NO_INDEX:
-        along = (now.last_row + now.first_row + ONE) * steps.cell
-        across = (now.last_column + now.first_column + ONE) * steps.cell
+    extents = now.extents
+    if steps.follows > ZERO and extents[1] > NO_INDEX:
+        along = (extents[1] + extents[0] + ONE) * steps.cell
+        across = (extents[3] + extents[2] + ONE) * steps.cell
         flexibility = ONE / (steps.follows / wp.sqrt(QUARTER * along * across / PI))
     return flexibility
 
 
-@wp.func
-def begin_step(steps: Steps, curves: Curves, courses: Courses):
+@wp.kernel(module=TOGETHER)
+def begin(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses):
     """Begin a step whose load is shared: a search from the last approaches, or from the lowest cell."""
     m = steps.memory[0]
     now = begun(steps)
@@ -203,20 +198,19 @@ def begin_step(steps: Steps, curves: Curves, courses: Courses):
     if lane() == 0:
         steps.now[0] = now
         steps.search[0] = s
-        steps.flags.searching[0] = 1
+        set_flags(steps.flags, LOOKS)
         steps.flags.unanswered[0] = 1 - now.answered
-        steps.flags.balanced[0] = 0
 
 
-@wp.func
-def foresee_step(steps: Steps, curves: Curves, courses: Courses):
+@wp.kernel(module=TOGETHER)
+def foresee(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses):
     """Learn from the approaches of a step, and tell at which ones the pass that wears looks ahead."""
     s = steps.search[0]
     now = steps.now[0]
     m = steps.memory[0]
-    approach = s.common_base + s.common
+    approach = s.common_base + s.bracket.offset
     gives = steps.sprung != 0 and m.steps > ZERO and now.removal > ZERO
-    m = noted(m, approach, now.removal)
+    m = learnt(m, approach, now.removal)
     m.gives = wp.where(gives, ONE, ZERO)
     m.ahead = -ONE
     if steps.looks_ahead != 0 and m.rates > ZERO and steps.plan[now.number + 1, REMOVAL] >= ZERO:
@@ -243,8 +237,8 @@ def foresee_step(steps: Steps, curves: Curves, courses: Courses):
         steps.memory[0] = m
 
 
-@wp.func
-def end_step(steps: Steps, curves: Curves, courses: Courses, books: Books):
+@wp.kernel(module=TOGETHER)
+def end(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses, books: Books):
     """Enter a step that has worn into the books, and see whether another one follows."""
     s = steps.search[0]
     now = steps.now[0]
@@ -266,7 +260,7 @@ def end_step(steps: Steps, curves: Curves, courses: Courses, books: Books):
     wait_for_slot()
     if lane() == 0:
         books.rows[row, 0] = s.common_base
-        books.rows[row, 1] = s.common
+        books.rows[row, 1] = s.bracket.offset
         books.rows[row, 2] = now.reference
         books.rows[row, 3] = wp.float64(s.evaluations - now.answered)
         pressure = books.rows[row, FIRST + WearSum.PRESSURE]
@@ -276,12 +270,11 @@ def end_step(steps: Steps, curves: Curves, courses: Courses, books: Books):
         follows = now.number < now.steps and contact > ZERO
         left = wp.abs(pressure * of_cell - steps.load.load)
         follows = follows and left <= (ONE + ONE) * steps.load.tolerance * steps.load.load
-        extents = FIRST + sums + WearMost.FIRST_ROW
-        now.first_row = wp.max(now.first_row, books.rows[row, extents])
-        now.last_row = wp.max(now.last_row, books.rows[row, extents + 1])
-        now.first_column = wp.max(now.first_column, books.rows[row, extents + 2])
-        now.last_column = wp.max(now.last_column, books.rows[row, extents + 3])
+        extents = now.extents
         for i in range(4):
-            follows = follows and books.rows[row, extents + i] <= steps.within[i]
+            extent = books.rows[row, FIRST + sums + WearMost.FIRST_ROW + i]
+            extents[i] = wp.max(extents[i], extent)
+            follows = follows and extent <= steps.within[i]
+        now.extents = extents
         steps.now[0] = now
         steps.flags.stepping[0] = wp.where(follows, 1, 0)

@@ -1,4 +1,4 @@
-"""Finite Fourier sums at uniform points, and reproducible random amplitudes for them."""
+"""Compute finite Fourier sums at uniform points, and reproducible random amplitudes for them."""
 
 import math
 from collections.abc import Iterator

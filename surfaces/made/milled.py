@@ -1,4 +1,4 @@
-"""Milled surfaces: feed marks with a fine roughness on them."""
+"""Milled surfaces have feed marks with a fine roughness on them."""
 
 import math
 from collections.abc import Iterator
@@ -42,7 +42,7 @@ class Milled(RandomPart):
         self._check("feed", self.feed > self.cut_off, f"more than cut_off ({self.cut_off:g} mm)")
         self._check("fine_ra", self.fine_ra >= 0.0, "0 or a positive length")
         self._check("lay", abs(self.lay) <= 180.0, "an angle from -180 to 180 degrees", unit="degrees")
-        if self.fine_ra >= self._asked[1]:  # Ra is below Sq, so this refuses nothing sound
+        if self.fine_ra >= self._target[1]:  # Ra is below Sq, so this refuses nothing sound
             raise self._too_fine()
 
     def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
@@ -81,7 +81,7 @@ class Milled(RandomPart):
         }
 
     def _too_fine(self) -> InputError:
-        name, whole = self._asked
+        name, whole = self._target
         return InputError(
             f"disc.synthetic.fine_ra is {self.fine_ra:g} mm: the fine part alone is as rough as the whole "
             f"is to be ({name} = {whole:g} mm), allowed is a smaller fine_ra, or 0"
@@ -139,28 +139,28 @@ class Milled(RandomPart):
     def _scaled(self) -> tuple[float, float, float]:
         """Return the factor [mm] on unit feed marks that makes the whole as rough as asked; its Ra, Sq."""
         marks, fine = self._reference()
-        name, asked = self._asked
-        factor = (self._factor_for_sq if name == "sq" else self._factor_for_ra)(asked, marks, fine)
+        name, target = self._target
+        factor = (self._factor_for_sq if name == "sq" else self._factor_for_ra)(target, marks, fine)
         marks *= factor
         marks += fine
         return factor, float(np.abs(marks).mean()), math.sqrt(float(np.square(marks).mean()))
 
-    def _factor_for_sq(self, asked: float, marks: FloatArray, fine: FloatArray) -> float:
+    def _factor_for_sq(self, target: float, marks: FloatArray, fine: FloatArray) -> float:
         # Sq² = s² <m²> + 2 s <m f> + <f²>, its positive root
         square, cross = float(np.square(marks).mean()), float((marks * fine).mean())
-        rest = float(np.square(fine).mean()) - asked**2
+        rest = float(np.square(fine).mean()) - target**2
         if rest >= 0.0:
             raise self._too_fine()
         return (math.sqrt(cross**2 - square * rest) - cross) / square
 
-    def _factor_for_ra(self, asked: float, marks: FloatArray, fine: FloatArray) -> float:
+    def _factor_for_ra(self, target: float, marks: FloatArray, fine: FloatArray) -> float:
         alone = float(np.abs(fine).mean())
-        if alone >= asked:
+        if alone >= target:
             raise self._too_fine()
 
         def excess(factor: float) -> float:
-            return float(np.abs(factor * marks + fine).mean()) / asked - 1.0
+            return float(np.abs(factor * marks + fine).mean()) / target - 1.0
 
         # mean |s m + f| ≥ s mean |m| − mean |f|: rough enough at the upper end for sure
-        highest = (asked + alone) / float(np.abs(marks).mean())
+        highest = (target + alone) / float(np.abs(marks).mean())
         return float(optimize.brentq(excess, 0.0, highest * (1 + SLACK), xtol=1e-15 * highest, rtol=1e-14))

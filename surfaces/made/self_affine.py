@@ -1,4 +1,4 @@
-"""Gaussian random surfaces, self-affine between two wavelengths."""
+"""Gaussian random surfaces are self-affine between two wavelengths."""
 
 import math
 from collections.abc import Iterator
@@ -12,8 +12,8 @@ from warpwear.grid import FloatArray
 from warpwear.surfaces.made.fourier import ComplexArray, fourier_blocks, fourier_sum, half_plane_draws
 from warpwear.surfaces.made.synthetic import SLACK, RandomPart
 
-#: Ra [mm] before scaling of the surfaces made so far, by what their draws depend on: the runs of a sweep, and
-#: the files that are written of a run, ask for the same.
+#: Ra [mm] before scaling of the surfaces computed so far, by what their draws depend on: the runs of a sweep,
+#: and the files that are written of a run, need the same.
 _KNOWN_RA: dict[tuple[float, ...], float] = {}
 
 
@@ -93,8 +93,8 @@ class SelfAffine(RandomPart):
     @cached_property
     def _scale(self) -> float:
         """Return the factor on the unscaled surface that makes it as rough as asked."""
-        name, asked = self._asked
-        return asked / (_sq(self._unscaled) if name == "sq" else self._unscaled_ra)
+        name, target = self._target
+        return target / (_sq(self._unscaled) if name == "sq" else self._unscaled_ra)
 
     @cached_property
     def _amplitudes(self) -> ComplexArray:

@@ -55,7 +55,7 @@ class RandomPart:
                 f"disc.synthetic.ra and disc.synthetic.sq: {both or 'neither is given'}, "
                 "allowed is exactly one of the two, a positive length"
             )
-        self._check(self._asked[0], self._asked[1] > 0.0, "a positive length")
+        self._check(self._target[0], self._target[1] > 0.0, "a positive length")
         self._check("hurst", 0.0 < self.hurst <= 1.0, "more than 0 and at most 1", unit="")
         self._check("cut_off", self.cut_off > 0.0, "a positive length")
         self._check("period", self.period > 0.0, "a positive length")
@@ -68,22 +68,22 @@ class RandomPart:
             raise InputError(f"disc.synthetic.seed is {self.seed!r}: allowed is a whole number from 0")
 
     @property
-    def _asked(self) -> tuple[str, float]:
-        """Return which roughness is asked for, "ra" or "sq", and its value [mm]."""
+    def _target(self) -> tuple[str, float]:
+        """Return which roughness the whole is to have, "ra" or "sq", and its value [mm]."""
         return ("ra", self.ra) if self.ra is not None else ("sq", self.sq or 0.0)
 
     def _check(self, name: str, allowed: bool, expected: str, *, unit: str = "mm") -> None:
         """Raise InputError unless the value of a parameter is finite and allowed."""
         value = getattr(self, name)
         if not (math.isfinite(value) and allowed):
-            shown = f"{value:g} {unit}".rstrip()
-            raise InputError(f"disc.synthetic.{name} is {shown}: allowed is {expected}")
+            text = f"{value:g} {unit}".rstrip()
+            raise InputError(f"disc.synthetic.{name} is {text}: allowed is {expected}")
 
     def _parameters(self) -> dict[str, Any]:
         """Return the parameters for the record: the roughness asked for, the spectrum, the seed."""
-        name, asked = self._asked
+        name, roughness = self._target
         return {
-            "asked": {f"{name}_um": 1e3 * asked},
+            "asked": {f"{name}_um": 1e3 * roughness},
             "hurst": self.hurst,
             "roll_off_um": self.roll_off * 1e3,
             "cut_off_um": self.cut_off * 1e3,

@@ -1,7 +1,7 @@
 """What a ball has lost: from its topography, or from two diagonals of its worn patch."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,9 +10,9 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.filling import filled
-from warpwear.surfaces.outliers import TO_SIGMA
+from warpwear.surfaces.outliers import robust_deviation
 from warpwear.surfaces.sphere import NoSphere, Sphere, fit_sphere, places
-from warpwear.surfaces.worn.patch import Patch, check_points, density_of, grown, measured_patch
+from warpwear.surfaces.worn.patch import Body, Patch, check_points
 from warpwear.surfaces.worn.waviness import ROUGH
 
 ndimage = lazy.module("scipy.ndimage")
@@ -87,7 +87,7 @@ def find_worn_ball(
     check_points(heights.shape)
     x, y = places(heights.shape, pixel)
     u, v = (np.abs(p) / (0.5 * np.ptp(p)) for p in (x, y))
-    found = _find(heights, np.maximum.outer(u, v) > FIRST_RING, pixel=pixel, radius=radius)
+    ball = _find(heights, np.maximum.outer(u, v) > FIRST_RING, pixel=pixel, radius=radius)
     if radius is None:
         try:
             out = np.hypot.outer(u, v)
@@ -95,10 +95,10 @@ def find_worn_ball(
             other = _find(heights, outermost, pixel=pixel, radius=None)
         except InputError as error:
             raise InputError(NOT_TOLD) from error
-        allowed = max(AGREEMENT * abs(found.volume), 3.0 * found.volume_error)
-        if abs(found.volume - other.volume) > allowed or _bend(found.lost, found.patch, pixel) >= 0.0:
+        allowed = max(AGREEMENT * abs(ball.volume), 3.0 * ball.volume_error)
+        if abs(ball.volume - other.volume) > allowed or _bend(ball.lost, ball.patch, pixel) >= 0.0:
             raise InputError(NOT_TOLD)
-    return found
+    return ball
 
 
 def _find(
@@ -106,12 +106,14 @@ def _find(
 ) -> WornBall:
     """Find the worn patch from a start: the points that are taken as unworn at first, shape (nx, ny)."""
     x, y = places(heights.shape, pixel)
-    area = pixel[0] * pixel[1]
     measured = ~np.isnan(heights)
     unworn, patch = start & measured, ~start
-    terms, least, lacking = 4, LEAST_FOR_RADIUS, NOT_TOLD
+    # as if the fit were one of 1, x, y and, where the radius is fitted too, x² + y²
+    half = float(np.hypot(np.ptp(x), np.ptp(y))) / 2.0
+    px, py = np.meshgrid(x / half, y / half, indexing="ij")
+    terms, least, lacking = np.stack([np.ones_like(px), px, py, px**2 + py**2]), LEAST_FOR_RADIUS, NOT_TOLD
     if radius is not None:
-        terms, least, lacking = 3, LEAST_UNWORN, TOO_LITTLE
+        terms, least, lacking = terms[:3], LEAST_UNWORN, TOO_LITTLE
     for _ in range(ROUNDS):
         try:
             sphere = fit_sphere(heights, pixel=pixel, where=unworn, radius=radius)
@@ -126,8 +128,7 @@ def _find(
         if np.isnan(lost[measured]).any():
             raise InputError("the measurement reaches beyond the ball: --crop takes a smaller part")
         lost = filled(lost)
-        rest = lost[unworn]
-        noise = TO_SIGMA * float(np.median(np.abs(rest - np.median(rest))))
+        noise = robust_deviation(lost[unworn])
         limit = max(THRESHOLD * noise, 1e-6 * float(np.ptp(lost)))
         smooth = ndimage.uniform_filter(lost, SMOOTHED, mode="nearest")
         labels, pieces = ndimage.label(smooth > limit / 2.0)
@@ -136,8 +137,8 @@ def _find(
         sums = ndimage.sum_labels(np.maximum(lost, 0.0), labels, np.arange(1, pieces + 1))
         seed = ndimage.binary_fill_holes(labels == 1 + int(np.argmax(sums)))
         near = _near(smooth, seed, pixel=pixel)
-        density = density_of(lost, unworn, area=area, terms=terms)
-        reach = grown(lost, seed & near, near, pixel=pixel, density=density)
+        body = Body(lost=lost, unworn=unworn, pixel=pixel, terms=terms)
+        reach = body.grown(seed & near, near)
         same = np.array_equal(reach.patch, patch)
         patch = reach.patch
         unworn = measured & ~patch & ~reach.rim & ((lost < limit) | ~start)
@@ -145,12 +146,8 @@ def _find(
             raise InputError(lacking)
         if same:
             break
-    # as if the fit were one of 1, x, y and, where the radius is fitted too, x² + y²
-    half = float(np.hypot(np.ptp(x), np.ptp(y))) / 2.0
-    px, py = np.meshgrid(x / half, y / half, indexing="ij")
-    fitted = np.stack([np.ones_like(px), px, py, px**2 + py**2][:terms])
-    found = measured_patch(lost, reach, unworn, pixel=pixel, terms=fitted, noise=noise, hurst=ROUGH)
-    return WornBall(sphere=sphere, **vars(found))
+    worn = replace(body, unworn=unworn).worn_patch(reach, noise=noise, hurst=ROUGH)
+    return WornBall(sphere=sphere, **vars(worn))
 
 
 def _bend(lost: FloatArray, patch: BoolArray, pixel: tuple[float, float]) -> float:

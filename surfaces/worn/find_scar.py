@@ -12,9 +12,9 @@ from warpwear.grid import FloatArray
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.filling import filled
 from warpwear.surfaces.levelling import without_polynomial
-from warpwear.surfaces.outliers import TO_SIGMA
+from warpwear.surfaces.outliers import robust_deviation
 from warpwear.surfaces.sphere import places
-from warpwear.surfaces.worn.patch import SMOOTHED, Patch, check_points, density_of, grown, measured_patch
+from warpwear.surfaces.worn.patch import SMOOTHED, Body, Patch, check_points, extents
 from warpwear.surfaces.worn.registration import unchanged
 from warpwear.surfaces.worn.waviness import CHANGED
 
@@ -60,21 +60,19 @@ def find_scar(
     check_points(heights.shape)
     nx, ny = heights.shape
     measured = ~np.isnan(heights)
-    p, q = np.meshgrid(np.linspace(-1.0, 1.0, nx), np.linspace(-1.0, 1.0, ny), indexing="ij")
+    terms_x, terms_y = (legendre.legvander(np.linspace(-1.0, 1.0, n), degree).T for n in (nx, ny))
     powers = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
-    eye = np.eye(degree + 1)
-    terms = np.stack([legendre.legval(p, eye[i]) * legendre.legval(q, eye[j]) for i, j in powers])
+    terms = np.stack([np.multiply.outer(terms_x[i], terms_y[j]) for i, j in powers])
     unworn = measured.copy()
     unworn[measured] = unchanged(heights[measured], terms[:, measured].T)
     coarse = [max(SMOOTHED, round(JOINED * min(nx * pixel[0], ny * pixel[1]) / d)) for d in pixel]
     patch = np.zeros_like(unworn)
     for _ in range(ROUNDS):
         lost = filled(-without_polynomial(heights, degree=degree, where=unworn))
-        noise = _scatter(lost[unworn])
+        noise = robust_deviation(lost[unworn], 0.0)
         seed = _seed(lost, unworn, coarse=coarse, pixel=pixel)
-        density = density_of(lost, unworn, area=pixel[0] * pixel[1], terms=len(terms))
-        everywhere = np.ones_like(seed)
-        reach = grown(lost, seed, everywhere, pixel=pixel, density=density, noise=noise, inwards=INWARDS)
+        body = Body(lost=lost, unworn=unworn, pixel=pixel, terms=terms)
+        reach = body.grown(seed, np.ones_like(seed), noise=noise, inwards=INWARDS)
         same = np.array_equal(reach.patch, patch)
         patch = reach.patch
         unworn = measured & ~patch & ~reach.rim
@@ -89,17 +87,17 @@ def find_scar(
         raise InputError(
             "the scar is larger than the field, of which it reaches all four sides: a wider one is needed"
         )
-    found = measured_patch(lost, reach, unworn, pixel=pixel, terms=terms, noise=noise, hurst=hurst)
-    if not found.volume > LEAST_ERRORS * found.volume_error:
+    scar = replace(body, unworn=unworn).worn_patch(reach, noise=noise, hurst=hurst)
+    if not scar.volume > LEAST_ERRORS * scar.volume_error:
         raise InputError(
-            f"no scar was found: the deepest region has lost {found.volume:.3g} mm³, with a standard error "
-            f"of {found.volume_error:.2g} mm³"
+            f"no scar was found: the deepest region has lost {scar.volume:.3g} mm³, with a standard error "
+            f"of {scar.volume_error:.2g} mm³"
         )
     # a ragged scar ends at its outermost worn asperities, not at the rings about them
     smooth = ndimage.uniform_filter(lost, SMOOTHED, mode="nearest")
-    sharp = patch & (smooth > THRESHOLD * _scatter(smooth[unworn]))
-    along, across = _extents(sharp, pixel)
-    return replace(found, along=along or found.along, across=across or found.across)
+    sharp = patch & (smooth > THRESHOLD * robust_deviation(smooth[unworn], 0.0))
+    along, across = extents(sharp, pixel)
+    return replace(scar, along=along or scar.along, across=across or scar.across)
 
 
 def sides_reached(patch: BoolArray) -> int:
@@ -128,18 +126,6 @@ def mean_profile(scar: Patch) -> Profile:
     return Profile(y, np.asarray(lost[averaged].mean(axis=0)), band, averaged, count * px)
 
 
-def _scatter(values: FloatArray) -> float:
-    """Return the robust standard deviation of values about 0."""
-    return TO_SIGMA * float(np.median(np.abs(values)))
-
-
-def _extents(region: BoolArray, pixel: tuple[float, float]) -> tuple[float, float]:
-    """Return how far a region, shape (nx, ny), extends along and across [mm], 0 where it is empty."""
-    ends = [np.flatnonzero(region.any(axis=1 - axis)) for axis in (0, 1)]
-    along, across = (float(e[-1] - e[0] + 1) * d if e.size else 0.0 for e, d in zip(ends, pixel, strict=True))
-    return along, across
-
-
 def _seed(lost: FloatArray, unworn: BoolArray, *, coarse: list[int], pixel: tuple[float, float]) -> BoolArray:
     """Return the region that stands out as worn, shape (nx, ny): the largest of those connected.
 
@@ -147,13 +133,13 @@ def _seed(lost: FloatArray, unworn: BoolArray, *, coarse: list[int], pixel: tupl
     """
     floor = 1e-6 * float(np.ptp(lost))
     fine, wide = (ndimage.uniform_filter(lost, size, mode="nearest") for size in (SMOOTHED, coarse))
-    region, sharp = (z > max(THRESHOLD * _scatter(z[unworn]), floor) for z in (wide, fine))
+    region, sharp = (z > max(THRESHOLD * robust_deviation(z[unworn], 0.0), floor) for z in (wide, fine))
     labels, pieces = ndimage.label(region)
     # means over fewer points, at the field's edges, scatter more
     inner = tuple(slice(n // 2, size - n // 2) for n, size in zip(coarse, lost.shape, strict=True))
     known = np.arange(1, pieces + 1)
     peaks = ndimage.maximum(wide[inner], labels[inner], known) if pieces else np.zeros(0)
-    certain = [max(CERTAIN * _scatter(z[unworn]), floor) for z in (wide, fine)]
+    certain = [max(CERTAIN * robust_deviation(z[unworn], 0.0), floor) for z in (wide, fine)]
     known = known[peaks > certain[0]]
     if not known.size:
         raise InputError("no scar was found: nothing lies below the rest of the surface by more than chance")
@@ -163,7 +149,7 @@ def _seed(lost: FloatArray, unworn: BoolArray, *, coarse: list[int], pixel: tupl
     seed, width = sharp & region, max(n * d for n, d in zip(coarse, pixel, strict=True))
     if not seed.any():
         seed = region
-    reach = BESIDE * math.sqrt(math.prod(_extents(seed, pixel)))
+    reach = BESIDE * math.sqrt(math.prod(extents(seed, pixel)))
     beside = ndimage.distance_transform_edt(~seed, sampling=pixel) <= reach
     far = fine[unworn & ~beside]
     if far.size:  # what the unworn surface has elsewhere is no wear beside the scar, either

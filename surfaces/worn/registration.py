@@ -1,10 +1,11 @@
-"""The difference of two measurements of one place, one laid over the other: shift, rotation and tilt."""
+"""Lay two measurements of one place over each other, by shift, rotation and tilt, and take the difference."""
 
 import itertools
 import math
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from operator import itemgetter
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.levelling import without_polynomial
-from warpwear.surfaces.outliers import TO_SIGMA
+from warpwear.surfaces.outliers import robust_deviation
 from warpwear.surfaces.sphere import places
 
 fft = lazy.module("scipy.fft")
@@ -32,7 +33,7 @@ CERTAIN = 0.95  # correlation from which no other place is tried
 FIRST_ROUNDS = 5  # of the fit of each of these places
 FITTED = 3  # of these places, the best after the first rounds, that are fitted to the end
 LEAST_COARSE = 0.3  # correlation of coarse maps, after the first rounds and in the end, to go on
-KEPT = 4.0  # robust standard deviations: what differs more is worn and not fitted to
+STEADY = 4.0  # robust standard deviations: what differs more is worn and not fitted to
 FORM_POINTS = 5_000  # that the first form is fitted to
 FORM_ROUNDS = 20  # of weighted fits that find the form of least absolute deviations
 FINE = 1.0 / 16.0  # of the shorter side: the width of the mean from which fine heights are taken
@@ -49,6 +50,7 @@ SHORT = 0.4  # waves a point, at least, of one that the noise is told from
 LEAST_KNOWN = 0.9  # of a line along the edge of what both show
 FEWEST_PIXELS = 8  # of the earlier measurement along the later one's field
 LEAST_OVERLAP = 0.25  # of the later measurement's field
+EVERYWHERE = slice(None)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -86,6 +88,19 @@ class _Earlier:
         return np.where(outside, np.nan, heights)
 
 
+class _Map(NamedTuple):
+    """Heights [mm], shape (nx, ny), have a pixel [mm]."""
+
+    heights: FloatArray
+    pixel: tuple[float, float]
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Return how far the field reaches along both axes [mm]."""
+        (nx, ny), (px, py) = self.heights.shape, self.pixel
+        return nx * px, ny * py
+
+
 def difference(
     later: FloatArray, earlier: FloatArray, *, pixel: tuple[float, float], earlier_pixel: tuple[float, float]
 ) -> Difference:
@@ -96,13 +111,14 @@ def difference(
     not change, together with the tilt. Raises InputError where the two do not show the same place.
     """
     later, earlier = (without_polynomial(heights, degree=1) for heights in (later, earlier))
-    _check_alike(later, earlier, pixel=pixel, earlier_pixel=earlier_pixel)
+    maps = _Map(later, pixel), _Map(earlier, earlier_pixel)
+    _check_alike(*maps)
     absent = np.isnan(earlier)
     splines = ndimage.spline_filter(np.where(absent, 0.0, earlier), order=3, mode="nearest")
     # a spline rings beside a hole
     missing = ndimage.binary_dilation(absent, iterations=2).astype(np.float64) if absent.any() else None
     sampled = _Earlier(splines, missing, earlier_pixel)
-    place, correlation = _coarse_place(later, earlier, pixel=pixel, earlier_pixel=earlier_pixel)
+    place, correlation = _coarse_place(*maps)
     if correlation >= LEAST_COARSE:
         place, correlation = _fitted(later, sampled, place, pixel=pixel)
     if not correlation >= LEAST_CORRELATION:
@@ -137,20 +153,18 @@ def difference(
     )
 
 
-def _coarse_place(
-    later: FloatArray, earlier: FloatArray, *, pixel: tuple[float, float], earlier_pixel: tuple[float, float]
-) -> tuple[FloatArray, float]:
+def _coarse_place(later: _Map, earlier: _Map) -> tuple[FloatArray, float]:
     """Return shift x, y [mm] and rotation [rad] by phase correlation of coarse maps, and their correlation.
 
     Of the places with the highest peaks over all angles it is the one about which the maps, fitted to each
     other, correlate best.
     """
-    extent = [n * p for n, p in zip(later.shape, pixel, strict=True)]
-    step = max(max(extent) / COARSE, *pixel, *earlier_pixel)
+    extent = later.extent
+    step = max(max(extent) / COARSE, *later.pixel, *earlier.pixel)
     shape = (max(8, round(extent[0] / step)), max(8, round(extent[1] / step)))
     x, y = np.meshgrid(*places(shape, (step, step)), indexing="ij")
     here = np.zeros(3)
-    there, coarse = (_coarse(z, p, step) for z, p in ((earlier, earlier_pixel), (later, pixel)))
+    there, coarse = _coarse(earlier, step), _coarse(later, step)
     # tapered, so that the edges of the field do not correlate with themselves
     taper = np.multiply.outer(*(np.hanning(n + 2)[1:-1] for n in shape))
     size = [fft.next_fast_len(2 * n, real=True) for n in shape]
@@ -165,76 +179,76 @@ def _coarse_place(
         turned = np.nan_to_num(there.at(x, y, np.array([0.0, 0.0, angle])))
         both = np.conj(waves) * fft.rfft2(taper * turned, s=size)
         strength = np.maximum(np.abs(both), np.finfo(float).tiny)
-        for power, found in peaks.items():
+        for power, candidates in peaks.items():
             peak = fft.irfft2(spread * both / strength**power, s=size)
             i, j = (int(k) for k in np.unravel_index(int(np.argmax(peak)), peak.shape))
             moved = [step * (k - n if k > n // 2 else k) for k, n in zip((i, j), size, strict=True)]
             cosine, sine = math.cos(angle), math.sin(angle)
             turned_place = [cosine * moved[0] - sine * moved[1], sine * moved[0] + cosine * moved[1], angle]
-            found.append((float(peak.max()), np.array(turned_place)))
+            candidates.append((float(peak.max()), np.array(turned_place)))
     near = np.array([APART * step, APART * step, APART * turns])
     fit = partial(_fitted, unworn, there, pixel=(step, step), points=COARSE_POINTS)
     begun: list[tuple[FloatArray, float]] = []
-    for start in _alternating(*(_distinct(found, near) for found in peaks.values())):
+    starts = itertools.zip_longest(*(_distinct(candidates, near) for candidates in peaks.values()))
+    for start in (place for both in starts for place in both if place is not None):
         begun.append(fit(start, rounds=FIRST_ROUNDS))
         if begun[-1][1] > CERTAIN:
             begun = begun[-1:]
             break
     # the right place stands out after a few rounds, in which the others do not settle
-    begun.sort(key=lambda found: -found[1])
+    begun.sort(key=itemgetter(1), reverse=True)
     if begun[0][1] < LEAST_COARSE:
         return begun[0]
-    return max((fit(place) for place, _ in begun[:FITTED]), key=lambda found: found[1])
+    return max((fit(place) for place, _ in begun[:FITTED]), key=itemgetter(1))
 
 
 def _distinct(peaks: list[tuple[float, FloatArray]], near: FloatArray) -> list[FloatArray]:
     """Return the places of the highest peaks, shape (3,) each, of those `near` each other the highest."""
-    kept: list[FloatArray] = []
+    distinct: list[FloatArray] = []
     for _, place in sorted(peaks, key=lambda peak: -peak[0]):
-        if all((np.abs(place - other) > near).any() for other in kept):
-            kept.append(place)
-    return kept[:CANDIDATES]
+        if all((np.abs(place - other) > near).any() for other in distinct):
+            distinct.append(place)
+    return distinct[:CANDIDATES]
 
 
-def _alternating(*lists: list[FloatArray]) -> list[FloatArray]:
-    """Return the first of each list, then the second of each, and so on."""
-    return [item for row in itertools.zip_longest(*lists) for item in row if item is not None]
+def _plane_terms(shape: tuple[int, ...]) -> FloatArray:
+    """Return the terms of a plane at every point of a field, shape (nx · ny, 3)."""
+    p, q = (np.linspace(-1.0, 1.0, n) for n in shape)
+    return np.stack([np.ones(p.size * q.size), np.repeat(p, q.size), np.tile(q, p.size)], axis=1)
+
+
+def _rest(values: FloatArray, terms: FloatArray, fitted: BoolArray | slice = EVERYWHERE) -> FloatArray:
+    """Return values, shape (n,), less the terms, (n, p), that are fitted to some of them by least squares."""
+    form = np.linalg.lstsq(terms[fitted], values[fitted], rcond=None)[0]
+    return np.asarray(values - terms @ form)
 
 
 def _unworn(heights: FloatArray) -> FloatArray:
     """Return heights [mm], shape (nx, ny), over the plane of what is not worn, NaN where they are far off."""
-    p, q = (np.linspace(-1.0, 1.0, n) for n in heights.shape)
-    terms = np.stack([np.ones(heights.size), np.repeat(p, q.size), np.tile(q, p.size)], axis=1)
-    kept = unchanged(heights.ravel(), terms)
-    form = np.linalg.lstsq(terms[kept], heights.ravel()[kept], rcond=None)[0]
-    flat = heights - (terms @ form).reshape(heights.shape)
-    return np.where(kept.reshape(heights.shape), flat, np.nan)
+    terms = _plane_terms(heights.shape)
+    unworn = unchanged(heights.ravel(), terms)
+    return np.where(unworn, _rest(heights.ravel(), terms, unworn), np.nan).reshape(heights.shape)
 
 
-def _check_alike(
-    later: FloatArray, earlier: FloatArray, *, pixel: tuple[float, float], earlier_pixel: tuple[float, float]
-) -> None:
+def _check_alike(later: _Map, earlier: _Map) -> None:
     """Raise InputError where two measurements [mm] cannot show one place: another size, or another unit.
 
     Compared are the fields, and the median step of height over a part of them, where noise decides less.
     """
-    sizes = [
-        math.prod(n * d for n, d in zip(z.shape, p, strict=True))
-        for z, p in ((later, pixel), (earlier, earlier_pixel))
-    ]
-    if sizes[1] < LEAST_OVERLAP * sizes[0] or max(earlier_pixel) > min(
-        n * d / FEWEST_PIXELS for n, d in zip(later.shape, pixel, strict=True)
+    if math.prod(earlier.extent) < LEAST_OVERLAP * math.prod(later.extent) or max(earlier.pixel) > (
+        min(later.extent) / FEWEST_PIXELS
     ):
+        sizes = [" × ".join(f"{side:.4g}" for side in one.extent) for one in (earlier, later)]
         raise InputError(
-            f"--before has a field of {_told(earlier.shape, earlier_pixel)} mm, FILE one of "
-            f"{_told(later.shape, pixel)} mm: at least {100.0 * LEAST_OVERLAP:g} % of it must be in both, by "
-            f"{FEWEST_PIXELS} points or more along each side; --pixel overrides what files say"
+            f"--before has a field of {sizes[0]} mm, FILE one of {sizes[1]} mm: at least "
+            f"{100.0 * LEAST_OVERLAP:g} % of it must be in both, by {FEWEST_PIXELS} points or more along "
+            "each side; --pixel overrides what files say"
         )
-    apart = max(*pixel, *earlier_pixel, STEP * later.shape[0] * pixel[0])
+    apart = max(*later.pixel, *earlier.pixel, STEP * later.extent[0])
     steps = []
-    for z, p in ((later, pixel), (earlier, earlier_pixel)):
-        i, j = (max(1, round(apart / d)) for d in p)
-        steps.append(float(np.nanmedian(np.abs(np.diff(z[::i, ::j], axis=0)))))
+    for heights, pixel in (later, earlier):
+        i, j = (max(1, round(apart / d)) for d in pixel)
+        steps.append(float(np.nanmedian(np.abs(np.diff(heights[::i, ::j], axis=0)))))
     if min(steps) > 0.0 and not 1.0 / ALIKE <= steps[1] / steps[0] <= ALIKE:
         raise InputError(
             f"--before is {steps[1] / steps[0]:.3g} times as rough as FILE: the heights of one have another "
@@ -242,16 +256,11 @@ def _check_alike(
         )
 
 
-def _told(shape: tuple[int, ...], pixel: tuple[float, float]) -> str:
-    """Write the size of a field for people."""
-    return " × ".join(f"{n * d:.4g}" for n, d in zip(shape, pixel, strict=True))
-
-
-def _coarse(heights: FloatArray, pixel: tuple[float, float], step: float) -> _Earlier:
-    """Return heights [mm], shape (nx, ny), of pixels [mm], smoothed for sampling at a step [mm]."""
-    size = [max(1, round(step / p)) for p in pixel]
-    smooth = ndimage.uniform_filter(np.nan_to_num(heights), size, mode="nearest")
-    return _Earlier(ndimage.spline_filter(smooth, mode="nearest"), None, pixel)
+def _coarse(source: _Map, step: float) -> _Earlier:
+    """Return a map smoothed for sampling at a step [mm]."""
+    size = [max(1, round(step / p)) for p in source.pixel]
+    smooth = ndimage.uniform_filter(np.nan_to_num(source.heights), size, mode="nearest")
+    return _Earlier(ndimage.spline_filter(smooth, mode="nearest"), None, source.pixel)
 
 
 def _fitted(
@@ -284,28 +293,28 @@ def _fitted(
         turning = (cosine * x - sine * y) * slopes[1] - (sine * x + cosine * y) * slopes[0]
         design = np.stack([*slopes, turning, np.ones_like(x), x, y], axis=1)
         rest = known - below
-        kept = ~np.isnan(rest) & ~np.isnan(design).any(axis=1)
-        if kept.sum() < 10 * design.shape[1]:
+        steady = ~np.isnan(rest) & ~np.isnan(design).any(axis=1)
+        if steady.sum() < 10 * design.shape[1]:
             return place, 0.0
-        kept[kept] = unchanged(rest[kept], design[kept][:, 3:])
-        found = np.linalg.lstsq(design[kept], rest[kept], rcond=None)[0][:3]
-        place = place + found
-        if max(abs(found[0]), abs(found[1]), reach * abs(found[2])) < SETTLED * min(pixel):
+        steady[steady] = unchanged(rest[steady], design[steady][:, 3:])
+        move = np.linalg.lstsq(design[steady], rest[steady], rcond=None)[0][:3]
+        place = place + move
+        if max(abs(move[0]), abs(move[1]), reach * abs(move[2])) < SETTLED * min(pixel):
             break
     # of roughness alone: a deep scar has tilted the later one, and the tilt is no part of the place
-    tilt = design[kept][:, 3:]
-    rough = [z[kept] - tilt @ np.linalg.lstsq(tilt, z[kept], rcond=None)[0] for z in (known, below)]
+    tilt = design[steady][:, 3:]
+    rough: list[Any] = [_rest(z[steady], tilt) for z in (known, below)]
     if min(float(np.ptp(z)) for z in rough) == 0.0:
         return place, 0.0
     whole = float(np.corrcoef(*rough)[0, 1])
     # long waves of any two surfaces can be laid over each other: what is left of both must agree, too
     shape = later[::stride, ::stride].shape
-    weight = kept.reshape(shape) * 1.0
+    weight = steady.reshape(shape) * 1.0
     fine = []
     for z in (known, below):
-        heights, width = np.where(kept, z, 0.0).reshape(shape), FINE * min(shape)
+        heights, width = np.where(steady, z, 0.0).reshape(shape), FINE * min(shape)
         smooth, sums = (ndimage.gaussian_filter(v, width) for v in (heights, weight))
-        fine.append((heights - smooth / np.maximum(sums, 1e-9)).ravel()[kept])
+        fine.append((heights - smooth / np.maximum(sums, 1e-9)).ravel()[steady])
     return place, min(whole, float(np.corrcoef(*fine)[0, 1]))
 
 
@@ -317,18 +326,16 @@ def _agreeing_waves(later: FloatArray, below: FloatArray, pixel: tuple[float, fl
     be laid over other grooves.
     """
     known = np.isfinite(later) & np.isfinite(below)
-    p, q = (np.linspace(-1.0, 1.0, n) for n in later.shape)
-    terms = np.stack([np.ones(later.size), np.repeat(p, q.size), np.tile(q, p.size)], axis=1)
-    kept = known.ravel()
-    kept[kept] = unchanged((later - below)[known], terms[kept])
+    terms = _plane_terms(later.shape)
+    steady = known.ravel()
+    steady[steady] = unchanged((later - below)[known], terms[steady])
     # single points that differ by chance leave no holes
-    whole = np.pad(ndimage.binary_closing(kept.reshape(known.shape), iterations=2), 1)
+    whole = np.pad(ndimage.binary_closing(steady.reshape(known.shape), iterations=2), 1)
     inwards = ndimage.distance_transform_edt(whole)[1:-1, 1:-1]
     fade = np.square(np.sin(0.5 * np.pi * np.minimum(inwards / FADED, 1.0)))
     waves = []
     for heights in (later, below):
-        form = np.linalg.lstsq(terms[kept], heights.ravel()[kept], rcond=None)[0]
-        flat = np.where(kept, heights.ravel() - terms @ form, 0.0).reshape(fade.shape)
+        flat = np.where(steady, _rest(heights.ravel(), terms, steady), 0.0).reshape(fade.shape)
         waves.append(fft.rfft2(fade * (flat - (fade * flat).sum() / fade.sum())))
     along, across = fft.fftfreq(fade.shape[0], pixel[0]), fft.rfftfreq(fade.shape[1], pixel[1])
     number = np.hypot.outer(along, across) * max(pixel)
@@ -342,8 +349,8 @@ def _agreeing_waves(later: FloatArray, below: FloatArray, pixel: tuple[float, fl
     total, agreed, count = (
         np.bincount(direction, v.ravel(), DIRECTIONS) for v in (twice * power, twice * together, twice)
     )
-    asked = total - noise * count > LEAST_SHARE * total.sum()
-    agreeing = agreed[asked] / total[asked]
+    strong = total - noise * count > LEAST_SHARE * total.sum()
+    agreeing = agreed[strong] / total[strong]
     return float(np.quantile(agreeing, 0.25)) if agreeing.size else 1.0
 
 
@@ -361,16 +368,16 @@ def unchanged(values: FloatArray, terms: FloatArray) -> BoolArray:
         form = np.linalg.lstsq(weighted.T @ design, weighted.T @ some, rcond=None)[0]
         weights = 1.0 / np.maximum(np.abs(some - design @ form), floor)
         weights /= weights.max()
-    apart, kept = values - terms @ form, np.ones(values.size, dtype=np.bool_)
+    apart, steady = values - terms @ form, np.ones(values.size, dtype=np.bool_)
     for again in range(5):
-        centre = float(np.median(apart[kept]))
-        spread = TO_SIGMA * float(np.median(np.abs(apart[kept] - centre)))
-        before, kept = kept, np.abs(apart - centre) <= max(KEPT * spread, 1e-15)
-        if again and np.array_equal(kept, before):
+        centre = float(np.median(apart[steady]))
+        spread = robust_deviation(apart[steady], centre)
+        before, steady = steady, np.abs(apart - centre) <= max(STEADY * spread, 1e-15)
+        if again and np.array_equal(steady, before):
             break
-        inside = terms[kept]
-        apart = values - terms @ np.linalg.lstsq(inside.T @ inside, inside.T @ values[kept], rcond=None)[0]
-    return kept
+        inside = terms[steady]
+        apart = values - terms @ np.linalg.lstsq(inside.T @ inside, inside.T @ values[steady], rcond=None)[0]
+    return steady
 
 
 def _shared(known: BoolArray) -> tuple[slice, slice]:

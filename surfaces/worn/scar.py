@@ -31,15 +31,15 @@ def ellipse(shape: tuple[int, int], *, size: float = 1.0) -> BoolArray:
 
 
 def roughness_without_form(heights: FloatArray, inside: BoolArray) -> dict[str, float]:
-    """Sa, Sq, Sk, Spk, Svk [µm] and Ssk of worn heights [mm], of the cells inside, once their form is gone.
+    """Return Sa, Sq, Sk, Spk, Svk [µm] and Ssk of worn heights [mm] less their form.
 
-    NaN where too few cells are inside.
+    They are of the cells inside; NaN where too few cells are inside.
     """
     if np.count_nonzero(inside) < FEWEST_CELLS:
         return dict.fromkeys((*LENGTHS, "ssk"), np.nan)
     level = without_polynomial(heights, degree=FORM_DEGREE, where=inside)[inside]
-    found = height_parameters(level) | vars(bearing_parameters(level))
-    return {name: 1.0e3 * found[name] for name in LENGTHS} | {"ssk": found["ssk"]}
+    parameters = height_parameters(level) | vars(bearing_parameters(level))
+    return {name: 1.0e3 * parameters[name] for name in LENGTHS} | {"ssk": parameters["ssk"]}
 
 
 @dataclass(frozen=True)

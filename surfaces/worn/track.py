@@ -12,7 +12,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.levelling import without_polynomial
-from warpwear.surfaces.outliers import TO_SIGMA
+from warpwear.surfaces.outliers import robust_deviation
 from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.waviness import ROUGH, regular_wave, waviness
 
@@ -88,7 +88,7 @@ class Track:
         heights, places = by_cell[0].mean(axis=1), by_cell[1].mean(axis=1)
         unworn = np.logical_not(self.inside[: count * cells].reshape(count, cells).max(axis=1))
         spacing = float(places[1] - places[0])
-        found = waviness(
+        waves = waviness(
             heights,
             distances=np.abs(np.subtract.outer(places, places)),
             unworn=unworn,
@@ -98,7 +98,7 @@ class Track:
             regular=regular_wave(heights, places=places, unworn=unworn),
         )
         alone = float(cells * np.square(by_cell[2]).sum())
-        return found.error(by_cell[2].sum(axis=1), alone) * spacing / cells
+        return waves.error(by_cell[2].sum(axis=1), alone) * spacing / cells
 
     @property
     def depth(self) -> float:
@@ -150,10 +150,10 @@ def find_track(
         where = np.broadcast_to(outside, heights.shape)
         levelled = without_polynomial(heights, degree=degree, where=where)
         profile = _profile(levelled)
-        found = _span(profile, outside, pixel=pixel[1], width=width)
-        if np.array_equal(found, inside):
+        span = _span(profile, outside, pixel=pixel[1], width=width)
+        if np.array_equal(span, inside):
             break
-        inside, outside = found, ~found
+        inside, outside = span, ~span
         _check(inside, width=width)
     levelled = np.where(missing, profile, levelled)
     levelled.flags.writeable = False
@@ -185,12 +185,9 @@ def _profile(heights: FloatArray) -> FloatArray:
     Where a place across has no height at all, it lies on the line between its neighbours.
     """
     valid = ~np.isnan(heights)
-    count = valid.sum(axis=0)
-    if not count.all():
-        known = np.flatnonzero(count)
-        mean = np.where(valid, heights, 0.0).sum(axis=0)[known] / count[known]
-        return np.interp(np.arange(count.size), known, mean)
-    return np.asarray(np.where(valid, heights, 0.0).sum(axis=0) / count)
+    count, total = valid.sum(axis=0), np.where(valid, heights, 0.0).sum(axis=0)
+    places = np.flatnonzero(count)
+    return np.interp(np.arange(count.size), places, total[places] / count[places])
 
 
 def _standard_error(values: FloatArray) -> float:
@@ -246,8 +243,7 @@ def _span(profile: FloatArray, outside: BoolArray, *, pixel: float, width: float
     smooth = ndimage.uniform_filter1d(profile, window, mode="nearest")
     rest = smooth[outside]
     centre = float(np.median(rest))
-    sigma = TO_SIGMA * float(np.median(np.abs(rest - centre)))
-    sigma = max(sigma, 1e-6 * float(np.ptp(profile)))
+    sigma = max(robust_deviation(rest, centre), 1e-6 * float(np.ptp(profile)))
     deepest = int(np.argmin(smooth))
     if centre - smooth[deepest] < THRESHOLD * sigma:
         raise InputError(

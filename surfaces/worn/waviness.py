@@ -1,4 +1,4 @@
-"""The error of a volume: what the same levelling and sum would find anywhere on the unworn surface.
+"""Tell the error of a volume: what the same levelling and sum would find anywhere on unworn surface.
 
 Levelling and sum are one weighted sum of heights, so its scatter over all places of an endless unworn surface
 follows from the spectrum of that surface. The spectrum is taken in bands from the heights that are unworn, by
@@ -173,7 +173,7 @@ def _likely_spectra(
         return value, whole[:, :size, :size]
 
     log = start
-    value, whole = (found[0] for found in likelihood(log[None]))
+    value, whole = (one[0] for one in likelihood(log[None]))
     for _ in range(STEPS):
         inverse = np.linalg.inv(whole)
         parts = inverse @ (bands * np.exp(log)[:, None, None])
@@ -185,7 +185,7 @@ def _likely_spectra(
         move *= min(1.0, LONGEST_STEP / float(np.abs(move).max()))
         gain = -math.inf
         for _ in range(10):
-            tried, tried_whole = (found[0] for found in likelihood((log + move)[None]))
+            tried, tried_whole = (one[0] for one in likelihood((log + move)[None]))
             gain = tried - value
             if gain >= 0.0:
                 break

@@ -24,7 +24,7 @@ from warpwear.comparison.table import to_text, write_csv
 from warpwear.errors import InputError
 from warpwear.figures.describe import Chart, Line
 from warpwear.figures.paint import paint
-from warpwear.measured.course import Experiment
+from warpwear.measured.experiment import Experiment
 from warpwear.sweeps.plan import Plan, section_of
 from warpwear.sweeps.sweep import make_runs
 from warpwear.sweeps.table import SweepResult

@@ -17,7 +17,7 @@ from warpwear.engine.executor import Executor
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import Grid
 from warpwear.kernels.cells import LANES, PADDING
-from warpwear.runs.make import model_at_rest
+from warpwear.runs.arrangements import model_at_rest
 
 SHAPES = [(37, 53), (64, 64), (5, 131)]
 CELL = 0.01

@@ -12,11 +12,12 @@ import numpy as np
 import pytest
 
 from warpwear import ConvergenceError, solve_contact
-from warpwear.contact.certificate import Certificate
+from warpwear.contact.certificate import Certificate, Proof
 from warpwear.contact.half_space.contact import HalfSpaceContact
 from warpwear.contact.half_space.search import Search, SearchRules
 from warpwear.contact.half_space.solver import BoundedPressure, HalfSpace
 from warpwear.engine.executor import Executor
+from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import PADDING
 from warpwear.laws.patches import Patches
@@ -148,6 +149,22 @@ def problem(seed: int) -> Problem:
     )
 
 
+def certificate_of(
+    solver: BoundedPressure,
+    gap: Any,
+    contact: HalfSpaceContact,
+    load: FloatArray | None,
+    scale: Any,
+    **cells: Any,
+) -> Certificate:
+    """The product's word on a pressure as it stands, at the approaches of a contact."""
+    solver._influence.respond(solver.pressure_field, solver.displacement())
+    fields = {"pressure": solver.pressure_field, "gap": gap, "displacement": solver.displacement()}
+    groups = contact.approaches.size
+    proof = Proof(contact.executor, **fields, groups=groups, **{"cap": math.inf, **cells})
+    return proof.at(load=load, approach=contact.approaches, scale=scale, allowed=contact.allowed)
+
+
 class Solved:
     """A problem solved by the product."""
 
@@ -168,7 +185,7 @@ class Solved:
             self.executor = Executor(Grid(nx, ny, what.cell), device=device)
             self.solver = HalfSpace(self.executor, modulus=MODULUS, boundary=what.boundary, **law)
         self.gap = self._field(what.gaps, PADDING)
-        fractions = None if what.fractions is None else self._field(what.fractions, 1.0)
+        self.fractions = None if what.fractions is None else self._field(what.fractions, 1.0)
         options: dict[str, Any] = {"compliance": what.own}
         if not self._rows:
             options |= {"streak_compliance": what.streak, "streak_window": what.window}
@@ -177,7 +194,7 @@ class Solved:
         else:
             assert what.asked is not None
             options["mean_pressure"] = what.asked if self._rows else float(what.asked[0])
-        self.contact: HalfSpaceContact = self.solver.solve(self.gap, parts=fractions, **options)
+        self.contact: HalfSpaceContact = self.solver.solve(self.gap, parts=self.fractions, **options)
         self.pressure = self._parts_of(self.contact.pressure)
 
     def _stored(self, values: FloatArray, padding: float) -> FloatArray:
@@ -199,8 +216,16 @@ class Solved:
         """The product's word on a pressure, at the approach that was found."""
         what = self.what
         self.executor.fill(self.solver.pressure_field, self._stored(pressure, 0.0))
-        asked = None if what.asked is None else what.asked * self.what.gaps[0].size
-        return self.solver.certificate_of(self.gap, self.contact, asked, (what.own, what.streak, what.window))
+        load = None if what.asked is None else what.asked * what.gaps[0].size
+        return certificate_of(
+            self.solver,
+            self.gap,
+            self.contact,
+            load,
+            what.gaps.reshape(len(what.gaps), -1).std(axis=1),
+            cap=what.hardness,
+            fractions=self.fractions,
+        )
 
 
 @dataclass
@@ -353,15 +378,17 @@ def test_what_a_search_wrongly_believes_is_an_error(monkeypatch: pytest.MonkeyPa
     gap = np.random.default_rng(1).standard_normal(grid.shape)
     with Executor(grid) as executor:
         solver = HalfSpace(executor, modulus=MODULUS, tolerance=1e-8)
-        field, right = executor.field(gap), Search.run
+        field, right = executor.field(gap), Search._search
 
-        def wrong(*how: Any) -> int:
-            executor.to_numpy(field)[0, :] += 1e-6
-            status = right(*how)
-            executor.to_numpy(field)[0, :] -= 1e-6
-            return status
+        def move(by: float) -> None:
+            executor.to_numpy(field)[0, :] += by
 
-        monkeypatch.setattr(Search, "run", wrong)
+        def wrong(search: Search, program: Program) -> None:
+            program.call(lambda: move(1e-6))
+            right(search, program)
+            program.call(lambda: move(-1e-6))
+
+        monkeypatch.setattr(Search, "_search", wrong)
         with pytest.raises(
             ConvergenceError, match=r"cannot be certified: complementarity .* 1\.\de-06 of the rms"
         ):
@@ -385,9 +412,9 @@ def test_responses_in_single_precision_do_not_reach_the_result(boundary: str) ->
                 max_iterations=99,
                 rules=SearchRules(drift=drift),
             )
-            asked, none = np.full(1, 0.3 * grid.cells), (0.0, 0.0, None)
-            contact = solver.solve(executor.field(gap), mean_pressure=0.3, certified=False)
-            certificate = solver.certificate_of(executor.field(gap), contact, asked, none)
+            asked, field = np.full(1, 0.3 * grid.cells), executor.field(gap)
+            contact = solver.solve(field, mean_pressure=0.3, certified=False)
+            certificate = certificate_of(solver, field, contact, asked, gap.std())
         off.append(abs(certificate.violation - contact.violation))
     assert off[0] <= 0.2e-8
     assert off[1] > 0.2e-8
@@ -398,16 +425,17 @@ def test_a_search_that_has_drifted_goes_on(monkeypatch: pytest.MonkeyPatch) -> N
     gap = np.random.default_rng(1).standard_normal(grid.shape)
     with Executor(grid) as executor:
         solver = HalfSpace(executor, modulus=MODULUS, tolerance=1e-8)
-        field, right, times = executor.field(gap), Search.run, iter(range(9))
+        field, right, times = executor.field(gap), Search._search, iter(range(9))
 
-        def drifting(*how: Any) -> int:
-            off = 0.0 if next(times) else 1e-6
-            executor.to_numpy(field)[0, :] += off
-            status = right(*how)
-            executor.to_numpy(field)[0, :] -= off
-            return status
+        def drifting(search: Search, program: Program) -> None:
+            program.call(lambda: move(0.0 if next(times) else 1e-6))
+            right(search, program)
+            program.call(lambda: executor.fill(field, gap))
 
-        monkeypatch.setattr(Search, "run", drifting)
+        def move(by: float) -> None:
+            executor.to_numpy(field)[0, :] += by
+
+        monkeypatch.setattr(Search, "_search", drifting)
         contact = solver.solve(field, mean_pressure=0.3)
         assert next(times) == 2
         assert contact.certificate is not None

@@ -12,7 +12,7 @@ from warpwear import Study
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.models.rest.local import OneScaleModel
-from warpwear.runs.make import model_at_rest
+from warpwear.runs.arrangements import model_at_rest
 
 
 def run(

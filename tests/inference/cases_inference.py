@@ -7,13 +7,12 @@ import numpy as np
 from warpwear import Study
 from warpwear.inference.data import Data, MeasuredCourse
 from warpwear.inference.identify import identify
-from warpwear.inference.infer import noise_for
 from warpwear.inference.likelihood import Posterior, simulate
 from warpwear.inference.model import Model
 from warpwear.inference.result import Inference, conflicts_of
 from warpwear.inference.runs import Runs
 from warpwear.inference.sampler import Samples
-from warpwear.inference.unknowns import unknowns_of
+from warpwear.inference.unknowns import noise_for, unknowns_of
 from warpwear.sweeps.run_one import Row
 
 #: Wear that the course of `worn_paraboloid` goes to, as a multiple of the study's.

@@ -74,7 +74,13 @@ def test_a_wrong_course_ends_in_one_sentence(tmp_path: Path, text: str, sentence
         ({"wear.sphere": "between 1 and 2"}, "the prior of 'wear.sphere' = 'between 1 and 2'"),
         ({"wear.sphere": "uniform -1e-4 .. 1e-3 mm^3/N/m"}, "goes beyond what is allowed: from 0"),
         ({"friction.initial_ratio": "uniform 0.1 .. 1"}, "need each other"),
-        ({"wear.decay": "uniform 0.1 .. 1 1/m"}, "belongs to 'exponential'"),
+        (
+            {"wear.decay": "uniform 0.1 .. 1 1/m"},
+            "wear.decay .* does not apply to wear.law = 'archard'; allowed",
+        ),
+        ({"friction.coefficient": "uniform 0.1 .. 1"}, "friction.coefficient .* is measured, .* allowed is"),
+        ({"friction.film.shear_strength": "uniform 1 .. 9 MPa"}, "friction.film.thickness is missing"),
+        ({"wear.dust_fraction": "uniform 0 .. 1"}, "wear.dust_fraction .* does not apply without a wear.par"),
     ],
 )
 def test_wrong_unknowns_end_in_one_sentence(unknown: dict[str, str | None], sentence: str) -> None:

@@ -30,11 +30,11 @@ def go_on(
     slope: wp.float64,
     load: wp.float64,
     tolerance: wp.float64,
-    straight: wp.float64,
+    linear_range: wp.float64,
     bracket: wp.array(dtype=Bracket),
 ):
     """Look at one trial."""
-    bracket[0] = next_trial(bracket[0], force, slope, load, tolerance, straight)
+    bracket[0] = next_trial(bracket[0], force, slope, load, tolerance, linear_range)
 
 
 class Search:
@@ -46,10 +46,10 @@ class Search:
         wp.launch(begin, dim=1, inputs=[start, reach, self._bracket], device="cpu")
         self.trials: list[Any] = [self._bracket.numpy()[0].copy()]
 
-    def go_on(self, *, tolerance: float = 0.0, straight: float = 0.0) -> Any:
+    def go_on(self, *, tolerance: float = 0.0, linear_range: float = 0.0) -> Any:
         """Return the bracket with its next trial."""
         force, slope = self.curve(float(self.trials[-1]["offset"]))
-        numbers = [force, slope, self.load, tolerance, straight]
+        numbers = [force, slope, self.load, tolerance, linear_range]
         wp.launch(go_on, dim=1, inputs=[*numbers, self._bracket], device="cpu")
         self.trials.append(self._bracket.numpy()[0].copy())
         return self.trials[-1]
@@ -122,9 +122,9 @@ def test_the_bracket_holds_the_solution_and_halves(seed: int) -> None:
 def test_a_straight_way_is_gone_at_once() -> None:
     """Where no spring changes its state on the way, Newton's step is the solution and is not looked at."""
     curve = springs(np.array([0.0, 0.01]), np.array([100.0, 50.0]), 10.0)
-    for straight, state in ((0.01 - 2e-3, SURE), (1e-3, LOOKS)):
+    for linear_range, state in ((0.01 - 2e-3, SURE), (1e-3, LOOKS)):
         search = Search(curve, 0.5, start=2e-3)
-        bracket = search.go_on(straight=straight)
+        bracket = search.go_on(linear_range=linear_range)
         assert bracket["state"] == state
         if state == SURE:
             assert bracket["offset"] == pytest.approx(5e-3, rel=1e-14)
@@ -133,7 +133,7 @@ def test_a_straight_way_is_gone_at_once() -> None:
 def test_an_offset_without_digits_enough_is_not_sure() -> None:
     """Its rounding is a force above any tolerance: the trial is looked at."""
     search = Search(lambda offset: (1e6 * (offset - 1.0), 1e6), 1e-3, start=1.0)
-    assert search.go_on(straight=1.0)["state"] == LOOKS
+    assert search.go_on(linear_range=1.0)["state"] == LOOKS
 
 
 @pytest.mark.parametrize("slope", [0.0, 1.0])

@@ -9,7 +9,8 @@ import pytest
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.measured.course import Experiment, read_experiment
+from warpwear.measured.course import read_experiment
+from warpwear.measured.experiment import Experiment
 
 
 def read(folder: Path, content: str | bytes, **options: Any) -> Experiment:

@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
-from matplotlib.figure import Figure
 
 from warpwear.cli.main import commands
 from warpwear.errors import InputError
 from warpwear.figures import style
+from warpwear.figures.describe import Figure
+from warpwear.figures.paint import paint
 from warpwear.measured import surface_figure as surface_figures
 from warpwear.measured.surface_command import read_surface
 from warpwear.measured.surface_report import examine
@@ -49,8 +50,9 @@ def few_dots(monkeypatch: pytest.MonkeyPatch) -> None:
     """Figures that nobody looks at are soon drawn: with few dots, and no room made for texts."""
 
     def save(figure: Figure, path: Path) -> None:
-        figure.set_layout_engine(None)
-        surface_figures.save(figure, path)
+        painted = paint(figure)
+        painted.set_layout_engine(None)
+        style.write_figure(painted, path)
 
     monkeypatch.setitem(style.STYLE, "figure.dpi", 50.0)
     monkeypatch.setattr("warpwear.measured.surface_command.save", save)
@@ -83,7 +85,7 @@ def test_the_sheet_carries_its_numbers(here: Path) -> None:
     """Those that the page prints, each inside the sheet and no two over each other."""
     surface_of = read_surface(here.parent / "files" / "rough.npy", {"pixel": "3 um", "height_unit": "um"})
     report = examine(surface_of)
-    figure = surface_figures.surface_figure(report)
+    figure = paint(surface_figures.surface_figure(report))
     figure.canvas.draw()
     notes = [text for axes in figure.axes for text in axes.texts if text.get_text()]
     told, found = " ".join(text.get_text() for text in notes), record(report.rows)

@@ -7,9 +7,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 from warpwear import Study, run
 from warpwear.engine.executor import Executor
 from warpwear.grid import Grid
-from warpwear.laws.archard import WearLaw, removals_of
+from warpwear.laws.archard import ExponentialLaw, RunningInLaw, WearLaw, wear_in_steps
 from warpwear.models.rest.local import OneScaleModel
-from warpwear.runs.make import model_at_rest
+from warpwear.runs.arrangements import model_at_rest
 
 SHAPE, CELL = (150, 203), 0.005  # a width that needs padding
 LAWS = {
@@ -90,7 +90,7 @@ def test_wear_of_both_bodies_is_what_the_pressures_took(kind: str) -> None:
         distance = 0.0
         for step, increment in zip(model.steps((d, True) for d in PLAN), PLAN, strict=True):
             for worn, law, slid in zip(expected, this.wear_laws, (1.0, factor), strict=True):
-                worn += law.removal(distance, increment) * slid * step.pressure
+                worn += law.wear_per_pressure(distance, increment) * slid * step.pressure
             distance += increment
         last = model.snapshot(step, distance)
         for worn, found in zip(expected, (last.wear_sphere, last.wear_disc), strict=True):
@@ -103,11 +103,11 @@ def test_wear_of_both_bodies_is_what_the_pressures_took(kind: str) -> None:
 def test_wear_in_proportion() -> None:
     fast, slow = WearLaw(3e-6), WearLaw(1e-6)
     assert fast.in_proportion_to(slow)
-    assert WearLaw(3e-6, decay=0.1).in_proportion_to(WearLaw(1e-6, decay=0.1))
-    assert not WearLaw(3e-6, decay=0.1).in_proportion_to(slow)
-    running_in = WearLaw(3e-6, initial=6e-6, running_in=2.0)
-    assert running_in.in_proportion_to(WearLaw(1e-6, initial=2e-6, running_in=2.0))
-    assert not running_in.in_proportion_to(WearLaw(1e-6, initial=1e-6, running_in=2.0))
+    assert ExponentialLaw(3e-6, decay=0.1).in_proportion_to(ExponentialLaw(1e-6, decay=0.1))
+    assert not ExponentialLaw(3e-6, decay=0.1).in_proportion_to(slow)
+    running_in = RunningInLaw(3e-6, initial=6e-6, running_in=2.0)
+    assert running_in.in_proportion_to(RunningInLaw(1e-6, initial=2e-6, running_in=2.0))
+    assert not running_in.in_proportion_to(RunningInLaw(1e-6, initial=1e-6, running_in=2.0))
     assert running_in.in_proportion_to(WearLaw(0.0))
 
 
@@ -121,8 +121,8 @@ def test_wear_that_dies_away() -> None:
 
 def test_removals_of_a_block_follow_each_other() -> None:
     """Each begins where the last one ends, so that together they are those of the whole distance."""
-    laws = WearLaw(3e-6, decay=0.1), WearLaw(1e-6, initial=5e-6, running_in=2.0)
-    found = np.array(removals_of(laws, 4.0, [0.5, 1.0, 0.25]))
+    laws = ExponentialLaw(3e-6, decay=0.1), RunningInLaw(1e-6, initial=5e-6, running_in=2.0)
+    found = np.array(wear_in_steps(laws, 4.0, [0.5, 1.0, 0.25]))
     assert found.shape == (3, 2)
-    assert_allclose(found[1], [law.removal(4.5, 1.0) for law in laws], rtol=1e-14)
-    assert_allclose(found.sum(axis=0), [law.removal(4.0, 1.75) for law in laws], rtol=1e-14)
+    assert_allclose(found[1], [law.wear_per_pressure(4.5, 1.0) for law in laws], rtol=1e-14)
+    assert_allclose(found.sum(axis=0), [law.wear_per_pressure(4.0, 1.75) for law in laws], rtol=1e-14)

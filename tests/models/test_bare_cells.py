@@ -17,7 +17,8 @@ from warpwear.engine.executor import Executor
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import PADDING
-from warpwear.runs.make import executor_of, model_of, plan_of
+from warpwear.runs.make import executor_of, model_of
+from warpwear.runs.plan import plan_of
 from warpwear.study.surface import surface_in
 
 PARTS = np.array([1.0, BARE / FILMED])

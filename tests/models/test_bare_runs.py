@@ -237,7 +237,7 @@ def test_what_cannot_be_is_refused_in_a_sentence(change: dict[str, Any], sentenc
 
 def test_what_only_some_models_cannot_be_is_refused() -> None:
     bearing = {"wear.law": "bearing-curve", "friction.shear_strength": "3 MPa"}
-    bearing |= {"disc.synthetic": {"kind": "milled", "ra": "0.3 um"}}
+    bearing |= {"disc.synthetic": {"kind": "milled", "ra": "0.3 um"}, "stepping.scheme": "implicit"}
     with pytest.raises(InputError, match=r"does not go with wear\.law = 'bearing-curve'"):
         Study.load("v1").replace(bearing | {"friction.junction_growth": 9.0, "contact.hardness": "590 MPa"})
     with pytest.raises(InputError, match=r"patches\.coupling = 'load' does not go with \[friction\.film\]"):

@@ -23,8 +23,8 @@ from warpwear.kernels import native_code
 from warpwear.models.model import Model
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.models.track.model import SweptModel
+from warpwear.runs.arrangements import model_at_rest
 from warpwear.runs.checkpoint import Checkpoints
-from warpwear.runs.make import model_at_rest
 
 wp.set_module_options(native_code.options())
 

@@ -96,7 +96,7 @@ def test_what_is_worn_is_what_archard_says(changes: dict[str, Any], device: str)
     ]
     for snapshot, found in zip(snapshots, volumes, strict=True):
         at = int(np.searchsorted(history["distance"], snapshot.distance))
-        expected = [law.removal(0.0, snapshot.distance) * 8.0 for law in asked.wear_laws]
+        expected = [law.wear_per_pressure(0.0, snapshot.distance) * 8.0 for law in asked.wear_laws]
         assert_allclose(found, expected, rtol=1e-10)
         assert_allclose([history[f"wear_volume_{b}"][at] for b in ("sphere", "disc")], expected, rtol=1e-10)
         pressure = snapshot.pressure
@@ -124,7 +124,7 @@ def test_every_step_wears_what_its_pressure_says() -> None:
             step = model.step(0, increment, with_pressure=True)
             after = gap_of(model, executor)
             assert step.pressure is not None
-            removal = sum(law.removal(0.0, increment) for law in asked.wear_laws)
+            removal = sum(law.wear_per_pressure(0.0, increment) for law in asked.wear_laws)
             mean = (after - before).sum() / grid.cells
             assert mean == pytest.approx(removal * 8.0 / grid.area, rel=1e-12)
             assert_allclose(after - before, removal * step.pressure, atol=1e-16)
@@ -197,7 +197,7 @@ def test_a_model_goes_on_from_any_step(changes: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"study.model": "macro"}, "is for study.model = 'micro' and 'two-scale', not 'macro'"),
+        ({"study.model": "macro"}, "needs study.model = 'micro' or 'two-scale', not 'macro'"),
         ({"sphere.material": None}, "needs Young's modulus and Poisson's ratio of both bodies"),
         ({"stepping.scheme": "explicit"}, "needs stepping.scheme = 'implicit'"),
         ({"wear.distance_factor": "across"}, "wear.distance_factor = 'across' does not go with"),

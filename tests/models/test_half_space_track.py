@@ -25,7 +25,7 @@ from warpwear.kernels.slide import Slide
 from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.model import SweptModel
-from warpwear.runs.make import plan_of
+from warpwear.runs.plan import plan_of
 
 CELL, ROWS = 0.02, 24
 GRID = Grid(16, 9, CELL)
@@ -56,7 +56,7 @@ def heights(rows: int = ROWS) -> FloatArray:
 
 def contact_of(study: Study, disc: FloatArray, executor: Executor, **options: Any) -> SlidingHalfSpace:
     contact = SlidingHalfSpace(study.contact_task, disc.copy(), executor, **options)
-    contact._half_space._tolerance = TIGHT
+    contact._half_space._law["tolerance"] = TIGHT
     return contact
 
 
@@ -409,7 +409,7 @@ def test_what_does_not_apply_is_told_and_what_does_not_fit_refused() -> None:
 
 def test_memory_is_looked_at_first(monkeypatch: pytest.MonkeyPatch) -> None:
     """More of it than by the local law."""
-    monkeypatch.setattr("warpwear.runs.make.free_memory", lambda device: {"the host": 200_000})
+    monkeypatch.setattr("warpwear.runs.arrangements.free_memory", lambda device: {"the host": 200_000})
     warpwear.run(small("full", sliding__distance="0 mm"))
     with pytest.raises(warpwear.InputError, match=r"sliding\.track = 'full' makes a disc of"):
         warpwear.run(small("full", sliding__distance="0 mm", contact__law="half-space"))

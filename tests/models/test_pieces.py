@@ -174,10 +174,10 @@ class Shedding:
         goes = wp.zeros(1, dtype=wp.int32, device=executor.device)
         self._rows = wp.zeros((1, 2 * len(OF_BODY)), dtype=wp.float64, device=executor.device)
         self._program = Program(executor)
-        with self._program.branch(self.pieces.begins):
+        with self.pieces.at_beginning(self._program):
             self.pieces.say_begin(self._program)
             self.pieces.say_take(self._program, self._slides.array, self._pressure)
-        self.pieces.say_shed(self._program, self._slides.array, goes, self._rows, 0)
+        self.pieces.say_shed(self._program, self._slides.array, goes, self._rows)
 
     def step(self, number: int, shift: int) -> list[list[float]]:
         """Numbers of `OF_BODY` of both bodies after a step."""
@@ -394,8 +394,14 @@ def test_the_area_without_wear_in_the_step() -> None:
         ({"wear.particle": "0.2 mm"}, "a quarter of grid.extent"),
         ({"wear.particle_thickness": "30 um"}, "a piece is a flake"),
         ({"wear.distance_factor": "across"}, "allowed is 'none'"),
-        ({"study.model": "two-scale"}, "cut pieces at their borders"),
-        ({"study.model": "macro", "contact.law": "local"}, "which is smooth"),
+        (
+            {"study.model": "two-scale"},
+            "needs study.model = 'micro', not 'two-scale': patches would cut pieces",
+        ),
+        (
+            {"study.model": "macro", "contact.law": "local"},
+            "not 'macro': patches would cut pieces, and smooth bodies have none",
+        ),
         ({"wear.dust_fraction": 1.5}, "must be at most 1"),
     ],
 )

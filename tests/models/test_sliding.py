@@ -70,7 +70,7 @@ class Plain:
         beneath = (np.arange(SHAPE[0]) + shift) % self.disc.shape[0]
         study = self.study
         load, hardness = study.contact.load, study.hardness
-        removal = [law.removal(0.0, increment) for law in study.wear_laws]
+        removal = [law.wear_per_pressure(0.0, increment) for law in study.wear_laws]
         c = study.contact_law().compliance + (sum(removal) if study.stepping.scheme == "implicit" else 0.0)
         gap = self.sphere - self.disc[beneath]
         if c > 0.0:

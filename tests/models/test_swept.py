@@ -22,7 +22,7 @@ from warpwear.history.recorder import Step
 from warpwear.models.track import local
 from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.model import SweptModel
-from warpwear.runs.make import plan_of
+from warpwear.runs.plan import plan_of
 
 
 def positions(track: str, rows: int) -> Iterator[tuple[int, int]]:
@@ -291,12 +291,12 @@ BAD: list[tuple[dict[str, Any], str]] = [
     ),
     ({"sliding.stroke": "30.005 mm"}, r"sliding\.stroke = 30\.005 mm is not a whole number of cells"),
     ({"sliding.stroke": None}, r"'swept' needs sliding\.stroke"),
-    ({"study.model": "macro"}, r"study\.model = 'macro'.*kind = 'flat'"),
+    ({"study.model": "macro"}, r"'swept' needs study\.model = 'micro', not 'macro': .*kind = 'flat'"),
     ({"sliding.track_radius": "0.2 mm"}, r"track_radius = 0\.2 mm \(a track of 1\.257 mm\) is shorter than"),
     ({"sliding.shift": 40_000}, r"sliding\.shift = 40000 cells .* longer than sliding\.stroke"),
     ({"sliding.shift": 0}, r"sliding\.shift = 0"),
     ({"sliding.shift": 2.5}, r"sliding\.shift = 2\.5"),
-    ({"sliding.revolutions": 3}, r"sliding\.revolutions needs sliding\.track_radius"),
+    ({"sliding.revolutions": 3}, r"sliding\.revolutions = 3 needs sliding\.track_radius"),
     ({"sliding.shift": 1, "grid.cell": "1 um"}, r"takes 2\.4e\+06 steps by sliding\.shift = 1 cells"),
     (
         {"stepping.scheme": "explicit", "sliding.plastic": "keep"},
@@ -319,7 +319,7 @@ def test_a_bad_track_is_one_sentence(changes: dict[str, Any], message: str) -> N
 
 def test_a_track_that_memory_does_not_hold(monkeypatch: pytest.MonkeyPatch) -> None:
     study = Study.load("v3-fine").replace({"sliding.kinematics": "swept"})
-    monkeypatch.setattr("warpwear.runs.make.free_memory", lambda device: {"the host": 10**9})
+    monkeypatch.setattr("warpwear.runs.arrangements.free_memory", lambda device: {"the host": 10**9})
     with pytest.raises(
         InputError, match=r"31500 × 1500 cells, which takes 1\.5 GiB .* sliding\.track = '3\.2 mm'"
     ):

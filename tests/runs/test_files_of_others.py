@@ -2,7 +2,6 @@
 
 import json
 import os
-import platform
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -15,7 +14,7 @@ import warpwear
 from warpwear import InputError, Study
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.results import manifest
-from warpwear.runs import lock as run_lock
+from warpwear.results.folder import LOCK
 
 WAYS: dict[str, dict[str, Any]] = {"anew": {}, "overwrite": {"overwrite": True}, "resume": {"resume": True}}
 
@@ -30,8 +29,7 @@ def content(folder: Path) -> dict[str, bytes]:
 
 
 def dead_lock(folder: Path, **more: Any) -> None:
-    owner = {"pid": os.getpid(), "started": 1.0, "host": platform.node()}
-    (folder / run_lock.NAME).write_text(json.dumps(owner | more))
+    (folder / LOCK).write_text(json.dumps({"pid": os.getpid()} | more))
 
 
 def a_work_folder(out: Path) -> None:

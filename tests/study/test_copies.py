@@ -4,8 +4,6 @@ import copy
 import pickle
 import tomllib
 from collections.abc import Callable
-from functools import cached_property
-from typing import Any
 
 import pytest
 
@@ -56,26 +54,6 @@ def test_old_names_make_no_other_study() -> None:
     assert hash(old) == hash(study)
     assert pickle.loads(pickle.dumps(old)).notices() == old.notices()
     assert old.model_copy().notices() == old.notices()
-
-
-class Cached(Study):
-    """A study with a value that is computed once."""
-
-    @cached_property
-    def area(self) -> float:
-        return self.grid.extent**2
-
-
-@pytest.mark.parametrize("how", ["pickle", "copy", "deepcopy", "model_copy", "deep model_copy"])
-def test_no_copy_carries_a_value_that_was_computed_before(how: str) -> None:
-    study = Cached(**tomllib.loads(Study.load("v3-fine").to_toml()))
-    assert study.area == 1.5**2
-    copied: Any = COPIES[how](study)
-    assert "area" not in vars(copied)
-    changed = study.model_copy(update={"grid": study.grid.model_copy(update={"extent": 3.0})})
-    assert changed.area == 9.0
-    assert study.area == 1.5**2
-    assert copied.area == 1.5**2
 
 
 def test_derived_values_of_a_changed_copy_are_its_own() -> None:

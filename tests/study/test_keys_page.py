@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from warpwear import Study
-from warpwear.study.keys import declarations, key_of
+from warpwear.study.keys import declarations, key_of, section_in
 
 ROOT = Path(__file__).parent.parent.parent
 
@@ -31,6 +31,16 @@ def test_every_key_has_a_meaning() -> None:
         info = key_of(Study, name)
         assert info is not None
         assert info.description or "." not in name, name
+
+
+def test_what_keys_apply_to_and_demand_is_there() -> None:
+    """Rules and demands name keys or properties of a study, which a misspelt name would switch off."""
+    for name, declared in declarations(Study).items():
+        for other in {rule.name for rule in (*declared.applies, *declared.demands)} - {*declarations(Study)}:
+            section, _, last = other.rpartition(".")
+            field = key_of(Study, section) if section else None
+            owner = section_in(field.annotation) if field else Study
+            assert isinstance(getattr(owner, last, None), property), f"{name}: {other}"
 
 
 @pytest.mark.parametrize(

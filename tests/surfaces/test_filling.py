@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from warpwear.errors import InputError
+from warpwear.figures.paint import paint
+from warpwear.figures.paint_map import paint_map
 from warpwear.measured.surface_command import SurfaceOptions, describe
-from warpwear.measured.surface_figure import _hatch, _map_of_heights, ball_figure, track_figure
+from warpwear.measured.surface_figure import _map_of_heights, ball_figure, track_figure
 from warpwear.measured.surface_report import examine
 from warpwear.surfaces.filling import completed
 from warpwear.surfaces.levelling import areal_low_pass, without_polynomial
@@ -158,7 +160,7 @@ def test_every_picture_hatches_them(tmp_path: Path, rough: np.ndarray) -> None:
         lambda where: track_figure(track, filled=where),
         lambda where: ball_figure(ball, size=(0.6, 0.6), filled=where),
     ):
-        told = [draw(where).axes[0].get_title(loc="left") for where in (filled, None)]
+        told = [paint(draw(where)).axes[0].get_title() for where in (filled, None)]
         assert told == ["hatched: not measured, filled in", ""]
 
 
@@ -183,7 +185,7 @@ def test_hatching_lies_where_points_were_filled() -> None:
     filled = np.zeros((30, 20), dtype=np.bool_)
     filled[25:, :4] = True
     axes = mpl.figure.Figure().add_subplot()
-    _hatch(axes, filled, (3.0, 2.0))
+    paint_map(axes, _map_of_heights(np.zeros((30, 20)), (3.0, 2.0), filled))
     (hatched,) = axes.collections
     corners = np.concatenate([path.vertices for path in hatched.get_paths()])
     np.testing.assert_allclose(corners.min(axis=0)[0], 1.0, atol=0.051)
@@ -196,7 +198,6 @@ def test_spikes_that_were_filled_do_not_set_the_colours(rough: np.ndarray) -> No
     filled[:30] = True
     ranges = []
     for heights, where in ((np.where(filled, 1.0, rough), filled), (rough[30:], None)):
-        axes = mpl.figure.Figure().add_subplot()
-        _map_of_heights(axes, heights, (0.6, 0.6), where)
-        ranges.append(axes.images[0].get_clim())
+        scale = _map_of_heights(heights, (0.6, 0.6), where).scale
+        ranges.append((scale.low, scale.high))
     assert ranges[0] == pytest.approx(ranges[1])

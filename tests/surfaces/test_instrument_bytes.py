@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from cases_instruments import metropro, opd
 
+from warpwear.figures.paint_map import paint_map
 from warpwear.measured.surface_figure import _map_of_heights
 from warpwear.surfaces.levelling import without_polynomial
 from warpwear.surfaces.reading import read
@@ -88,7 +89,7 @@ def test_a_map_is_the_instruments_picture_mirrored_top_to_bottom(tmp_path: Path)
     heights = read(tmp_path / "disc.dat").heights
     np.testing.assert_allclose(heights[:, 0], 1e3 * rough[:, 0], atol=1e-8)  # the file's first line: lowest y
     axes = mpl.figure.Figure().add_subplot()
-    _map_of_heights(axes, heights, (0.14, 0.18), None)
+    paint_map(axes, _map_of_heights(heights, (0.14, 0.18), None))
     (image,) = axes.images
     assert image.origin == "lower"
     assert axes.get_xlim()[0] < axes.get_xlim()[1]

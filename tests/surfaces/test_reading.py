@@ -9,6 +9,7 @@ import pytest
 from fuzzing import watched
 
 from warpwear.errors import InputError
+from warpwear.surfaces import formats
 from warpwear.surfaces.measured import read_measured
 from warpwear.surfaces.reading import read
 
@@ -251,3 +252,45 @@ def test_without_surfacetopography_the_message_says_what_to_install(tmp_path, mo
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
     with pytest.raises(InputError, match=r'disc\.surface .*pip install "warpwear\[io\]"'):
         read(path)
+
+
+#: Where a file of each format is read, by the first of its endings.
+TESTED = {
+    ".npy": "tests/surfaces/test_reading.py",
+    ".npz": "tests/surfaces/test_reading.py",
+    ".zip": "tests/surfaces/files/test_container.py",
+    ".xyz": "tests/surfaces/test_point_cloud.py",
+    ".al3d": "tests/surfaces/test_instrument_bytes.py",
+}
+
+
+@pytest.mark.parametrize("format", formats.FORMATS, ids=lambda format: format.endings[0])
+def test_a_format_is_tested_and_on_the_page(format):
+    root, ending = Path(__file__).parents[2], format.endings[0]
+    page = (root / "docs" / "how-to" / "your-disc.md").read_text(encoding="utf-8")
+    row = f"| {format.name} | {' '.join(f'`{one}`' for one in format.endings)} |"
+    assert row in page, f"docs/how-to/your-disc.md lacks the row of a format: {row}"
+    assert ending in TESTED, f"no test reads {format.name}: write one, and name its file in TESTED"
+    assert (root / TESTED[ending]).is_file()
+
+
+def test_no_ending_stands_for_two_formats():
+    endings = [ending for format in formats.FORMATS for ending in format.endings]
+    assert len(endings) == len(set(endings))
+    assert formats.FORMATS[-1].fits(formats.Source(Path("anything"))), "the last one reads what is left"
+
+
+def test_a_format_is_added_in_one_place(tmp_path, monkeypatch):
+    """Its entry is all that reading and refusing go by."""
+    entry = formats.Format(
+        "heights of a test",
+        (".test",),
+        lambda source: source.start.startswith(b"TEST"),
+        lambda source: formats.Raw(HEIGHTS, "test", (1.0, 1.0), "um", "um"),
+    )
+    monkeypatch.setattr(formats, "FORMATS", (entry, *formats.FORMATS))
+    (tmp_path / "disc.dat").write_bytes(b"TEST and more")
+    assert read(tmp_path / "disc.dat").format == "test"
+    (tmp_path / "disc.npy").write_bytes(b"no array")
+    with pytest.raises(InputError, match=r"heights of a test \(\.test\)"):
+        read(tmp_path / "disc.npy", pixel=1e-3, height_unit="um")

@@ -23,11 +23,13 @@ from warpwear import InputError, Study
 from warpwear.cli.main import main
 from warpwear.figures.paint import paint
 from warpwear.history.quantities import BY_NAME
+from warpwear.results.folder import LOCK
 from warpwear.sweeps.figures import courses
 from warpwear.sweeps.plan import Plan, section_of
+from warpwear.sweeps.points import task_of
 from warpwear.sweeps.pool import WorkerDiedError, Workers, local_workers
 from warpwear.sweeps.run_one import Row, run_one
-from warpwear.sweeps.sweep import make_runs, share_runs, task_of
+from warpwear.sweeps.sweep import make_runs, share_runs
 from warpwear.sweeps.table import SweepResult
 
 ROOT = Path(__file__).parents[2]
@@ -267,7 +269,7 @@ def test_killed_sweep_goes_on_where_it_was(tmp_path: Path) -> None:
             raise KeyboardInterrupt
 
     with local_workers(1, cores=1) as pool, pytest.raises(KeyboardInterrupt):
-        make_runs(plan, tmp_path, pool, threads=1, told=interrupt)
+        make_runs(plan, tmp_path, pool, threads=1, on_row=interrupt)
     finished = [path.parent.name for path in tmp_path.glob("runs/*/result.h5")]
     assert 1 <= len(finished) <= 4
     times = {path: path.stat().st_mtime_ns for path in tmp_path.glob("runs/*/result.h5")}
@@ -301,7 +303,7 @@ def test_run_that_takes_far_longer_than_the_others_is_told(
         told.append(sentence)
         hanging.set()
 
-    rows = make_runs(plan, tmp_path, Hangs(), warned=warned)
+    rows = make_runs(plan, tmp_path, Hangs(), on_warning=warned)
     assert [row.status for row in rows] == ["done"] * 2
     assert len(told) == 1
     assert told[0].startswith("run 1 has taken ")
@@ -336,14 +338,13 @@ def test_two_keys_have_colours_and_kinds_of_line(swept: Any) -> None:
     assert swept.influence()["disc.synthetic.seed"] >= 0.0  # no order, no rank
 
 
-def test_lock_of_a_lost_computer_is_broken(tmp_path: Path) -> None:
-    """Whoever holds the lock of the system knows that the run there is gone; what it left goes, too."""
+def test_work_of_a_lost_computer_is_cleaned_up(tmp_path: Path) -> None:
+    """The system frees the lock of a process that is gone; what it left goes, too."""
     plan = Plan(small(), section_of({"vary": {"contact.load": ["8 N"]}}, {}))
-    task = task_of(plan, plan.points[0], tmp_path, 1)
-    left = Path(task.folder) / ".work-gone"
+    task = task_of(plan.points[0], tmp_path, device="cpu", threads=1)
+    left = Path(task.folder) / ".work-0123456789ab"
     left.mkdir(parents=True)
-    owner = {"pid": 1, "started": 0.0, "host": "another", "work": [left.name]}
-    (left.parent / ".lock").write_text(json.dumps(owner), encoding="utf-8")
+    (left.parent / LOCK).write_text("process 1 on another", encoding="utf-8")
     assert run_one(task).status == "done"
     assert not left.exists()
 
@@ -397,7 +398,7 @@ def test_dask_cluster_that_loses_a_worker(tmp_path: Path) -> None:
                 if len(seen) == 4:
                     started[2].send_signal(signal.SIGCONT)
 
-            rows = make_runs(plan, tmp_path, executor, threads=1, told=disturb)
+            rows = make_runs(plan, tmp_path, executor, threads=1, on_row=disturb)
     assert [row.status for row in rows] == ["done"] * 8
 
 
@@ -431,7 +432,7 @@ def test_cluster_that_is_refused(address: str, says: str, monkeypatch: pytest.Mo
 def test_one_run_through_a_thread_pool_of_the_library(tmp_path: Path) -> None:
     plan = Plan(small(), section_of({"vary": {"contact.load": ["8 N"]}}, {}))
     with ThreadPoolExecutor(1) as pool:
-        row = pool.submit(run_one, task_of(plan, plan.points[0], tmp_path, 1)).result()
+        row = pool.submit(run_one, task_of(plan.points[0], tmp_path, device="cpu", threads=1)).result()
     assert row.status == "done"
     assert isinstance(pool, Executor)
     assert issubclass(Workers, Executor)

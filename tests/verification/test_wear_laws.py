@@ -118,7 +118,7 @@ def test_the_curve_is_the_discs_and_flat_ones_have_none() -> None:
     ("changes", "message"),
     [
         ({"stepping.scheme": "explicit"}, "needs stepping.scheme = 'implicit'"),
-        ({"study.model": "micro"}, "is for the macro model"),
+        ({"study.model": "micro"}, "needs study.model = 'macro', not 'micro'"),
     ],
 )
 def test_where_the_bearing_curve_does_not_apply(changes: dict[str, str], message: str) -> None:

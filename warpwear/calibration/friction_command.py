@@ -8,11 +8,12 @@ from warpwear.calibration import options
 from warpwear.calibration.friction import FrictionFit, ShearFit, fit_friction
 from warpwear.errors import InputError
 from warpwear.laws import friction
+from warpwear.laws.friction import FrictionLaw
 from warpwear.measured.course import read_experiment
 from warpwear.measured.options import optional, quantity, refuse
 from warpwear.result import Result
 from warpwear.results.report import Row, lines, record, table, to_json
-from warpwear.study.contact import Friction
+from warpwear.study.study import Study
 
 #: Area of a run -> what it is called for people.
 WORDS = {
@@ -51,7 +52,7 @@ def calibrate_friction(
         fitted = {"--cof": cof, "--ploughing": ploughing}
         refuse(fitted, "and --experiment exclude each other: the fit finds it")
         motion = {"stroke": optional("--stroke", stroke, "mm"), "speed": optional("--speed", speed, "mm/s")}
-        rows, text = _of_curve(experiment, result, _name(area or "contact"), motion | {"columns": columns})
+        rows, text = _of_curve(experiment, result, _name(area), motion | {"columns": columns})
     else:
         how = {"--columns": columns, "--stroke": stroke, "--speed": speed}
         refuse(how, "needs --experiment: it says how that file is read")
@@ -62,7 +63,7 @@ def calibrate_friction(
         if measured <= offset:
             raise InputError(f"--cof = {measured:g} must exceed --ploughing = {offset:g}")
         if result is not None:
-            rows, text = _of_run(result, measured, offset, None if area is None else _name(area))
+            rows, text = _of_run(result, measured, None if ploughing is None else offset, _name(area))
         elif area is not None and load is not None:
             rows, text = _of_area(area, load, measured, offset)
         else:
@@ -70,9 +71,9 @@ def calibrate_friction(
     return to_json(record(rows)) if as_json else "\n".join(text)
 
 
-def _name(area: str) -> str:
-    """Check the name of a run's area. Raises InputError."""
-    if area not in AREAS:
+def _name(area: str | None) -> str | None:
+    """Check the name of a run's area, if there is one. Raises InputError."""
+    if area is not None and area not in AREAS:
         raise InputError(f"--area is {area!r}: allowed with --result is one of {', '.join(AREAS)}")
     return area
 
@@ -80,10 +81,12 @@ def _name(area: str) -> str:
 def _of_area(area: str, load: str, cof: float, ploughing: float) -> tuple[list[Row], list[str]]:
     """Declare τ0 from an area and a load given as text. Raises InputError."""
     size, force = quantity("--area", area, "mm^2"), quantity("--load", load, "N")
-    tau = (cof - ploughing) * force / size
+    tau = friction.fitted_strength(cof, ploughing, load=force, area=size)
     if not 0.0 < tau < math.inf:
-        made = f"--area {area} and --load {load} make a shear strength of {tau:g} MPa"
-        raise InputError(f"{made}: allowed is any positive number")
+        raise InputError(
+            f"--area {area} and --load {load} make a shear strength of {tau:g} MPa: allowed is any positive "
+            "number"
+        )
     strength = Row("", "shear_strength_MPa", tau)
     study = Row("in a study", "", f'[friction] shear_strength = "{strength.text}"')
     rows = [*_given(force, cof, ploughing), Row("area A", "area_mm2", size, digits=6), strength, study]
@@ -99,18 +102,23 @@ def _given(load: float, cof: float, ploughing: float) -> list[Row]:
     ]
 
 
-def _of_run(folder: Path, cof: float, ploughing: float, area: str | None) -> tuple[list[Row], list[str]]:
-    """Declare τ0 from the areas of a run, at its start and at its end. area: its name, None for all four."""
+def _of_run(
+    folder: Path, cof: float, ploughing: float | None, area: str | None
+) -> tuple[list[Row], list[str]]:
+    """Declare τ0 from the areas of a run, at its start and at its end.
+
+    ploughing: None for the run's. area: its name, None for all four.
+    """
     with Result.open(folder) as result:
         study, history, finished = result.study, result.history, result.finished
     load, lap = study.contact.load, study.lap
-    law = Friction(coefficient=cof, ploughing=ploughing)
-    taus = friction.calibrations(law, history, load=load, hardness=study.indentation_hardness, lap=lap)
-    slid = float(history["distance"][-1])
+    ploughing = study.friction.ploughing if ploughing is None else ploughing
+    law = _law(study, folder, coefficient=cof, ploughing=ploughing)
+    taus = law.calibrations(history, load=load, hardness=study.indentation_hardness, lap=lap)
     sizes: dict[str, list[Row]] = {}
     for name in AREAS if area is None else (area,):
-        size = history[f"area_{name}"]
-        start, end = (friction.mean_over(history, size, when, lap) for when in friction.WHEN)
+        columns = history, history[f"area_{name}"]
+        start, end = (friction.mean_over(*columns, when, lap) for when in friction.WHEN)
         sizes[name] = [
             Row("area", "", WORDS[name]),
             Row("at the start", "area_initial_mm2", start),
@@ -122,7 +130,7 @@ def _of_run(folder: Path, cof: float, ploughing: float, area: str | None) -> tup
     head = [
         Row("", "result", str(folder)),
         Row("", "finished", finished),
-        Row("distance", "distance_mm", slid, digits=6, note=ended),
+        Row("distance", "distance_mm", float(history["distance"][-1]), digits=6, note=ended),
         *_given(load, cof, ploughing),
     ]
     hardness = Row("from the hardness, H/(3√3):", "shear_strength_from_hardness_MPa", taus.get("hardness"))
@@ -132,17 +140,31 @@ def _of_run(folder: Path, cof: float, ploughing: float, area: str | None) -> tup
     return [*head, Row("", "areas", sizes), hardness], text
 
 
-def _of_curve(file: Path, folder: Path, area: str, reading: dict[str, Any]) -> tuple[list[Row], list[str]]:
+def _law(study: Study, folder: Path, **measured: float) -> FrictionLaw:
+    """Return a run's law of friction with a measured coefficient. Raises InputError where it has no such."""
+    keys = {"coefficient": study.friction.coefficient, **measured}
+    try:
+        return study.replace({f"friction.{key}": value for key, value in keys.items()}).friction.law
+    except InputError as error:
+        raise InputError(f"{folder}: {error}") from None
+
+
+def _of_curve(
+    file: Path, folder: Path, area: str | None, reading: dict[str, Any]
+) -> tuple[list[Row], list[str]]:
     """Declare the fit of a measured curve with an area of a run.
 
-    reading: what `read_experiment` is told about the file beside the run's load. Raises InputError.
+    area: its name, None for the one by which the run's friction goes. reading: what `read_experiment` takes
+    about the file beside the run's load. Raises InputError.
     """
     with Result.open(folder) as result:
-        load, history = result.study.contact.load, result.history
+        study, history = result.study, result.history
+    load, law = study.contact.load, _law(study, folder, ploughing=0.0)
+    area = law.area if area is None else area
     measured = read_experiment(file, load=load, **reading)
     if history["distance"].size < 2:
         raise InputError(f"{folder} is a static contact: one area is no course to fit")
-    distance, size = history["distance"], history[f"area_{area}"]
+    distance, size = history["distance"], history[f"area_{area}"] * law.factor(history)
     fit = fit_friction(measured.distance, measured.cof, run_distance=distance, run_area=size, load=load)
     source = [
         Row("experiment", "experiment", str(file)),
@@ -153,8 +175,8 @@ def _of_curve(file: Path, folder: Path, area: str, reading: dict[str, Any]) -> t
         Row("load F", "load_N", load, digits=6),
     ]
     rows = [*source, *_fit_rows(fit)]
-    study = Row("in a study", "", _in_study(fit, area=area))
-    return rows, ["least squares of μ = μ_p + τ0 A/F", *lines([*rows, study])]
+    in_study = Row("in a study", "", _in_study(fit, area=area))
+    return rows, ["least squares of μ = μ_p + τ0 A/F", *lines([*rows, in_study])]
 
 
 def _fit_rows(fit: FrictionFit) -> list[Row]:

@@ -63,8 +63,9 @@ def wear(**options: Any) -> None:
     warpwear calibrate wear --diagonals "0.80 mm" "0.82 mm" --radius "3 mm" \\
         --load "8 N" --distance "2400 mm"
     """
-    settings = wear_command.WearOptions(preparation=prepared(options), **options)
-    click.echo(wear_command.calibrate_wear(settings))
+    preparation, as_json = prepared(options), options.pop("as_json")
+    by_name = {f"--{name.replace('_', '-')}": value for name, value in options.items()}
+    click.echo(wear_command.calibrate_wear(by_name, preparation=preparation, as_json=as_json))
 
 
 @calibrate.command()
@@ -83,7 +84,8 @@ def wear(**options: Any) -> None:
 def friction(**options: Any) -> None:
     """Find the shear strength τ0 of μ = μ_p + τ0 A/F, from a measured coefficient or curve.
 
-    The areas of a run are contact, touched, cumulative and nominal; a fit uses contact unless told otherwise.
+    The areas of a run are contact, touched, cumulative and nominal; a fit uses the run's friction.area unless
+    told otherwise.
     """
     click.echo(friction_command.calibrate_friction(**options))
 

@@ -34,6 +34,7 @@ def main(arguments: list[str] | None = None) -> None:
     started = time.perf_counter() - (time.process_time() if arguments is None else 0.0)
     os.environ["MPLBACKEND"] = "agg"  # nothing is shown, and a backend that is not there would stop it
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # that no installed package is asked for one
+    _replace_closed_streams()
     if arguments is None:  # a process of its own
         gc.set_threshold(GARBAGE)
         sys.setswitchinterval(SWITCH)
@@ -66,6 +67,13 @@ def main(arguments: list[str] | None = None) -> None:
         if arguments is None:  # what is left goes with the process, and need not be looked through
             gc.freeze()
     sys.exit(status if isinstance(status, int) else 0)
+
+
+def _replace_closed_streams() -> None:
+    """Lead standard streams that are closed nowhere: a file would get their number, and what is printed."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_RDWR), mode, encoding="utf-8"))
 
 
 def _fail(message: str, *, at_once: bool = False) -> None:

@@ -66,14 +66,14 @@ def run(
         click.echo(f"{folder}/ holds this run, finished: nothing is left to do")
         return
     try:
-        how = runner.How(
+        run_options = runner.RunOptions(
             out=folder,
             plots="none" if no_plots else plots,
             progress=True,
-            before=0.0 if started is None else time.perf_counter() - started,
+            import_seconds=0.0 if started is None else time.perf_counter() - started,
             **options,
         )
-        result = runner.run_study(loaded, how)
+        result = runner.run_study(loaded, run_options)
     except KeyboardInterrupt:
         if (folder / "result.h5").is_file():
             with results.Result.open(folder) as result:

@@ -30,7 +30,7 @@ from warpwear.figures.describe import (
 )
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BY_NAME
-from warpwear.measured.course import Experiment, mean_of_last_tenth
+from warpwear.measured.experiment import Experiment, mean_of_last_tenth
 from warpwear.results.ensemble import band_told, in_legend
 
 #: Parts that a measured course of many more points is averaged in, its scatter a band.

@@ -15,7 +15,8 @@ from warpwear.comparison.scar import ScarComparison, ScarFiles, compare_scar
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BODIES
-from warpwear.measured.course import Experiment, read_experiment
+from warpwear.measured.course import read_experiment
+from warpwear.measured.experiment import Experiment
 from warpwear.measured.options import optional
 from warpwear.result import Result
 from warpwear.results.summary import course, shape_of_growth

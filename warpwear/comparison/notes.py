@@ -3,7 +3,9 @@
 from collections.abc import Callable, Iterator, Sequence
 
 from warpwear.comparison.groups import MOST_NAMES, Group, RunData, listed
-from warpwear.measured.course import Experiment, check_coverage
+from warpwear.measured.course import check_coverage
+from warpwear.measured.experiment import Experiment
+from warpwear.study.keys import declarations, inapplicable, value_of
 from warpwear.study.study import Study
 
 INTERRUPTED = "interrupted before the end."
@@ -34,9 +36,20 @@ CONDITIONS: dict[str, tuple[str, Callable[[Study], float | str | None]]] = {
     "wear coefficient of the sphere": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[0]),
     "wear coefficient of the disc": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[1]),
     "sphere's curvature": ("1/mm", lambda s: s.sphere.curvature),
-    "law of wear": ("", lambda s: s.wear.law),
-    "area that shears": ("", lambda s: s.friction.area),
 }
+#: Sections whose keys make runs unlike too, and those of them that stand above.
+LAWS, ABOVE = ("wear.", "friction."), ("wear.sphere", "wear.disc")
+
+
+def _conditions_of(study: Study) -> dict[str, str]:
+    """Return what makes runs unlike tests -> its value, for all that this one has."""
+    above = {what: (condition(study), unit) for what, (unit, condition) in CONDITIONS.items()}
+    written, unused = study.model_dump(), inapplicable(study)
+    keys = [key for key, declared in declarations(Study).items() if key.startswith(LAWS) and key not in ABOVE]
+    laws = {key: value_of(written, key) for key in keys if key not in unused}
+    texts = {what: f"{v:.6g} {unit}" if isinstance(v, float) else v for what, (v, unit) in above.items()}
+    texts |= {key: "none" if v is None else str(v) for key, v in laws.items() if not isinstance(v, dict)}
+    return {what: text.rstrip() for what, text in texts.items() if text is not None}
 
 
 def notes_of(
@@ -90,13 +103,10 @@ def _gaps(experiment: Experiment, runs: Sequence[RunData]) -> list[str]:
 
 def _differences(groups: Sequence[Group]) -> Iterator[str]:
     """List conditions in which groups differ: they are then unlike tests."""
-    for what, (unit, value_of) in CONDITIONS.items():
-        texts: dict[str, str] = {}
-        for group in groups:
-            values = [value for run in group.runs if (value := value_of(run.study)) is not None]
-            if values:
-                each = dict.fromkeys(v if isinstance(v, str) else f"{v:.6g} {unit}" for v in values)
-                texts[group.name] = ", ".join(each)
+    conditions = {group.name: [_conditions_of(run.study) for run in group.runs] for group in groups}
+    for what in dict.fromkeys(what for runs in conditions.values() for run in runs for what in run):
+        every = {name: dict.fromkeys(r[what] for r in runs if what in r) for name, runs in conditions.items()}
+        texts = {name: ", ".join(values) for name, values in every.items() if values}
         if len(set(texts.values())) > 1:
             named = [f"{name} {text}".rstrip() for name, text in texts.items()]
             each_once = named if len(named) <= MOST_NAMES else list(dict.fromkeys(texts.values()))

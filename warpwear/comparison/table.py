@@ -9,7 +9,7 @@ from warpwear.comparison.gather import Comparison, shape_of, shape_of_run
 from warpwear.comparison.groups import RunData
 from warpwear.comparison.scar import lines_of, record_of
 from warpwear.history.end_values import END_VALUES, ENDS, Value, value_in
-from warpwear.measured.course import Experiment
+from warpwear.measured.experiment import Experiment
 from warpwear.results.report import aligned, shown, to_json, without_nan
 from warpwear.version import __version__
 

@@ -1,25 +1,26 @@
 """The certificate of a pressure: what it violates, and how far its energy can lie above the least.
 
-It is reckoned from the pressure that is returned and the gap which that leaves, made anew, in NumPy on a CPU
-and in CuPy on a GPU. Nothing that the search believes goes into it but the approach.
+It is reckoned from the pressure that is returned and the gap which that leaves, made anew, by passes and
+decisions of the device. Nothing that the search believes goes into it but the approach.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Self
+from functools import partial
+from typing import Any, Self
 
 import numpy as np
+import warp as wp
 
 from warpwear.contact.balance import TOLERANCE
-from warpwear.grid import FloatArray, blocks_of_rows
+from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.program import Program
+from warpwear.grid import FloatArray
+from warpwear.kernels.cells import NONE
+from warpwear.kernels.half_space import certificate as kernels
 
 #: Load that a certified pressure may miss, relatively: twice what a search allows, which sums otherwise.
 LOAD_TOLERANCE = 2.0 * TOLERANCE
-#: Cells looked at together, which stay in the cache of a core.
-TOGETHER = 2**16
-#: On a GPU, which they keep busy.
-TOGETHER_ON_GPU = 2**24
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,31 @@ class Certificate:
             level=self.level * length,
         )
 
+    @classmethod
+    def of(cls, groups: Any, *, cell_area: float) -> Self:
+        """Sum up what kernels have proven of groups of rows, by the names of `Proven`."""
+        loads, allowed, scale = groups["load"], groups["allowed"], groups["scale"]
+        deepest = groups["approach"] - groups["lowest"]
+        violation = np.maximum(np.maximum(groups["highest"] - groups["approach"], deepest), 0.0)
+        total = groups["total"]
+        off = np.divide(total, loads, out=1.0 + total, where=loads > 0.0) - 1.0
+        off[loads < 0.0] = 0.0
+        relative, may = (
+            np.divide(v, scale, out=np.zeros_like(scale), where=v > 0.0) for v in (violation, allowed)
+        )
+        worst = int(np.argmax(np.where(np.isnan(violation), np.inf, violation - allowed)))
+        gap, work = float(groups["gap"].sum()), float((total * scale).sum())
+        return cls(
+            violation=math.nan if np.isnan(violation).any() else float(relative[worst]),
+            penetration=float(np.maximum(deepest, 0.0).max()),
+            load_residual=float(off[np.argmax(np.abs(off))]),
+            beyond_bounds=float(np.maximum(np.maximum(groups["over"], groups["under"]), 0.0).max()),
+            energy_gap=gap * cell_area,
+            relative_gap=gap / work if work else 0.0,
+            allowed=float(may[worst]),
+            level=float(groups["level"].max()),
+        )
+
     @property
     def fault(self) -> str:
         """What keeps the pressure from being certified, as half a sentence; empty where nothing does."""
@@ -79,79 +105,78 @@ class Certificate:
         return ""
 
 
-class Cells(NamedTuple):
-    """Arrays of the same shape (rows, columns). cap may be one number for all, inf for none."""
+class Proof:
+    """Certifies a pressure on the device, as a part of a program.
 
-    pressure: Any
-    gradient: Any
-    cap: Any
-
-
-#: Gives the cells of a part, block by block, each time it is called.
-Blocks = Callable[[], Iterator[Cells]]
-
-
-class _Part(NamedTuple):
-    """What is found of the cells that share one load and one approach."""
-
-    total: float
-    over: float  # largest p − H
-    under: float  # largest −p
-    highest: float  # t where p > 0
-    lowest: float  # t where p < H
-    level: float  # λ'
-    gap: float  # Σ p max(t − λ', 0) + (H − p) max(λ' − t, 0)
-
-
-def certify(
-    parts: Iterable[Blocks],
-    *,
-    approaches: FloatArray,
-    asked: FloatArray | None,
-    scale: FloatArray,
-    allowed: FloatArray,
-    cell_area: float,
-    xp: Any = np,
-) -> Certificate:
-    """Certify the pressure of one part or of several, each with an approach of its own.
-
-    parts: the cells of each. asked: Σ p of each; None at approaches. scale: rms height of each, or of a flat
-    another length. allowed: violation of each [length]. xp: NumPy, or CuPy where the cells lie on a GPU.
+    pressure, gap, displacement: fields. cap: hardness. fractions: of it, that cells bear; None: all of it.
+    groups: 1, all rows together, or as many as the executor has rows, each with a load and an approach of its
+    own. visited: how many rows count, the first ones; an array of one number.
     """
-    found = [_measure(blocks, xp) for blocks in parts]
-    total, over, under, highest, lowest, level, gap = np.array(found).T
-    violation = np.maximum(np.maximum(highest - approaches, approaches - lowest), 0.0)
-    off = np.zeros(len(found))
-    if asked is not None:
-        off = np.divide(total, asked, out=1.0 + total, where=asked > 0.0) - 1.0
-    relative, may = (
-        np.divide(v, scale, out=np.zeros_like(scale), where=v > 0.0) for v in (violation, allowed)
-    )
-    worst = int(np.argmax(np.where(np.isnan(violation), np.inf, violation - allowed)))
-    work = float((total * scale).sum())
-    return Certificate(
-        violation=math.nan if np.isnan(violation).any() else float(relative[worst]),
-        penetration=float(np.maximum(approaches - lowest, 0.0).max()),
-        load_residual=float(off[np.argmax(np.abs(off))]),
-        beyond_bounds=float(np.maximum(np.maximum(over, under), 0.0).max()),
-        energy_gap=float(gap.sum()) * cell_area,
-        relative_gap=float(gap.sum()) / work if work else 0.0,
-        allowed=float(may[worst]),
-        level=float(level.max()),
-    )
 
+    def __init__(
+        self,
+        executor: Executor,
+        *,
+        pressure: Field,
+        gap: Field,
+        displacement: Field,
+        cap: float,
+        fractions: Field | None = None,
+        groups: int = 1,
+        visited: Any = None,
+    ) -> None:
+        self._executor, device, rows = executor, executor.device, executor.grid.nx
+        self._slots = rows if groups > 1 else executor.slots_of(rows)
+        flag = partial(wp.zeros, 1, dtype=wp.int32, device=device)
+        #: For kernels.
+        self.arguments = arguments(
+            kernels.Proof,
+            columns=executor.grid.ny,
+            fields=arguments(
+                kernels.ProofFields,
+                pressure=pressure,
+                gap=gap,
+                displacement=displacement,
+                cap=min(cap, float(NONE)),
+                fractions=executor.zeros(0) if fractions is None else fractions,
+            ),
+            visited=wp.full(1, rows, dtype=wp.int32, device=device) if visited is None else visited,
+            groups=wp.zeros(groups, dtype=kernels.Proven, device=device),
+            table=wp.zeros((kernels.LINES, self._slots), dtype=wp.float64, device=device),
+            passes=flag(),
+            searching=flag(),
+        )
 
-def cells_of(
-    pressure: Any, gap: Any, displacement: Any, cap: Any, fractions: Any = None, together: int = TOGETHER
-) -> Blocks:
-    """The cells of one part, from arrays of shape (rows, columns). fractions: of the cap, that cells bear."""
+    def add_to(self, program: Program, chunks: Any = None) -> None:
+        """Certify in a program the pressures of groups, by what is known of them."""
+        proof = self.arguments
 
-    def blocks() -> Iterator[Cells]:
-        for here in blocks_of_rows(pressure.shape[0], values=pressure.shape[1], together=together):
-            caps = cap if fractions is None else cap * fractions[here]
-            yield Cells(pressure[here], gap[here] + displacement[here], caps)
+        def look(kernel: Any) -> None:
+            program.launch(kernel, proof, slots=self._slots, chunks=chunks)
 
-    return blocks
+        look(kernels.extremes)
+        program.decide(kernels.bracket, proof)
+        if proof.fields.cap < NONE:
+            with program.loop(proof.searching):
+                look(kernels.carried)
+                program.decide(kernels.narrow, proof)
+        look(kernels.excess)
+        program.decide(kernels.conclude, proof)
+
+    def at(self, *, load: float | FloatArray | None, **numbers: float | FloatArray) -> Certificate:
+        """Certify the pressure now, at a load Σ p [MPa] or, with None, without one.
+
+        numbers: of one group or of each, approach, scale and allowed violation, as of `Proven` [mm].
+        """
+        groups = self.arguments.groups
+        values = groups.numpy()
+        for name, value in {**numbers, "load": -1.0 if load is None else load}.items():
+            values[name] = value
+        groups.assign(values)
+        program = Program(self._executor, records=False)
+        self.add_to(program)
+        program.run()
+        return Certificate.of(groups.numpy(), cell_area=self._executor.grid.cell_area)
 
 
 def columns_of(*certificates: Certificate | None) -> dict[str, float]:
@@ -162,56 +187,3 @@ def columns_of(*certificates: Certificate | None) -> dict[str, float]:
         "energy_gap": max((one.energy_gap for one in there), default=math.nan),
         "energy_gap_relative": max((one.relative_gap for one in there), default=math.nan),
     }
-
-
-def _measure(blocks: Blocks, xp: Any) -> _Part:
-    """Measure one part, in three looks at its cells."""
-    table = xp.stack([_extremes(cells, xp) for cells in blocks()])
-    total, (over, under, highest, lowest) = float(table[:, 0].sum()), table[:, 1:].max(axis=0).tolist()
-    lowest = -lowest
-    level = _best_level(blocks, total, highest, lowest, xp) if over > -math.inf else lowest
-    gap = float(sum(_gap(cells, level) for cells in blocks()))
-    return _Part(total, over, under, highest, lowest, level, gap)
-
-
-def _extremes(cells: Cells, xp: Any) -> Any:
-    """Σ p, then the largest p − H, −p, t where p > 0, and −t where p < H; a NaN of a cell makes one a NaN."""
-    p, t, cap = cells
-    return xp.stack(
-        [
-            p.sum(),
-            (p - cap).max(),
-            -p.min(),
-            xp.where(p > 0.0, t, -xp.inf).max(),
-            xp.where(p < cap, -t, -xp.inf).max(),
-        ]
-    )
-
-
-def _best_level(blocks: Blocks, total: float, highest: float, lowest: float, xp: Any) -> float:
-    """λ' of a part with a hardness: where the cells below it carry the load at the hardness.
-
-    The slope of the gap in λ' is what the cells below λ' carry at the hardness less the load. Cells with
-    t < lowest all bear their hardness, and no cell with t > highest bears anything, so that λ' lies between.
-    """
-    low, high = min(lowest, highest), max(lowest, highest)
-    below, levels, caps = 0.0, [], []
-    for _, t, cap in blocks():
-        caps_here = xp.broadcast_to(xp.asarray(cap), t.shape)
-        below += float(caps_here[t < low].sum())
-        there = (t >= low) & (t <= high)
-        levels.append(t[there])
-        caps.append(caps_here[there])
-    t = xp.concatenate(levels)
-    if not t.size:
-        return lowest if math.isfinite(lowest) else highest
-    order = xp.argsort(t)
-    carried = below + xp.cumsum(xp.concatenate(caps)[order])
-    return float(t[order[min(int(xp.searchsorted(carried, total)), t.size - 1)]])
-
-
-def _gap(cells: Cells, level: float) -> Any:
-    p, t, cap = cells
-    lifted, pressed = (p > 0.0) & (t > level), (p < cap) & (t < level)
-    room = (cap - p)[pressed]
-    return (p[lifted] * (t[lifted] - level)).sum() + (room * (level - t[pressed])).sum()

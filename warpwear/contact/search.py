@@ -91,7 +91,7 @@ class LoadSearch:
             program.decide(bearing.begin, self.springs, smallest)
         else:
             values = self._stiffness.numpy()
-            program.decide(balance.begin, self.springs, smallest, 0.0, float(values[values > 0.0].min()))
+            program.decide(balance.begin, self.springs, smallest, float(values[values > 0.0].min()))
         self.add_to(program)
         program.run()
         law, search = self.law.numpy()[0], self._search.numpy()[0]

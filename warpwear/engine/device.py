@@ -51,9 +51,9 @@ def free_memory(device: str) -> dict[str, int]:
 
     Raises InputError for a device that is not there.
     """
-    free, found = {"the host": psutil.virtual_memory().available}, find_device(device)
-    if found.is_cuda:
-        free[str(found)] = found.free_memory
+    free, memory_device = {"the host": psutil.virtual_memory().available}, find_device(device)
+    if memory_device.is_cuda:
+        free[str(memory_device)] = memory_device.free_memory
     return free
 
 

@@ -44,20 +44,20 @@ class Numbers:
 
     def __init__(self, kind: Any, device: Any, *, written: bool = True, **values: float) -> None:
         self.array: Field = wp.zeros(1, dtype=kind, device=device)
-        self._on_gpu = not device.is_cpu
-        self._host = None if self._on_gpu and written else self.array.numpy()
+        self._there = self.array if device.is_cpu else wp.zeros(1, dtype=kind, device="cpu")
+        self._host, self._written = self._there.numpy(), written
         self.set(**values)
 
     def __getitem__(self, name: str) -> Any:
         return self._read()[name][0].item()
 
-    def set(self, **values: float) -> None:
+    def set(self, **values: float | Sequence[float]) -> None:
         """Give some of them other values."""
         host = self._read()
         for name, value in values.items():
             host[name] = value
-        if self._on_gpu:
-            self.array.assign(host)
+        if self._there is not self.array:
+            wp.copy(self.array, self._there)
 
     @property
     def values(self) -> dict[str, Any]:
@@ -72,4 +72,33 @@ class Numbers:
         self.set(**{name: type(before[name])(values[name]) for name in before})
 
     def _read(self) -> Any:
-        return self.array.numpy() if self._host is None else self._host
+        if self._written and self._there is not self.array:
+            wp.copy(self._there, self.array)
+            wp.synchronize_device(self.array.device)
+        return self._host
+
+
+class Mirror:
+    """Arrays of a device as the host sees them: on a CPU in place, of a GPU as last read or written."""
+
+    def __init__(self, *arrays: Field) -> None:
+        self._pairs = [
+            (array, array if array.device.is_cpu else wp.zeros_like(array, device="cpu", pinned=True))
+            for array in arrays
+        ]
+        self.values: list[Any] = [host.numpy() for _, host in self._pairs]
+
+    def read(self) -> list[Any]:
+        """Wait for the device; the values of every array."""
+        for array, host in self._pairs:
+            if array is not host:
+                wp.copy(host, array)
+        wp.synchronize_device(self._pairs[0][0].device)
+        return self.values
+
+    def write(self, *values: Any) -> None:
+        """Give the arrays other values. Those that were written before must have been used."""
+        for (array, host), place, new in zip(self._pairs, self.values, values, strict=True):
+            place[...] = new
+            if array is not host:
+                wp.copy(array, host)

@@ -24,6 +24,7 @@ from typing import Any, Protocol
 import warp as wp
 
 from warpwear.engine.executor import BLOCK, GATE, Executor, Field
+from warpwear.kernels.native_code import RANGED
 
 Chunks = Sequence[tuple[int, int]]
 
@@ -56,6 +57,7 @@ class Launch:
         self._executor, self._kernel, self._chunks = executor, kernel, chunks
         executor.load(kernel)  # which no recording can
         self._arguments = [slots, *arguments]
+        self._takes_range = kernel in RANGED
         self._commands: list[tuple[Any, tuple[int, int]]] = []
         self._is_shared = executor.is_shared and (callable(chunks) or len(chunks) > 1)
         if not self._is_shared:
@@ -81,11 +83,12 @@ class Launch:
         """The recorded launch of one thread, over a range of slots."""
         (first, end), device = chunk, self._executor.device
         width = 1 if device.is_cpu else BLOCK
+        is_range = self._takes_range and device.is_cpu
         if number == len(self._commands):
             command = wp.launch(
                 self._kernel,
-                dim=(end - first) * width,
-                inputs=[first, *self._arguments],
+                dim=1 if is_range else (end - first) * width,
+                inputs=[first, *([end] if self._takes_range else []), *self._arguments],
                 device=device,
                 block_dim=width,
                 record_cmd=True,
@@ -93,7 +96,9 @@ class Launch:
             self._commands.append((command, chunk))
             return command
         command, (first_before, end_before) = self._commands[number]
-        if end - first != end_before - first_before:
+        if is_range:
+            command.set_param_at_index_from_ctype(1, end)
+        elif end - first != end_before - first_before:
             command.set_dim(end - first)
         if first != first_before:
             command.set_param_at_index_from_ctype(0, first)

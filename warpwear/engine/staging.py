@@ -55,7 +55,7 @@ def download(executor: Executor, arrays: list[Any], take: Callable[..., T], pitc
     arrays: Warp's, of as many rows as the grid and so many numbers a row as `pitches` say. `take` must copy.
     """
     grid = executor.grid
-    found: list[T] = []
+    blocks_taken: list[T] = []
     sources = [_numbers(a, grid.nx * pitch, executor) for a, pitch in zip(arrays, pitches, strict=True)]
 
     def read(rows: slice, buffers: list[Any]) -> T:
@@ -72,8 +72,8 @@ def download(executor: Executor, arrays: list[Any], take: Callable[..., T], pitc
                 count = (rows.stop - rows.start) * pitch
                 wp.copy(buffer, source, src_offset=rows.start * pitch, count=count)
         wp.synchronize_device(executor.device)
-        found.extend(pool.map(read, group, staged))
-    return found
+        blocks_taken.extend(pool.map(read, group, staged))
+    return blocks_taken
 
 
 def _groups(

@@ -158,7 +158,8 @@ class Map:
     """Fields (x, y) over one extent [mm]: side by side on paper, under a slider on a page.
 
     labels, notes: when each is, and what is said of it. states: label and colour of each code, where fields
-    hold codes. hidden: where nothing is known, grey. contours: about how many lines of equal value. lit: as
+    hold codes. hidden: where nothing is known, grey; hatched: where it is
+    filled in. regions: whose outlines are drawn. contours: about how many lines of equal value. lit: as
     if light fell on heights. square: whether x and y are of one
     scale. heading: whether the title stands above each on paper. stretch_note: as of a Chart.
     """
@@ -171,6 +172,8 @@ class Map:
     notes: Sequence[str] = ()
     states: tuple[tuple[str, str], ...] = ()
     hidden: NDArray[Any] | None = None
+    hatched: NDArray[np.bool_] | None = None
+    regions: Sequence[tuple[NDArray[np.bool_], Look]] = ()
     contours: int = 0
     outlines: Sequence[Outline] = ()
     levels: Sequence[Level] = ()

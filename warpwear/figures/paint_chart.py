@@ -54,6 +54,8 @@ def set_axis(axes: Axes, which: str, axis: describe.Axis) -> None:
     if axis.places:
         at.set_ticks([place for place, _ in axis.places], [text for _, text in axis.places])
     _thin_ticks(at, numbered=axis.numbered)
+    if not axis.numbered and axis.scale == "linear":
+        at.set_tick_params(labelbottom=False, labelleft=False)
     at.set_inverted(axis.inverted)
 
 

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LightSource, ListedColormap, LogNorm, Normalize
 from matplotlib.patches import Ellipse, Rectangle
 from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
 
 from warpwear.figures import style
 from warpwear.figures.describe import Map
@@ -35,6 +36,13 @@ def paint_map(axes: Axes, field: Map) -> Any:
     image = axes.imshow(values.T, cmap=colours, norm=norm, visible=not field.lit, **kind)
     if field.contours:
         _contours(axes, field)
+    if field.hatched is not None:
+        _on_pixels(
+            axes, field, field.hatched, levels=[0.5, 1.5], colors=["0.8"], alpha=0.6, hatches=["//////"]
+        )
+    for region, look in field.regions:
+        edge: Any = {"colors": [look.colour], "linewidths": look.width, "linestyles": DASHES[look.dash]}
+        _on_pixels(axes, field, region, levels=[0.5], **edge)
     for outline in field.outlines:
         x0, x1, y0, y1 = outline.ends
         line: Any = {
@@ -57,6 +65,15 @@ def paint_map(axes: Axes, field: Map) -> Any:
     if not field.square:
         axes.set_aspect("auto")
     return image
+
+
+def _on_pixels(axes: Axes, field: Map, region: NDArray[np.bool_], **how: Any) -> None:
+    """Draw a region of cells, filled where it has hatches, else its outline; shape (nx, ny)."""
+    (nx, ny), (x0, x1, y0, y1) = region.shape, field.extent
+    edged = np.pad(region, 1, mode="edge").astype(np.float64)  # or what lies at the rim would be cut in half
+    x, y = (a + (np.arange(n + 2) - 0.5) * (b - a) / n for n, a, b in ((nx, x0, x1), (ny, y0, y1)))
+    (axes.contourf if "hatches" in how else axes.contour)(x, y, edged.T, **how)
+    axes.set(xlim=(x0, x1), ylim=(y0, y1))
 
 
 def _colours(field: Map) -> tuple[Any, Normalize]:

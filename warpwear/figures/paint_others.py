@@ -29,8 +29,8 @@ CIRCLES, SPOKES = 36, 97
 LIGHT = LightSource(azdeg=300, altdeg=50)
 #: Most values of a grid that are written into it.
 WRITTEN = 49
-#: Characters of a line of text, where it begins behind its label, and its height over that of the panel.
-LINE, INDENT, HIGH = 56, 0.17, 0.062
+#: Characters of a line of text, where it begins behind its label, and its height [points].
+LINE, INDENT, HIGH = 56, 44.0, 10.0
 
 
 def paint_box(axes: Any, box: Box) -> None:
@@ -189,18 +189,18 @@ def paint_grid(axes: Axes, grid: Grid) -> None:
 def paint_text(axes: Axes, text: Text) -> None:
     """Write rows of label and text, from the top down."""
     axes.set_axis_off()
-    down = 1.0
+    how: dict[str, Any] = {"xycoords": "axes fraction", "textcoords": "offset points", "fontsize": 7}
+    down = 0.0
     for label, words in text.rows:
         for number, line in enumerate(textwrap.wrap(words, LINE)):
             down -= HIGH
-            for place, words_here, colour in (
+            for place, part, colour in (
                 (0.0, "" if number else label, describe.NEUTRAL),
                 (INDENT, line, "black"),
             ):
-                written = axes.text(
-                    place, down, words_here, color=colour, fontsize=7, transform=axes.transAxes
-                )
+                written = axes.annotate(part, (0.0, 1.0), (place, down), color=colour, **how)
                 written.set_in_layout(False)
+                written.set_annotation_clip(False)
 
 
 PAINT_OTHERS: dict[type, Callable[..., None]] = {Bars: paint_bars, Grid: paint_grid, Text: paint_text}

@@ -11,19 +11,19 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from warpwear.grid import FloatArray
+from warpwear.history.arrangements import ARRANGEMENTS
 from warpwear.study.study import Study
 
 #: What a quantity has one value for: a step; a step and patch; a cell of a snapshot; a snapshot; a piece.
 Per = Literal["step", "patch", "cell", "snapshot", "piece"]
 #: Runs that a quantity may be limited to: name -> what they are called, and whether a study makes one.
 ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
-    "track": ("runs over a track", lambda study: study.is_swept),
+    **{name: (one.called, one.serves) for name, one in ARRANGEMENTS.items()},
     "half-space": ("half-spaces", lambda study: study.contact.law == "half-space"),
     "half-space track": (
         "half-spaces over a track",
         lambda study: study.is_swept and study.contact.law == "half-space",
     ),
-    "patches": ("runs with patches", lambda study: study.study.model == "two-scale"),
     "dents": (
         "tracks that keep their dents",
         lambda study: study.is_swept and study.sliding.plastic == "keep",

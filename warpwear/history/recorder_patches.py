@@ -93,7 +93,7 @@ class PatchLedger:
 
     def removals(self, later: float, increment: float) -> tuple[float, float]:
         """Return K ΔL of sphere and disc [mm³/N] for an increment that starts `later` mm from now."""
-        return self._task.removals(self.row["distance"] + later, increment)
+        return self._task.wear_per_pressure(self.row["distance"] + later, increment)
 
     @property
     def foundation(self) -> float:

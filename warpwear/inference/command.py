@@ -1,6 +1,4 @@
-"""What `warpwear calibrate bayes` does: from its options, or a study's section [infer], to the text it
-prints.
-"""
+"""What `warpwear calibrate bayes` does: from its options, or a study's section [infer], to the text."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -50,37 +48,35 @@ def calibrate_bayes(
     measured: Mapping[str, Sequence[str]],
     columns: str | None,
     as_json: bool,
-    **how: Any,
+    target: str | None,
+    candidates: Sequence[str],
+    out: Path | None,
+    **options: Any,
 ) -> str:
-    """Infer from the command line; return what is printed. how: target, candidates, out, runs, seed, device.
+    """Infer from the command line; return what is printed. options: runs, seed, device of `infer`.
 
     Raises InputError.
     """
     sections = loading.read_sections(study)
-    given = _section(sections.pop(SECTION, {}))
-    made = Study(**sections).replace(changes)
-    asked = {**{key: prior or None for key, prior in given.unknown.items()}, **_unknown(unknown)}
-    values = {**given.measured, **{kind: texts for kind, texts in measured.items() if texts}}
-    beside = Path(study).parent
-    courses = [*(beside / path for path in given.experiments), *experiments]
-    data = data_of(made, courses, values, columns=columns)
-    how["target"] = how["target"] or given.target
-    how["candidates"] = how["candidates"] or given.next
-    if how["candidates"] and how["target"] is None:
+    section = _section(sections.pop(SECTION, {}))
+    changed = Study(**sections).replace(changes)
+    priors = {**{key: prior or None for key, prior in section.unknown.items()}, **_unknown(unknown)}
+    values = {**section.measured, **{kind: texts for kind, texts in measured.items() if texts}}
+    courses = [*(Path(study).parent / path for path in section.experiments), *experiments]
+    data = data_of(changed, courses, values, columns=columns)
+    target, candidates = target or section.target, candidates or section.next
+    if candidates and target is None:
         raise InputError("--next needs --target, the unknown that the next test shall tell")
-    found = infer_from(made, asked, data, **how)
+    inference = infer_from(changed, priors, data, target=target, candidates=candidates, out=out, **options)
     if as_json:
-        return to_json(content_of(found))
-    return str(found) + (
-        f"\nwritten to {how['out']}/: inference.html, calibrated.toml, posterior.csv, figures/"
-        if how["out"]
-        else ""
-    )
+        return to_json(content_of(inference))
+    written = f"\nwritten to {out}/: inference.html, calibrated.toml, posterior.csv, figures/"
+    return str(inference) + (written if out else "")
 
 
 def _unknown(texts: Sequence[str]) -> dict[str, str | None]:
     """Read KEY or KEY=PRIOR."""
-    found: dict[str, str | None] = {}
+    priors: dict[str, str | None] = {}
     for text in texts:
         key, equals, prior = (part.strip() for part in text.partition("="))
         if not key or (equals and not prior):
@@ -88,60 +84,54 @@ def _unknown(texts: Sequence[str]) -> dict[str, str | None]:
                 f"--unknown {text!r}: KEY or KEY=PRIOR is expected, such as 'wear.sphere=log-uniform 1e-4 "
                 ".. 1e-3 mm^3/N/m'"
             )
-        found[key] = prior or None
-    return found
+        priors[key] = prior or None
+    return priors
 
 
-def _section(given: Any) -> InferSection:
+def _section(content: Any) -> InferSection:
     """Read the section [infer] of a study. Raises InputError with one sentence."""
     try:
-        if isinstance(given, Mapping) and isinstance(given.get("unknown"), Mapping):
-            given = {**given, "unknown": _flat(given["unknown"])}
-        found = InferSection.model_validate(given)
+        if isinstance(content, Mapping) and isinstance(content.get("unknown"), Mapping):
+            content = {**content, "unknown": _flat(content["unknown"])}
+        section = InferSection.model_validate(content)
     except ValidationError as error:
         raise InputError(_sentence(error)) from error
-    for kind in found.measured:
+    for kind in section.measured:
         if kind not in KINDS:
             raise InputError(
                 f"infer.measured.{kind} is nothing that can be measured here; allowed: {', '.join(KINDS)}"
             )
-    return found
+    return section
 
 
 def _sentence(error: ValidationError) -> str:
     """Return a sentence about the first problem of the section."""
     first = error.errors()[0]
-    where, given = ".".join([SECTION, *map(str, first["loc"][:2])]), first["input"]
+    where, value = ".".join([SECTION, *map(str, first["loc"][:2])]), first["input"]
     if first["type"] == "extra_forbidden":
         return f"{where} is not known; allowed: {', '.join(InferSection.model_fields)}"
     if first["type"] in ("dict_type", "model_type"):
-        example = (
-            'diameter = "0.80 +- 0.02 mm"'
-            if where.endswith("measured")
-            else '"wear.sphere" = "log-uniform …"'
-        )
-        return f"[{where}] is a section, and {given!r} is none; in it stand lines such as {example}"
+        measured = where.endswith("measured")
+        example = 'diameter = "0.80 +- 0.02 mm"' if measured else '"wear.sphere" = "log-uniform …"'
+        return f"[{where}] is a section, and {value!r} is none; in it stand lines such as {example}"
     wanted = "text in quotes" if "target" in where else "text in quotes, or a list of such"
     if "list" in first["type"]:
-        wanted = (
-            'a list such as ["test-1.csv", "test-2.csv"]'
-            if "exp" in where
-            else 'a list such as ["repeats=3"]'
-        )
-    return f"{where} = {given!r} is not allowed: {wanted} is expected"
+        example = '"test-1.csv", "test-2.csv"' if "exp" in where else '"repeats=3"'
+        wanted = f"a list such as [{example}]"
+    return f"{where} = {value!r} is not allowed: {wanted} is expected"
 
 
 def _flat(nested: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
-    """Dotted keys of tables in tables, as TOML makes of unquoted dots."""
-    found: dict[str, str] = {}
+    """Return dotted keys of tables in tables, as TOML makes of unquoted dots."""
+    priors: dict[str, str] = {}
     for key, value in nested.items():
         if isinstance(value, Mapping):
-            found |= _flat(value, f"{prefix}{key}.")
+            priors |= _flat(value, f"{prefix}{key}.")
         elif isinstance(value, str):
-            found[prefix + key] = value
+            priors[prefix + key] = value
         else:
             raise InputError(
                 f"infer.unknown.{prefix}{key} = {value!r}: a prior such as 'normal 8 +- 1 N' is expected, "
                 "or '' for one about the value"
             )
-    return found
+    return priors

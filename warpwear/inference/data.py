@@ -1,5 +1,6 @@
 """What was measured: courses of friction, single values of it, volumes, the scar, with uncertainties."""
 
+import itertools
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -13,7 +14,8 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import printed
 from warpwear.measured.columns import NAMES, split_unit
-from warpwear.measured.course import LARGEST_COF, Experiment, read_experiment
+from warpwear.measured.course import LARGEST_COF, read_experiment
+from warpwear.measured.experiment import Experiment
 from warpwear.measured.record import read_record
 from warpwear.study.study import Study
 from warpwear.study.units import parse
@@ -40,6 +42,12 @@ _NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
 _WRITTEN = re.compile(rf"\s*{_NUMBER}\s*(?:\+-|±)\s*{_NUMBER}\s*(.*?)\s*(?:\bat\s+(\S.*?))?\s*")
 
 
+def unit_of(kind: str) -> str:
+    """Return the unit of a measured value as people write it; empty for a coefficient."""
+    unit = KINDS[kind][0]
+    return SHOWN.get(unit, unit)
+
+
 @dataclass(frozen=True)
 class Measured:
     """A value with its standard uncertainty; at: sliding distance [mm] of a coefficient, else None."""
@@ -50,11 +58,15 @@ class Measured:
     at: float | None = None
 
     @property
+    def unit(self) -> str:
+        """The unit as people write it; empty for a coefficient."""
+        return unit_of(self.kind)
+
+    @property
     def text(self) -> str:
         """The value for people."""
-        unit = SHOWN.get(KINDS[self.kind][0], KINDS[self.kind][0])
         where = "" if self.at is None else f" at {self.at:.4g} mm"
-        return f"{KINDS[self.kind][1]}{where}: {self.value:.4g} ± {self.error:.2g} {unit}".rstrip()
+        return f"{KINDS[self.kind][1]}{where}: {self.value:.4g} ± {self.error:.2g} {self.unit}".rstrip()
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,9 +81,7 @@ class MeasuredCourse:
 
 @dataclass(frozen=True, eq=False)
 class Data:
-    """All that was measured: courses, coefficients at single distances, and other values; notes say what was
-    done.
-    """
+    """All that was measured: courses, coefficients at single distances, other values; and what was done."""
 
     courses: tuple[MeasuredCourse, ...] = ()
     points: tuple[Measured, ...] = ()
@@ -92,6 +102,12 @@ class Data:
             [*(course.cof for course in self.courses), [point.value for point in self.points]]
         )
 
+    @cached_property
+    def rows(self) -> list[slice]:
+        """Rows of each course in `distance`."""
+        ends = np.cumsum([0, *(course.distance.size for course in self.courses)]).tolist()
+        return [slice(*pair) for pair in itertools.pairwise(ends)]
+
     @property
     def kinds(self) -> set[str]:
         """Names of the values beside friction."""
@@ -111,16 +127,16 @@ def data_of(
     or a list of them, one a repeat; a coefficient may say where it was found: "0.2 +- 0.02 at 30 mm". Raises
     InputError for what does not go with the study.
     """
-    courses = [_course(study, given, columns) for given in experiments]
-    found = [
+    courses = [_course(study, experiment, columns) for experiment in experiments]
+    both = [
         _measured(study, kind, text)
         for kind, texts in measured.items()
         for text in ([texts] if isinstance(texts, str) else texts)
     ]
-    if not courses and not found:
+    if not courses and not both:
         raise InputError("nothing was measured: give a course of friction, a volume or a diameter")
-    points = tuple(value for value in found if value.kind == "cof")
-    values, notes = _repeated([value for value in found if value.kind != "cof"])
+    points = tuple(value for value in both if value.kind == "cof")
+    values, notes = _repeated([value for value in both if value.kind != "cof"])
     return Data(tuple(courses), points, tuple(values), tuple(notes))
 
 
@@ -130,94 +146,85 @@ def _repeated(values: list[Measured]) -> tuple[list[Measured], list[str]]:
     for kind in dict.fromkeys(value.kind for value in values):
         same = [value for value in values if value.kind == kind]
         weights = np.array([value.error**-2.0 for value in same])
-        given = np.array([value.value for value in same])
-        square = float(weights @ (given - weights @ given / weights.sum()) ** 2)
+        numbers = np.array([value.value for value in same])
+        square = float(weights @ (numbers - weights @ numbers / weights.sum()) ** 2)
         ratio = np.sqrt(square / (len(same) - 1)) if len(same) > 1 else 0.0
         if ratio > 1.0:
             values = [replace(v, error=ratio * v.error) if v.kind == kind else v for v in values]
             notes.append(
                 f"{KINDS[kind][1]}: {len(same)} tests scatter {ratio:.2g} times as much as their "
-                "uncertainties say, which "
-                "were widened by that."
+                "uncertainties say, which were widened by that."
             )
     return values, notes
 
 
 def _measured(study: Study, kind: str, text: str) -> Measured:
+    """Read a value of `KINDS` from its text. Raises InputError."""
+
+    def refusal(sentence: str) -> InputError:
+        return InputError(f"{kind} = '{text}': {sentence}")
+
     if kind not in KINDS:
         raise InputError(f"'{kind}' is nothing that can be measured here; allowed: {', '.join(KINDS)}")
     unit, what = KINDS[kind]
     example = f"'{'0.80' if unit else '0.60'} +- 0.02{' ' + unit if unit else ''}'"
-    found = _WRITTEN.fullmatch(text)
-    if found is None:
-        raise InputError(
-            f"{kind} = '{text}': a value with its standard uncertainty is expected, such as {example}"
-        )
-    value, error, written, where = found.groups()
+    parts = _WRITTEN.fullmatch(text)
+    if parts is None:
+        raise refusal(f"a value with its standard uncertainty is expected, such as {example}")
+    value, error, written, where = parts.groups()
     if bool(written) != bool(unit) or (where is not None and kind != "cof"):
-        raise InputError(
-            f"{kind} = '{text}': {'a unit' if unit else 'no unit'} is expected, such as {example}"
-        )
+        raise refusal(f"{'a unit' if unit else 'no unit'} is expected, such as {example}")
     try:
         factor = parse(f"1 {written}", unit) if unit else 1.0
         at = parse(where, "mm") if where else study.sliding.total if kind == "cof" else None
     except ValueError as problem:
-        raise InputError(f"{kind} = '{text}': it {problem}") from None
-    made = Measured(kind, factor * float(value), factor * float(error), at)
-    if not made.error > 0.0:
-        raise InputError(
-            f"{kind} = '{text}': the uncertainty must be greater than 0, for nothing is known exactly"
-        )
-    if made.value <= 0.0:
-        raise InputError(f"{kind} = '{text}': the {what} must be greater than 0")
+        raise refusal(f"it {problem}") from None
+    measured = Measured(kind, factor * float(value), factor * float(error), at)
+    if not measured.error > 0.0:
+        raise refusal("the uncertainty must be greater than 0, for nothing is known exactly")
+    if measured.value <= 0.0:
+        raise refusal(f"the {what} must be greater than 0")
     if kind == "cof":
-        _check_cof(text, np.array([made.value]))
+        _check_cof(text, np.array([measured.value]))
     if at is not None and not 0.0 < at <= study.sliding.total * (1.0 + 1e-9):
-        raise InputError(
-            f"{kind} = '{text}': the study slides {study.sliding.total:g} mm, and not to {at:g} mm"
-        )
-    if kind == "diameter" and made.value > min(study.grid.extent, 2.0 * (study.sphere.radius or np.inf)):
-        raise InputError(
-            f"diameter = '{text}': the scar is larger than the field of the study, {study.grid.extent:g} mm "
-            "(grid.extent), which has to hold it"
+        raise refusal(f"the study slides {study.sliding.total:g} mm, and not to {at:g} mm")
+    if kind == "diameter" and measured.value > min(study.grid.extent, 2.0 * (study.sphere.radius or np.inf)):
+        raise refusal(
+            f"the scar is larger than the field of the study, {study.grid.extent:g} mm (grid.extent), which "
+            "has to hold it"
         )
     if kind == "section" and study.sliding.stroke is None:
         raise InputError(
             "section needs sliding.stroke in the study: section × stroke is the volume of the disc"
         )
-    return made
+    return measured
 
 
-def _course(study: Study, given: Experiment | str | Path, columns: str | None) -> MeasuredCourse:
+def _course(study: Study, experiment: Experiment | str | Path, columns: str | None) -> MeasuredCourse:
     """Read a course, check it against the study and thin it. Raises InputError."""
-    if isinstance(given, Experiment):
-        experiment = given
-    else:
-        _check_load(Path(given), study.contact.load)
-        sliding = study.sliding
+    if not isinstance(experiment, Experiment):
+        _check_load(Path(experiment), study.contact.load)
+        sliding, load = study.sliding, study.contact.load
         experiment = read_experiment(
-            given, stroke=sliding.stroke, load=study.contact.load, speed=sliding.speed, columns=columns
+            experiment, stroke=sliding.stroke, load=load, speed=sliding.speed, columns=columns
         )
     name, distance, cof = experiment.name, np.asarray(experiment.distance), np.asarray(experiment.cof)
     _check_cof(name, cof)
     inside = (distance > 0.0) & (distance <= study.sliding.total * (1.0 + 1e-9))
     if inside.sum() < FEWEST:
         raise InputError(
-            f"{name} has {inside.sum()} points from 0 to {study.sliding.total:g} mm, which the study "
-            "slides: at least "
-            f"{FEWEST} are needed"
+            f"{name} has {inside.sum()} points from 0 to {study.sliding.total:g} mm, which the study slides: "
+            f"at least {FEWEST} are needed"
         )
     notes = list(experiment.notes) + list(experiment.warnings)
     if not inside.all():
-        notes.append(
-            f"Points beyond the {study.sliding.total:g} mm of the study, left out: {(~inside).sum()}."
-        )
+        total = study.sliding.total
+        notes.append(f"Points beyond the {total:g} mm of the study, left out: {(~inside).sum()}.")
     distance, cof = distance[inside], cof[inside]
     if distance.size > POINTS:
         notes.append(f"Means of neighbours, {POINTS} for {distance.size} points.")
         blocks = np.array_split(np.arange(distance.size), POINTS)
-        distance = np.array([distance[block].mean() for block in blocks])
-        cof = np.array([cof[block].mean() for block in blocks])
+        distance, cof = (np.array([column[block].mean() for block in blocks]) for column in (distance, cof))
     return MeasuredCourse(name, distance, cof, tuple(notes))
 
 
@@ -251,6 +258,5 @@ def _check_load(path: Path, load: float) -> None:
         if abs(typical - load) > LOAD_OFF * load:
             raise InputError(
                 f"{path}: the normal force is {typical:.3g} N in the middle, the study has contact.load = "
-                f"{load:g} N: "
-                "they have to agree"
+                f"{load:g} N: they have to agree"
             )

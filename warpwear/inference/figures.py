@@ -1,16 +1,35 @@
 """Figures of an inference: unknowns by pairs, and the predicted course of friction with the data on it."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator, ScalarFormatter
 
-from warpwear.figures import style as fs
+from warpwear.figures.describe import (
+    COLUMN,
+    CONTACT,
+    DISTANCE,
+    GREYS,
+    HARDNESS,
+    PAGE,
+    ROW,
+    TOUCHED,
+    Axis,
+    Chart,
+    Cloud,
+    Empty,
+    Figure,
+    Line,
+    Look,
+    Panel,
+    look_of_measured,
+)
+from warpwear.figures.wording import RAISED
 from warpwear.grid import FloatArray
+from warpwear.history.quantities import BY_NAME
 from warpwear.inference.data import SHOWN, Data
 from warpwear.inference.unknowns import Unknown
+from warpwear.results.ensemble import in_legend
 
 #: Side of a panel of pairs [inch], and the room of labels.
 SIDE, ROOM = 1.12, 0.7
@@ -18,86 +37,57 @@ SIDE, ROOM = 1.12, 0.7
 ENCLOSED = (0.5, 0.9)
 #: Cells of a pair's histogram, and how far it is smoothed [cells].
 CELLS, SMOOTH = 40, 1.6
-#: Signs of courses, and shades of grey.
-SIGNS, GREYS = ("o", "s", "^", "v", "D"), ("#222222", "#666666", "#999999")
 
 
 def corner(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray]) -> Figure:
-    """Draw samples of the unknowns by pairs, 50 and 90 % of them enclosed, each alone beside its prior."""
+    """Samples of the unknowns by pairs, 50 and 90 % of them enclosed, each alone beside its prior."""
     count = len(unknowns)
     factors = [10.0 ** _power(values[unknown.key]) for unknown in unknowns]
-    shown = [values[unknown.key] / factor for unknown, factor in zip(unknowns, factors, strict=True)]
-
-    def draw(axes: Any) -> None:
-        grid = (
-            np.array(axes, dtype=object).reshape(count, count)
-            if count > 1
-            else np.array([[axes]], dtype=object)
-        )
-        for row in range(count):
-            for column in range(count):
-                panel = grid[row, column]
-                if column > row:
-                    panel.set_axis_off()
-                elif column == row:
-                    _alone(panel, unknowns[row], shown[row], factors[row])
-                else:
-                    _pair(panel, shown[column], shown[row])
-                panel.set_xlim(*_ends(shown[column]))
-                if column < row:
-                    panel.set_ylim(*_ends(shown[row]))
-                for axis in (panel.xaxis, panel.yaxis) if column < row else (panel.xaxis,):
-                    axis.set_major_locator(MaxNLocator(3, prune="both"))
-                    axis.set_major_formatter(ScalarFormatter(useOffset=False))
-                if row == count - 1:
-                    panel.set_xlabel(_label(unknowns[column], values[unknowns[column].key]))
-                else:
-                    panel.tick_params(labelbottom=False)
-                if column == 0 and row > 0:
-                    panel.set_ylabel(_label(unknowns[row], values[unknowns[row].key]))
-                elif column != row:
-                    panel.tick_params(labelleft=False)
-
+    columns = [values[unknown.key] / factor for unknown, factor in zip(unknowns, factors, strict=True)]
+    labels = [_label(unknown, values[unknown.key]) for unknown in unknowns]
+    panels: list[Panel] = []
+    for row, column in np.ndindex(count, count):
+        if column > row:
+            panels.append(Empty())
+            continue
+        low, high = _ends(columns[column])
+        last = row == count - 1
+        across = Axis(labels[column] if last else "", low=low, high=high, ticks=3, numbered=last)
+        if column == row:
+            lines = _alone(unknowns[row], columns[row], factors[row])
+            panels.append(Chart("", across, Axis(numbered=False, places=((0.0, ""),)), lines))
+            continue
+        low, high = _ends(columns[row])
+        first = column == 0
+        up = Axis(labels[row] if first else "", low=low, high=high, ticks=3, numbered=first)
+        panels.append(Chart("", across, up, [_pair(columns[column], columns[row])]))
     size = count * SIDE + ROOM
-    return fs.new_figure(
-        draw, rows=count, columns=count, height=max(size, fs.ROW) / count, width=max(size, fs.COLUMN)
-    )
+    return Figure(panels, count, width=max(size, COLUMN), height=max(size, ROW) / count)
 
 
 def course(predicted: tuple[FloatArray, FloatArray, FloatArray], data: Data) -> Figure:
-    """Draw the predicted coefficient of friction with what was measured on it."""
+    """The predicted coefficient of friction with what was measured on it."""
     distance, (mean, low, high), (least, most) = predicted
-
-    def draw(axes: Any) -> None:
-        if np.any(most - least > (high - low) * (1.0 + 1e-9)):
-            axes.fill_between(
-                distance,
-                least,
-                most,
-                color=fs.CONTACT,
-                alpha=0.15,
-                lw=0.0,
-                label="90 % of points of another test",
-            )
-        axes.fill_between(
-            distance, low, high, color=fs.CONTACT, alpha=0.4, lw=0.0, label="90 % of what is computed"
-        )
-        axes.plot(distance, mean, color=fs.CONTACT, label="mean of what is computed")
-        for place, measured in enumerate(data.courses):
-            sign, grey = SIGNS[place % len(SIGNS)], GREYS[place % len(GREYS)]
-            axes.plot(measured.distance, measured.cof, sign, ms=2.2, mew=0.0, color=grey, label=measured.name)
-        if data.points:
-            at, cof, error = np.array(
-                [[point.at or 0.0, point.value, point.error] for point in data.points]
-            ).T
-            axes.errorbar(at, cof, error, fmt="o", ms=4.0, color=GREYS[0], capsize=2.0, label="measured ± u")
-        axes.set_xlabel("sliding distance, mm")
-        axes.set_ylabel("coefficient of friction")
-        axes.set_xlim(0.0, float(distance[-1]) * 1.02)
-        axes.set_ylim(bottom=0.0)
-        fs.legend_above(axes, columns=2)
-
-    return fs.new_figure(draw, width=fs.PAGE * 0.72, height=3.4)
+    lines: list[Line] = []
+    if np.any(most - least > (high - low) * (1.0 + 1e-9)):
+        label = "90 % of points of another test"
+        lines.append(Line(distance, mean, label, Look(CONTACT, "", alpha=0.15), least, most))
+    lines += [
+        Line(distance, mean, "90 % of what is computed", Look(CONTACT, "", alpha=0.4), low, high),
+        Line(distance, mean, "mean of what is computed", Look(CONTACT)),
+    ]
+    for place, measured in enumerate(data.courses):
+        look = replace(look_of_measured(place), dash="")
+        lines.append(Line(measured.distance, measured.cof, in_legend(measured.name), look))
+    for number, point in enumerate(data.points):
+        at, label = np.full(1, point.at or 0.0), "" if number else "measured ± u"
+        ends = np.array([point.value - point.error, point.value + point.error])
+        lines.append(Line(np.repeat(at, 2), ends, look=Look(GREYS[0], width=1.0)))
+        lines.append(Line(at, np.full(1, point.value), label, Look(GREYS[0], "", marker="o", size=4.0)))
+    end = float(distance[-1]) * 1.02
+    up = Axis(BY_NAME["cof"].axis, low=0.0)
+    chart = Chart("Coefficient of friction", Axis(DISTANCE, low=0.0, high=end), up, lines)
+    return Figure([chart], legend=2, width=0.72 * PAGE, height=3.4)
 
 
 def _power(column: FloatArray) -> int:
@@ -109,7 +99,7 @@ def _power(column: FloatArray) -> int:
 
 def _label(unknown: Unknown, column: FloatArray) -> str:
     unit, power = SHOWN.get(unknown.unit, unknown.unit), _power(column)
-    raised = str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    raised = str(power).translate(RAISED)
     what = " ".join(part for part in (f"10{raised}" if power else "", unit) if part)
     section, _, name = unknown.key.rpartition(".")
     key = unknown.key if len(unknown.key) < 14 else f"{section}.\n{name}"
@@ -123,32 +113,30 @@ def _ends(column: FloatArray) -> tuple[float, float]:
     return float(low - room), float(high + room)
 
 
-def _alone(panel: Any, unknown: Unknown, column: FloatArray, factor: float) -> None:
-    """Draw a histogram of samples over the prior's density, dashed."""
-    low, high = _ends(column)
-    panel.hist(column, bins=30, range=(low, high), density=True, color=fs.TOUCHED, histtype="stepfilled")
+def _alone(unknown: Unknown, column: FloatArray, factor: float) -> list[Line]:
+    """Give a histogram of samples under the prior's density, dashed."""
+    density, edges = np.histogram(column, bins=30, range=_ends(column), density=True)
     z = np.linspace(-4.0, 4.0, 2001)
     at = unknown.values(z) / factor
     with np.errstate(all="ignore"):
-        density = np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi) / np.gradient(at, z)
-    panel.plot(at, density, color=fs.HARDNESS, ls="--", lw=0.8)
-    panel.set_yticks([])
-    panel.spines["left"].set_visible(False)
+        prior = np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi) / np.gradient(at, z)
+    places, heights = np.repeat(edges, 2)[1:-1], np.repeat(density, 2)
+    return [
+        Line(places, heights, look=Look(TOUCHED, ""), low=0.0 * heights, high=heights),
+        Line(at, prior, look=Look(HARDNESS, "dash", 0.8)),
+    ]
 
 
-def _pair(panel: Any, across: FloatArray, up: FloatArray) -> None:
-    """Draw samples of two unknowns: shades, and lines around parts of them."""
-    ends = [_ends(across), _ends(up)]
-    counts, xs, ys = np.histogram2d(across, up, bins=CELLS, range=ends)
+def _pair(across: FloatArray, up: FloatArray) -> Cloud:
+    """Give samples of two unknowns: shades, and lines around parts of them."""
+    counts, xs, ys = np.histogram2d(across, up, bins=CELLS, range=[_ends(across), _ends(up)])
     smooth = _smooth(_smooth(counts).T).T
     order = np.sort(smooth.ravel())[::-1]
     part = np.cumsum(order) / order.sum()
     levels = sorted({float(order[min(int(np.searchsorted(part, p)), order.size - 1)]) for p in ENCLOSED})
-    middles = [0.5 * (e[1:] + e[:-1]) for e in (xs, ys)]
-    top = float(smooth.max()) * 1.01
-    colours = ["#cfe6f5", fs.TOUCHED][-len(levels) :]
-    panel.contourf(*middles, smooth.T, levels=[*levels, top], colors=colours)
-    panel.contour(*middles, smooth.T, levels=levels, colors=fs.SPHERE, linewidths=0.7)
+    x, y = (0.5 * (edges[1:] + edges[:-1]) for edges in (xs, ys))
+    colours = ("#cfe6f5", TOUCHED)[-len(levels) :]
+    return Cloud(x, y, smooth, tuple(levels), colours)
 
 
 def _smooth(counts: FloatArray) -> FloatArray:

@@ -31,9 +31,7 @@ STRONG = 0.8
 
 @dataclass(frozen=True)
 class Indistinct:
-    """Unknowns that the data cannot tell apart; known: what they tell instead, with its uncertainty, in
-    words.
-    """
+    """Unknowns that the data cannot tell apart. known: in words, what they tell instead."""
 
     keys: tuple[str, ...]
     known: str
@@ -42,8 +40,7 @@ class Indistinct:
     def __str__(self) -> str:
         """Say so in a sentence."""
         names = f"{', '.join(self.keys[:-1])} and {self.keys[-1]}"
-        told = f"{names} cannot be told apart by these data: they tell only {self.known}."
-        return f"{told} {self.why}".rstrip()
+        return f"{names} cannot be told apart by these data: they tell only {self.known}. {self.why}".rstrip()
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,27 +54,24 @@ class Identified:
     @property
     def sentences(self) -> list[str]:
         """Say all of it."""
-        found = [str(group) for group in self.indistinct]
-        found += [f"These data say nothing of {key}: it stays as its prior has it." for key in self.untouched]
-        grouped = [set(group.keys) for group in self.indistinct]
-        for first, second, r in self.correlations:
-            if not any({first, second} <= group for group in grouped):
-                with_ = "with" if r > 0.0 else "against"
-                found.append(
-                    f"{first} goes {with_} {second} (correlation {r:.2f}): knowing one better makes the "
-                    "other better known."
-                )
-        return found or ["The data tell all unknowns apart."]
+        lines = [str(group) for group in self.indistinct]
+        lines += [f"These data say nothing of {key}: it stays as its prior has it." for key in self.untouched]
+        lines += [
+            f"{first} goes {'with' if r > 0.0 else 'against'} {second} (correlation {r:.2f}): knowing one "
+            "better makes the other better known."
+            for first, second, r in self.correlations
+            if not any({first, second} <= set(group.keys) for group in self.indistinct)
+        ]
+        return lines or ["The data tell all unknowns apart."]
 
 
 def information(posterior: Posterior, values: dict[str, FloatArray]) -> FloatArray:
-    """Return the Fisher information of the model's unknowns at values (samples,), (samples, unknowns,
-    unknowns).
+    """Return the Fisher information of the model's unknowns, (samples, unknowns, unknowns).
 
-    It is in the standard normal numbers of the unknowns, so that the prior's is the identity.
+    values: key -> (samples,). The information is in the standard normal numbers of the unknowns, so that the
+    prior's is the identity.
     """
     model, data = posterior.model, posterior.data
-    samples = len(next(iter(values.values())))
     slopes: list[FloatArray] = []
     errors = _errors(posterior, values)
     for unknown in model.unknowns:
@@ -93,21 +87,18 @@ def information(posterior: Posterior, values: dict[str, FloatArray]) -> FloatArr
     by_unknown = np.stack(slopes, axis=1)  # (samples, unknowns, measured)
     count = len(data.values)
     scaled = by_unknown[..., :count] / errors[:, None, :]
-    found = scaled @ scaled.transpose(0, 2, 1)
+    fisher = scaled @ scaled.transpose(0, 2, 1)
     if data.distance.size:
-        found = found + _of_courses(posterior, values, by_unknown[..., count:])
-    assert found.shape == (samples, len(model.unknowns), len(model.unknowns))
-    return np.asarray(found)
+        fisher = fisher + _of_courses(posterior, values, by_unknown[..., count:])
+    return np.asarray(fisher)
 
 
 def _errors(posterior: Posterior, values: dict[str, FloatArray]) -> FloatArray:
     """Return standard deviations of the measured values about computed ones, (samples, values)."""
-    found = [
-        np.sqrt(posterior.model.value(values, measured.kind)[1] + measured.error**2)
-        for measured in posterior.data.values
-    ]
-    samples = len(next(iter(values.values())))
-    return np.stack(found, axis=1) if found else np.zeros((samples, 0))
+    errors = np.zeros((len(next(iter(values.values()))), len(posterior.data.values)))
+    for place, measured in enumerate(posterior.data.values):
+        errors[:, place] = np.sqrt(posterior.model.value(values, measured.kind)[1] + measured.error**2)
+    return errors
 
 
 def _of_courses(posterior: Posterior, values: dict[str, FloatArray], slopes: FloatArray) -> FloatArray:
@@ -126,25 +117,22 @@ def identify(posterior: Posterior, values: dict[str, FloatArray], z: FloatArray)
     unknowns = posterior.model.unknowns
     keys = [unknown.key for unknown in unknowns]
     chosen = np.linspace(0, len(z) - 1, PLACES).astype(np.intp)
-    some = {key: value[chosen] for key, value in values.items()}
-    found = information(posterior, some)
+    fisher = information(posterior, {key: value[chosen] for key, value in values.items()})
     groups: Counter[tuple[str, ...]] = Counter()
-    for one in found:
+    for one in fisher:
         sizes, vectors = np.linalg.eigh(one)
-        told = np.diag(one)
-        for size, vector in zip(sizes, vectors.T, strict=True):
-            moved = [n for n in range(len(keys)) if abs(vector[n]) > PART and told[n] > MUCH]
-            if size < NOTHING and len(moved) > 1:
-                group = tuple(keys[n] for n in moved)
-                groups[group] += 1
+        for vector in vectors.T[sizes < NOTHING]:
+            moved = [n for n in range(len(keys)) if abs(vector[n]) > PART and one[n, n] > MUCH]
+            if len(moved) > 1:
+                groups[tuple(keys[n] for n in moved)] += 1
     indistinct = []
     taken: set[str] = set()
     for group, count in groups.most_common():
         if count > PLACES // 2 and not taken & set(group):
             taken |= set(group)
             indistinct.append(Indistinct(group, _known(posterior, group, values), _why(posterior, group)))
-    typical = np.median(np.diagonal(found, axis1=1, axis2=2), axis=0)
-    untouched = tuple(key for key, told in zip(keys, typical, strict=True) if told < UNTOUCHED)
+    typical = np.median(np.diagonal(fisher, axis1=1, axis2=2), axis=0)
+    untouched = tuple(key for key, size in zip(keys, typical, strict=True) if size < UNTOUCHED)
     count = len(keys)
     together = np.atleast_2d(np.corrcoef(z[:, :count].T))
     strong = tuple(
@@ -187,8 +175,7 @@ def _why(posterior: Posterior, group: tuple[str, ...]) -> str:
     if set(group) == wear and posterior.model.runs.scaled:
         return (
             "At rest, area and scar follow from the sum of both wears alone; a worn volume of one body, or "
-            "the section of the "
-            "groove, tells them apart."
+            "the section of the groove, tells them apart."
         )
     strength = any(key.endswith("shear_strength") for key in group)
     if strength and "friction.ploughing" in group:
@@ -198,8 +185,7 @@ def _why(posterior: Posterior, group: tuple[str, ...]) -> str:
         )
     if strength and len(group) > 1:
         return (
-            "Friction is the shear strength times the area: the higher the one, the lower the other. A "
-            "scar or a worn "
-            "volume tells how large the area is."
+            "Friction is the shear strength times the area: the higher the one, the lower the other. A scar "
+            "or a worn volume tells how large the area is."
         )
     return ""

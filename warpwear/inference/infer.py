@@ -1,6 +1,5 @@
 """From what was measured to the unknowns of a study, with their uncertainty: `warpwear.infer`."""
 
-import shutil
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -10,17 +9,19 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.inference.data import SHOWN, Data, data_of
+from warpwear.inference.data import Data, data_of, unit_of
 from warpwear.inference.identify import identify
 from warpwear.inference.likelihood import Posterior
-from warpwear.inference.model import Model
+from warpwear.inference.model import Model, columns_for
 from warpwear.inference.next_test import best_tests, candidates_of, repeats_needed
 from warpwear.inference.report import write_report
 from warpwear.inference.result import Inference, conflicts_of
 from warpwear.inference.runs import make_runs
 from warpwear.inference.sampler import sample
-from warpwear.inference.unknowns import Unknown, noise_of, unknowns_of
-from warpwear.measured.course import Experiment
+from warpwear.inference.unknowns import Unknown, noise_for, unknowns_of
+from warpwear.laws.friction import FITTED, STRENGTH
+from warpwear.measured.experiment import Experiment
+from warpwear.study.keys import inapplicable
 from warpwear.study.study import Study
 
 #: Draws of the priors that are compared with the data.
@@ -57,9 +58,17 @@ def infer(
     """
     study = study if isinstance(study, Study) else Study.load(study)
     data = data_of(study, experiments, measured or {})
-    asked = dict(unknown) if isinstance(unknown, Mapping) else dict.fromkeys(unknown)
+    priors = dict(unknown) if isinstance(unknown, Mapping) else dict.fromkeys(unknown)
     return infer_from(
-        study, asked, data, target=target, candidates=candidates, out=out, runs=runs, seed=seed, device=device
+        study,
+        priors,
+        data,
+        target=target,
+        candidates=candidates,
+        out=out,
+        runs=runs,
+        seed=seed,
+        device=device,
     )
 
 
@@ -78,15 +87,15 @@ def infer_from(
     """Find unknowns of a study from data that are read; see `infer`."""
     unknowns = unknowns_of(study, unknown)
     noise = noise_for(data, unknown)
-    _check_friction(study, unknowns, data)
+    _check_unknowns(study, unknowns, data)
     with _folder(out) as folder:
 
         def model_of(other: Study) -> Model:
             rough = bool(data.kinds & {"sq_sphere", "sq_disc"})
-            made = make_runs(
+            of_other = make_runs(
                 other, unknowns, samples=runs, seed=seed, out=folder, device=device, roughness=rough
             )
-            return Model(other, tuple(unknowns), made, frozenset(data.kinds))
+            return Model(other, tuple(unknowns), of_other, frozenset(data.kinds))
 
         posterior = Posterior(model_of(study), tuple(noise), data)
         check_priors(posterior, seed=seed)
@@ -97,7 +106,7 @@ def infer_from(
             tried = candidates_of(study, candidates, cheap=not posterior.model.runs.inputs)
             tests = best_tests(posterior, values, target, tried, model_of)
         wear = [u.key for u in unknowns if u.key in ("wear.sphere", "wear.disc")]
-        found = Inference(
+        inference = Inference(
             posterior=posterior,
             samples=samples,
             values=values,
@@ -110,17 +119,8 @@ def infer_from(
             seed=seed,
         )
         if out is not None:
-            write_report(found, folder)
-    return found
-
-
-def noise_for(data: Data, unknown: Mapping[str, str | None]) -> list[Unknown]:
-    """Return the unknowns of the scatter of the courses in the data; none without a course."""
-    if not data.courses:
-        return []
-    spacing = min(float(np.median(np.diff(course.distance))) for course in data.courses)
-    longest = max(float(course.distance[-1]) for course in data.courses)
-    return noise_of(unknown, lengths=(spacing, longest), repeats=len(data.courses))
+            write_report(inference, folder)
+    return inference
 
 
 def check_priors(posterior: Posterior, *, seed: int) -> None:
@@ -139,72 +139,67 @@ def check_priors(posterior: Posterior, *, seed: int) -> None:
         _within(measured.text, measured.value, mean, float(room), measured.kind)
     if posterior.data.distance.size:
         cof = posterior.model.cof(values, posterior.data.distance)
-        start = 0
-        for course in posterior.data.courses:
-            rows = slice(start, start + course.distance.size)
+        for course, rows in zip(posterior.data.courses, posterior.data.rows, strict=True):
             level = float(course.cof.mean())
-            _within(
-                f"{course.name}: mean coefficient of friction {level:.3g}",
-                level,
-                cof[:, rows].mean(axis=1),
-                COF_FAR,
-                "cof",
-            )
-            start = rows.stop
-        for place, point in enumerate(posterior.data.points, start):
-            _within(point.text, point.value, cof[:, place], FAR * point.error, "cof")
+            text = f"{course.name}: mean coefficient of friction {level:.3g}"
+            _within(text, level, cof[:, rows].mean(axis=1), COF_FAR, "cof")
+        for point, column in zip(reversed(posterior.data.points), reversed(cof.T), strict=False):
+            _within(point.text, point.value, column, FAR * point.error, "cof")
 
 
 def _within(what: str, value: float, computed: FloatArray, room: float, kind: str) -> None:
+    """Raise InputError for a measured value that is farther than `room` from all computed ones."""
     low, high = float(computed.min()), float(computed.max())
     if not low - room <= value <= high + room:
-        unit = {"diameter": "mm", "section": "mm^2"}.get(kind, "mm^3" if kind.startswith("volume") else "")
+        unit = f" {unit_of(kind)}".rstrip()
         raise InputError(
-            f"the priors exclude the data: over all of them the study computes {low:.3g} to {high:.3g} "
-            f"{SHOWN.get(unit, unit)}".rstrip()
-            + f", and measured is {what}; wider or other priors are needed"
+            f"the priors exclude the data: over all of them the study computes {low:.3g} to {high:.3g}{unit}"
+            f", and measured is {what}; wider or other priors are needed"
         )
 
 
-def _check_friction(study: Study, unknowns: Sequence[Unknown], data: Data) -> None:
-    """Raise InputError where friction was measured and its shear strength is neither known nor sought."""
-    keys = {unknown.key for unknown in unknowns}
-    friction = study.friction
-    if data.distance.size and friction.shear_strength is None and "friction.shear_strength" not in keys:
+def _check_unknowns(study: Study, unknowns: Sequence[Unknown], data: Data) -> None:
+    """Raise InputError for unknowns that the study does not use, or that nothing follows from."""
+    unused = inapplicable(study)
+    for unknown in unknowns:
+        if unknown.key.removeprefix("friction.") in FITTED:
+            raise InputError(
+                f"{unknown.key} cannot be an unknown: it is measured, and says what friction.shear_strength "
+                "is; allowed is that one, with the coefficient as a measured value (--cof)"
+            )
+        if unknown.key in unused:
+            raise InputError(
+                f"{unknown.key} cannot be an unknown: it {unused[unknown.key]}; allowed are keys that the "
+                "study uses"
+            )
+    medians = {unknown.key: float(unknown.values(np.zeros(1))[0]) for unknown in unknowns}
+    study.replace({u.key: u.text(medians[u.key]) for u in unknowns if u.key.startswith("friction.")})
+    law = study.friction.law_with(medians)
+    if data.distance.size and law.values[STRENGTH] is None:
         raise InputError(
             "friction.shear_strength is neither given nor unknown: the study calibrates it to "
-            "friction.coefficient; give "
-            "it as an unknown with a prior, such as 'friction.shear_strength=log-uniform 1 .. 100 MPa'"
+            "friction.coefficient; give it as an unknown with a prior, such as "
+            "'friction.shear_strength=log-uniform 1 .. 100 MPa'"
         )
-    pair = {"friction.initial_ratio": friction.initial_ratio, "friction.running_in": friction.running_in}
-    given = {key for key, value in pair.items() if value is not None or key in keys}
-    if len(given) == 1:
-        raise InputError(
-            f"{' and '.join(pair)} need each other: the other one has to be given, or unknown too"
-        )
-    if friction.film is None and "friction.film.shear_strength" in keys:
-        raise InputError("friction.film.shear_strength is unknown, and the study has no [friction.film]")
-    for key in ("wear.decay", "wear.running_in", "wear.initial_sphere", "wear.initial_disc"):
-        law = "exponential" if key == "wear.decay" else "running-in"
-        if key in keys and study.wear.law != law:
+    columns = columns_for(law, 1.0, np.ones(1), np.ones(1))
+    for factor in law.factors:
+        if beyond := set(factor.columns) - set(columns):
             raise InputError(
-                f"{key} is unknown, and the study has wear.law = '{study.wear.law}': it belongs to '{law}'"
+                f"{' and '.join(f'friction.{key}' for key in factor.keys)} cannot be inferred with: the "
+                f"strength follows {', '.join(sorted(beyond))} of a run; allowed are {', '.join(columns)}"
             )
 
 
 @contextmanager
 def _folder(out: str | Path | None) -> Iterator[Path]:
+    """Open the folder of the runs: `out`, or one that goes away. Raises InputError."""
     if out is not None:
         folder = Path(out)
-        if folder.exists() and (
-            not folder.is_dir() or (any(folder.iterdir()) and not (folder / "runs").is_dir())
-        ):
+        empty = not folder.exists() or (folder.is_dir() and not any(folder.iterdir()))
+        if not empty and not (folder / "runs").is_dir():
             raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected")
         (folder / "runs").mkdir(parents=True, exist_ok=True)
         yield folder
         return
-    place = Path(tempfile.mkdtemp(prefix="warpwear-inference-"))
-    try:
-        yield place
-    finally:
-        shutil.rmtree(place, ignore_errors=True)
+    with tempfile.TemporaryDirectory(prefix="warpwear-inference-", ignore_cleanup_errors=True) as place:
+        yield Path(place)

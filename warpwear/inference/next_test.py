@@ -4,6 +4,7 @@ Every candidate is a study with other keys, or the same one again. What it would
 uncertainties of this test, adds information; the variance that is left is averaged over the posterior.
 """
 
+from bisect import bisect_left
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -28,9 +29,7 @@ ALLOWED = ("contact.load", "sliding.distance", "sphere.radius")
 
 @dataclass(frozen=True)
 class NextTest:
-    """A test that could be made: what differs, and the relative standard uncertainty that it is expected to
-    leave.
-    """
+    """A test that could be made: what differs, and the relative standard uncertainty that it would leave."""
 
     label: str
     repeats: int
@@ -48,30 +47,24 @@ class Candidate:
     @property
     def label(self) -> str:
         """The test in words."""
-        told = ", ".join(f"{key} {value}" for key, value in self.changes.items()) or "the same test again"
-        return told if self.repeats == 1 else f"{told}, {self.repeats} times"
+        test = ", ".join(f"{key} {value}" for key, value in self.changes.items()) or "the same test again"
+        return test if self.repeats == 1 else f"{test}, {self.repeats} times"
 
 
-def candidates_of(study: Study, given: Sequence[str], *, cheap: bool) -> list[Candidate]:
-    """Read candidates such as "contact.load=16 N, repeats=3"; by default the same test again, and a few
-    others.
+def candidates_of(study: Study, texts: Sequence[str], *, cheap: bool) -> list[Candidate]:
+    """Read candidates such as "contact.load=16 N, repeats=3"; without any, a few likely ones.
 
     cheap: whether another load or radius costs one run, and not a design. Raises InputError.
     """
-    if given:
-        return [_candidate(text) for text in given]
-    found = [Candidate({}), Candidate({}, 3)]
-    if cheap:
-        load, distance = study.contact.load, study.sliding.total
-        found += [
-            Candidate({"contact.load": f"{0.5 * load:g} N"}),
-            Candidate({"contact.load": f"{2.0 * load:g} N"}),
-        ]
-        found += [Candidate({"sliding.distance": f"{0.25 * distance:g} mm"})]
-    return found
+    if texts:
+        return [_candidate(text) for text in texts]
+    likely = [{"contact.load": f"{factor * study.contact.load:g} N"} for factor in (0.5, 2.0)]
+    likely.append({"sliding.distance": f"{0.25 * study.sliding.total:g} mm"})
+    return [Candidate({}), Candidate({}, 3), *(Candidate(changes) for changes in likely if cheap)]
 
 
 def _candidate(text: str) -> Candidate:
+    """Read one candidate. Raises InputError."""
     changes: dict[str, Any] = {}
     repeats = 1
     for part in text.split(","):
@@ -83,8 +76,7 @@ def _candidate(text: str) -> Candidate:
         else:
             raise InputError(
                 f"the next test '{text}': {', '.join(ALLOWED)} and repeats with a value each are allowed, "
-                "such as "
-                "'contact.load=16 N, repeats=3'"
+                "such as 'contact.load=16 N, repeats=3'"
             )
     return Candidate(changes, repeats)
 
@@ -100,39 +92,33 @@ def best_tests(
 
     values: samples of the posterior. model_of: makes the model of another study. Raises InputError.
     """
-    place = _place(posterior, target)
-    now = float(np.std(values[target]) / abs(np.mean(values[target])))
+    place, now = _place(posterior, target), _relative(values[target])
     some = _some(values)
     known = information(posterior, some)
-    found = []
+    tests = []
     for candidate in candidates:
         added = candidate.repeats * information(_after(posterior, candidate, model_of), some)
         part = _left(known, added, place)
-        found.append(NextTest(candidate.label, candidate.repeats, now, now * part))
-    return sorted(found, key=lambda test: test.expected)
+        tests.append(NextTest(candidate.label, candidate.repeats, now, now * part))
+    return sorted(tests, key=lambda test: test.expected)
 
 
 def repeats_needed(posterior: Posterior, values: Mapping[str, FloatArray], target: str) -> int | None:
     """Return how many more tests like this one bring an unknown to ± 10 %, None where none do."""
-    place = _place(posterior, target)
-    now = float(np.std(values[target]) / abs(np.mean(values[target])))
+    place, now = _place(posterior, target), _relative(values[target])
     known = information(posterior, _some(values))
+    every = range(MOST_REPEATS + 1)
+    reached = bisect_left(every, True, key=lambda n: now * _left(known, n * known, place) <= REACHED)
+    return reached if reached in every else None
 
-    def reached(repeats: int) -> bool:
-        return now * _left(known, repeats * known, place) <= REACHED
 
-    if reached(0):
-        return 0
-    if not reached(MOST_REPEATS):
-        return None
-    low, high = 0, MOST_REPEATS
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (low, middle) if reached(middle) else (middle, high)
-    return high
+def _relative(column: FloatArray) -> float:
+    """Return the relative standard uncertainty of samples."""
+    return float(np.std(column) / abs(np.mean(column)))
 
 
 def _place(posterior: Posterior, target: str) -> int:
+    """Return the place of an unknown among those of the model. Raises InputError."""
     keys = [unknown.key for unknown in posterior.model.unknowns]
     if target not in keys:
         raise InputError(

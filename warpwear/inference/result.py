@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from warpwear.errors import InputError
+from warpwear.figures.paint import paint
 from warpwear.grid import FloatArray
 from warpwear.inference import figures
 from warpwear.inference.data import KINDS, SHOWN
@@ -24,7 +25,7 @@ from warpwear.study.study import Study
 CONTRADICTION = 3.0
 #: Part of the test over which residuals go together from where on the computed course has another shape.
 OTHER_SHAPE = 0.5
-#: Place near the end of a uniform prior, 2 % of it, and the part of the samples beyond that is told.
+#: Place near the end of a uniform prior, 2 % of it, and the part of samples beyond, from which it presses.
 EDGE, PRESSED = 2.05, 0.2
 #: Draws of the posterior predictive.
 DRAWS = 400
@@ -62,32 +63,24 @@ class Inference:
 
     @property
     def table(self) -> list[dict[str, Any]]:
-        """A row an unknown: key, unit, prior, mean, standard deviation, median, 5th and 95th percentile,
-        learnt.
+        """A row an unknown: key, unit, prior, mean, deviation, median, 5th and 95th percentile, learnt.
 
         learnt: the part of the prior's variance that is gone.
         """
-        found = []
+        rows = []
         for place, unknown in enumerate(self.posterior.unknowns):
             column = self.values[unknown.key]
-            low, median, high = np.percentile(column, (BAND[0], 50.0, BAND[1]))
-            found.append(
-                {
-                    "key": unknown.key,
-                    "unit": SHOWN.get(unknown.unit, unknown.unit),
-                    "prior": unknown.written.replace(unknown.unit, SHOWN.get(unknown.unit, unknown.unit))
-                    if unknown.unit
-                    else unknown.written,
-                    "assumed": not unknown.told,
-                    "mean": float(column.mean()),
-                    "sd": float(column.std(ddof=1)),
-                    "median": float(median),
-                    "low": float(low),
-                    "high": float(high),
-                    "learnt": float(np.clip(1.0 - self.z[:, place].var(), 0.0, 1.0)),
-                }
-            )
-        return found
+            low, median, high = map(float, np.percentile(column, (BAND[0], 50.0, BAND[1])))
+            unit = SHOWN.get(unknown.unit, unknown.unit)
+            row: dict[str, Any] = {
+                "key": unknown.key,
+                "unit": unit,
+                "prior": unknown.written.replace(unknown.unit, unit),
+            }
+            row |= {"assumed": unknown.assumed, "mean": float(column.mean()), "sd": float(column.std(ddof=1))}
+            row |= {"median": median, "low": low, "high": high}
+            rows.append(row | {"learnt": float(np.clip(1.0 - self.z[:, place].var(), 0.0, 1.0))})
+        return rows
 
     @property
     def correlations(self) -> FloatArray:
@@ -98,84 +91,72 @@ class Inference:
     def sentences(self) -> list[str]:
         """What a reader has to know beside the table."""
         runs = self.posterior.model.runs
-        found = [*self.conflicts, *self.identified.sentences]
-        found += [runs.cut] if runs.cut else []
-        found += [f"Of the study: {notice}" for notice in self.study.notices()]
-        found += self._at_the_edge
+        lines = [*self.conflicts, *self.identified.sentences]
+        lines += [runs.cut] if runs.cut else []
+        lines += [f"Of the study: {notice}" for notice in self.study.notices()]
+        lines += self._at_the_edge
         data, count = self.posterior.data, len(self.posterior.model.unknowns)
         if not data.courses and len(data.values) + len(data.points) <= count:
-            found.append(
+            lines.append(
                 f"There are {count} unknowns for {len(data.values) + len(data.points)} measured values: that "
                 "the study agrees with them does not prove it; a course of friction or another value would."
             )
         if len(data.courses) == 1:
-            found.append(
+            lines.append(
                 "One course of friction: scatter between tests is not in these uncertainties; repeated "
                 "tests would show it."
             )
         for key, repeats in self.repeats.items():
-            now = 100.0 * self.values[key].std() / self.values[key].mean()
+            now = f"{key} is known to ± {100.0 * self.values[key].std() / self.values[key].mean():.2g} %"
+            goal, more = f"± {100 * REACHED:.0f} %", "more test like this brings"
             if repeats == 0:
-                found.append(f"{key} is known to ± {now:.2g} %, within ± {100 * REACHED:.0f} %.")
+                lines.append(f"{now}, within {goal}.")
             elif repeats is None:
-                found.append(
-                    f"{key} is known to ± {now:.2g} %; {MOST_REPEATS} more like it do not bring it to ± "
-                    f"{100 * REACHED:.0f} %."
-                )
+                lines.append(f"{now}; {MOST_REPEATS} more like it do not bring it to {goal}.")
             else:
-                more = "more test like this brings" if repeats == 1 else "more tests like this bring"
-                found.append(
-                    f"{key} is known to ± {now:.2g} %; {repeats} {more} it to ± {100 * REACHED:.0f} %."
-                )
+                more = more if repeats == 1 else "more tests like this bring"
+                lines.append(f"{now}; {repeats} {more} it to {goal}.")
         if self.tests:
             best = self.tests[0]
-            found.append(
+            lines.append(
                 f"For {self.target} the best next test of those listed is {best.label}: ± "
                 f"{100 * best.now:.2g} % would become ± {100 * best.expected:.2g} %."
             )
-        return found
+        return lines
 
     @property
     def _at_the_edge(self) -> list[str]:
         """Say which unknowns press against the end of their prior."""
-        found = []
-        for place, unknown in enumerate(self.posterior.unknowns):
+        lines = []
+        for unknown, z in zip(self.posterior.unknowns, self.z.T, strict=True):
             prior = unknown.prior
             for end, side, at in (("lower", -1.0, prior.first), ("upper", 1.0, prior.second)):
-                if (
-                    not unknown.prior.kind.endswith("uniform")
-                    or np.mean(side * self.z[:, place] > EDGE) < PRESSED
-                ):
-                    continue
-                wider = (
-                    "a wider one is needed"
-                    if at not in (unknown.least, unknown.most)
-                    else "less is not allowed"
-                )
-                found.append(f"{unknown.key} presses against the {end} end of its prior, {at:.4g}: {wider}.")
-        return found
+                if prior.kind.endswith("uniform") and np.mean(side * z > EDGE) >= PRESSED:
+                    allowed = at not in (unknown.least, unknown.most)
+                    wider = "a wider one is needed" if allowed else "less is not allowed"
+                    lines.append(
+                        f"{unknown.key} presses against the {end} end of its prior, {at:.4g}: {wider}."
+                    )
+        return lines
 
     @property
     def how(self) -> str:
         """Where the numbers come from, in two sentences."""
         runs, samples = self.posterior.model.runs, self.samples
-        count = len(runs.rows)
+        count = f"{len(runs.rows)} run{'s' * (len(runs.rows) > 1)}"
+        source = f"{count} of the study."
         if runs.scaled:
-            made = f"{count} run{'s' if count > 1 else ''}, scaled: area and scar follow from (K_s + K_d) L."
-        else:
-            made = f"{count} run{'s' if count > 1 else ''} of the study."
+            source = f"{count}, scaled: area and scar follow from (K_s + K_d) L."
         if runs.inputs:
-            made += (
+            source += (
                 " What lies between them is interpolated (Gaussian processes), off by "
                 f"{100.0 * self.posterior.model.error:.1f} % (each run predicted from the others), which the "
                 "uncertainties include."
             )
-        quality = (
-            f" {samples.effective:.0f} independent samples; two ensembles agree, split-R̂ {samples.r_hat:.4f}."
-            if samples.steps
-            else " All in closed form."
-        )
-        return made + quality
+        if not samples.steps:
+            return f"{source} All in closed form."
+        agree = f"two ensembles agree, split-R̂ {samples.r_hat:.4f}."
+        return f"{source} {samples.effective:.0f} independent samples; {agree}"
 
     def predictive(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Distances [mm], (points,), and mean, 5th and 95th percentile of friction there, (3, points).
@@ -194,96 +175,56 @@ class Inference:
 
     def computed(self) -> list[dict[str, Any]]:
         """A row a measured value: what it is, what the study computes, and how far apart they are."""
-        found = []
-        for measured in (*self.posterior.data.values, *self.posterior.data.points):
-            if measured.kind == "cof":
-                mean = self.posterior.model.cof(self._some, np.array([measured.at]))[:, 0]
-                variance = np.zeros(len(mean))
-            else:
-                mean, variance = self.posterior.model.value(self._some, measured.kind)
-            spread = float(np.sqrt(mean.var() + variance.mean()))
-            off = abs(float(mean.mean()) - measured.value) / float(
-                np.sqrt(measured.error**2 + variance.mean())
-            )
-            told = {"what": measured.text, "mean": float(mean.mean()), "sd": spread, "off": off}
-            found.append(told | {"unit": SHOWN.get(KINDS[measured.kind][0], KINDS[measured.kind][0])})
-        return found
+        return _computed(self.posterior, self._some)
 
     def plot(self, name: str) -> Figure:
         """Draw "corner" or "course". Raises InputError for another name."""
         if name == "corner":
-            return figures.corner(self.posterior.unknowns, self.values)
+            return paint(figures.corner(self.posterior.unknowns, self.values))
         if name == "course":
-            return figures.course(self.predictive(), self.posterior.data)
+            return paint(figures.course(self.predictive(), self.posterior.data))
         raise InputError(f"'{name}' is no figure of an inference; there are corner and course")
+
+    @property
+    def _cells(self) -> list[list[str]]:
+        """The table for people, its head first."""
+        cells = [["unknown", "mean ± sd", "5 %", "95 %", "unit", "prior", "learnt"]]
+        for row in self.table:
+            numbers = [f"{row['mean']:.4g} ± {row['sd']:.2g}", f"{row['low']:.4g}", f"{row['high']:.4g}"]
+            prior = row["prior"] + " (assumed)" * row["assumed"]
+            cells.append([row["key"], *numbers, row["unit"], prior, f"{100 * row['learnt']:.0f} %"])
+        return cells
 
     def __str__(self) -> str:
         """Write table and sentences for the screen."""
-        head = ["unknown", "mean ± sd", "5 %", "95 %", "unit", "prior", "learnt"]
-        rows = [head]
-        for row in self.table:
-            mean = f"{row['mean']:.4g} ± {row['sd']:.2g}"
-            prior = row["prior"] + (" (assumed)" if row["assumed"] else "")
-            rows.append(
-                [
-                    row["key"],
-                    mean,
-                    f"{row['low']:.4g}",
-                    f"{row['high']:.4g}",
-                    row["unit"],
-                    prior,
-                    f"{100 * row['learnt']:.0f} %",
-                ]
-            )
-        lines = [
-            f"{self.study.study.name}: unknowns after the test",
-            *("  " + line for line in aligned(rows)),
+        parts = {f"{self.study.study.name}: unknowns after the test": self._cells}
+        parts["measured and computed"] = [
+            [
+                row["what"],
+                f"{row['mean']:.4g} ± {row['sd']:.2g} {row['unit']}".rstrip(),
+                f"{row['off']:.1f} standard uncertainties apart",
+            ]
+            for row in self.computed()
         ]
-        checks = self.computed()
-        if checks:
-            lines += ["measured and computed"]
-            cells = [
-                [
-                    row["what"],
-                    f"{row['mean']:.4g} ± {row['sd']:.2g} {row['unit']}".rstrip(),
-                    f"{row['off']:.1f} standard uncertainties apart",
-                ]
-                for row in checks
+        tests = [[test.label, f"± {100 * test.expected:.2g} %"] for test in self.tests]
+        now = f"{100 * self.tests[0].now:.2g}" if tests else ""
+        last = {f"next tests for {self.target}, now ± {now} %": tests}
+        return "\n".join(
+            [
+                *(line for title, cells in parts.items() for line in _titled(title, cells)),
+                *(f"  {sentence}" for sentence in self.sentences),
+                *(line for title, cells in last.items() for line in _titled(title, cells)),
+                f"  {self.how}",
             ]
-            lines += ["  " + line for line in aligned(cells)]
-        lines += [f"  {sentence}" for sentence in self.sentences]
-        if self.tests:
-            cells = [[test.label, f"± {100 * test.expected:.2g} %"] for test in self.tests]
-            lines += [
-                f"next tests for {self.target}, now ± {100 * self.tests[0].now:.2g} %",
-                *("  " + line for line in aligned(cells)),
-            ]
-        return "\n".join([*lines, f"  {self.how}"])
+        )
 
     def _repr_html_(self) -> str:
         """Write table and sentences for a notebook."""
-        head = "".join(
-            f"<th>{name}</th>" for name in ("unknown", "mean", "±", "5 %", "95 %", "unit", "prior")
-        )
         rows = "".join(
-            "<tr>"
-            + "".join(
-                f"<td>{escape(str(cell))}</td>"
-                for cell in (
-                    row["key"],
-                    f"{row['mean']:.4g}",
-                    f"{row['sd']:.2g}",
-                    f"{row['low']:.4g}",
-                    f"{row['high']:.4g}",
-                    row["unit"],
-                    row["prior"],
-                )
-            )
-            + "</tr>"
-            for row in self.table
+            f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in self._cells
         )
-        told = "".join(f"<li>{escape(sentence)}</li>" for sentence in self.sentences)
-        return f"<table><tr>{head}</tr>{rows}</table><ul>{told}</ul><p>{escape(self.how)}</p>"
+        lines = "".join(f"<li>{escape(sentence)}</li>" for sentence in self.sentences)
+        return f"<table>{rows}</table><ul>{lines}</ul><p>{escape(self.how)}</p>"
 
     @property
     def _some(self) -> dict[str, FloatArray]:
@@ -292,54 +233,58 @@ class Inference:
     @property
     def _places(self) -> FloatArray:
         """Distances of predictions: from the first that is known to the end."""
-        runs = self.posterior.model.runs
+        runs, total = self.posterior.model.runs, self.study.sliding.total
         first = max(float(row.courses["distance"][0]) for row in runs.rows)
-        total = self.study.sliding.total
-        return (
-            np.linspace(min(first, 0.002 * total), total, POINTS)
-            if runs.scaled
-            else np.linspace(first, total, POINTS)
-        )
+        return np.linspace(min(first, 0.002 * total) if runs.scaled else first, total, POINTS)
+
+
+def _titled(title: str, cells: list[list[str]]) -> list[str]:
+    """Return the lines of a table under its title; none of an empty one."""
+    return [title, *("  " + line for line in aligned(cells))] if cells else []
+
+
+def _computed(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[dict[str, Any]]:
+    """Return a row a measured value; see `Inference.computed`."""
+    rows = []
+    for measured in (*posterior.data.values, *posterior.data.points):
+        if measured.kind == "cof":
+            mean = posterior.model.cof(values, np.array([measured.at]))[:, 0]
+            variance = np.zeros(len(mean))
+        else:
+            mean, variance = posterior.model.value(values, measured.kind)
+        off = abs(float(mean.mean()) - measured.value) / float(np.sqrt(measured.error**2 + variance.mean()))
+        numbers = {"mean": float(mean.mean()), "sd": float(np.sqrt(mean.var() + variance.mean())), "off": off}
+        rows.append({"what": measured.text, **numbers, "unit": measured.unit})
+    return rows
 
 
 def conflicts_of(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[str]:
     """Say what the study cannot bring together, in sentences."""
     some = {key: column[:DRAWS] for key, column in values.items()}
-    found = []
-    for measured in posterior.data.values:
-        mean, variance = posterior.model.value(some, measured.kind)
-        off = abs(float(mean.mean()) - measured.value) / float(np.sqrt(measured.error**2 + variance.mean()))
-        if off > CONTRADICTION:
-            found.append(
-                f"The study cannot bring all data together: measured is {measured.text}; computed is "
-                f"{float(mean.mean()):.3g}, {off:.0f} standard uncertainties apart."
+    lines = []
+    measured = (*posterior.data.values, *posterior.data.points)
+    for row, value in zip(_computed(posterior, some), measured, strict=True):
+        if row["off"] > CONTRADICTION:
+            lines.append(
+                f"The study cannot bring all data together: measured is {row['what']}; computed is "
+                f"{row['mean']:.3g}, {row['off']:.0f} standard uncertainties apart."
             )
-            found += _scar_by_volume(posterior)
-    for point in posterior.data.points:
-        mean = posterior.model.cof(some, np.array([point.at]))[:, 0]
-        off = abs(float(mean.mean()) - point.value) / point.error
-        if off > CONTRADICTION:
-            found.append(
-                f"The study cannot bring all data together: measured is {point.text}; computed is "
-                f"{float(mean.mean()):.3g}, {off:.0f} standard uncertainties apart."
-            )
-    if found:
-        found = list(dict.fromkeys(found))
-        found.append(
+            lines += _scar_by_volume(posterior) if value.kind != "cof" else []
+    if lines:
+        lines = list(dict.fromkeys(lines))
+        lines.append(
             "So either a measurement or the study is wrong, and no value of the unknowns mends it: do not "
             "use the unknowns found before the cause is known. Their uncertainties are too small."
         )
     if posterior.data.courses:
-        length, longest = (
-            float(np.median(some["noise.length"])),
-            max(float(c.distance[-1]) for c in posterior.data.courses),
-        )
+        length = float(np.median(some["noise.length"]))
+        longest = max(float(c.distance[-1]) for c in posterior.data.courses)
         if length > OTHER_SHAPE * longest:
-            found.append(
+            lines.append(
                 f"Residuals of friction go together over {length:.3g} mm of {longest:.4g}: the measured "
                 "course has another shape than the computed one."
             )
-    return found
+    return lines
 
 
 def _scar_by_volume(posterior: Posterior) -> list[str]:

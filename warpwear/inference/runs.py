@@ -1,5 +1,6 @@
 """Runs that an inference stands on: one where results only scale, else a Sobol design made by a sweep."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,28 +13,23 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BODIES
 from warpwear.inference.unknowns import Unknown
+from warpwear.laws import archard
+from warpwear.laws.friction import NUMBERS
 from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
 from warpwear.results.summary import course
 from warpwear.study.study import Study
-from warpwear.sweeps.points import name_of
-from warpwear.sweeps.run_one import Row, Task, run_one
+from warpwear.sweeps.points import points_of, task_of
+from warpwear.sweeps.run_one import Row, run_one
 from warpwear.sweeps.sweep import sweep
 from warpwear.sweeps.table import RUNS
 
 ndimage, signal = lazy.module("scipy.ndimage"), lazy.module("scipy.signal")
 
 #: Unknowns of the wear laws: of a contact at rest they change only how fast the run goes.
-WEAR = (
-    "wear.sphere",
-    "wear.disc",
-    "wear.decay",
-    "wear.running_in",
-    "wear.initial_sphere",
-    "wear.initial_disc",
-)
-#: Unknowns of friction that need no run.
-FRICTION = ("friction.ploughing", "friction.shear_strength", "friction.initial_ratio", "friction.running_in")
+WEAR = tuple(f"wear.{key}" for key in sorted(archard.KEYS))
+#: Unknowns of friction that need no run, unless junctions grow by their strength.
+FRICTION = tuple(f"friction.{key}" for key in NUMBERS)
 #: Places of a normal prior between which the runs reach.
 REACH = 3.3
 #: A scar that the field does not hold is made smaller by this factor of the wear until it does.
@@ -114,7 +110,7 @@ def needs_runs(study: Study, key: str, *, scaled: bool) -> bool:
     """Tell whether an unknown changes the contact, so that other values need other runs."""
     if key in WEAR:
         return not scaled
-    if key in FRICTION or key == "friction.film.shear_strength":
+    if key in FRICTION:
         return study.friction.junction_growth > 0.0 and key.endswith("shear_strength")
     return True
 
@@ -129,8 +125,10 @@ def make_runs(
     device: str,
     roughness: bool = False,
 ) -> Runs:
-    """Make the runs. samples: of a design, by default 8 an unknown that needs runs, and 16 at least, as a
-    power of two. out: folder that keeps them.
+    """Make the runs that an inference stands on.
+
+    samples: of a design, by default 8 an unknown that needs runs, and 16 at least, as a power of two. out:
+    folder that keeps them.
 
     Raises InputError where a run fails: outside of what the runs cover nothing can be said.
     """
@@ -138,94 +136,83 @@ def make_runs(
     inputs = tuple(unknown for unknown in unknowns if needs_runs(study, unknown.key, scaled=scaled))
     study, cut = _reaching(study, unknowns, out, device) if scaled else (study, "")
     if not inputs:
-        folders = [out / RUNS / name_of(study, device=device)]
-        row = run_one(Task(study.to_toml(), str(folders[0].resolve()), device))
+        folder, row = _run(study, out, device)
+        folders = [folder]
         if row.status != "done":
             raise InputError(f"the run that the inference stands on {row.status}")
         places, rows = np.zeros((1, 0)), [row]
     else:
         count = samples if samples is not None else 2 ** max(4, int(np.ceil(np.log2(8 * len(inputs)))))
-        if count < 3 * len(inputs) + 5:
-            raise InputError(
-                f"runs = {count}: at least {3 * len(inputs) + 5} are needed for {len(inputs)} unknowns"
-            )
-        asked: dict[str, Any] = {unknown.key: unknown.prior for unknown in inputs}
-        found = sweep(study, vary=asked, design="sobol", samples=count, seed=seed, out=out, device=device)
-        failed = [row.status for row in found.rows if row.status != "done"]
+        if count < (fewest := 3 * len(inputs) + 5):
+            raise InputError(f"runs = {count}: at least {fewest} are needed for {len(inputs)} unknowns")
+        vary: dict[str, Any] = {unknown.key: unknown.prior for unknown in inputs}
+        design = sweep(study, vary=vary, design="sobol", samples=count, seed=seed, out=out, device=device)
+        failed = [row.status for row in design.rows if row.status != "done"]
         if failed:
             raise InputError(
                 f"{len(failed)} of {count} runs over the priors of {', '.join(u.key for u in inputs)} "
-                f"{failed[0]} "
-                "Narrower priors, or a study that can be run over all of them, are needed"
+                f"{failed[0]} Narrower priors, or a study that can be run over all of them, are needed"
             )
-        columns = []
-        for unknown in inputs:
-            number = found.numbers(unknown.key)
-            assert number is not None
-            columns.append(unknown.place_of(number[0]))
-        places, rows = np.column_stack(columns), list(found.rows)
-        folders = [out / RUNS / point.run for point in found.plan.points]
+        numbers = {unknown: design.numbers(unknown.key) for unknown in inputs}
+        columns = [unknown.place_of(number[0]) for unknown, number in numbers.items() if number is not None]
+        places, rows = np.column_stack(columns), list(design.rows)
+        folders = [out / RUNS / point.run for point in design.plan.points]
     whole = tuple(_whole(row, folder) for row, folder in zip(rows, folders, strict=True))
     rough = np.array([_roughness(folder) for folder in folders]) if roughness else None
     return Runs(study, inputs, places, whole, scaled, cut, rough)
 
 
 def _whole(row: Row, folder: Path) -> Row:
-    """Return a row with whole courses: those of a sweep keep few points of the first millimetres, where slow
-    wear is looked up.
-    """
+    """Return a row with whole courses: a sweep keeps few points of the start, where slow wear looks."""
     with Result.open(folder) as result:
-        return replace(
-            row, courses={name: course(result, name)[int(name != "distance")] for name in row.courses}
-        )
+        courses = {name: course(result, name)[int(name != "distance")] for name in row.courses}
+    return replace(row, courses=courses)
+
+
+def _run(study: Study, out: Path, device: str) -> tuple[Path, Row]:
+    """Return folder and row of a study's run, which is made unless its folder holds it."""
+    (point,) = points_of(study, [{}], device=device)
+    return out / RUNS / point.run, run_one(task_of(point, out / RUNS, device=device))
 
 
 def _reaching(study: Study, unknowns: Sequence[Unknown], out: Path, device: str) -> tuple[Study, str]:
-    """Return a study that wears as much as the priors allow, or as the field holds, and a sentence on the
-    latter.
+    """Return a study that wears as much as the priors allow, or as the field holds; and a sentence on that.
 
     It wears by Archard's constant law: the others only change how soon it gets as far.
     """
-    fastest = [law.fastest for law in study.wear_laws]
-    for unknown in unknowns:
-        if unknown.key in ("wear.sphere", "wear.initial_sphere", "wear.disc", "wear.initial_disc"):
-            body = unknown.key.endswith("disc")
-            fastest[body] = max(fastest[body], 1e-3 * float(unknown.values(np.array(REACH))))
-    if not any(unknown.key in WEAR for unknown in unknowns) and study.wear.law == "archard":
+    wear = [unknown for unknown in unknowns if unknown.key in WEAR]
+    if not wear and study.wear.law == "archard":
         return study, ""
+    ends = [unknown.values(np.array([-REACH, REACH])) for unknown in wear]
+    corners = [dict(zip((u.key for u in wear), corner, strict=True)) for corner in itertools.product(*ends)]
+    laws = [study.wear_laws, *(study.wear.laws(study.wear_hardness, corner) for corner in corners)]
+    fastest = [float(max(pair[body].fastest for pair in laws)) for body in range(len(BODIES))]
     part = 1.0
     for _ in range(MOST_CUTS):
-        texts = {
-            f"wear.{body}": f"{1e3 * part * k!r} mm^3/N/m" for body, k in zip(BODIES, fastest, strict=True)
-        }
+        sphere, disc = (f"{1e3 * part * k!r} mm^3/N/m" for k in fastest)
         try:
-            found = study.replace({"wear.law": "archard", **texts})
+            reaching = study.replace({"wear.law": "archard", "wear.sphere": sphere, "wear.disc": disc})
         except InputError as error:
             if "grid.extent" not in str(error):
                 raise
         else:
-            row = run_one(
-                Task(found.to_toml(), str((out / RUNS / name_of(found, device=device)).resolve()), device)
-            )
-            if "grid.extent" not in row.status:
+            if "grid.extent" not in _run(reaching, out, device)[1].status:
                 break
         part *= SMALLER
     edge = f"{study.grid.extent:g} mm (grid.extent)"
-    told = f"Priors of the wear are cut off where the scar reaches the edge of the field, {edge}."
-    return found, told if part < 1.0 else ""
+    cut = f"Priors of the wear are cut off where the scar reaches the edge of the field, {edge}."
+    return reaching, cut if part < 1.0 else ""
 
 
 def _roughness(folder: Path) -> tuple[float, float]:
     """Return Sq of ball and disc in the inner scar at the end of a run [µm]."""
     with Result.open(folder) as result:
         table = surface_evolution(result).table
-    found = [
-        float(table[name][-1]) if table.get(name) is not None and table[name].size else np.nan
-        for name in ("sq_sphere", "sq_disc")
-    ]
-    if not np.isfinite(found).all():
+    columns = (table.get(f"sq_{body}", np.zeros(0)) for body in BODIES)
+    sphere, disc = (float(column[-1]) if column.size else np.nan for column in columns)
+    if not np.isfinite([sphere, disc]).all():
         raise InputError(
             "Sq in the scar is not known of every run: it needs a snapshot at the end (output.snapshots), "
             "and a scar of more cells than the least wear of the priors makes here"
         )
-    return found[0], found[1]
+    return sphere, disc

@@ -25,17 +25,13 @@ BURN_IN = 0.3
 #: Steps that are needed, in autocorrelation times, which are means over all walkers; and the largest
 #: split-R̂.
 TIMES, LARGEST_R = 50.0, 1.01
-#: Proposals independent of where a walker is: width of the kernels, in standard deviations of the walkers,
-#: factor by which all is wider than these, and degrees of freedom of the kernels.
-WIDTH, WIDER, FREEDOM = 0.7, 1.1, 5.0
 #: Samples that are kept.
 KEPT = 4000
 
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Samples of standard normal numbers that follow a posterior, z (samples, unknowns), and how good they
-    are.
+    """Samples of standard normal numbers that follow a posterior, z (samples, unknowns), and how good.
 
     steps: of an ensemble; time: the longest autocorrelation time, in steps; r_hat: the largest split-R̂;
     effective: number of independent samples.
@@ -75,14 +71,12 @@ def sample(log_density: Callable[[FloatArray], FloatArray], unknowns: int, *, se
     else:
         raise ConvergenceError(
             f"the samples did not converge within {MOST_STEPS} steps: the longest autocorrelation time is "
-            f"{time:.0f} "
-            f"steps, split-R̂ is {r_hat:.3f} (at most {LARGEST_R:g} is allowed); fewer unknowns, narrower "
-            "priors or "
-            "more data are needed."
+            f"{time:.0f} steps, split-R̂ is {r_hat:.3f} (at most {LARGEST_R:g} is allowed); fewer unknowns, "
+            "narrower priors or more data are needed."
         )
     flat = chains.reshape(-1, unknowns)
-    kept = random.choice(len(flat), min(KEPT, len(flat)), replace=False)
-    return Samples(flat[kept], steps, time, r_hat, len(flat) / max(time, 1.0))
+    chosen = random.choice(len(flat), min(KEPT, len(flat)), replace=False)
+    return Samples(flat[chosen], steps, time, r_hat, len(flat) / max(time, 1.0))
 
 
 def split_r(chains: FloatArray) -> FloatArray:
@@ -109,37 +103,10 @@ def _ensemble(
         raise InputError(
             "the priors hardly allow what the study can compute: narrower or other priors are needed"
         )
-    kernels = emcee.moves.RedBlueMove()
-    kernels.get_proposal = _from_kernels
-    moves = [(kernels, 0.6), (emcee.moves.DEMove(), 0.3), (emcee.moves.DESnookerMove(), 0.1)]
-    made = emcee.EnsembleSampler(walkers, unknowns, log_density, vectorize=True, moves=moves)
+    moves = [(emcee.moves.KDEMove(), 0.6), (emcee.moves.DEMove(), 0.3), (emcee.moves.DESnookerMove(), 0.1)]
+    ensemble = emcee.EnsembleSampler(walkers, unknowns, log_density, vectorize=True, moves=moves)
     legacy = np.random.MT19937(int(random.integers(2**31))).state
-    return made, emcee.State(drawn[best], log_prob=density[best], random_state=legacy)
-
-
-def _from_kernels(
-    walkers: FloatArray, others: list[FloatArray], random: Any
-) -> tuple[FloatArray, FloatArray]:
-    """Propose places from the density of the other half of the walkers, wherever a walker is.
-
-    The density is one of Student's t kernels about the others, drawn together so that it is no wider than
-    they are (West, Journal of the Royal Statistical Society B 55, 1993, 409). Returns the places, (walkers,
-    unknowns), and the logarithms of the densities at the old ones over those at the new, (walkers,).
-    """
-    about = np.concatenate(others)
-    count, unknowns = walkers.shape
-    middle = about.mean(axis=0)
-    size = WIDER * np.linalg.cholesky(np.cov(about.T).reshape(unknowns, unknowns) + 1e-12 * np.eye(unknowns))
-    centres, old = (np.linalg.solve(size, (z - middle).T).T for z in (about, walkers))
-    centres *= np.sqrt(1.0 - WIDTH**2)
-    drawn = random.randn(count, unknowns) / np.sqrt(random.chisquare(FREEDOM, count) / FREEDOM)[:, None]
-    new = centres[random.randint(len(centres), size=count)] + WIDTH * drawn
-
-    def log_density(z: FloatArray) -> FloatArray:
-        square = np.sum((z[:, None] - centres) ** 2, axis=-1) / WIDTH**2
-        return np.asarray(np.log(np.mean((1.0 + square / FREEDOM) ** (-0.5 * (FREEDOM + unknowns)), axis=1)))
-
-    return middle + new @ size.T, log_density(old) - log_density(new)
+    return ensemble, emcee.State(drawn[best], log_prob=density[best], random_state=legacy)
 
 
 def _time(chain: FloatArray) -> FloatArray:

@@ -14,8 +14,9 @@ import numpy as np
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.study.contact import ArchardCoefficient
-from warpwear.study.keys import key_of, no_such_key, value_of
+from warpwear.inference.data import Data
+from warpwear.study.contact import ArchardCoefficient, value_in
+from warpwear.study.keys import key_of, no_such_key
 from warpwear.study.study import Study
 from warpwear.study.units import Number, Quantity, Range, parse
 from warpwear.sweeps.distributions import Distribution, distribution
@@ -40,7 +41,7 @@ NOISE = {
 class Unknown:
     """An unknown number: its key, its prior in the unit of the key, and the values that it may have.
 
-    told: whether the prior was given, not assumed. unit: empty for a number without one.
+    assumed: whether the prior was not given. unit: empty for a number without one.
     """
 
     key: str
@@ -48,7 +49,7 @@ class Unknown:
     unit: str = ""
     least: float = 0.0
     most: float = math.inf
-    told: bool = True
+    assumed: bool = False
 
     @property
     def is_logarithmic(self) -> bool:
@@ -57,9 +58,7 @@ class Unknown:
 
     @property
     def is_normal(self) -> bool:
-        """True for a normal prior that is not cut off: unknowns that are linear are then found in closed
-        form.
-        """
+        """True for a normal prior that is not cut off: what is linear in it has a closed form."""
         return self.prior.kind == "normal" and self.prior.within is None
 
     def values(self, z: FloatArray) -> FloatArray:
@@ -69,10 +68,10 @@ class Unknown:
             if self.prior.within is not None:
                 low, high = (special.ndtr((self._scale(end) - a) / b) for end in self.prior.within)
                 z = special.ndtri(low + special.ndtr(z) * (high - low))
-            found = a + b * z
+            scaled = a + b * z
         else:
-            found = a + (b - a) * special.ndtr(z)
-        return np.asarray(np.exp(found) if self.is_logarithmic else found)
+            scaled = a + (b - a) * special.ndtr(z)
+        return np.asarray(np.exp(scaled) if self.is_logarithmic else scaled)
 
     def place(self, z: FloatArray) -> FloatArray:
         """Turn standard normal numbers into places for an emulator: even where the prior is, variance one."""
@@ -105,6 +104,11 @@ class Unknown:
             return math.log(a) - 0.5 * spread**2, spread
         return (math.log(a), math.log(b)) if self.is_logarithmic else (a, b)
 
+    def text(self, value: float) -> str | float:
+        """Write a value as studies do."""
+        value = float(f"{value:.6g}")
+        return f"{value!r} {self.unit}" if self.unit else value
+
     def _scale(self, value: float) -> float:
         return math.log(value) if self.is_logarithmic else value
 
@@ -117,61 +121,60 @@ class Unknown:
         return f"{self.prior.kind} {first} {between} {second}{cut} {self.unit}".rstrip()
 
 
-def unknowns_of(study: Study, given: Mapping[str, str | None]) -> list[Unknown]:
-    """Read the unknowns of a study. given: key -> prior as in a sweep, or None for one about the study's
-    value.
+def unknowns_of(study: Study, priors: Mapping[str, str | None]) -> list[Unknown]:
+    """Read the unknowns of a study. priors: by key, as in a sweep, or None for one about the study's value.
 
     Raises InputError for a key that is none, or is no number, and for a prior beyond its allowed values.
     """
-    if not any(key not in NOISE for key in given):
+    if not any(key not in NOISE for key in priors):
         raise InputError("no unknown is named: give a key of the study, such as wear.sphere")
-    return [_unknown(study, key, prior) for key, prior in given.items() if key not in NOISE]
+    return [_unknown(study, key, prior) for key, prior in priors.items() if key not in NOISE]
 
 
-def noise_of(given: Mapping[str, str | None], *, lengths: tuple[float, float], repeats: int) -> list[Unknown]:
-    """Return the unknowns of the scatter of courses. lengths: spacing of points and length of the test [mm].
+def noise_for(data: Data, priors: Mapping[str, str | None]) -> list[Unknown]:
+    """Return the unknowns of the scatter of the courses in the data; none without a course.
 
     Without a prior the deviation is anything from 0.001 to 0.3, the length anything from a fifth of the
     spacing to the whole test, and the deviation between repeats, of which there are two or more, as the
     first.
     """
+    if not data.courses:
+        return []
+    spacing = min(float(np.median(np.diff(course.distance))) for course in data.courses)
+    longest = max(float(course.distance[-1]) for course in data.courses)
     assumed = {
         "noise.deviation": "log-uniform 0.001 .. 0.3",
-        "noise.length": f"log-uniform {0.2 * lengths[0]!r} .. {lengths[1]!r} mm",
+        "noise.length": f"log-uniform {0.2 * spacing!r} .. {longest!r} mm",
         "noise.repeat": "log-uniform 0.001 .. 0.3",
     }
-    if repeats < 2:
-        if "noise.repeat" in given:
+    if len(data.courses) < 2:
+        if "noise.repeat" in priors:
             raise InputError(
                 "noise.repeat needs two or more courses: one test does not show the scatter between tests"
             )
         del assumed["noise.repeat"]
-    found = []
+    unknowns = []
     for key, text in assumed.items():
         unit = "mm" if key == "noise.length" else ""
-        prior = _in_unit(_read(given.get(key) or text, key), unit, key)
-        made = Unknown(key, prior, unit, told=given.get(key) is not None)
-        found.append(_within_allowed(made))
-    return found
+        prior = _in_unit(_read(priors.get(key) or text, key), unit, key)
+        unknowns.append(_within_allowed(Unknown(key, prior, unit, assumed=priors.get(key) is None)))
+    return unknowns
 
 
 def _unknown(study: Study, key: str, text: str | None) -> Unknown:
+    """Read the unknown of a key. text: its prior, None for one about the study's value. Raises InputError."""
     field = key_of(Study, key)
     if field is None:
         raise InputError(no_such_key(Study, key))
     kinds = [*field.metadata, *_inside(field.annotation)]
     kind = next((part for part in kinds if isinstance(part, Quantity | Number)), None)
-    wear = any(
-        part is ArchardCoefficient or getattr(part, "__origin__", None) is ArchardCoefficient
-        for part in kinds
-    )
+    wear = ArchardCoefficient in [getattr(part, "__origin__", part) for part in kinds]
     if kind is None and not wear:
         raise InputError(f"'{key}' cannot be an unknown: it is no number")
     unit = ArchardCoefficient.unit if wear else getattr(kind, "unit", "")
     allowed = Range(or_equal=True) if kind is None else kind.range
     prior = _about(key, _value(study, key), unit) if text is None else _in_unit(_read(text, key), unit, key)
-    most = allowed.most
-    return _within_allowed(Unknown(key, prior, unit, allowed.least, most, told=text is not None))
+    return _within_allowed(Unknown(key, prior, unit, allowed.least, allowed.most, assumed=text is None))
 
 
 def _inside(annotation: Any) -> list[Any]:
@@ -182,14 +185,10 @@ def _inside(annotation: Any) -> list[Any]:
 
 def _value(study: Study, key: str) -> float | None:
     """Return the study's number of a key in its unit, None where it has none."""
-    written = value_of(study.model_dump(), key)
-    if isinstance(written, str):
-        written = written.split(" ", 1)[0]
-    try:
-        value = float(written)
-    except (TypeError, ValueError):
-        return None
-    return value if math.isfinite(value) else None
+    value = value_in(study, key)
+    if isinstance(value, ArchardCoefficient):
+        return 1.0e3 * value.resolved(study.wear_hardness) if value.dimensionless else value.value
+    return float(value) if isinstance(value, int | float) and math.isfinite(value) else None
 
 
 def _about(key: str, value: float | None, unit: str) -> Distribution:
@@ -205,6 +204,7 @@ def _about(key: str, value: float | None, unit: str) -> Distribution:
 
 
 def _read(text: str, key: str) -> Distribution:
+    """Read a prior. Raises InputError."""
     try:
         return distribution(text, key)
     except InputError as error:
@@ -219,12 +219,12 @@ def _in_unit(prior: Distribution, unit: str, key: str) -> Distribution:
                 f"the prior of '{key}' has the unit {prior.unit}: allowed is a number without one"
             )
         return prior
+    if not prior.unit:
+        raise InputError(f"the prior of '{key}' needs its unit, such as {unit}")
     try:
-        factor = parse(f"1 {prior.unit}", unit) if prior.unit else math.nan
+        factor = parse(f"1 {prior.unit}", unit)
     except ValueError as error:
         raise InputError(f"the prior of '{key}' has the unit {prior.unit}: it {error}") from None
-    if math.isnan(factor):
-        raise InputError(f"the prior of '{key}' needs its unit, such as {unit}")
     cut = None if prior.within is None else (factor * prior.within[0], factor * prior.within[1])
     return replace(prior, first=factor * prior.first, second=factor * prior.second, within=cut, unit=unit)
 
@@ -244,12 +244,9 @@ def _within_allowed(unknown: Unknown) -> Unknown:
             return replace(unknown, prior=replace(prior, within=(least, min(most, far))))
         ends = (-math.inf, math.inf)
     if ends is not None and (ends[0] < least or ends[1] > most):
-        limit = (
-            f"from {least:g}"
-            + (f" to {most:g}" if math.isfinite(most) else " up")
-            + f" {unknown.unit}".rstrip()
-        )
+        upper = f"to {most:g}" if math.isfinite(most) else "up"
         raise InputError(
-            f"the prior of '{unknown.key}', {unknown.written}, goes beyond what is allowed: {limit}"
+            f"the prior of '{unknown.key}', {unknown.written}, goes beyond what is allowed: from {least:g} "
+            f"{upper} {unknown.unit}".rstrip()
         )
     return unknown

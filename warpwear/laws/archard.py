@@ -1,73 +1,160 @@
-"""Wear laws: how much of each body a pressure removes between two sliding distances."""
+"""Wear laws: how much of each body a pressure removes between two sliding distances.
+
+A law is a class here, whose numbers are its fields, and a name among the values of `wear.law`. All that needs
+a law calls it, with plain numbers or with arrays of them.
+"""
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, ClassVar, Literal, Self, TypeVar
 
 import numpy as np
 
 from warpwear.grid import FloatArray, Grid
 
+BODIES = ("sphere", "disc")
+Number = TypeVar("Number", float, FloatArray)
+
 
 @dataclass(frozen=True)
 class WearLaw:
-    """Archard's K of one body [mm²/N] is constant or follows an empirical law of the distance slid.
+    """Archard's law V = K F L has one K of a body [mm²/N] at all distances.
 
-    decay: α [1/mm] of V = K F (1 − e^(−αL))/α (thesis eq 2.4). running_in: L0 [mm] of K + (K0 − K) e^(−L/L0)
-    with K0 = initial. Both are integrated over a step, not sampled: volumes do not depend on its size.
+    A law is integrated over a step, not sampled: volumes do not depend on the step's size. Its numbers may be
+    arrays that broadcast with the distances.
     """
 
+    name: ClassVar[str] = "archard"
+    #: Number -> key of [wear]; with {body}, the sphere and the disc have a K of their own.
+    keys: ClassVar[dict[str, str]] = {"steady": "{body}"}
+    #: K over the distance L, in LaTeX.
+    formula: ClassVar[str] = "K"
+    #: What a paper says of the law, with {key} for the values of keys; empty where K is constant.
+    sentence: ClassVar[str] = ""
+
     steady: float
-    decay: float | None = None
-    initial: float | None = None
-    running_in: float | None = None
+
+    @classmethod
+    def of(cls, body: str, number: Callable[[str], Any]) -> Self:
+        """Return the law of a body. number: gives the number of a key of [wear], K in mm²/N."""
+        return cls(**{name: number(key.format(body=body)) for name, key in cls.keys.items()})
+
+    @property
+    def coefficients(self) -> tuple[float, ...]:
+        """Every K of the body [mm²/N]."""
+        return tuple(getattr(self, name) for name, key in self.keys.items() if "{body}" in key)
 
     @property
     def fastest(self) -> float:
         """The largest K at any distance [mm²/N]."""
-        return max(self.steady, self.initial or 0.0)
+        return max(self.coefficients)
 
     def in_proportion_to(self, other: "WearLaw") -> bool:
         """Tell whether this K and the `other` are in one proportion at every distance."""
         if self.fastest == 0.0 or other.fastest == 0.0:
             return True
-        if self.decay != other.decay or self.running_in != other.running_in:
+        shared = [name for name, key in self.keys.items() if "{body}" not in key]
+        if type(self) is not type(other) or any(getattr(self, n) != getattr(other, n) for n in shared):
             return False
-        if self.running_in is None or self.initial is None or other.initial is None:
-            return self.initial == other.initial
-        return self.initial * other.steady == other.initial * self.steady
+        pairs = zip(self.coefficients, other.coefficients, strict=True)
+        return all(k * other.steady == of_other * self.steady for k, of_other in pairs)
 
-    def removal(self, start: float, increment: float) -> float:
+    def wear_per_pressure(self, start: float, increment: Number) -> Number:
         """Return ∫ K dL, the depth that a unit of pressure wears [mm³/N].
 
         start: distance slid before [mm]. increment: slid while the pressure acts [mm].
         """
-        if self.decay is not None:
-            return self.steady * _of_decay(start, increment, 1.0 / self.decay)
-        found = self.steady * increment
-        if self.running_in is not None and self.initial is not None:
-            found += (self.initial - self.steady) * _of_decay(start, increment, self.running_in)
-        return found
+        return self.steady * increment
 
 
-def removals_of(
+@dataclass(frozen=True)
+class ExponentialLaw(WearLaw):
+    """K e^(−αL) levels off: V = K F (1 − e^(−αL))/α (thesis eq 2.4), an empirical fit."""
+
+    name = "exponential"
+    keys = WearLaw.keys | {"decay": "decay"}
+    formula = r"K e^{-\alpha L}"
+    sentence = "K e^(−αL) over the distance L, with α = {decay:.4g} 1/mm"
+
+    decay: float  # α [1/mm]
+
+    def wear_per_pressure(self, start: float, increment: Number) -> Number:
+        """Return ∫ K dL [mm³/N]; see `WearLaw`."""
+        return self.steady * _of_decay(start, increment, 1.0 / self.decay)
+
+
+@dataclass(frozen=True)
+class RunningInLaw(WearLaw):
+    """K + (K0 − K) e^(−L/L0) begins at another K and runs in, an empirical fit."""
+
+    name = "running-in"
+    keys = WearLaw.keys | {"running_in": "running_in", "initial": "initial_{body}"}
+    formula = "K + (K_0 - K) e^{-L/L_0}"
+    sentence = (
+        "K + (K0 − K) e^(−L/L0) over the distance L, with L0 = {running_in:.4g} mm and K0 = "
+        "{initial_sphere:.3g} and {initial_disc:.3g} mm³/(N·m)"
+    )
+
+    running_in: float  # L0 [mm]
+    initial: float | None = None  # K0 [mm²/N]; None: K
+
+    def __post_init__(self) -> None:
+        if self.initial is None:
+            object.__setattr__(self, "initial", self.steady)
+
+    def wear_per_pressure(self, start: float, increment: Number) -> Number:
+        """Return ∫ K dL [mm³/N]; see `WearLaw`."""
+        assert self.initial is not None
+        more = (self.initial - self.steady) * _of_decay(start, increment, self.running_in)
+        return self.steady * increment + more
+
+
+@dataclass(frozen=True)
+class BearingCurveLaw(WearLaw):
+    """Archard's K wears a macro contact, in which a share of each cell bears."""
+
+    name = "bearing-curve"
+    sentence = "constant, in the share of each cell that bears by the disc's bearing area curve"
+
+
+#: Value of `wear.law` -> law.
+WEAR_LAWS = {law.name: law for law in (WearLaw, ExponentialLaw, RunningInLaw, BearingCurveLaw)}
+#: Keys of [wear] that are numbers of a law, and those of them that are a K.
+KEYS = {key.format(body=body) for law in WEAR_LAWS.values() for key in law.keys.values() for body in BODIES}
+COEFFICIENTS = {key for key in KEYS if key.endswith(BODIES)}
+
+
+def said(laws: tuple[WearLaw, WearLaw]) -> str:
+    """Say in half a sentence what is not constant about the laws of sphere and disc; K in mm³/(N·m)."""
+    numbers = {
+        key.format(body=body): getattr(law, name) * (1.0e3 if "{body}" in key else 1.0)
+        for body, law in zip(BODIES, laws, strict=True)
+        for name, key in law.keys.items()
+    }
+    return laws[0].sentence.format(**numbers)
+
+
+def wear_in_steps(
     laws: tuple[WearLaw, WearLaw], start: float, increments: Sequence[float]
 ) -> list[tuple[float, float]]:
-    """Return what a unit of pressure removes from sphere and disc in each of the increments [mm³/N].
+    """Return what a unit of pressure wears off sphere and disc in each of the increments [mm³/N].
 
     laws: of sphere and disc. start: distance slid before the first of the increments [mm], which follow each
     other.
     """
     sphere, disc = laws
-    starts = itertools.accumulate(increments, initial=start)
-    return [(sphere.removal(*slid), disc.removal(*slid)) for slid in zip(starts, increments, strict=False)]
+    slid = zip(itertools.accumulate(increments, initial=start), increments, strict=False)
+    return [(sphere.wear_per_pressure(*step), disc.wear_per_pressure(*step)) for step in slid]
 
 
-def _of_decay(start: float, increment: float, length: float) -> float:
+def _of_decay(start: float, increment: Number, length: float) -> Number:
     """Return ∫ e^(−L/length) dL from start over an increment [mm], exact for small ones too."""
-    return -length * math.exp(-start / length) * math.expm1(-increment / length)
+    # NumPy's own exp may differ in the last digit from one processor to the next: runs take that of C.
+    arrays = any(isinstance(value, np.ndarray) for value in (start, increment, length))
+    functions: Any = np if arrays else math
+    return -length * functions.exp(-start / length) * functions.expm1(-increment / length)
 
 
 def distance_factor(grid: Grid, kind: Literal["none", "across", "radial"], *, curvature: float) -> FloatArray:

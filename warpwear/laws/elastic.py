@@ -132,13 +132,13 @@ def greenwood_williamson_area(
         integral = math.gamma(2.5) * special.pbdv(-2.5, separation)[0] * math.exp(-(separation**2) / 4.0)
         return float(scale * integral / math.sqrt(2.0 * math.pi))
 
-    def area(asked: float) -> float:
+    def area(mean: float) -> float:
         low, high = SEPARATIONS
-        if asked == 0.0:
+        if mean == 0.0:
             return 0.0
-        if not pressure(high) < asked < pressure(low):
+        if not pressure(high) < mean < pressure(low):
             return math.nan
-        t = optimize.brentq(lambda t: math.log(pressure(t) / asked), low, high)
+        t = optimize.brentq(lambda t: math.log(pressure(t) / mean), low, high)
         beyond = 0.5 * math.erfc(t / math.sqrt(2.0))
         integral = math.exp(-0.5 * t**2) / math.sqrt(2.0 * math.pi) - t * beyond
         return math.pi * density * radius * scatter * integral

@@ -82,14 +82,14 @@ def fit_breaking(distance: FloatArray, fraction: FloatArray) -> Breaking | str:
     guess = highest, begin, max(third - begin, 0.1 * float(distance[-1] - distance[0]))
     span = float(distance[-1])
     try:
-        found, covariance = optimize.curve_fit(
+        constants, covariance = optimize.curve_fit(
             _course, distance, fraction, p0=guess, bounds=([0.0, -span, 1e-9 * span], [2.0, span, 1e3 * span])
         )
     except (RuntimeError, ValueError):
         return "least squares found no constants"
-    plateau, start, length = (float(value) for value in found)
+    plateau, start, length = (float(value) for value in constants)
     errors = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    left = float(np.sqrt(np.mean((_course(distance, *found) - fraction) ** 2)))
+    left = float(np.sqrt(np.mean((_course(distance, *constants) - fraction) ** 2)))
     known = np.isfinite(errors).all() and errors[0] <= LARGEST_ERROR * plateau
     if not known or not errors[2] <= LARGEST_ERROR * length or not length < span:
         return "the course is too short to show a plateau, or too scattered"

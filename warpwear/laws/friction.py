@@ -1,90 +1,173 @@
 """Coefficient of friction from an area: shear of junctions, with an offset for ploughing.
 
 μ = μ_p + τ A / F (thesis eqs 4.18 to 4.20; the offset after eq 2.8). Which area A shears, and when a
-measured coefficient fixes τ, are choices of the study. τ is constant, or runs in by an empirical fit:
-τ0 (1 + (r − 1) e^(−L/L_τ)). With a film τ is the mean over the cells in contact, of which a fraction is
-bare.
+measured coefficient fixes τ, are choices of the study. τ is a constant τ0 times `FACTORS`. With a film τ is
+the mean over the cells in contact, of which a fraction is bare.
 """
 
 import math
-from collections.abc import Mapping
-from typing import Literal, Protocol
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 
 from warpwear.grid import FloatArray
+from warpwear.laws.junctions import junction_strength
 
-WHEN: tuple[Literal["initial"], Literal["end"]] = ("initial", "end")
-
-
-class FilmLaw(Protocol):
-    """The numbers of a film that friction follows from; the section [friction.film] has them."""
-
-    @property
-    def shear_strength(self) -> float:
-        """τ of a cell with its film [MPa]."""
-
-
-class FrictionLaw(Protocol):
-    """The numbers that friction follows from; the section [friction] of a study has them."""
-
-    shear_strength: float | None  # τ0 [MPa]; None where `coefficient` fixes it
-    coefficient: float  # the measured one that fixes τ0
-    calibrate: Literal["end", "initial"]  # when that coefficient holds
-    ploughing: float  # the part μ_p of the coefficient that does not shear
-    initial_ratio: float | None  # τ at the start over τ0, where it runs in
-    running_in: float | None  # the length L_τ of that [mm]
-    area: Literal["contact", "touched", "cumulative", "nominal"]  # which area shears
-
-    @property
-    def film(self) -> FilmLaw | None:
-        """The film that wear breaks, None without one; τ0 is then the shear strength of bare cells."""
+When = Literal["initial", "end"]
+WHEN: tuple[When, When] = ("initial", "end")
+AREAS = ("contact", "touched", "cumulative", "nominal")
+#: Keys of [friction] that the coefficient is linear in: the offset, and the shear strengths.
+PLOUGHING, STRENGTH, FILM_STRENGTH = "ploughing", "shear_strength", "film.shear_strength"
+#: Keys of a measured coefficient, to which the shear strength is fitted.
+FITTED = ("coefficient", "calibrate")
 
 
-def shear_strength(
-    friction: FrictionLaw,
-    history: Mapping[str, FloatArray],
-    *,
-    load: float,
-    finished: bool,
-    lap: float | None = None,
-) -> FloatArray:
-    """τ [MPa] of every step: as given, or from (μ0 − μ_p) F / A0 at the end or the start (eq 4.19).
+@dataclass(frozen=True)
+class Factor:
+    """A factor makes of τ0 the shear strength of bare contact at a step; without its keys it is 1.
 
-    lap: what is slid in a pass over a track [mm]: A0 is then the mean over the last or the first one, as the
-    area changes with the place. NaN while a τ that is calibrated at the end waits for it.
+    of: history and the numbers of the keys -> factor of every step. columns: of the history, that it reads.
+    formula: in LaTeX. sentence: what a paper says of it, with {key} for values.
     """
-    final = final_strength(friction, history, load=load, finished=finished, lap=lap)
-    if friction.film is not None:
-        filmed = friction.film.shear_strength
-        return np.asarray(filmed + (final - filmed) * history["bare_fraction"])
-    return final * _running_in(friction, history["distance"])
+
+    keys: tuple[str, ...]
+    of: Callable[..., FloatArray]
+    formula: str
+    sentence: str
+    columns: tuple[str, ...] = ("distance",)
 
 
-def final_strength(
-    friction: FrictionLaw,
-    history: Mapping[str, FloatArray],
-    *,
-    load: float,
-    finished: bool,
-    lap: float | None = None,
-) -> float:
-    """τ0 [MPa] that τ ends or runs in to, as given or calibrated; NaN while it waits for the end."""
-    if friction.shear_strength is not None:
-        return friction.shear_strength
-    if friction.calibrate == "end" and not finished:
-        return math.nan
-    areas = history[f"area_{friction.area}"] * _running_in(friction, history["distance"])
-    return (
-        (friction.coefficient - friction.ploughing)
-        * load
-        / mean_over(history, areas, friction.calibrate, lap)
-    )
+FACTORS = (
+    Factor(
+        keys=("initial_ratio", "running_in"),
+        of=lambda history, ratio, length: 1.0 + (ratio - 1.0) * np.exp(-history["distance"] / length),
+        formula=r"\left(1 + (r - 1) e^{-L/L_\tau}\right)",
+        sentence="it runs in by 1 + (r − 1) e^(−L/L_τ), r = {initial_ratio:.4g}, L_τ = {running_in:.4g} mm",
+    ),
+)
+#: Keys of [friction] that are numbers of the law.
+NUMBERS = (PLOUGHING, STRENGTH, FILM_STRENGTH, *(key for factor in FACTORS for key in factor.keys))
+KEYS = (*NUMBERS, *FITTED, "area")
 
 
-def mean_over(
-    history: Mapping[str, FloatArray], values: FloatArray, when: Literal["initial", "end"], lap: float | None
-) -> float:
+@dataclass(frozen=True)
+class FrictionLaw:
+    """What a contact's friction follows from: key of `KEYS` -> its value, a number also as an array."""
+
+    values: Mapping[str, Any]
+
+    @property
+    def area(self) -> str:
+        """Which area shears, a name of `AREAS`."""
+        return str(self.values["area"])
+
+    @property
+    def factors(self) -> tuple[Factor, ...]:
+        """The factors whose keys have values."""
+        return tuple(f for f in FACTORS if all(self.values[key] is not None for key in f.keys))
+
+    @property
+    def strengths(self) -> tuple[str, ...]:
+        """Keys of the shear strengths that cells have."""
+        return (STRENGTH,) if self.values[FILM_STRENGTH] is None else (STRENGTH, FILM_STRENGTH)
+
+    @property
+    def said(self) -> str:
+        """Half a sentence on the factors and on ploughing; empty where there are none."""
+        parts = [factor.sentence.format(**self.values) for factor in self.factors]
+        if self.values[PLOUGHING]:
+            parts.append(f"{self.values[PLOUGHING]:.4g} of the coefficient does not shear")
+        return "; ".join(parts)
+
+    @property
+    def formula(self) -> str:
+        """The coefficient of friction in LaTeX; τ_f is the strength of cells with a film, φ the bare part."""
+        tau = r" \, ".join([r"\tau_0", *(factor.formula for factor in self.factors)])
+        if FILM_STRENGTH in self.strengths:
+            tau = rf"\left(\tau_\mathrm{{f}} + ({tau} - \tau_\mathrm{{f}}) \varphi\right)"
+        return r"\mu_\mathrm{p} + " * bool(self.values[PLOUGHING]) + rf"{tau} \, A / F"
+
+    def factor(self, history: Mapping[str, FloatArray], strength: str = STRENGTH) -> FloatArray:
+        """Return the shear strength over the given one at every step; 1 for that of a film."""
+        product = np.ones_like(history["distance"])
+        for factor in self.factors if strength == STRENGTH else ():
+            product = product * factor.of(history, *(self.values[key] for key in factor.keys))
+        return product
+
+    def strength(self, history: Mapping[str, FloatArray], **fit: Any) -> FloatArray:
+        """Return τ [MPa] of every step. fit: as of `final_strength`."""
+        bare = self.final_strength(history, **fit) * self.factor(history)
+        return self._mean(bare, self.values[FILM_STRENGTH], history)
+
+    def coefficient(self, history: Mapping[str, FloatArray], *, load: float, **fit: Any) -> FloatArray:
+        """Return the coefficient of friction of every step; NaN while τ waits for the end."""
+        tau = self.strength(history, load=load, **fit)
+        return np.asarray(self.values[PLOUGHING] + tau * history[f"area_{self.area}"] / load)
+
+    def sheared(self, history: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+        """Return key of a strength -> the area [mm²] that it shears at every step, without `factor`."""
+        area = history[f"area_{self.area}"]
+        if FILM_STRENGTH not in self.strengths:
+            return {STRENGTH: area}
+        bare, filmed = self._mean(1.0, 0.0, history), self._mean(0.0, 1.0, history)
+        return {STRENGTH: area * bare, FILM_STRENGTH: area * filmed}
+
+    @staticmethod
+    def _mean(bare: Any, filmed: Any, history: Mapping[str, FloatArray]) -> FloatArray:
+        """Return the mean shear strength of the cells in contact. filmed: of those with a film, or None."""
+        return np.asarray(bare if filmed is None else filmed + (bare - filmed) * history["bare_fraction"])
+
+    def final_strength(
+        self, history: Mapping[str, FloatArray], *, load: float, finished: bool, lap: float | None = None
+    ) -> float:
+        """Return τ0 [MPa], as given or as calibrated; NaN while it waits for the end.
+
+        load: F [N]. finished: whether the history is whole. lap: what is slid in a pass over a track [mm].
+        """
+        when = self.values["calibrate"]
+        if self.values[STRENGTH] is not None:
+            return self.values[STRENGTH]
+        if when == "end" and not finished:
+            return math.nan
+        return self.strength_for(history, when, area=self.area, load=load, lap=lap)
+
+    def strength_for(
+        self, history: Mapping[str, FloatArray], when: When, *, area: str, load: float, lap: float | None
+    ) -> float:
+        """Return τ0 = (μ0 − μ_p) F / A0 [MPa], by which the measured coefficient holds (eq 4.19).
+
+        when: at the start or the end; A0 is the mean over the first or the last lap [mm], as an area changes
+        with the place on a track. A0 contains `factor`.
+        """
+        sheared = mean_over(history, history[f"area_{area}"] * self.factor(history), when, lap)
+        return fitted_strength(self.values["coefficient"], self.values[PLOUGHING], load=load, area=sheared)
+
+    def calibrations(
+        self, history: Mapping[str, FloatArray], *, load: float, hardness: float, lap: float | None = None
+    ) -> dict[str, float]:
+        """Return τ0 [MPa] by which the measured coefficient holds with each area, at the start and the end.
+
+        What "the" shear strength is depends on the area that it was calibrated with; H/(3√3) is the usual
+        estimate from hardness.
+        """
+        if self.values["coefficient"] <= self.values[PLOUGHING]:  # nothing is left to shear
+            return {}
+        strengths = {
+            f"{area}_{when}": self.strength_for(history, when, area=area, load=load, lap=lap)
+            for area in AREAS
+            for when in WHEN
+        }
+        return strengths | ({"hardness": junction_strength(hardness)} if math.isfinite(hardness) else {})
+
+
+def fitted_strength(coefficient: float, ploughing: float, *, load: float, area: float) -> float:
+    """Return τ0 = (μ0 − μ_p) F / A [MPa] (thesis eq 4.19)."""
+    return (coefficient - ploughing) * load / area
+
+
+def mean_over(history: Mapping[str, FloatArray], values: FloatArray, when: When, lap: float | None) -> float:
     """Mean of a column over the first or the last lap [mm] slid; its first or last value without a lap."""
     inside = within(history, when, lap)
     if np.count_nonzero(inside) == 1:
@@ -93,7 +176,7 @@ def mean_over(
 
 
 def within(
-    history: Mapping[str, FloatArray], when: Literal["initial", "end"], lap: float | None
+    history: Mapping[str, FloatArray], when: When, lap: float | None
 ) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
     """The steps of the first or the last lap [mm] slid; the first or the last step without a lap."""
     distance = history["distance"]
@@ -103,49 +186,3 @@ def within(
         return inside
     middle = distance - 0.5 * history["increment"]
     return middle > distance[-1] - lap if when == "end" else middle < lap
-
-
-def coefficient(
-    friction: FrictionLaw,
-    history: Mapping[str, FloatArray],
-    *,
-    load: float,
-    finished: bool,
-    lap: float | None = None,
-) -> FloatArray:
-    """Coefficient of friction of every step; NaN while τ waits for the end. lap: as in `shear_strength`."""
-    tau = shear_strength(friction, history, load=load, finished=finished, lap=lap)
-    return np.asarray(friction.ploughing + tau * history[f"area_{friction.area}"] / load)
-
-
-def _running_in(friction: FrictionLaw, distance: FloatArray) -> FloatArray:
-    """τ/τ0 at sliding distances [mm]."""
-    if friction.initial_ratio is None or friction.running_in is None:
-        return np.ones_like(distance)
-    return np.asarray(1.0 + (friction.initial_ratio - 1.0) * np.exp(-distance / friction.running_in))
-
-
-def calibrations(
-    friction: FrictionLaw,
-    history: Mapping[str, FloatArray],
-    *,
-    load: float,
-    hardness: float,
-    lap: float | None = None,
-) -> dict[str, float]:
-    """τ0 [MPa] that each area would ask for at `friction.coefficient`, at the start and at the end.
-
-    What "the" shear strength is depends on the area that it was calibrated with; H/(3√3) is the usual
-    estimate from hardness.
-    """
-    found: dict[str, float] = {}
-    if friction.coefficient <= friction.ploughing:  # nothing is left to shear
-        return found
-    for name in ("contact", "touched", "cumulative", "nominal"):
-        areas = history[f"area_{name}"]
-        for when in WHEN:
-            area = mean_over(history, areas, when, lap)
-            found[f"{name}_{when}"] = (friction.coefficient - friction.ploughing) * load / area
-    if math.isfinite(hardness):
-        found["hardness"] = hardness / (3.0 * math.sqrt(3.0))
-    return found

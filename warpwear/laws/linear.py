@@ -27,12 +27,12 @@ def solve(matrix: FloatArray, right: FloatArray, *, rcond: float = 1e-15) -> Flo
         rest -= np.square(factor[row, :count])
         order.append(pivot)
         rest[pivot] = -np.inf
-    upper, found = factor[:, order], factor[: len(order), count:]
+    upper, solution = factor[:, order], factor[: len(order), count:]
     for row in reversed(range(len(order))):
-        found[row] -= np.einsum("k,km->m", upper[row, row + 1 :], found[row + 1 :])
-        found[row] /= upper[row, row]
+        solution[row] -= np.einsum("k,km->m", upper[row, row + 1 :], solution[row + 1 :])
+        solution[row] /= upper[row, row]
     x = np.zeros((count, right.shape[1]))
-    x[order] = found
+    x[order] = solution
     return x
 
 

@@ -1,4 +1,4 @@
-"""What a contact has to do: the handful of numbers of a study that its model, history and steps need."""
+"""The numbers of one contact, which its model, its history and its steps read."""
 
 import math
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from warpwear.laws.pieces import Pieces
 
 @dataclass(frozen=True)
 class ContactTask:
-    """Carry a load between a sphere and a disc that wear each other. See `warpwear.study` for the keys."""
+    """Numbers of one contact, made from a study once; models read nothing else."""
 
     load: float  # F [N]
     hardness: float  # largest pressure of a cell H [MPa]; inf without one
@@ -39,25 +39,25 @@ class ContactTask:
 
     @property
     def dust(self) -> float:
-        """The share of the wear that leaves in the step, and lends its contact a compliance."""
+        """The fraction of the wear that leaves in the step, and lends its contact a compliance."""
         return 1.0 if self.pieces is None else self.pieces.dust
 
     def bulk_stiffness_at(self, radius: float | None) -> float:
-        """K_N of the macro contact [N/mm³]. radius: of the contact [mm], which K_N may follow."""
+        """Return K_N of the macro contact [N/mm³]. radius: of the contact [mm], which K_N may follow."""
         if not isinstance(self.bulk_stiffness, str):
             return self.bulk_stiffness
         assert self.hertz is not None  # checked with the study
         return self.hertz.foundation(self.bulk_stiffness, radius=radius if self.bulk_updated else None)
 
     def compliance_at(self, area: float) -> float:
-        """1/k of the cells [mm³/N]. area: in contact [mm²], which the K_N of a macro contact may follow."""
+        """Return 1/k of the cells [mm³/N]. area: in contact [mm²], which a macro contact's K_N may follow."""
         if not self.bulk_updated:
             return self.compliance
         return 1.0 / self.bulk_stiffness_at(math.sqrt(area / math.pi) if area else None)
 
-    def removals(self, start: float, increment: float) -> tuple[float, float]:
-        """K ΔL of sphere and disc [mm³/N] over an increment that begins at a distance [mm]."""
-        sphere, disc = (law.removal(start, increment) for law in self.wear)
+    def wear_per_pressure(self, start: float, increment: float) -> tuple[float, float]:
+        """Return K ΔL of sphere and disc [mm³/N] over an increment that begins at a distance [mm]."""
+        sphere, disc = (law.wear_per_pressure(start, increment) for law in self.wear)
         return sphere, disc
 
     @property

@@ -69,7 +69,7 @@ def choose(record: Record, picks: str | None = None) -> dict[str, Column]:
             "name such as 'CoF' is expected, or --columns 'DISTANCE,COF' picks two of these"
         )
     needed = ("distance", "time", "cycle", "cof") if roles["cof"] else tuple(NAMES)
-    found = {}
+    columns = {}
     for role in needed:
         if len(roles[role]) > 1:
             rivals = [record.names[i] for i in roles[role]]
@@ -78,11 +78,10 @@ def choose(record: Record, picks: str | None = None) -> dict[str, Column]:
                 f"{record.path} has {len(rivals)} columns that could be the {_spoken(role)}: "
                 f"{_listed(rivals)}; --columns 'DISTANCE,COF' picks {how}"
             )
-        if roles[role]:
-            index = roles[role][0]
+        for index in roles[role]:
             title = record.names[index]
-            found[role] = Column(index, title, _factor(record, role, title, titles[index][1]))
-    return found
+            columns[role] = Column(index, title, _factor(record, role, title, titles[index][1]))
+    return columns
 
 
 def _title(record: Record, index: int) -> tuple[str, str]:
@@ -103,9 +102,9 @@ def split_unit(title: str) -> tuple[str, str]:
         r"(.*?)\s+in\s+(\S+)$",
         r"(.*?)\s+(\S+)$",
     ):
-        found = re.fullmatch(pattern, title)
-        if found and found[1] and (is_unit(found[2]) or pattern.endswith(r"[\])]$")):
-            return " ".join(found[1].lower().split()), found[2].strip()
+        match = re.fullmatch(pattern, title)
+        if match and match[1] and (is_unit(match[2]) or pattern.endswith(r"[\])]$")):
+            return " ".join(match[1].lower().split()), match[2].strip()
     return " ".join(title.lower().split()), ""
 
 
@@ -151,17 +150,17 @@ def _picked(record: Record, titles: list[tuple[str, str]], picks: str) -> dict[s
             f"--columns '{picks}': two columns (distance or time, CoF) or four (time, friction force, normal "
             f"force, position) of {record.path} are expected: {known}"
         )
-    found = {}
-    for role, (index, given) in zip(PICKED[len(chosen)], chosen, strict=True):
-        name, unit = titles[index][0], titles[index][1] or given
+    columns = {}
+    for role, (index, unit_picked) in zip(PICKED[len(chosen)], chosen, strict=True):
+        name, unit = titles[index][0], titles[index][1] or unit_picked
         meant, named = role, _role(name, unit)
         if role == "distance" and named == "cycle":
             meant = "cycle"
         elif role == "distance" and (named == "time" or _converted(unit, "s") is not None):
             meant = "time"
         title = record.names[index] if record.names else f"column {index + 1}"
-        found[meant] = Column(index, title, _factor(record, meant, title, unit))
-    return found
+        columns[meant] = Column(index, title, _factor(record, meant, title, unit))
+    return columns
 
 
 def _match(record: Record, titles: list[tuple[str, str]], parts: list[str]) -> list[tuple[int, str]] | None:

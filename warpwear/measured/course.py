@@ -1,7 +1,7 @@
-"""A measured course of friction: the coefficient over the distance slid, from a file, and its gaps."""
+"""Read the coefficient of friction over the distance slid from a file, and look for its gaps."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +9,9 @@ import numpy as np
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.columns import Column, choose
+from warpwear.measured.experiment import Experiment
 from warpwear.measured.record import read_record
-from warpwear.measured.tribometer import Course, averaged, from_forces
+from warpwear.measured.tribometer import averaged, from_forces
 
 #: A coefficient of friction beyond this is a mistake: a force, percent, or a load that is not yet on.
 LARGEST_COF = 3.0
@@ -26,31 +27,6 @@ GAP = 0.05
 MEAN_GAPS = 2.0
 #: Largest share of the range that may lie in gaps.
 MOST_IN_GAPS = 0.5
-
-
-@dataclass(frozen=True, eq=False)
-class Experiment:
-    """A measured coefficient of friction depends on the distance slid."""
-
-    name: str  # of the file, without its ending
-    distance: FloatArray  # [mm], rising, shape (points,)
-    cof: FloatArray  # shape (points,)
-    notes: tuple[str, ...] = ()  # what was assumed and done, each a sentence
-    cycles: FloatArray | None = None  # number of each point's cycle, from 1, where a raw record was averaged
-    warnings: tuple[str, ...] = ()  # what makes the whole doubtful, each a sentence
-
-    @property
-    def final_cof(self) -> float:
-        """Return the mean coefficient over the last tenth of the distance."""
-        return mean_of_last_tenth(self.distance, self.cof)
-
-
-def mean_of_last_tenth(distance: FloatArray, values: FloatArray) -> float:
-    """Return the mean of the values in the last tenth of the distance: the end of a course that scatters.
-
-    distance [mm], rising, and values have the same shape (points,).
-    """
-    return float(values[distance >= 0.9 * distance[-1]].mean())
 
 
 def read_experiment(
@@ -77,18 +53,19 @@ def read_experiment(
     values = record.columns([column.index for column in chosen.values()])
     table = {role: column.factor * values[:, place] for place, (role, column) in enumerate(chosen.items())}
     table, notes = _without_gaps(path, table)
+    origin = []
     if "cof" not in table:
-        found = from_forces(path, table, stroke=stroke, load=load, speed=speed)
+        course = from_forces(path, table, stroke=stroke, load=load, speed=speed)
     else:
-        distance, how = _sliding_distance(path, table, chosen, stroke=stroke, speed=speed)
-        chosen = {role: column for role, column in chosen.items() if role in ("cof", how)}
-        found = _in_order(path, distance, table["cof"])
-        if how != "distance":
-            given = f"speed, {speed:g} mm/s" if how == "time" else f"two strokes of {stroke:g} mm"
-            found = replace(found, notes=(f"Distance is {how} times {given}.", *found.notes))
+        distance, role = _sliding_distance(path, table, chosen, stroke=stroke, speed=speed)
+        chosen = {one: column for one, column in chosen.items() if one in ("cof", role)}
+        course = _in_order(path, distance, table["cof"])
+        if role != "distance":
+            factor = f"speed, {speed:g} mm/s" if role == "time" else f"two strokes of {stroke:g} mm"
+            origin.append(f"Distance is {role} times {factor}.")
     taken = ", ".join(f"{role} from {column.title!r}" for role, column in chosen.items())
-    notes += [f"Columns: {taken}.", *found.notes, *_check_cof(path, found.distance, found.cof)]
-    return Experiment(path.stem, found.distance, found.cof, tuple(notes), found.cycles, found.warnings)
+    notes += [f"Columns: {taken}.", *origin, *course.notes, *_check_cof(path, course.distance, course.cof)]
+    return replace(course, notes=tuple(notes))
 
 
 def _sliding_distance(
@@ -136,14 +113,14 @@ def _without_gaps(path: Path, table: dict[str, FloatArray]) -> tuple[dict[str, F
     """Return the rows with all values, and a note on the others."""
     rows = next(iter(table.values())).size
     whole = np.all([np.isfinite(values) for values in table.values()], axis=0)
-    kept = int(whole.sum())
-    if kept < 2:
-        raise InputError(f"{path} has rows with all values: {kept}; two or more are expected")
-    notes = [] if kept == rows else [f"Rows with gaps, left out: {rows - kept} of {rows}."]
+    count = int(whole.sum())
+    if count < 2:
+        raise InputError(f"{path} has rows with all values: {count}; two or more are expected")
+    notes = [] if count == rows else [f"Rows with gaps, left out: {rows - count} of {rows}."]
     return {role: values[whole] for role, values in table.items()}, notes
 
 
-def _in_order(path: Path, distance: FloatArray, cof: FloatArray) -> Course:
+def _in_order(path: Path, distance: FloatArray, cof: FloatArray) -> Experiment:
     """Return the course over rising distances [mm], each once, and notes on what was done.
 
     Raises InputError for a distance that starts again or goes to and fro.
@@ -177,7 +154,7 @@ def _in_order(path: Path, distance: FloatArray, cof: FloatArray) -> Course:
     places, means = averaged(path, distance, cof)
     if places.size < distance.size:
         notes.append(f"Rows at the distance of another, averaged with it: {distance.size - places.size}.")
-    return Course(places, means, tuple(notes))
+    return Experiment(path.stem, places, means, tuple(notes))
 
 
 def _covered_again(distance: FloatArray) -> int | None:
@@ -244,16 +221,16 @@ def check_coverage(experiment: Experiment, start: float, end: float) -> list[str
 
     That is the range over which it is compared. Raises InputError when more than half of it lies in gaps.
     """
-    found = gaps(experiment.distance, start, end)
-    if not found:
+    pieces = gaps(experiment.distance, start, end)
+    if not pieces:
         return []
-    missing = sum(high - low for low, high in found) / (end - start)
-    low, high = max(found, key=lambda gap: gap[1] - gap[0])
-    told = f"{100.0 * missing:.0f} % of the distance shared with the runs, the longest piece from "
-    told += f"{low:.4g} to {high:.4g} mm"
+    missing = sum(high - low for low, high in pieces) / (end - start)
+    low, high = max(pieces, key=lambda piece: piece[1] - piece[0])
+    where = f"{100.0 * missing:.0f} % of the distance shared with the runs, the longest piece from "
+    where += f"{low:.4g} to {high:.4g} mm"
     if missing > MOST_IN_GAPS:
         raise InputError(
-            f"{experiment.name} has no measured point over {told}; points over half of it or more are "
+            f"{experiment.name} has no measured point over {where}; points over half of it or more are "
             "expected"
         )
-    return [f"It has no measured point over {told}: straight lines bridge that in the rms."]
+    return [f"It has no measured point over {where}: straight lines bridge that in the rms."]

@@ -1,4 +1,4 @@
-"""Options of commands as text with a unit: to numbers, with a sentence for bad ones."""
+"""Turn options of commands, texts with a unit, into numbers, with a sentence for bad ones."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -20,11 +20,11 @@ def optional(option: str, value: str | None, unit: str, *, allowed: Range = POSI
     return None if value is None else quantity(option, value, unit, allowed=allowed)
 
 
-def refuse(given: Mapping[str, Any], why: str) -> None:
-    """Raise InputError for the first option that was given; given: option -> value, None where left out.
+def refuse(options: Mapping[str, Any], why: str) -> None:
+    """Raise InputError for the first option that has a value; options: option -> value, None where left out.
 
     why: what is wrong with it, to go on after its name.
     """
-    for option, value in given.items():
+    for option, value in options.items():
         if value is not None:
             raise InputError(f"{option} {why}")

@@ -1,4 +1,4 @@
-"""Records of measurements: a table in text with the names and units of its columns."""
+"""Read records of measurements: a table in text with the names and units of its columns."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -18,7 +18,7 @@ UNITS = frozenset(
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """The table in a file, with the name and the unit of each column."""
+    """A record is the table in a file, with the name and the unit of each column."""
 
     path: Path
     table: Table
@@ -62,15 +62,15 @@ def _refusals(path: Path) -> Iterator[None]:
 
 def _names_and_units(table: Table) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return names and units of the columns from the last lines before the numbers; () for none."""
-    found = []
+    rows = []
     for line in table.header[-1:-3:-1]:
         fields = _names(line.lstrip("#%/ ") if line.lstrip().startswith(COMMENTS) else line, table)
         if fields is None or not any(fields):
             break
-        found.append(fields)
-    if len(found) == 2 and all(not field or is_unit(field) for field in found[0]):
-        return found[1], found[0]
-    return (found[0] if found else ()), ()
+        rows.append(fields)
+    if len(rows) == 2 and all(not field or is_unit(field) for field in rows[0]):
+        return rows[1], rows[0]
+    return (rows[0] if rows else ()), ()
 
 
 def _names(line: str, table: Table) -> tuple[str, ...] | None:

@@ -1,4 +1,4 @@
-"""The command `warpwear surface`: from its options to the text it prints and the figure it writes."""
+"""Run the command `warpwear surface`, from its options to the text it prints and the figure it writes."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 from pydantic import ValidationError
 
 from warpwear.errors import InputError
+from warpwear.figures.describe import Figure
 from warpwear.grid import FloatArray
 from warpwear.measured.options import optional, quantity, refuse
 from warpwear.measured.surface_figure import ball_figure, save, scar_figure, surface_figure, track_figure
@@ -46,7 +46,7 @@ KEYS = re.compile(rf"\bdisc\.({'|'.join(Disc.model_fields)})\b")
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceOptions:
-    """Options of `warpwear surface`, lengths as text with a unit.
+    """These are the options of `warpwear surface`, lengths as text with a unit.
 
     figure: where to draw, None for a name made from the file's. track, ball: whether the file is a worn one.
     before: the same place before it was worn.
@@ -70,11 +70,17 @@ class SurfaceOptions:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What is said of a file, to JSON and to people, and how it is drawn."""
+    """A file is described by rows, for JSON and for people, and by a figure."""
 
+    file: dict[str, Any]  # the surface's own record
     rows: list[Row]
-    text: list[str]
     draw: Callable[[], Figure]
+    done: tuple[str, ...] = ()  # what was done to the surface after its own operations
+
+    @property
+    def text(self) -> list[str]:
+        """Return the lines for people."""
+        return [*file_lines(self.file, *self.done), *lines(self.rows)]
 
 
 def describe(file: Path | None, options: SurfaceOptions) -> str:
@@ -95,12 +101,12 @@ def describe(file: Path | None, options: SurfaceOptions) -> str:
     # The form of a worn body is that of its unworn part.
     level = {} if kind == "surface" else {"level": "none"}
     surface = read_surface(file, {**options.preparation, **level})
-    found = {"surface": _roughness, "track": _track, "ball": _ball, "scar": _scar}[kind](surface, options)
+    outcome = {"surface": _roughness, "track": _track, "ball": _ball, "scar": _scar}[kind](surface, options)
     if figure is not None:
-        save(found.draw(), figure)
+        save(outcome.draw(), figure)
     if options.as_json:
-        return _with_options(to_json(record(found.rows)))
-    return "\n".join([_with_options("\n".join(found.text)), f"written to {figure}"])
+        return _with_options(to_json(record(outcome.rows)))
+    return "\n".join([_with_options("\n".join(outcome.text)), f"written to {figure}"])
 
 
 def _roughness(surface: Measured, options: SurfaceOptions) -> Outcome:
@@ -108,8 +114,7 @@ def _roughness(surface: Measured, options: SurfaceOptions) -> Outcome:
     cut_off = quantity("--lambda-c", options.lambda_c, "mm")
     short = quantity("--lambda-s", options.lambda_s, "mm")
     report = examine(surface, cut_off=cut_off, short=short)
-    text = [*file_lines(record(report.rows)), *lines(report.rows)]
-    return Outcome(report.rows, text, lambda: surface_figure(report))
+    return Outcome(record(report.rows), report.rows, lambda: surface_figure(report))
 
 
 def _track(surface: Measured, options: SurfaceOptions) -> Outcome:
@@ -120,33 +125,36 @@ def _track(surface: Measured, options: SurfaceOptions) -> Outcome:
     if options.before is not None:
         changed = changed_since(surface, options.before, options.preparation)
     heights = None if changed is None else changed.heights
-    level = options.preparation.get("level")
-    track, degree = track_in(surface, level=level, width=width, heights=heights)
-    file = surface.record()
-    then = _taken_off(degree, "track")
-    rows = [Row("", "surface", file), Row("", "track", track_rows(track, length=length))]
-    if changed is not None:
-        then = f"{options.before} laid over it and taken off, {then}"
-        rows.insert(1, Row("before", "before", before_rows(changed, file=str(options.before))))
-    return Outcome(
-        rows, [*file_lines(file, then), *lines(rows)], lambda: track_figure(track, filled=track.missing)
-    )
+    track, degree = track_in(surface, level=options.preparation.get("level"), width=width, heights=heights)
+    row = Row("", "track", track_rows(track, length=length))
+    return _worn(surface, options, changed, degree, row, lambda: track_figure(track, filled=track.missing))
 
 
 def _scar(surface: Measured, options: SurfaceOptions) -> Outcome:
     """Measure the wear scar in a surface, of which the same place is known before. Raises InputError."""
-    assert options.before is not None  # that makes it a scar
     scar, changed, degree = scar_in(surface, options.before, options.preparation)
-    assert changed is not None
+    assert changed is not None  # --before makes it a scar
     missing = np.isnan(changed.heights)
-    file = surface.record()
-    then = f"{options.before} laid over it and taken off, {_taken_off(degree, 'scar')}"
-    rows = [
-        Row("", "surface", file),
-        Row("before", "before", before_rows(changed, file=str(options.before))),
-        Row("", "scar", scar_rows(scar, filled=float(missing[scar.patch].mean()))),
-    ]
-    return Outcome(rows, [*file_lines(file, then), *lines(rows)], lambda: scar_figure(scar, filled=missing))
+    row = Row("", "scar", scar_rows(scar, filled=float(missing[scar.patch].mean())))
+    return _worn(surface, options, changed, degree, row, lambda: scar_figure(scar, filled=missing))
+
+
+def _worn(
+    surface: Measured,
+    options: SurfaceOptions,
+    changed: Difference | None,
+    degree: int,
+    row: Row,
+    draw: Callable[[], Figure],
+) -> Outcome:
+    """Describe a worn disc, which was levelled by a degree, with or without what it was before."""
+    file, before = surface.record(), options.before
+    done = f"polynomial of degree {degree} through the surface beside the {row.key} taken off"
+    rows = [Row("", "surface", file), row]
+    if changed is not None:
+        done = f"{before} laid over it and taken off, {done}"
+        rows.insert(1, Row("before", "before", before_rows(changed, file=str(before))))
+    return Outcome(file, rows, draw, (done,))
 
 
 def scar_in(
@@ -168,10 +176,6 @@ def changed_since(surface: Measured, before: Path, preparation: Mapping[str, str
     """Lay the file of an earlier measurement over a surface and take it off. Raises InputError."""
     earlier = read_surface(before, {**preparation, "level": "none", "crop": None})
     return difference(surface.measured, earlier.measured, pixel=surface.pixel, earlier_pixel=earlier.pixel)
-
-
-def _taken_off(degree: int, wear: str) -> str:
-    return f"polynomial of degree {degree} through the surface beside the {wear} taken off"
 
 
 def _degree(level: str | None) -> int:
@@ -206,11 +210,7 @@ def _ball(surface: Measured, options: SurfaceOptions) -> Outcome:
         Row("", "ball", ball_rows(ball)),
         Row("by two diagonals", "by_two_diagonals", cap_rows(flat), note=", were the patch flat"),
     ]
-    return Outcome(
-        rows,
-        [*file_lines(file), *lines(rows)],
-        lambda: ball_figure(ball, size=surface.size, filled=surface.filled),
-    )
+    return Outcome(file, rows, lambda: ball_figure(ball, size=surface.size, filled=surface.filled))
 
 
 def _by_diagonals(diagonals: tuple[str, str], radius: str | None, *, as_json: bool) -> str:
@@ -226,23 +226,23 @@ def _by_diagonals(diagonals: tuple[str, str], radius: str | None, *, as_json: bo
 
 def read_surface(file: Path, preparation: Mapping[str, str | None]) -> Measured:
     """Read a measured file, prepared by keys of [disc] that are given as text. Raises InputError."""
-    given: dict[str, Any] = {name: value for name, value in preparation.items() if value is not None}
+    values: dict[str, Any] = {name: value for name, value in preparation.items() if value is not None}
     for name in LISTS:
-        if name in given and "," in given[name]:
-            given[name] = [part.strip() for part in given[name].split(",")]
-    if "level" in given:
-        given["level"] = _level(given["level"])
-    if "outliers" in given:
+        if "," in values.get(name, ""):
+            values[name] = [part.strip() for part in values[name].split(",")]
+    if "level" in values:
+        values["level"] = _level(values["level"])
+    if "outliers" in values:
         try:
-            given["outliers"] = float(given["outliers"])
+            values["outliers"] = float(values["outliers"])
         except ValueError:
             raise InputError(
-                f"--outliers is {given['outliers']!r}: allowed is a number of robust standard deviations, "
+                f"--outliers is {values['outliers']!r}: allowed is a number of robust standard deviations, "
                 "such as 6"
             ) from None
     surface: Any
     try:
-        surface = surface_of(Disc(surface=str(file), **given))
+        surface = surface_of(Disc(surface=str(file), **values))
     except ValidationError as error:
         raise InputError(_with_options(f"disc.{sentence(error, Disc)}")) from error
     except InputError as error:
@@ -253,7 +253,7 @@ def read_surface(file: Path, preparation: Mapping[str, str | None]) -> Measured:
 def _with_options(text: str) -> str:
     """Say in a text about [disc] what its keys are called here: --height-unit for disc.height_unit."""
     text = text.replace("disc.surface '", "the file '")
-    return KEYS.sub(lambda found: f"--{found[1].replace('_', '-')}", text)
+    return KEYS.sub(lambda match: f"--{match[1].replace('_', '-')}", text)
 
 
 def _level(text: str) -> str | int:
@@ -273,8 +273,7 @@ def _check_together(file: Path | None, options: SurfaceOptions) -> None:
     if o.diagonals is None and file is None:
         raise InputError("FILE is missing: a measured surface, or --ball with --radius and --diagonals")
     if not o.track:
-        given = {"--track-width": o.track_width, "--track-length": o.track_length}
-        refuse(given, "needs --track")
+        refuse({"--track-width": o.track_width, "--track-length": o.track_length}, "needs --track")
     if o.ball:
         refuse({"--before": o.before}, "is not for a --ball, which is measured against its sphere")
     else:

@@ -1,28 +1,32 @@
 """Figures of measured surfaces, worn tracks and worn balls: panels of one column's width in a stack."""
 
-import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
-from warpwear.figures.style import (
-    DEPTHS,
+from warpwear.figures.describe import (
+    ACROSS,
+    ALONG,
+    COLUMN,
     DISC,
-    HEIGHTS,
     NEUTRAL,
     PAGE,
     SPHERE,
-    Sheet,
-    new_figure,
-    plain_numbers,
-    style,
+    Axis,
+    Chart,
+    Empty,
+    Figure,
+    Level,
+    Line,
+    Look,
+    Map,
+    Scale,
+    Text,
 )
+from warpwear.figures.paint import paint
+from warpwear.figures.style import write_figure
 from warpwear.grid import FloatArray
 from warpwear.measured.surface_report import SurfaceReport
 from warpwear.results.report import record
@@ -40,70 +44,47 @@ Pair: TypeAlias = tuple[float, float]
 PIXELS = 700
 #: A field that is longer than this many widths is drawn out of proportion.
 LONG = 4.0
-#: Height of a panel of a stack, and of the sheet of a surface [inch].
-ROW, SHEET = 2.4, 5.4
-#: Characters of a line of numbers, its place behind its label and its height [points].
-TOLD, INDENT, LINE = 56, 44.0, 10.0
+#: Height of a panel of a stack, and of a row of the sheet of a surface [inch].
+ROW, SHEET = 2.4, 2.7
 #: Filters of a profile's roughness: name, key of the record, unit.
 FILTERS = (("λs", "lambda_s_um", "µm"), ("λc", "lambda_c_mm", "mm"))
+#: Lines at zero, and through what is found.
+ZERO, MARK = Look(width=0.6), Look(NEUTRAL, "dash", 0.8)
 
 
 def save(figure: Figure, path: Path) -> None:
     """Write a figure in the format that the path's ending names."""
-    with style():
-        figure.savefig(path)
+    write_figure(paint(figure), path)
 
 
 def surface_figure(report: SurfaceReport) -> Figure:
-    """Draw the sheet of a measured surface: map, numbers, bearing curve, spectrum, slope over cut-off."""
-    with style():
-        figure = Sheet(figsize=(PAGE, SHEET), layout="constrained")
-        FigureCanvasAgg(figure)
-        halves: Any = figure.subfigures(2, 1, height_ratios=(1.15, 1.0))
-        upper, lower = halves
-        left, right = upper.subplots(1, 2)
-        right.set_axis_off()
-        surface = report.surface
-        _map_of_heights(left, surface.levelled, surface.size, surface.filled)
-        _write_numbers(upper, report)
-        bearing, density, slope = lower.subplots(1, 3)
-        _bearing(bearing, report)
-        _spectrum(density, report)
-        slope.semilogx(1e3 * report.cut_offs, report.slopes, color=DISC)
-        slope.set(xlabel="S-filter, µm", ylabel="rms gradient Sdq, –")
-        slope.set_ylim(bottom=0.0)
-        plain_numbers(slope.xaxis)
-    return figure
+    """The sheet of a measured surface: map, numbers, bearing curve, spectrum, slope over cut-off."""
+    surface = report.surface
+    slopes = Line(1e3 * report.cut_offs, report.slopes, look=Look(DISC))
+    slope = Chart("Slope", Axis("S-filter, µm", "log"), Axis("rms gradient Sdq, –", low=0.0), [slopes])
+    above = [
+        _map_of_heights(surface.levelled, surface.size, surface.filled),
+        Text(list(_numbers(record(report.rows)))),
+        Empty(),
+    ]
+    return Figure([*above, _bearing(report), _spectrum(report), slope], 3, width=PAGE, height=SHEET)
 
 
-def _spectrum(axes: Axes, report: SurfaceReport) -> None:
+def _spectrum(report: SurfaceReport) -> Chart:
     spectrum = report.spectrum
+    lines: list[Line | Level] = []
+    low, high, note = None, None, "a flat: no waves"
     if spectrum.density.size:
-        axes.loglog(1e3 * spectrum.wavelength, 1e12 * spectrum.density, color=DISC)
+        lines.append(Line(1e3 * spectrum.wavelength, 1e12 * spectrum.density, look=Look(DISC)))
         # a band-limited surface has nothing but rounding below its shortest wave
         top, bottom = (1e12 * float(v) for v in (spectrum.density.max(), spectrum.density.min()))
-        axes.set_ylim(bottom=max(bottom / 2, 1e-12 * top), top=4 * top)
-        for axis in (axes.xaxis, axes.yaxis):
-            plain_numbers(axis)
-    else:
-        axes.text(0.5, 0.5, "a flat: no waves", transform=axes.transAxes, ha="center")
+        low, high, note = max(bottom / 2, 1e-12 * top), 4 * top, ""
     if (knee := report.roll_off.wavelength) is not None:
-        axes.axvline(1e3 * knee, color=NEUTRAL, ls="--", lw=0.8, label="suggested roll-off")
-        _legend(axes)
-    axes.set(xlabel="wavelength, µm", ylabel="power spectral density, µm⁴")
-
-
-def _write_numbers(figure: Any, report: SurfaceReport) -> None:
-    """Write what was read, what was done to it and what came out into the right half of a figure."""
-    font: dict[str, Any] = {"xycoords": "subfigure fraction", "textcoords": "offset points", "fontsize": 7}
-    down = 0.0
-    for label, told in _numbers(record(report.rows)):
-        for number, line in enumerate(textwrap.wrap(told, TOLD)):
-            down -= LINE
-            for place, text, color in ((0.0, "" if number else label, NEUTRAL), (INDENT, line, "black")):
-                note = figure.axes[0].annotate(text, (0.5, 0.98), (place, down), color=color, **font)
-                note.set_in_layout(False)
-                note.set_annotation_clip(False)
+        lines.append(Level(1e3 * knee, "suggested roll-off", MARK, "x"))
+        note = f"dashed: suggested roll-off, {1e3 * knee:.3g} µm"
+    scale: Any = "log" if lines else "linear"
+    up = Axis("power spectral density, µm⁴", scale, low=low, high=high)
+    return Chart("Spectrum", Axis("wavelength, µm", scale), up, lines, note)
 
 
 def _numbers(r: dict[str, Any]) -> Iterator[tuple[str, str]]:
@@ -123,11 +104,13 @@ def _numbers(r: dict[str, Any]) -> Iterator[tuple[str, str]]:
     bearing = r["bearing"]
     yield "bearing", f"Spk {bearing['spk_um']:.3g}, Sk {bearing['sk_um']:.3g}, Svk {bearing['svk_um']:.3g} µm"
     yield "", f"Smr1 {bearing['smr1_percent']:.3g}, Smr2 {bearing['smr2_percent']:.3g} %"
-    for axis, found in r["ra"].items():
-        if found.get("ra_um") is not None:
-            filters = [f"{name} {found[key]:.3g} {unit}" for name, key, unit in FILTERS if found.get(key)]
-            told = f"{found['ra_um']:.3g} ± {found['scatter_um']:.2g} µm"
-            yield f"Ra along {axis}", f"{told} ({', '.join(filters) or 'unfiltered'})"
+    for axis, profiles in r["ra"].items():
+        if profiles.get("ra_um") is not None:
+            filters = [
+                f"{name} {profiles[key]:.3g} {unit}" for name, key, unit in FILTERS if profiles.get(key)
+            ]
+            ra = f"{profiles['ra_um']:.3g} ± {profiles['scatter_um']:.2g} µm"
+            yield f"Ra along {axis}", f"{ra} ({', '.join(filters) or 'unfiltered'})"
     if r["roll_off"]["wavelength_um"] is not None:
         hurst = r["roll_off"]["hurst"]
         beside = f", Hurst exponent {hurst:.2g}" if hurst is not None else ""
@@ -135,157 +118,144 @@ def _numbers(r: dict[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def track_figure(track: Track, *, filled: BoolArray | None = None) -> Figure:
-    """Draw a worn track: map over the reference, mean profile across, section lost along the track.
+    """A worn track: map over the reference, mean profile across, section lost along the track.
 
     filled: points that were not measured, shape (nx, ny).
     """
-
-    def draw(panels: Any) -> None:
-        nx, ny = track.levelled.shape
-        size = (track.length, float(track.y[-1] - track.y[0]) * ny / max(ny - 1, 1))
-        _map_of_heights(panels[0], track.levelled, size, filled)
-        for edge in track.window:
-            panels[0].axhline(edge, color="white", lw=1.6)
-            panels[0].axhline(edge, color="black", lw=0.8, ls="--")
-        profile, y = 1e3 * track.levelled.mean(axis=0), track.y
-        panels[1].plot(y, profile, color=DISC, label="mean profile")
-        inside = track.inside
-        below, above = inside & (profile < 0), inside & (profile > 0)
-        panels[1].fill_between(y, profile, 0.0, where=below, color=SPHERE, alpha=0.35, lw=0, label="below")
-        hatched: dict[str, Any] = {"facecolor": "none", "edgecolor": DISC, "hatch": "////"}
-        panels[1].fill_between(y, profile, 0.0, where=above, lw=0, label="above", **hatched)
-        panels[1].axhline(0.0, color=NEUTRAL, lw=0.6)
-        panels[1].set(xlabel="across, y, mm", ylabel="height over the reference, µm")
-        _legend(panels[1])
-        x = (np.arange(nx) + 0.5) * track.length / nx - 0.5 * track.length
-        panels[2].plot(x, 1e6 * track.net, color=DISC, lw=0.6, label="each section")
-        panels[2].axhline(1e6 * float(track.net.mean()), color=NEUTRAL, ls="--", lw=1.0, label="mean")
-        panels[2].set(xlabel="along sliding, x, mm", ylabel="section lost, µm²")
-        top = 1e6 * float(track.net.max())
-        panels[2].set_ylim(min(0.0, 1e6 * float(track.net.min())), 1.1 * top if top > 0 else None)
-        _legend(panels[2])
-
-    return new_figure(draw, rows=3, height=ROW)
+    nx, ny = track.levelled.shape
+    size = (track.length, float(track.y[-1] - track.y[0]) * ny / max(ny - 1, 1))
+    edges = [
+        Level(edge, look=look)
+        for edge in track.window
+        for look in (Look("#FFFFFF", width=1.6), Look("#000000", "dash", 0.8))
+    ]
+    profile, y = 1e3 * track.levelled.mean(axis=0), track.y
+    parts = []
+    for label, inside, colour, hatch in (
+        ("below", profile < 0, SPHERE, ""),
+        ("above", profile > 0, DISC, "////"),
+    ):
+        ends = np.where(track.inside & inside, profile, np.nan)
+        parts.append(
+            Line(y, profile, label, Look(colour, "", alpha=0.35), ends, 0.0 * y + 0.0 * ends, hatch=hatch)
+        )
+    across = [Line(y, profile, "mean profile", Look(DISC)), *parts, Level(0.0, look=ZERO)]
+    x = (np.arange(nx) + 0.5) * track.length / nx - 0.5 * track.length
+    net = 1e6 * track.net
+    along = [
+        Line(x, net, "each section", Look(DISC, width=0.6)),
+        Level(float(net.mean()), "mean", Look(NEUTRAL, "dash", 1.0)),
+    ]
+    bottom, top = min(0.0, float(net.min())), 1.1 * float(net.max()) if net.max() > 0 else None
+    return _stack(
+        _map_of_heights(track.levelled, size, filled, levels=edges),
+        Chart("Mean profile", Axis("across, y, mm"), Axis("height over the reference, µm"), across),
+        Chart("Section", Axis(ALONG), Axis("section lost, µm²", low=bottom, high=top), along),
+    )
 
 
 def ball_figure(ball: WornBall, *, size: Pair, filled: BoolArray | None = None) -> Figure:
-    """Draw the depth below the unworn sphere: a map, profiles through the patch.
+    """The depth below the unworn sphere: a map, profiles through the patch.
 
     size: of the field [mm]; filled: points that were not measured, shape (nx, ny).
     """
-
-    def draw(panels: Any) -> None:
-        span = (0.0, 1e3 * ball.depth)
-        _map(panels[0], 1e3 * ball.lost, size, label="depth worn, µm", colours=DEPTHS, span=span)
-        _hatch(panels[0], filled, size)
-        nx, ny = ball.lost.shape
-        x, y = places((nx, ny), (size[0] / nx, size[1] / ny))
-        rows, columns = np.nonzero(ball.patch)
-        i, j = round(float(rows.mean())), round(float(columns.mean()))
-        panels[1].plot(x, 1e3 * ball.lost[:, j], color=SPHERE, label="along sliding, x")
-        panels[1].plot(y, 1e3 * ball.lost[i, :], color=DISC, ls="--", label="across, y")
-        panels[1].axhline(0.0, color=NEUTRAL, lw=0.6)
-        panels[1].invert_yaxis()
-        panels[1].set(xlabel="place, mm", ylabel="depth worn, µm")
-        _legend(panels[1])
-
-    return new_figure(draw, rows=2, height=ROW)
+    nx, ny = ball.lost.shape
+    x, y = places((nx, ny), (size[0] / nx, size[1] / ny))
+    rows, columns = np.nonzero(ball.patch)
+    i, j = round(float(rows.mean())), round(float(columns.mean()))
+    lines = [
+        Line(x, 1e3 * ball.lost[:, j], "along sliding, x", Look(SPHERE)),
+        Line(y, 1e3 * ball.lost[i, :], "across, y", Look(DISC, "dash")),
+        Level(0.0, look=ZERO),
+    ]
+    depth = Scale("depth worn, µm", 0.0, 1e3 * ball.depth, colours="depths", beyond="both")
+    return _stack(
+        _map(1e3 * ball.lost, size, depth, filled),
+        Chart("Profiles", Axis("place, mm"), Axis("depth worn, µm", inverted=True), lines),
+    )
 
 
 def scar_figure(scar: Patch, *, filled: BoolArray | None = None) -> Figure:
-    """Draw what a disc has lost: a map with the outlines of scar and rim, the mean profile in its band.
+    """What a disc has lost: a map with the outlines of scar and rim, the mean profile in its band.
 
     filled: points that were not measured, shape (nx, ny).
     """
-
-    def draw(panels: Any) -> None:
-        (nx, ny), (px, py) = scar.lost.shape, scar.pixel
-        size, profile = (nx * px, ny * py), mean_profile(scar)
-        high = 1e3 * float(np.quantile(scar.lost[scar.patch], 0.998))
-        piled = 1e3 * float(np.quantile(-scar.lost[scar.rim], 0.995)) if scar.rim.any() else 0.0
-        span = (-max(piled, 0.05 * high), high)
-        _map(panels[0], 1e3 * scar.lost, size, label="depth lost, µm", colours=DEPTHS, span=span)
-        _hatch(panels[0], filled if filled is not None and filled.any() else None, size)
-        x, y = places((nx, ny), scar.pixel)
-        for region, dash in ((scar.patch, "-"), (scar.patch | scar.rim, "--")):
-            outline = region.T.astype(np.float64)
-            panels[0].contour(x, y, outline, levels=[0.5], colors=[NEUTRAL], linewidths=0.8, linestyles=dash)
-        depth, band = 1e3 * profile.depth, 1e3 * profile.band
-        panels[1].fill_between(
-            profile.y, depth - band, depth + band, color=DISC, alpha=0.3, lw=0, label="± one standard error"
-        )
-        panels[1].plot(profile.y, depth, color=DISC, lw=0.9, label="mean profile")
-        panels[1].axhline(0.0, color=NEUTRAL, lw=0.6)
-        panels[1].invert_yaxis()
-        panels[1].set(xlabel="across, y, mm", ylabel="depth lost, µm")
-        _legend(panels[1])
-
-    return new_figure(draw, rows=2, height=ROW)
-
-
-def _legend(axes: Axes) -> None:
-    """Put the legend above the panel, where it hides no line."""
-    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, borderaxespad=0.2)
-
-
-def _map_of_heights(axes: Axes, heights: FloatArray, size: Pair, filled: BoolArray | None) -> None:
-    """Draw heights [mm] over a field of a size [mm]; a few spikes and pits do not set the colours."""
-    low, high = 1e3 * np.quantile(heights if filled is None else heights[~filled], [0.002, 0.998])
-    _map(axes, 1e3 * heights, size, label="height, µm", colours=HEIGHTS, span=(low, high))
-    _hatch(axes, filled, size)
-
-
-def _hatch(axes: Axes, filled: BoolArray | None, size: Pair) -> None:
-    """Hatch the points of a field of a size [mm] that were not measured, each pixel of the map with any."""
-    if filled is None:
-        return
-    for axis, count in enumerate(filled.shape):
-        filled = np.logical_or.reduceat(filled, np.arange(0, count, _step(count)), axis=axis)
-    edged = np.pad(filled, 1, mode="edge").astype(np.float64)  # or what lies at the rim would be cut in half
-    x, y = places(edged.shape, (size[0] / filled.shape[0], size[1] / filled.shape[1]))
-    axes.contourf(x, y, edged.T, levels=[0.5, 1.5], colors=["0.8"], alpha=0.6, hatches=["//////"])
-    axes.set(xlim=(-size[0] / 2, size[0] / 2), ylim=(-size[1] / 2, size[1] / 2))
-    axes.set_title("hatched: not measured, filled in", loc="left", fontsize=7)
-
-
-def _map(axes: Axes, values: FloatArray, size: Pair, *, label: str, colours: Any, span: Pair) -> None:
-    """Draw values over a field of a size [mm], with colours that span a range of them."""
-    low, high = span
-    step = [_step(n) for n in values.shape]
-    image = axes.imshow(
-        values[:: step[0], :: step[1]].T,
-        origin="lower",
-        extent=(-size[0] / 2, size[0] / 2, -size[1] / 2, size[1] / 2),
-        cmap=colours,
-        vmin=low,
-        vmax=high if high > low else low + 1.0,
-        interpolation="antialiased",  # "auto" of Matplotlib 3.10 and later
-        # a long track at its true proportions would be a line
-        aspect="auto" if max(size) > LONG * min(size) else "equal",
+    (nx, ny), (px, py) = scar.lost.shape, scar.pixel
+    profile = mean_profile(scar)
+    high = 1e3 * float(np.quantile(scar.lost[scar.patch], 0.998))
+    piled = 1e3 * float(np.quantile(-scar.lost[scar.rim], 0.995)) if scar.rim.any() else 0.0
+    scale = Scale("depth lost, µm", -max(piled, 0.05 * high), high, colours="depths", beyond="both")
+    regions = ((scar.patch, Look(width=0.8)), (scar.patch | scar.rim, Look(NEUTRAL, "dash", 0.8)))
+    y, depth, error = profile.y, 1e3 * profile.depth, 1e3 * profile.band
+    lines = [
+        Line(
+            profile.y, depth, "± one standard error", Look(DISC, "", alpha=0.3), depth - error, depth + error
+        ),
+        Line(y, depth, "mean profile", Look(DISC, width=0.9)),
+        Level(0.0, look=ZERO),
+    ]
+    return _stack(
+        _map(1e3 * scar.lost, (nx * px, ny * py), scale, filled, regions=regions),
+        Chart("Mean profile", Axis("across, y, mm"), Axis("depth lost, µm", inverted=True), lines),
     )
-    axes.figure.colorbar(image, ax=axes, label=label, extend="both", location="top", shrink=0.6, aspect=30)
-    axes.set(xlabel="along sliding, x, mm", ylabel="across, y, mm")
-    axes.xaxis.set_major_locator(MaxNLocator(4 if size[0] > 0.7 * size[1] else 2))
-    axes.yaxis.set_major_locator(MaxNLocator(4))
 
 
-def _step(count: int) -> int:
-    """Return how many of `count` points along an axis come to a pixel of a map."""
-    return max(1, -(-count // PIXELS))
+def _stack(*panels: Map | Chart) -> Figure:
+    """Put panels below each other, with one legend."""
+    return Figure(panels, 1, legend=3, width=COLUMN, height=ROW)
 
 
-def _bearing(axes: Axes, report: SurfaceReport) -> None:
+def _map_of_heights(heights: FloatArray, size: Pair, filled: BoolArray | None, **more: Any) -> Map:
+    """Map heights [mm] over a field of a size [mm]; a few spikes and pits do not set the colours."""
+    low, high = 1e3 * np.quantile(heights if filled is None else heights[~filled], [0.002, 0.998])
+    scale = Scale("height, µm", float(low), float(high), colours="heights", beyond="both")
+    return _map(1e3 * heights, size, scale, filled, **more)
+
+
+def _map(values: FloatArray, size: Pair, scale: Scale, filled: BoolArray | None, **more: Any) -> Map:
+    """Map values over a field of a size [mm], in no more points than paper holds."""
+    steps = [max(1, -(-count // PIXELS)) for count in values.shape]
+    if scale.high <= scale.low:
+        scale = Scale(scale.label, scale.low, scale.low + 1.0, colours=scale.colours, beyond="both")
+    if filled is not None and not filled.any():
+        filled = None
+    return Map(
+        scale.label.partition(",")[0],
+        [values[:: steps[0], :: steps[1]]],
+        (-size[0] / 2, size[0] / 2, -size[1] / 2, size[1] / 2),
+        scale,
+        notes=["hatched: not measured, filled in"] if filled is not None else [],
+        hatched=None if filled is None else _reduced(filled, steps),
+        square=max(size) <= LONG * min(size),  # a long track at its true proportions would be a line
+        x=ALONG,
+        y=ACROSS,
+        **more,
+    )
+
+
+def _reduced(filled: BoolArray, steps: list[int]) -> BoolArray:
+    """Mark each pixel of a map with any point that was not measured."""
+    for axis, step in enumerate(steps):
+        filled = np.logical_or.reduceat(filled, np.arange(0, filled.shape[axis], step), axis=axis)
+    return filled
+
+
+def _bearing(report: SurfaceReport) -> Chart:
     b = report.bearing
     ratio, reached = material_ratio_curve(report.surface.measured)
-    height, line = 1e3 * reached, [1e3 * b.top, 1e3 * b.bottom]
-    axes.plot(ratio, height, color=DISC, label="surface")
-    axes.plot([0, 100], line, color=NEUTRAL, ls="--", lw=0.9, label="equivalent line")
-    for end, level, core_end in zip((0, 100), line, (b.smr1, b.smr2), strict=True):
-        axes.plot([end, core_end], [level, level], color=NEUTRAL, lw=0.6, ls=":")
-    axes.set_xlim(0, 100)
+    height, line = 1e3 * reached, np.array([1e3 * b.top, 1e3 * b.bottom])
+    lines = [
+        Line(ratio, height, "surface", Look(DISC)),
+        Line(np.array([0.0, 100.0]), line, "equivalent line", Look(NEUTRAL, "dash", 0.9)),
+        *(
+            Line(np.array([end, core_end]), np.full(2, level), look=Look(NEUTRAL, "dot", 0.6))
+            for end, level, core_end in zip((0.0, 100.0), line, (b.smr1, b.smr2), strict=True)
+        ),
+    ]
     # A few spikes and pits would squeeze the curve into a line: the ends are cut where they are far off.
     core = height[(ratio >= 0.5) & (ratio <= 99.5)]
     room = 0.35 * (core.max() - core.min()) or 1.0
-    axes.set_ylim(max(height.min(), core.min() - room), min(height.max() + 0.1 * room, core.max() + room))
-    axes.set(xlabel="material ratio, %", ylabel="height, µm")
-    _legend(axes)
+    low, high = max(height.min(), core.min() - room), min(height.max() + 0.1 * room, core.max() + room)
+    up = Axis("height, µm", low=float(low), high=float(high))
+    note = "dashed: equivalent line of the core"
+    return Chart("Bearing curve", Axis("material ratio, %", low=0.0, high=100.0), up, lines, note)

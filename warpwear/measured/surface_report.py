@@ -51,17 +51,14 @@ FLAT = "none: the surface is flat"
 #: Every sixth of them is shown to people.
 SHOWN_CUT_OFF = 6
 #: Key in a measured surface's own record -> name for people.
-ROUGHNESS = {
-    "sa_um": "Sa",
-    "sq_um": "Sq",
-    "sz_um": "Sz",
+ROUGHNESS = {f"{name}_um": name.title() for name in ("sa", "sq", "sz")} | {
     "ssk": "Ssk",
     "sku": "Sku",
     "rms_slope": "rms slope",
 }
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class SurfaceReport:
     """All that the page and the figure of a measured surface show.
 
@@ -96,12 +93,10 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
     slopes = slope_against_cut_off(whole, pixel=pixel, cut_offs=cut_offs, measured=there)
     lay = _lay(*(slope_along(heights, pixel=pixel, axis=axis) for axis in (0, 1)))
     few = list(zip(slopes, 1e3 * cut_offs, strict=True))[::SHOWN_CUT_OFF]
+    core = vars(bearing)
     bearing_rows = [
-        Row("Sk", "sk_um", 1e3 * bearing.sk),
-        Row("Spk", "spk_um", 1e3 * bearing.spk),
-        Row("Svk", "svk_um", 1e3 * bearing.svk),
-        Row("Smr1", "smr1_percent", bearing.smr1, digits=3),
-        Row("Smr2", "smr2_percent", bearing.smr2, digits=3),
+        *(Row(name.title(), f"{name}_um", 1e3 * core[name]) for name in ("sk", "spk", "svk")),
+        *(Row(name.title(), f"{name}_percent", core[name], digits=3) for name in ("smr1", "smr2")),
     ]
     roll_off_rows = [
         Row("wavelength", "wavelength_um", _um(roll_off.wavelength), digits=3),
@@ -110,7 +105,7 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
     ]
     rough_rows = [Row(label, key, own[key]) for key, label in ROUGHNESS.items()]
     rough_rows.append(Row("Sdr", "sdr_percent", 100.0 * developed_area(heights, pixel=pixel), digits=3))
-    ra_rows = [row for axis, found in zip("xy", profiles, strict=True) for row in _ra(axis, found, lay)]
+    ra_rows = [row for axis, profile in zip("xy", profiles, strict=True) for row in _ra(axis, profile, lay)]
     by_cut_off = {"cut_off_um": (1e3 * cut_offs).tolist(), "rms_slope": slopes.tolist()}
     by_wave = {"wavelength_um": 1e3 * spectrum.wavelength, "density_um4": 1e12 * spectrum.density}
     rows = [
@@ -130,15 +125,7 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
         Row("", "power_spectrum", {key: values.tolist() for key, values in by_wave.items()}),
         Row("warning", "warnings", surface.notices(*places((heights.shape[0], heights.shape[1]), pixel))),
     ]
-    return SurfaceReport(
-        surface=surface,
-        bearing=bearing,
-        spectrum=spectrum,
-        cut_offs=cut_offs,
-        slopes=slopes,
-        roll_off=roll_off,
-        rows=rows,
-    )
+    return SurfaceReport(surface, bearing, spectrum, cut_offs, slopes, roll_off, rows)
 
 
 def file_lines(surface: dict[str, Any], *then: str) -> list[str]:
@@ -226,6 +213,8 @@ def scar_rows(scar: Patch, *, filled: float = 0.0) -> list[Row]:
             f"{100.0 * filled:.2g} % of the scar's points were not measured and are filled from their rim, "
             "which the errors do not know of"
         )
+    depth, error = 1e3 * profile.depth, 1e3 * profile.band
+    by_place = {"y_mm": profile.y.tolist(), "depth_um": depth.tolist(), "error_um": error}
     net = Row("net", "net_mm3", scar.net, error=("net_error_mm3", scar.net_error), note="worn − piled up")
     return [
         *_patch_rows(scar, form="the unworn surface", label="worn"),
@@ -234,20 +223,12 @@ def scar_rows(scar: Patch, *, filled: float = 0.0) -> list[Row]:
         Row(
             "mean profile",
             "profile_depth_um",
-            1e3 * float(profile.depth.max()),
-            error=("profile_error_um", 1e3 * profile.band),
+            float(depth.max()),
+            error=("profile_error_um", error),
             note=f"deep, over {profile.length:.3g} mm along sliding",
         ),
         Row("unworn part", "scatter_of_unworn_um", 1e3 * scar.noise, digits=3, note="(rms about the form)"),
-        Row(
-            "",
-            "profile",
-            {
-                "y_mm": profile.y.tolist(),
-                "depth_um": (1e3 * profile.depth).tolist(),
-                "error_um": 1e3 * profile.band,
-            },
-        ),
+        Row("", "profile", by_place),
         Row("warning", "warnings", notes or None),
     ]
 
@@ -288,20 +269,20 @@ def cap_rows(cap: Cap) -> list[Row]:
     ]
 
 
-def _ra(axis: str, found: ProfileRoughness, lay: str) -> list[Row]:
+def _ra(axis: str, profiles: ProfileRoughness, lay: str) -> list[Row]:
     """Declare Ra of the profiles along an axis, and how they were filtered."""
     way = "" if lay == "none" else "along the lay" if lay == axis else "across the lay"
-    mean, profiles, c, s = ("mean", "profiles", "λc", "λs") if found.ra is not None else [""] * 4
+    mean, number, c, s = ("mean", "profiles", "λc", "λs") if profiles.ra is not None else [""] * 4
     rows = [
-        Row(mean, "ra_um", _um(found.ra), error=("scatter_um", _um(found.scatter)), note=way),
-        Row(profiles, "profiles", found.profiles),
-        Row(c, "lambda_c_mm", found.cut_off),
-        Row(s, "lambda_s_um", _um(found.short)),
-        Row("", "notes", list(found.notes)),
+        Row(mean, "ra_um", _um(profiles.ra), error=("scatter_um", _um(profiles.scatter)), note=way),
+        Row(number, "profiles", profiles.profiles),
+        Row(c, "lambda_c_mm", profiles.cut_off),
+        Row(s, "lambda_s_um", _um(profiles.short)),
+        Row("", "notes", list(profiles.notes)),
     ]
-    label, none = f"Ra along {axis}", "no Ra" if found.ra is None else None
+    label, none = f"Ra along {axis}", "no Ra" if profiles.ra is None else None
     of_axis = Row(label if none is None else "", axis, rows)
-    return [of_axis, Row(label, "", none), Row("  filtered", "", list(found.notes))]
+    return [of_axis, Row(label, "", none), Row("  filtered", "", list(profiles.notes))]
 
 
 def _spread(areas: FloatArray) -> Row:

@@ -1,8 +1,8 @@
-"""The raw record of a reciprocating tribometer, forces and position: one coefficient of friction a cycle."""
+"""Reduce the raw record of a reciprocating tribometer to one coefficient of friction a cycle."""
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeAlias
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.measured.experiment import Experiment
 
 Rows: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.intp]]"
 #: Share of the stroke at each end whose samples are cut: the stage slows down, stands and turns there.
@@ -36,17 +37,6 @@ OTHER_SIGN = 0.1
 RECTIFIED = 0.2
 
 
-@dataclass(frozen=True, eq=False)
-class Course:
-    """A record says what the coefficient of friction was over the distance."""
-
-    distance: FloatArray  # [mm], rising, shape (points,)
-    cof: FloatArray  # shape (points,)
-    notes: tuple[str, ...]  # what was assumed and done, each a sentence
-    cycles: FloatArray | None = None  # number of each point's cycle, from 1, shape (points,)
-    warnings: tuple[str, ...] = ()  # what makes the whole doubtful, each a sentence
-
-
 def from_forces(
     path: Path,
     table: Mapping[str, FloatArray],
@@ -54,7 +44,7 @@ def from_forces(
     stroke: float | None,
     load: float | None,
     speed: float | None,
-) -> Course:
+) -> Experiment:
     """Return the course of friction from 'friction force' and 'normal force' [N] over 'position' [mm].
 
     table: role -> values, all of shape (rows,); stroke: length of a pass [mm], None to find it; load: normal
@@ -68,10 +58,10 @@ def from_forces(
     friction = table["friction force"]
     normal, notes, warnings = _normal(path, table, load)
     if "position" in table:
-        found = _by_cycles(path, table["position"], friction, normal, stroke)
+        course = _by_cycles(path, table["position"], friction, normal, stroke)
     else:
-        found = _one_way(path, table, normal, speed)
-    return replace(found, notes=(*notes, *found.notes), warnings=warnings)
+        course = _one_way(path, table, normal, speed)
+    return replace(course, notes=(*notes, *course.notes), warnings=warnings)
 
 
 def _normal(
@@ -83,8 +73,8 @@ def _normal(
             raise InputError(
                 f"{path} has a friction force but no normal force; a column such as 'Fz [N]' is expected"
             )
-        told = f"The normal force is not in the record: {load:g} N."
-        return np.full_like(table["friction force"], load), [told], ()
+        note = f"The normal force is not in the record: {load:g} N."
+        return np.full_like(table["friction force"], load), [note], ()
     normal = table["normal force"]
     middle = float(np.median(normal))
     if middle == 0.0:
@@ -97,16 +87,18 @@ def _normal(
         notes.append("The normal force is negative in the record and was taken as pressing.")
     if load is None or abs(middle - load) <= OTHER_LOAD * load:
         return normal, notes, ()
-    told = f"the median of the normal force is {middle:.3g} N where the run has {load:g} N"
+    doubt = f"the median of the normal force is {middle:.3g} N where the run has {load:g} N"
     if not load / WRONG_LOAD <= middle <= load * WRONG_LOAD:
         raise InputError(
-            f"{path}: {told}; less than a factor of {WRONG_LOAD:g} is expected, so the unit or the column is "
-            "wrong, or the run is of another test"
+            f"{path}: {doubt}; less than a factor of {WRONG_LOAD:g} is expected, so the unit or the column "
+            "is wrong, or the run is of another test"
         )
-    return normal, notes, (f"Warning: {told}.",)
+    return normal, notes, (f"Warning: {doubt}.",)
 
 
-def _one_way(path: Path, table: Mapping[str, FloatArray], normal: FloatArray, speed: float | None) -> Course:
+def _one_way(
+    path: Path, table: Mapping[str, FloatArray], normal: FloatArray, speed: float | None
+) -> Experiment:
     """Return the course sample by sample, for sliding in one direction."""
     friction, notes = table["friction force"], []
     sign = np.sign(np.median(friction))
@@ -132,7 +124,7 @@ def _one_way(path: Path, table: Mapping[str, FloatArray], normal: FloatArray, sp
         notes.append(f"Rows with less than half of the median normal force, left out: {(~loaded).sum()}.")
     distance, cof = averaged(path, distance[loaded], sign * friction[loaded] / normal[loaded])
     notes.append("The coefficient is Fx/Fz of every row: sliding in one way.")
-    return Course(distance, cof, tuple(notes))
+    return Experiment(path.stem, distance, cof, tuple(notes))
 
 
 def averaged(path: Path, distance: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -148,7 +140,7 @@ def averaged(path: Path, distance: FloatArray, values: FloatArray) -> tuple[Floa
 
 def _by_cycles(
     path: Path, position: FloatArray, friction: FloatArray, normal: FloatArray, stroke: float | None
-) -> Course:
+) -> Experiment:
     """Return the course cycle by cycle, of the passes forth and back between the turning points."""
     turns, smooth = _turning_points(position)
     if turns.size < LEAST_TURNS:
@@ -192,14 +184,14 @@ def _by_cycles(
     distance = min(start, used) + used * (1.0 + 2.0 * np.arange(pairs, dtype=np.float64))
     if not loaded.all():
         notes.append(f"Cycles with less than half of the median normal force, left out: {(~loaded).sum()}.")
-    known = "as given" if stroke is not None else "from its turning points"
-    notes.append(f"{pairs} cycles; the distance is passes times the stroke, {used:.4g} mm ({known}).")
+    source = "as given" if stroke is not None else "from its turning points"
+    notes.append(f"{pairs} cycles; the distance is passes times the stroke, {used:.4g} mm ({source}).")
     notes.append(
         f"Half the difference of the directions is the friction; their offset is {offset:.3g} N, "
         f"{100.0 * abs(offset) / typical:.2g} % of the friction (medians)."
     )
     cycles = 1.0 + np.flatnonzero(loaded).astype(np.float64)
-    return Course(distance[loaded], half[loaded] / pressing[loaded], tuple(notes), cycles)
+    return Experiment(path.stem, distance[loaded], half[loaded] / pressing[loaded], tuple(notes), cycles)
 
 
 def _pass_means(
@@ -235,13 +227,12 @@ def _turning_points(position: FloatArray) -> tuple[Rows, FloatArray]:
         return np.zeros(0, dtype=np.intp), position
     stays = np.split(outside, changes + 1)
     smooth = _smoothed(position, int(np.median(np.diff(outside[changes]))))
-    found = [int(stay[0] + np.argmax(side[stay[0]] * smooth[stay[0] : stay[-1] + 1])) for stay in stays]
-    ends = {1: high, -1: low}
+    turns = [int(stay[0] + np.argmax(side[stay[0]] * smooth[stay[0] : stay[-1] + 1])) for stay in stays]
     for at in (0, -1):  # the record may begin or end within a pass
-        end = ends[int(side[stays[at][0]])]
-        if abs(smooth[found[at]] - end) > CUT * (high - low):
-            del found[at]
-    return np.array(found, dtype=np.intp), smooth
+        end = high if side[stays[at][0]] > 0 else low
+        if abs(smooth[turns[at]] - end) > CUT * (high - low):
+            del turns[at]
+    return np.array(turns, dtype=np.intp), smooth
 
 
 def _smoothed(position: FloatArray, samples: int) -> FloatArray:

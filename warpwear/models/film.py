@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
@@ -10,11 +10,13 @@ import warp as wp
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
+from warpwear.grid import FloatArray
 from warpwear.kernels.cells import LANES
 from warpwear.kernels.running_in import film as kernels
 from warpwear.kernels.running_in.film import Coat, Films
 from warpwear.kernels.slide import Slide
 from warpwear.laws.film import Film
+from warpwear.models.attachment import Attachment, Place
 
 #: What is kept of every cell of a body whose film forms anew.
 KEPT = ("whole", "seen", "rubbed")
@@ -22,7 +24,7 @@ KEPT = ("whole", "seen", "rubbed")
 AS = {"sphere": "sphere", "disc": "disc", "both": "sphere"}
 
 
-class BareCells:
+class BareCells(Attachment):
     """Keeps track of the cells that wear has bared, of bodies one of which may move under the other.
 
     wear: of each body that carries a film, by name [mm]: of shape (nx, ny), or of more rows, displaced by
@@ -93,6 +95,22 @@ class BareCells:
             return None
         least = min(part for part, on in zip(fractions, film.on, strict=True) if on)
         return cls(film, executor, {"both": worn}, thickness=film.thickness / least if least else math.inf)
+
+    def of_cells(self) -> Mapping[str, Field]:
+        """Give which cells are bare, and their caps where these differ."""
+        return {"bare": self.bare} | ({} if self.parts is None else {"parts": self.parts})
+
+    def before_search(self, program: Program, place: Place) -> None:
+        """Say that it is seen which cells are bare."""
+        self.say_look(program, place.slides)
+
+    def after_step(self, program: Program, place: Place) -> None:
+        """Say that it is noted what the step has worn."""
+        self.say_rub(program, place.slides)
+
+    def enter(self, columns: Mapping[str, FloatArray], total: dict[str, Any], most: dict[str, Any]) -> None:
+        """Enter the bare cells in contact."""
+        total["bare"] = columns["bare"]
 
     def say_look(self, program: Program, slides: Field) -> None:
         """Add to a program that it sees which cells are bare as a step begins.

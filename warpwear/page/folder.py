@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from types import MappingProxyType
 from typing import TypeAlias
 
 from warpwear.figures import style
@@ -21,7 +22,7 @@ def write_report(
     figures: Mapping[str, Figure],
     *,
     pages: Mapping[str, Page],
-    files: Mapping[str, Content],
+    files: Mapping[str, Content] = MappingProxyType({}),
     marks: Sequence[str] = (),
     within: str = "",
     file_format: str = "png",

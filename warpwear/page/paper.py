@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from warpwear.history.quantities import printed
+from warpwear.laws.archard import said
 from warpwear.page.words import Answer, disc_of, motion_of, slider_of, source_of
 from warpwear.results.report import shown
 from warpwear.study.study import Study
@@ -46,23 +47,29 @@ def methods_of(study: Study, s: dict[str, Any]) -> str:
             "Friction is the sum over the cells in contact of an interfacial shear strength times their "
             f"area, over the load: {film['shear_strength_MPa']['film']:.3g} MPa under a film of "
             f"{film['thickness_nm']:.3g} nm, {s['shear_strength_MPa']:.3g} MPa where wear has broken it, "
-            f"{source_of(s)}."
+            f"{source_of(s)}{_friction_law(study)}."
         )
     elif s["shear_strength_MPa"] is not None:
         sentences.append(
             f"Friction is the area ({s['cof_area']}) times an interfacial shear strength of "
-            f"{s['shear_strength_MPa']:.3g} MPa, {source_of(s)}, over the load."
+            f"{s['shear_strength_MPa']:.3g} MPa, {source_of(s)}, over the load{_friction_law(study)}."
         )
     sentences.append(f"The load was balanced to {s['load_residual_N']['largest']:.1g} N in every step.")
     return " ".join(sentences)
 
 
 def _wear_law(study: Study) -> str:
-    law = "" if study.wear.law == "archard" else f", by the law '{study.wear.law}'"
+    sentence = said(study.wear_laws)
+    law = f", by the law '{study.wear.law}': {sentence}" if sentence else ""
     if (pieces := study.pieces) is None:
         return law
     size = f"{1e3 * pieces.diameter:.3g} µm wide and {1e3 * pieces.thickness:.3g} µm thick"
     return f"{law}; worn volume gathered until it left in pieces {size}"
+
+
+def _friction_law(study: Study) -> str:
+    sentence = study.friction.law.said
+    return f"; {sentence}" if sentence else ""
 
 
 def table_of(study: Study, s: dict[str, Any], answers: Iterable[Answer]) -> list[tuple[str, str, str]]:
@@ -91,6 +98,8 @@ def latex_of(study: Study, s: dict[str, Any], answers: Iterable[Answer]) -> str:
     rows = ["  " + " & ".join(map(to_latex, row)) + r" \\" for row in table_of(study, s, answers)]
     lines = [
         to_latex(methods_of(study, s)),
+        rf"\[ \mathrm{{d}}V / \mathrm{{d}}L = F \left({study.wear_laws[0].formula}\right), \quad "
+        rf"\mu = {study.friction.law.formula} \]",
         "",
         r"\begin{table}",
         rf"  \caption{{{to_latex(study.study.name)}}}",

@@ -92,7 +92,7 @@ class ResultFile:
         self._file = file
         self.path = path
         self._derived: dict[str, Any] = {}
-        #: What the run took [s], by the names of `warpwear.clock.TOLD`; empty of one that was opened.
+        #: What the run took [s], by the names of `warpwear.clock.REPORTED`; empty of one that was opened.
         self.seconds: dict[str, float] = {}
         #: Number -> snapshot, of those that need not be read.
         self.at_hand: dict[int, Snapshot] = {}
@@ -250,15 +250,15 @@ class ResultFile:
     def snapshot_rows(self) -> IntArray:
         """Row of the track under the sphere's first row, one a snapshot; empty of a run without a track."""
         with self._reading() as file:
-            found = [group.attrs.get("row") for group in file["snapshots"].values()]
-            return np.array([row for row in found if row is not None], dtype=np.int64)
+            rows = [group.attrs.get("row") for group in file["snapshots"].values()]
+            return np.array([row for row in rows if row is not None], dtype=np.int64)
 
     @cached_property
     def load_on_filled(self) -> FloatArray:
         """Share of the load on points that the disc's file lacks, one a snapshot; empty where it is whole."""
         with self._reading() as file:
-            found = [group.attrs.get("load_on_filled") for group in file["snapshots"].values()]
-            return np.array([share for share in found if share is not None], dtype=np.float64)
+            loads = [group.attrs.get("load_on_filled") for group in file["snapshots"].values()]
+            return np.array([share for share in loads if share is not None], dtype=np.float64)
 
     @property
     def snapshots(self) -> Snapshots:
@@ -268,11 +268,11 @@ class ResultFile:
     def snapshot(self, index: SupportsIndex) -> Snapshot:
         """Snapshot number `index`; -1 is the end. Raises InputError for what is no number, IndexError."""
         number = _number(index, self.snapshot_distances.size)
-        kept = self.at_hand.get(number)
-        if kept is not None:
+        at_hand = self.at_hand.get(number)
+        if at_hand is not None:
             in_memory = self._file and self._file.driver == "core"  # and asked for by whom may change it
-            copies: dict[str, Any] = {name: values.copy() for name, values in kept.fields.items()}
-            return replace(kept, **copies) if in_memory else kept
+            copies: dict[str, Any] = {name: values.copy() for name, values in at_hand.fields.items()}
+            return replace(at_hand, **copies) if in_memory else at_hand
         with self._reading() as file:
             group = file["snapshots"][list(file["snapshots"])[number]]
             row = int(group.attrs["row"]) if "row" in group.attrs else None
@@ -293,19 +293,19 @@ class ResultFile:
         """The number of the snapshot that `at` finds. Raises InputError."""
         try:
             number = isinstance(distance, Real) and not isinstance(distance, bool)
-            asked = float(distance) if number else parse(distance, "mm")
+            place = float(distance) if number else parse(distance, "mm")
         except ValueError as error:
             raise InputError(f"at = {distance!r}: {error}.") from error
-        kept, slack = self.snapshot_distances, SAME_DISTANCE * abs(asked)
-        found = np.flatnonzero(np.abs(kept - asked) <= slack)
-        if not found.size and asked in self.study.snapshot_distances:
-            found = np.flatnonzero(kept > asked)
-        if not found.size:
+        distances, slack = self.snapshot_distances, SAME_DISTANCE * abs(place)
+        numbers = np.flatnonzero(np.abs(distances - place) <= slack)
+        if not numbers.size and place in self.study.snapshot_distances:
+            numbers = np.flatnonzero(distances > place)
+        if not numbers.size:
             raise InputError(
                 f"at = {distance!r}: no snapshot is kept there; allowed: "
-                f"{', '.join(f'{d:g} mm' for d in kept) or 'none, as the run has no snapshots'}."
+                f"{', '.join(f'{d:g} mm' for d in distances) or 'none, as the run has no snapshots'}."
             )
-        return int(found[0])
+        return int(numbers[0])
 
     @cached_property
     def track_x(self) -> FloatArray:
@@ -320,8 +320,8 @@ class ResultFile:
         """Depths worn off the track, and displaced of it for good, at snapshot number `index` [mm]."""
         with self._reading() as file:
             number = _number(index, self.snapshot_distances.size)
-            kept, name = self.at_hand.get(number), list(file["snapshots"])[number]
-            group = kept.fields if kept else file["snapshots"][name]
+            at_hand, name = self.at_hand.get(number), list(file["snapshots"])[number]
+            group = at_hand.fields if at_hand else file["snapshots"][name]
             worn: FloatArray = group["wear_disc"][rows]
             return worn, group["plastic_disc"][rows] if "plastic_disc" in group else np.zeros_like(worn)
 
@@ -329,8 +329,8 @@ class ResultFile:
     def record(self) -> dict[str, Any]:
         """What the run recorded beside numbers: the surface, notices and warnings, elapsed time."""
         with self._reading() as file:
-            found: dict[str, Any] = json.loads(file.attrs.get("record", "{}"))
-            return found
+            record: dict[str, Any] = json.loads(file.attrs.get("record", "{}"))
+            return record
 
     def once(self, make: Callable[[Self], Derived]) -> Derived:
         """What a function makes of this result; it is called the first time only."""

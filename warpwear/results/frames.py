@@ -40,12 +40,12 @@ def to_xarray(result: ResultFile) -> Any:
     xarray.open_dataset(path, group="snapshots/0000", engine="h5netcdf"). Raises InputError without xarray.
     """
     snapshots = list(result.snapshots)
-    found = courses(result, tuple(range(len(snapshots))))
+    dataset = courses(result, tuple(range(len(snapshots))))
     for name in snapshots[0].fields if snapshots else ():
-        along = "track_x" if name in OF_THE_TRACK and "track_x" in found.coords else "x"
+        along = "track_x" if name in OF_THE_TRACK and "track_x" in dataset.coords else "x"
         stacked = np.stack([snapshot.fields[name] for snapshot in snapshots])
-        found[name] = _described(FIELDS, name, ("distance", along, "y"), stacked)
-    return found
+        dataset[name] = _described(FIELDS, name, ("distance", along, "y"), stacked)
+    return dataset
 
 
 def courses(result: ResultFile, numbers: Sequence[int]) -> Any:

@@ -3,9 +3,11 @@
 import json
 import os
 import tempfile
+import warnings
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path, PurePath
+from uuid import uuid4
 
 NAME = "manifest.json"
 FIGURES = "figures"
@@ -31,6 +33,14 @@ def write(folder: Path, names: Iterable[str], *, work: Path | None = None) -> No
         json.dump({WRITTEN: sorted({*names} - {NAME})}, file, indent=2)
     Path(path).chmod(0o644)
     Path(path).replace(folder / NAME)
+
+
+def set_aside(path: Path) -> None:
+    """Give another name to a file that no run wrote and one is about to replace, and warn of it."""
+    if os.path.lexists(path):
+        other = path.with_name(f"{path.stem}-{uuid4().hex[:6]}{path.suffix}")
+        path.rename(other)
+        warnings.warn(f"{path} was not written by a run: it is {other.name} now.", stacklevel=3)
 
 
 def add_figure(path: Path) -> None:

@@ -152,21 +152,21 @@ def _of_one_spot(result: ResultFile) -> list[Row]:
 
 def _friction(result: ResultFile, end: dict[str, float]) -> list[Row]:
     """Declare friction: its course, the strength that it is made of, and those that other choices ask for."""
-    study, history, law = result.study, result.history, result.study.friction
-    load, lap, fitted = study.contact.load, study.lap, law.fitted
+    study, history, section = result.study, result.history, result.study.friction
+    law, load, lap = section.law, study.contact.load, study.lap
     first, last = finite(friction.mean_over(history, history["cof"], "initial", lap)), finite(end["cof"])
-    strength = finite(friction.final_strength(law, history, load=load, finished=result.finished, lap=lap))
-    others = friction.calibrations(law, history, load=load, hardness=study.indentation_hardness, lap=lap)
+    strength = finite(law.final_strength(history, load=load, finished=result.finished, lap=lap))
+    others = law.calibrations(history, load=load, hardness=study.indentation_hardness, lap=lap)
     return [
         _cof(study, first, last),
-        Row("", "cof_input", fitted),
+        Row("", "cof_input", section.fitted),
         _strength(study, strength),
         Row("", "shear_strength_of_softer_body_MPa", finite(study.shear_limit)),
-        Row("", "cof_area", law.area),
+        Row("", "cof_area", section.area),
         Row("", "cof_shape", _shape(*course(result, "cof"))),
-        Row("", "area_shape", _shape(*course(result, f"area_{law.area}"))),
-        Row("", "cof_reference", law.coefficient),
-        _strengths(law.coefficient, others),
+        Row("", "area_shape", _shape(*course(result, f"area_{section.area}"))),
+        Row("", "cof_reference", section.coefficient),
+        _strengths(section.coefficient, others),
     ]
 
 

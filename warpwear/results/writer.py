@@ -11,9 +11,7 @@ import tempfile
 import zlib
 from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
-from functools import lru_cache
 from pathlib import Path
-from struct import pack
 from typing import Any
 
 import h5py
@@ -42,12 +40,6 @@ SPACE_FOR_THE_REST = 2 * 2**20
 CHUNK = 256
 #: Level of deflate.
 LEVEL = 1
-#: How a stream of zlib begins (RFC 1950), and an empty last block (RFC 1951).
-ZLIB, END = b"\x78\x01", b"\x03\x00"
-#: Words of a block that tell what its bytes hold, and bits a byte from which they are not compressed.
-SAMPLE, NOISE = 2048, 7.5
-#: Equal words that are a run, and most bytes of a stored block (RFC 1951).
-LONG, STORED = 32, 65535
 #: Part of the memory that is free which a snapshot may take to be kept.
 AT_HAND = 0.1
 #: Errors of a file system that cannot set room aside.
@@ -121,7 +113,7 @@ class ResultWriter:
             for place in dataset.iter_chunks():
                 part, start = values[place], tuple(along.start for along in place)
                 if self._pool is not None and plenty:
-                    packed = self._pool.submit(_packed_once, part, chunks, self._last.get((name, start)))
+                    packed = self._pool.submit(_compressed_once, part, chunks, self._last.get((name, start)))
                     self._waiting.append((dataset, start, packed))
                     self._last[name, start] = part, packed
                 elif (block := _compressed(part, chunks)) is not None:
@@ -129,13 +121,13 @@ class ResultWriter:
 
     def flush(self) -> None:
         """Write what was compressed meanwhile, and wait for the rest."""
-        packed = [(dataset, start, found.result()) for dataset, start, found in self._waiting]
+        blocks = [(dataset, start, packed.result()) for dataset, start, packed in self._waiting]
         self._waiting.clear()
-        if packed:
-            self._require_space(sum(len(found) for *_, found in packed if found))
-        for dataset, start, found in packed:
-            if found is not None:
-                dataset.id.write_direct_chunk(start, found)
+        if blocks:
+            self._require_space(sum(len(block) for *_, block in blocks if block))
+        for dataset, start, block in blocks:
+            if block is not None:
+                dataset.id.write_direct_chunk(start, block)
 
     def add_track(self, x: FloatArray, heights: FloatArray) -> None:
         """Keep the disc of a swept run: places of its rows [mm], heights before any wear [mm]."""
@@ -233,8 +225,8 @@ class ResultWriter:
         x = np.where(body == 0.0, x, of_disc[np.where(body == 1.0, row, 0.0).astype(int)])
         values = step, body, x, grid.y[column.astype(int)], volume, diameter
         group = self._file.create_group("pieces")
-        for quantity, found in zip(OF_PIECES.values(), values, strict=True):
-            self._add(group, quantity, found)
+        for quantity, column_values in zip(OF_PIECES.values(), values, strict=True):
+            self._add(group, quantity, column_values)
 
     def _add_axis(self, path: str, values: "np.ndarray[Any, Any]", *, units: str = "mm") -> h5py.Dataset:
         """Make the scale of an axis, which is named by the last part of its path."""
@@ -250,103 +242,31 @@ class ResultWriter:
             require_free_space(path.parent, nbytes + SPACE_FOR_THE_REST, offset=path.stat().st_size)
 
 
-def _packed_once(
+def _compressed_once(
     values: FloatArray, chunk: tuple[int, ...], last: tuple[FloatArray, Future[bytes | None]] | None
 ) -> bytes | None:
-    """A block as `_compressed` leaves it. last: that of the snapshot before, which it may be still."""
+    """Compress a block, unless it is still that of the snapshot before (`last`)."""
     if last is not None and np.array_equal(values.view(np.uint64), last[0].view(np.uint64)):
         return last[1].result()  # begun before this one, so it does not wait for it
     return _compressed(values, chunk)
 
 
 def _compressed(values: FloatArray, chunk: tuple[int, ...]) -> bytes | None:
-    """A block as HDF5's filters shuffle and deflate leave it, filled up to its size; None where all is zero.
+    """Shuffle and deflate a block as HDF5's filters do, filled up to its size; None where all is zero.
 
-    What is not written reads as zero.
+    What is not written reads as zero. Shuffled heights hold runs of equal bytes and nothing else that deflate
+    finds: Z_RLE looks for these alone, at half the time.
     """
     block = values
     if values.shape != chunk:
         block = np.zeros(chunk)
         block[tuple(slice(n) for n in values.shape)] = values
-    words = np.ascontiguousarray(block).view(np.uint64).ravel()
-    if words[0] != words[-1] or (words != words[0]).any():
-        return _packed(words)
-    return _constant(int(words[0]), words.size) if words[0] else None
-
-
-@lru_cache(16)
-def _constant(word: int, size: int) -> bytes:
-    return _packed(np.full(size, word, dtype=np.uint64))
-
-
-def _packed(words: "np.ndarray[Any, np.dtype[np.uint64]]") -> bytes:
-    """Words of 8 bytes, shuffled and deflated.
-
-    Runs of equal bytes are all that deflate finds in shuffled heights, and in the last bytes of rough ones
-    not even those: they are stored as they are between runs of equal words, at a tenth of its time.
-    """
+    words = np.ascontiguousarray(block).view(np.uint64)
+    if not words.any():
+        return None
     planes = np.ascontiguousarray(words.view(np.uint8).reshape(-1, words.itemsize).T)
-    noise = _entropy(words) > NOISE
-    heads, edges = _between_runs(words) if noise.any() else ([], [])
-    parts: list[Any] = [ZLIB]
-    for plane, stored in zip(planes, noise, strict=True):
-        if stored:
-            view = memoryview(plane)
-            for head, (first, end) in zip(heads, edges, strict=True):
-                parts += head, view[first:end]
-        else:
-            deflate = zlib.compressobj(LEVEL, wbits=-zlib.MAX_WBITS, strategy=zlib.Z_RLE)
-            parts += deflate.compress(plane.data), deflate.flush(zlib.Z_FULL_FLUSH)
-    return b"".join((*parts, END, zlib.adler32(planes.data).to_bytes(4, "big")))
-
-
-def _entropy(words: "np.ndarray[Any, np.dtype[np.uint64]]") -> FloatArray:
-    """Bits a byte of each plane of bytes, by some of the words that are not those before them, shape (8,)."""
-    every = max(words.size // SAMPLE, 1)
-    some, before = words[1::every], words[:-1:every]
-    some = some[some != before]
-    if some.size < SAMPLE // 8:  # runs are nearly all
-        return np.zeros(words.itemsize)
-    planes = some.view(np.uint8).reshape(-1, words.itemsize) + 256 * np.arange(words.itemsize)
-    shares = np.bincount(planes.ravel(), minlength=256 * words.itemsize).reshape(-1, 256) / some.size
-    return np.asarray(-np.sum(shares * np.log2(np.where(shares, shares, 1.0)), axis=1))
-
-
-def _between_runs(words: "np.ndarray[Any, np.dtype[np.uint64]]") -> tuple[list[bytes], list[tuple[int, int]]]:
-    """Where words are not those before them, from first to end, and what comes before each in deflate.
-
-    That is the run of bytes before it and the head of a stored block (RFC 1951).
-    """
-    end = np.flatnonzero(np.append(words[1:] != words[:-1], True)) + 1
-    first = np.append(0, end[:-1])
-    long = end - first > LONG
-    begin, stop = np.append(0, end[long]), np.append(first[long] + 1, words.size)
-    whole = np.flatnonzero(stop - begin > STORED)  # one block cannot hold it
-    middle = begin[whole] + STORED
-    begin, stop = np.insert(begin, whole + 1, middle), np.insert(stop, whole, middle)
-    lengths, repeated = (stop - begin).tolist(), (begin[1:] - stop[:-1]).tolist()
-    runs = [b"\0", *(_repeat(n) for n in repeated)]
-    heads = [run + pack("<HH", n, n ^ 0xFFFF) for run, n in zip(runs, lengths, strict=True)]
-    return heads, list(zip(begin.tolist(), stop.tolist(), strict=True))
-
-
-@lru_cache(4096)
-def _repeat(count: int) -> bytes:
-    """The byte before, `count` times more, in deflate's fixed codes, and the start of a stored block."""
-    if not count:
-        return b"\0"
-    whole, rest = divmod(count, 258)
-    lengths = [258] * whole + [rest]
-    if whole and 0 < rest < 3:  # the least that a code says
-        lengths[-2:] = [258 + rest - 3, 3]
-    bits, size = 0b010, 3
-    for length in lengths if rest else lengths[:-1]:
-        extra = max((length - 3).bit_length() - 3, 0) if length < 258 else 0
-        symbol = 285 if length == 258 else 257 + 4 * extra + (length - 3 >> extra)
-        code = f"{symbol - 256:07b}" if symbol < 280 else f"{symbol - 88:08b}"
-        bits |= int(code[::-1], 2) << size | (length - 3 & (1 << extra) - 1) << size + len(code)
-        size += len(code) + extra + 5  # and a distance of one byte, which is zeros
-    return bits.to_bytes((size + 7 + 3 + 7) // 8, "little")
+    deflate = zlib.compressobj(LEVEL, strategy=zlib.Z_RLE)
+    return deflate.compress(planes.data) + deflate.flush()
 
 
 def _label(dataset: h5py.Dataset, scales: h5py.Group, *names: str) -> None:

@@ -36,7 +36,7 @@ from warpwear.version import __version__
 
 FILE_NAME = "checkpoint.h5"
 #: Number of the content's layout. A file of another one is refused.
-FORMAT = 7
+FORMAT = 8
 MAGIC = "warpwear checkpoint"
 #: Heights that differ by no more are of the same surface, made on another kind of processor [mm].
 SAME_HEIGHTS = 1.0e-12
@@ -188,30 +188,30 @@ class StoredCheckpoint:
                 f"{self._about['device']}; give that one."
             )
 
-    def heights_for(self, made: FloatArray) -> FloatArray:
-        """The heights to go on with [mm]: those made anew, or the stored ones where these differ by rounding.
+    def heights_for(self, new: FloatArray) -> FloatArray:
+        """Return the heights to go on with [mm]: new ones, or those stored where they differ by rounding.
 
         Raises InputError where they differ by more.
         """
-        if checksum(made) == self._about["surface"]:
-            return made
+        if checksum(new) == self._about["surface"]:
+            return new
         with self.reading():
-            kept: FloatArray = np.asarray(self.file["heights"][()], dtype=np.float64)
-        if kept.shape != made.shape or not np.abs(kept - made).max() <= SAME_HEIGHTS:
+            stored: FloatArray = np.asarray(self.file["heights"][()], dtype=np.float64)
+        if stored.shape != new.shape or not np.abs(stored - new).max() <= SAME_HEIGHTS:
             raise InputError(
                 f"{self._path} cannot go on: the disc's heights are not what they were when the run began, "
                 "so the file of the surface, or the software that reads or makes it, has changed."
             )
         self.heights_differ = True
-        return kept
+        return stored
 
     def read(self) -> Checkpoint:
         """Where the run was: all that is stored but the snapshots."""
         arrays = {name: np.asarray(dataset[()]) for name, dataset in self.file["model"].items()}
-        found = _flat({"arrays": _kinds(arrays), "numbers": _kinds(self._about["numbers"])})
-        asked = _flat(self._about["kinds"])
-        for name in asked | found:
-            is_now, was = (kinds.get(name, "missing") for kinds in (found, asked))
+        kinds = _flat({"arrays": _kinds(arrays), "numbers": _kinds(self._about["numbers"])})
+        stored_kinds = _flat(self._about["kinds"])
+        for name in stored_kinds | kinds:
+            is_now, was = (each.get(name, "missing") for each in (kinds, stored_kinds))
             if is_now != was:
                 raise ValueError(f"{name} is {is_now} instead of {was}")
         return Checkpoint(

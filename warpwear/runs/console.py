@@ -5,6 +5,7 @@ import sys
 import threading
 import time
 import warnings
+from contextlib import suppress
 from types import FrameType
 from typing import Any, Self
 
@@ -67,9 +68,10 @@ class Progress:
             self.say(f"{self._name}: drawing")
 
     def say(self, line: str) -> None:
-        """A line for the user."""
+        """Write a line for the user, if there is one still."""
         if not self._quiet:
-            tqdm.write(line, file=sys.stderr)
+            with suppress(BrokenPipeError):
+                tqdm.write(line, file=sys.stderr)
 
     def note(self, sentence: str, *, kind: str = "note") -> None:
         """What misleads: a line for the user, or a warning of Python where nothing is printed.
@@ -95,13 +97,13 @@ def warn(sentence: str) -> None:
 
 
 class Interrupts:
-    """A context in which the first signal that would raise KeyboardInterrupt only sets `asked`.
+    """A context in which the first signal that would raise KeyboardInterrupt only sets `requested`.
 
     A second one raises it at once. Handlers of others, and signals in other threads, are left alone.
     """
 
     def __init__(self) -> None:
-        self.asked = False
+        self.requested = False
         self._before: dict[signal.Signals, Any] = {}
 
     def __enter__(self) -> Self:
@@ -116,6 +118,6 @@ class Interrupts:
             signal.signal(number, handler)
 
     def _note(self, number: int, frame: FrameType | None) -> None:
-        if self.asked:
+        if self.requested:
             raise KeyboardInterrupt
-        self.asked = True
+        self.requested = True

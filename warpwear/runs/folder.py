@@ -1,11 +1,10 @@
 """The folder of a run: what may be written where, and how it gets there whole."""
 
 import os
+import re
 import shutil
-import tempfile
-import warnings
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from uuid import uuid4
 
@@ -15,41 +14,37 @@ from warpwear.result import Result
 from warpwear.results import file as results
 from warpwear.results import manifest
 from warpwear.results.file import FILE_NAME, SURFACE_FILE
+from warpwear.results.folder import LOCK, check_writable, held, refuse_if_held
 from warpwear.runs import checkpoint
-from warpwear.runs import lock as run_lock
 from warpwear.study.study import Study
+from warpwear.surfaces.reading import digest_of
 
 table = lazy.module("warpwear.figures.of_run.table")
 
 LOG = "log.txt"
+#: Name of a folder in a run folder in which a run makes its files.
+WORK = re.compile(r"\.work-[0-9a-f]{12}")
 #: What every run writes, beside figures; its result and checkpoint say themselves what they are.
 NAMES = ("study.toml", "history.csv", "surface.csv", "summary.json", LOG, manifest.NAME, manifest.PAGE)
 
 
 def check(folder: Path, *, overwrite: bool, resume: bool) -> None:
     """Raises InputError for a folder that a run must not, or cannot, be written into."""
-    for path in (folder, *folder.parents):
-        if path.exists() and not path.is_dir():
-            raise InputError(f"out = {folder}: {path} is a file; the name of a folder is expected.")
+    check_writable(folder)
     if folder.is_dir():
-        run_lock.refuse_if_held(folder)
+        refuse_if_held(folder)
         _check_content(folder, overwrite=overwrite, resume=resume)
-    try:
-        with tempfile.TemporaryFile(dir=folder if folder.is_dir() else _nearest_folder(folder)):
-            pass
-    except OSError as error:
-        raise InputError(f"out = {folder} cannot be written: {error.strerror}.") from error
 
 
 def _check_content(folder: Path, *, overwrite: bool, resume: bool) -> None:
-    kept = folder / checkpoint.FILE_NAME
-    if checkpoint.is_one(kept):
+    stored = folder / checkpoint.FILE_NAME
+    if checkpoint.is_one(stored):
         if not (overwrite or resume):
             raise InputError(
                 f"out = {folder} holds the checkpoint of an unfinished run; {RESUME_IT}, or {OVERWRITE_IT}."
             )
-    elif resume and kept.exists():
-        raise InputError(f"{kept} is no checkpoint of warpwear or is damaged; delete or {OVERWRITE_IT}.")
+    elif resume and stored.exists():
+        raise InputError(f"{stored} is no checkpoint of warpwear or is damaged; delete or {OVERWRITE_IT}.")
     elif overwrite and results.is_one(folder / FILE_NAME):  # whole or damaged, it is replaced
         pass
     elif _holds_a_run(folder):
@@ -58,7 +53,7 @@ def _check_content(folder: Path, *, overwrite: bool, resume: bool) -> None:
     elif results.is_one(folder / FILE_NAME):  # and is damaged
         Result.open(folder)
     else:
-        ours = {run_lock.NAME, *manifest.written(folder), *run_lock.work_folders(folder)}
+        ours = {LOCK, *manifest.written(folder), *_work_folders(folder)}
         if any(path.name not in ours for path in folder.iterdir()):
             raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected.")
     _refuse_to_replace(folder)
@@ -87,7 +82,7 @@ def is_finished(folder: Path, study: Study) -> bool:
 
     Raises InputError for a run of another study, and while another run works there.
     """
-    run_lock.refuse_if_held(folder)
+    refuse_if_held(folder)
     if checkpoint.is_one(folder / checkpoint.FILE_NAME) or not _holds_a_run(folder):
         return False
     with Result.open(folder) as result:
@@ -98,48 +93,73 @@ def is_finished(folder: Path, study: Study) -> bool:
             raise InputError(
                 f"out = {folder} holds a run of another study ({', '.join(changed)}); {OTHER_FOLDER}."
             )
-    if finished and (folder / run_lock.NAME).exists():  # killed when all was in place
-        left = run_lock.work_folders(folder)
-        with run_lock.held(folder, left):
+        surface, digest = study.disc.surface, result.record["surface"].get("sha256")
+        if digest and surface and Path(surface).is_file() and digest_of(surface) != digest:
+            raise InputError(f"out = {folder} holds a run on what {surface} was before; {OTHER_FOLDER}.")
+    if finished and (left := _work_folders(folder)):  # killed when all was in place
+        with held(folder):
             _clean(folder, left)
     return finished
 
 
 @contextmanager
-def writing_to(folder: Path | None, *, overwrite: bool, resume: bool) -> Iterator[Path | None]:
-    """A work folder inside the run folder, gone again at the end, as is a run folder that stays empty.
+def owned(folder: Path | None) -> Iterator[None]:
+    """Hold a run folder for this process; one that is new goes again where it stays empty.
 
-    Raises InputError if it cannot write, or another run works there.
+    Raises InputError if it cannot be made, or another run works there.
+    """
+    if folder is None:
+        yield
+        return
+    new = [path for path in (folder.absolute(), *folder.absolute().parents) if not path.exists()]
+    try:
+        with _errors_told(folder):
+            folder.mkdir(parents=True, exist_ok=True)
+            lock = ExitStack()
+            lock.enter_context(held(folder))
+        with lock:
+            yield
+    finally:
+        for path in new:
+            with suppress(OSError):  # not empty
+                path.rmdir()
+
+
+@contextmanager
+def working_in(folder: Path | None, *, overwrite: bool, resume: bool) -> Iterator[Path | None]:
+    """Give a work folder inside a run folder that is held; it is gone at the end.
+
+    Raises InputError for a folder that cannot be written, or holds what must not be replaced.
     """
     if folder is None:
         yield None
         return
-    made = [path for path in (folder.absolute(), *folder.absolute().parents) if not path.exists()]
+    with _errors_told(folder):
+        _check_content(folder, overwrite=overwrite, resume=resume)
+        left = _work_folders(folder)
+        log = _log_so_far(folder, left) if resume else b""
+        _clean(folder, left)
+        work = folder / f".work-{uuid4().hex[:12]}"
+        work.mkdir()
+        try:
+            (work / LOG).write_bytes(log)
+            yield work
+        finally:
+            shutil.rmtree(work, ignore_errors=True)
+
+
+@contextmanager
+def _errors_told(folder: Path) -> Iterator[None]:
+    """Turn an error of the file system into an InputError that says what the folder holds."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        check(folder, overwrite=overwrite, resume=resume)
-        left = run_lock.work_folders(folder)
-        work = folder / f"{run_lock.WORK}{uuid4().hex[:12]}"
-        with run_lock.held(folder, [*left, work.name]):
-            log = _log_so_far(folder, left) if resume else b""
-            _clean(folder, left)
-            work.mkdir()
-            try:
-                (work / LOG).write_bytes(log)
-                yield work
-            finally:
-                shutil.rmtree(work, ignore_errors=True)
+        yield
     except OSError as error:
         why = error.strerror or str(error)
         if "memory allocation failed" in why:  # HDF5 says it so
             raise MemoryError from error
-        kept = checkpoint.is_one(folder / checkpoint.FILE_NAME)
-        what = f"a checkpoint; {RESUME_IT}" if kept else "no run"
+        unfinished = checkpoint.is_one(folder / checkpoint.FILE_NAME)
+        what = f"a checkpoint; {RESUME_IT}" if unfinished else "no run"
         raise InputError(f"out = {folder} could not be written and holds {what}: {why}.") from error
-    finally:
-        for path in made:
-            with suppress(OSError):  # not empty
-                path.rmdir()
 
 
 def move_into_place(work: Path, folder: Path) -> None:
@@ -150,10 +170,8 @@ def move_into_place(work: Path, folder: Path) -> None:
     """
     before, now = manifest.written(folder), {item.name for item in work.iterdir()}
     for name in now - before:
-        if os.path.lexists(folder / name) and not (name == FILE_NAME and results.is_one(folder / name)):
-            kept = f"{Path(name).stem}-{uuid4().hex[:6]}{Path(name).suffix}"
-            (folder / name).rename(folder / kept)
-            warnings.warn(f"{folder / name} was not written by a run: it is {kept} now.", stacklevel=2)
+        if not (name == FILE_NAME and results.is_one(folder / name)):
+            manifest.set_aside(folder / name)
     manifest.write(folder, before | now, work=work)
     manifest.remove(folder, {name for name in before if "/" in name or name == manifest.PAGE})
     for item in sorted(work.iterdir(), key=lambda item: item.name == FILE_NAME):
@@ -170,6 +188,12 @@ def _log_so_far(folder: Path, left: Iterable[str]) -> bytes:
         with suppress(OSError):
             logs.append(path.read_bytes())
     return max(logs, key=len, default=b"")
+
+
+def _work_folders(folder: Path) -> list[str]:
+    """Name the work folders that runs have in a run folder, or left there when they were killed."""
+    paths = (path for path in folder.glob(".work-*") if WORK.fullmatch(path.name) and path.is_dir())
+    return [path.name for path in paths if (path / LOG).is_file() or not any(path.iterdir())]
 
 
 def _clean(folder: Path, left: Iterable[str]) -> None:
@@ -190,8 +214,3 @@ def _owns_surface(folder: Path) -> bool:
     with suppress(InputError), Result.open(folder) as result:
         return result.owns_surface
     return False
-
-
-def _nearest_folder(path: Path) -> Path:
-    """The nearest parent that exists."""
-    return next(parent for parent in path.absolute().parents if parent.is_dir())

@@ -71,12 +71,12 @@ class Invariants:
                 "load_residual",
                 f"load_residual = {residual:.3g} N {_where(row)} is beyond {self._residual:.3g} N",
             )
-        for worn, asked, pending in BODIES:
+        for worn, expected, pending in BODIES:
             if worn not in row:
                 continue
-            allowed = CONSERVATION * row[asked] + ROUNDING * row.get("area_touched", 0.0)
-            if abs(row[worn] + row.get(pending, 0.0) - row[asked]) > allowed:
-                yield self._not_conserved(row, worn, row[asked])
+            allowed = CONSERVATION * row[expected] + ROUNDING * row.get("area_touched", 0.0)
+            if abs(row[worn] + row.get(pending, 0.0) - row[expected]) > allowed:
+                yield self._not_conserved(row, worn, row[expected])
         if (touches_edge or touches_rim) and self._study.sphere.curvature > 0.0:
             yield self._outside(row, rim=touches_rim)
 
@@ -110,11 +110,11 @@ class Invariants:
             if not math.isfinite(value) and name not in OPEN:
                 yield Violation(name, f"{name} = {value:g} {_where(row)} is no finite number")
 
-    def _not_conserved(self, row: Mapping[str, float], name: str, asked: float) -> Violation:
-        off = f"{abs(row[name] - asked) / asked:.2g}" if asked else "all"
+    def _not_conserved(self, row: Mapping[str, float], name: str, expected: float) -> Violation:
+        off = f"{abs(row[name] - expected) / expected:.2g}" if expected else "all"
         return Violation(
             name,
-            f"{name} = {row[name]:.9g} mm³ {_where(row)} is off the {asked:.9g} mm³ of Archard's law "
+            f"{name} = {row[name]:.9g} mm³ {_where(row)} is off the {expected:.9g} mm³ of Archard's law "
             f"by {off} of it, where {CONSERVATION:g} is allowed",
         )
 

@@ -18,7 +18,6 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
 from warpwear.history.rows import Rows
 from warpwear.history.snapshot import Snapshot
-from warpwear.laws import friction
 from warpwear.results.check import check_snapshots
 from warpwear.results.seal import versions
 from warpwear.results.writer import ResultWriter
@@ -26,7 +25,8 @@ from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.runs.checkpoint import Checkpoint, Checkpoints, StoredCheckpoint, checksum, opened
 from warpwear.runs.console import Interrupts, Progress
 from warpwear.runs.invariants import Invariants, Violation
-from warpwear.runs.make import model_of, plan_of
+from warpwear.runs.make import model_of
+from warpwear.runs.plan import plan_of
 from warpwear.runs.step import RunStep
 from warpwear.study.rules import too_small
 from warpwear.study.study import Study
@@ -93,19 +93,19 @@ class StepLoop:
             self._warn(warning)
         self._processor, self._device = executor.device, str(executor.device)
         self._rows = Rows()
-        with opened(resume / CHECKPOINT if resume else None) as found:
-            if found is not None:
-                found.refuse_changes(study, device=self._device)
-            made = model_of(study, surface, executor, kept=found.heights_for if found else np.asarray)
-            self._model, self._surface_record = made.model, made.record
-            self._book, self._pieces, self._filled = made.book, made.pieces, made.filled
-            self._surface_sum = checksum(made.heights)
-            self._look_at_elasticity(made.record["on_the_grid"]["rms_slope"])
-            self._heights = None if study.is_swept else made.heights
+        with opened(resume / CHECKPOINT if resume else None) as stored:
+            if stored is not None:
+                stored.refuse_changes(study, device=self._device)
+            prepared = model_of(study, surface, executor, kept=stored.heights_for if stored else np.asarray)
+            self._model, self._surface_record = prepared.model, prepared.record
+            self._book, self._pieces, self._filled = prepared.book, prepared.pieces, prepared.filled
+            self._surface_sum = checksum(prepared.heights)
+            self._look_at_elasticity(prepared.record["on_the_grid"]["rms_slope"])
+            self._heights = None if study.is_swept else prepared.heights
             if study.is_swept and writer is not None:
-                writer.add_track(study.track.x, made.heights)
-            if found is not None:
-                self._restore(found)
+                writer.add_track(study.track.x, prepared.heights)
+            if stored is not None:
+                self._restore(stored)
 
     def checkpoint_in(self, folder: Path, work: Path) -> None:
         """Keep checkpoints in a run folder, and make them in a work folder."""
@@ -127,18 +127,18 @@ class StepLoop:
         if self._checkpoints is not None and self.finished:
             self._checkpoints.remove()
 
-    def _restore(self, found: StoredCheckpoint) -> None:
+    def _restore(self, stored: StoredCheckpoint) -> None:
         assert self._writer is not None
-        with found.reading():
-            then = found.read()
-            check_snapshots(found.file, self.study)
+        with stored.reading():
+            then = stored.read()
+            check_snapshots(stored.file, self.study)
             state.restore(self._model, then.arrays, then.numbers)
-            self._writer.take_snapshots_from(found.file)
+            self._writer.take_snapshots_from(stored.file)
         self._rows = then.rows
         self.warnings, self._reported = then.warnings, then.reported_violations
         self._elapsed_before = then.elapsed
-        LOG.info("goes on after step %d, from a checkpoint by warpwear %s", len(self._rows), found.version)
-        if found.heights_differ:
+        LOG.info("goes on after step %d, from a checkpoint by warpwear %s", len(self._rows), stored.version)
+        if stored.heights_differ:
             self._add_warning(
                 "The disc's heights differ by rounding from those the run began with, as another "
                 "processor or other software made them: it goes on with the stored ones."
@@ -199,8 +199,8 @@ class StepLoop:
         # where points were filled, steps 1, 2, 4, 8, … are looked at too: a run on them stops early
         numbers, doubtful = range(len(self._rows) + 1, len(plan) + 1), self._filled is not None
         looks = [keep or (doubtful and n & (n - 1) == 0) for n, (*_, keep) in zip(numbers, left, strict=True)]
-        asked = ((step[0], look or with_fields, step[2]) for step, look in zip(left, looks, strict=True))
-        steps = self._model.steps(asked)
+        requests = ((step[0], look or with_fields, step[2]) for step, look in zip(left, looks, strict=True))
+        steps = self._model.steps(requests)
         for (_, distance, keep), look, step in zip(left, looks, steps, strict=True):
             row = step.row | {"distance": distance}
             stop = self._check(
@@ -245,10 +245,10 @@ class StepLoop:
                     if stop is not None:
                         raise stop
                     continue
-                if interrupts.asked and self.interrupted is None:
+                if interrupts.requested and self.interrupted is None:
                     self.interrupted = KeyboardInterrupt()
-                asked = self.interrupted is not None or stop is not None
-                if self._checkpoints is not None and (asked or self._checkpoints.due):
+                ends = self.interrupted is not None or stop is not None
+                if self._checkpoints is not None and (ends or self._checkpoints.due):
                     self._checkpoint(self._checkpoints)
                 if stop is not None:
                     raise stop
@@ -277,8 +277,8 @@ class StepLoop:
     def _history(self, *, finished: bool) -> dict[str, FloatArray]:
         history = {column.name: self._rows.column(column.name) for column in columns_of(self.study)}
         study = self.study
-        history["cof"] = friction.coefficient(
-            study.friction, history, load=study.contact.load, finished=finished, lap=study.lap
+        history["cof"] = study.friction.law.coefficient(
+            history, load=study.contact.load, finished=finished, lap=study.lap
         )
         return history
 
@@ -306,16 +306,16 @@ class StepLoop:
         if isinstance(error, ConvergenceError):
             self.warnings.append(str(error))
         assert self._checkpoints is not None  # or there is nothing to keep the run in
-        kept = f"The run folder {self._checkpoints.path.parent} holds the steps so far."
+        advice = f"The run folder {self._checkpoints.path.parent} holds the steps so far."
         plan = self.study.stepping
         if isinstance(error, InvariantError):
             to_do = "continue anyway" if self._checkpoints.path.exists() else "begin again and go on anyway"
-            kept += f" To {to_do}, set checks.strict=false and {RESUME_IT}."
+            advice += f" To {to_do}, set checks.strict=false and {RESUME_IT}."
         elif not self.study.is_swept and self.study.sliding.total:  # the same step would end the same way
             names = ("first", "largest") if plan.increment is None else ("increment",)
             halves = (f"stepping.{name}='{getattr(plan, name) / 2.0:g} mm'" for name in names)
-            kept += f" A new run may get further with smaller increments: {', '.join(halves)}."
-        self.failed = type(error)(f"{str(error).removesuffix('.')}. {kept}")
+            advice += f" A new run may get further with smaller increments: {', '.join(halves)}."
+        self.failed = type(error)(f"{str(error).removesuffix('.')}. {advice}")
 
     def _check_results(self, history: dict[str, FloatArray]) -> None:
         highest = history["cof"].max()
@@ -331,21 +331,20 @@ class StepLoop:
                 f"whose area it changes by more than {100.0 * AREA_ERROR:g} % by estimate: a smaller one is "
                 "needed."
             )
-        tau = friction.final_strength(
-            self.study.friction,
-            history,
-            load=self.study.contact.load,
-            finished=self.finished,
-            lap=self.study.lap,
+        friction = self.study.friction
+        tau = friction.law.final_strength(
+            history, load=self.study.contact.load, finished=self.finished, lap=self.study.lap
         )
-        law = self.study.friction
-        strengths = {"shear strength τ0": tau, "film's": law.film.shear_strength if law.film else 0.0}
+        strengths = {
+            "shear strength τ0": tau,
+            "film's": friction.film.shear_strength if friction.film else 0.0,
+        }
         limit = self.study.shear_limit
         for name, strength in strengths.items():
             if strength > limit:
                 self._add_warning(
-                    f"The {name} = {strength:.3g} MPa is beyond {law.limit} = {limit:.3g} MPa, which the "
-                    "softer body bears: it would shear instead of the interface."
+                    f"The {name} = {strength:.3g} MPa is beyond {friction.limit} = {limit:.3g} MPa, which "
+                    "the softer body bears: it would shear instead of the interface."
                 )
         cells = history["cells_in_contact"]
         if cells.min() < FEW_CELLS <= cells[0]:
@@ -360,14 +359,14 @@ class StepLoop:
         ratio = study.hardness / ((modulus or OF_STEEL) * slope) if slope > 0.0 else math.inf
         if ratio <= ELASTIC:
             return
-        found = f"H/(E*·rms slope) is {ratio:.2g}"
+        sentence = f"H/(E*·rms slope) is {ratio:.2g}"
         if modulus is None:
             bodies = {"sphere": study.sphere, "disc": study.disc}
             constants = [(body, name) for body in bodies for name in ("young", "poisson")]
             missing = [f"{b}.{name}" for b, name in constants if getattr(bodies[b], name) is None]
-            found = f"{found} for two bodies of steel (not given: {', '.join(missing)})"
+            sentence = f"{sentence} for two bodies of steel (not given: {', '.join(missing)})"
         self._add_warning(
-            f"Asperities yield elastically before they flow: {found}, and above {ELASTIC:g} the local law "
+            f"Asperities yield elastically before they flow: {sentence}, and above {ELASTIC:g} the local law "
             'makes the contact too small until wear decides it. contact.law = "half-space" couples them.'
         )
 

@@ -24,10 +24,10 @@ from warpwear.results.seal import HEADER, sealing
 from warpwear.results.tables import write_summary, write_tables
 from warpwear.results.writer import ResultWriter
 from warpwear.runs import folder as run_folder
+from warpwear.runs.array_surface import ArraySurface, take_surface
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.runs.checkpoint import opened
 from warpwear.runs.console import Progress
-from warpwear.runs.given import GivenSurface, take_surface
 from warpwear.runs.loop import StepLoop
 from warpwear.runs.make import executor_of
 from warpwear.runs.step import RunStep
@@ -41,24 +41,24 @@ if TYPE_CHECKING:
 process = lazy.module("warpwear.figures.process")
 pages = lazy.module("warpwear.page.content")
 
-LOG, WIDER = logging.getLogger("warpwear.run"), logging.getLogger("warpwear")
+LOG, USER_LOG = logging.getLogger("warpwear.run"), logging.getLogger("warpwear")
 
 #: What may be drawn of a run.
 PLOTS = ("essential", "all", "none")
 
 
-class _Onward(logging.Handler):
-    """Hands what log.txt has in full on to the logger "warpwear", at the level that its user has set."""
+class ForwardToUserLogger(logging.Handler):
+    """Forwards what log.txt has in full to the logger "warpwear", at the level that its user has set."""
 
     def emit(self, record: logging.LogRecord) -> None:
-        if WIDER.isEnabledFor(record.levelno):
-            WIDER.handle(record)
+        if USER_LOG.isEnabledFor(record.levelno):
+            USER_LOG.handle(record)
 
 
 LOG.setLevel(logging.INFO)
 LOG.propagate = False
-LOG.addHandler(_Onward())
-WIDER.addHandler(logging.NullHandler())  # warnings are warned and errors raised: none is printed unasked
+LOG.addHandler(ForwardToUserLogger())
+USER_LOG.addHandler(logging.NullHandler())  # warnings are warned and errors raised: none is printed unasked
 
 
 def run(
@@ -107,7 +107,7 @@ def run(
     >>> bool(result.at("1 mm").pressure.max() <= result.study.contact.hardness)
     True
     """
-    asked = How(
+    options = RunOptions(
         surface=surface,
         out=None if out is None else Path(out),
         device=device,
@@ -118,12 +118,12 @@ def run(
         progress=progress,
         callback=callback,
     )
-    return run_study(study, asked)
+    return run_study(study, options)
 
 
 @dataclass(frozen=True, kw_only=True)
-class How:
-    """How to make a run: the options of `run`, and what only this package asks for."""
+class RunOptions:
+    """The options of `run`, and what only this package asks for."""
 
     surface: ArrayLike | Surface | None = None
     out: Path | None = None
@@ -137,8 +137,8 @@ class How:
     #: Whether the folder gets its tables and the end's fields: otherwise log and sealed result alone, with
     #: the snapshots for which the study names distances.
     whole: bool = True
-    #: Seconds that had gone when the run was asked for: imports.
-    before: float = 0.0
+    #: What imports took before the run [s].
+    import_seconds: float = 0.0
 
     def check(self) -> None:
         """Raises InputError for options that are not known or exclude each other."""
@@ -158,44 +158,49 @@ class How:
         return self.whole or study.output.snapshots not in ("auto", ())
 
 
-def run_study(study: Study | str | Path, how: How) -> Result:
+def run_study(study: Study | str | Path, options: RunOptions) -> Result:
     """Run a study and return its result, which knows the seconds of its phases; raises what `run` does."""
-    how.check()
-    study, given = _prepare(study, how.surface, how.out)
-    progress = Progress(study, quiet=not how.progress)
-    clock = Clock(before=how.before, entered=progress.phase)
+    options.check()
+    study, heights = _prepare(study, options.surface, options.out)
+    progress = Progress(study, quiet=not options.progress)
+    clock = Clock(import_seconds=options.import_seconds, entered=progress.phase)
     with clock.running():
-        if how.out is not None and _is_there(study, given, how, how.out):
-            return Result.open(how.out)
-        draws = how.out is not None and how.plots != "none"
-        cores = check_threads(how.threads)
-        with process.Painter(cores) if draws else nullcontext() as painter:
-            result, at_hand = _compute(study, given, how, progress, painter)
-            if how.out is not None and painter is not None:
-                _draw(result, at_hand, how, painter)
-        result.seconds = clock.seconds
-        if how.out is not None and how.whole:
-            write_summary(how.out, result)
+        if options.out is not None and _is_there(study, heights, options, options.out):
+            return Result.open(options.out)
+        draws = options.out is not None and options.plots != "none"
+        cores = check_threads(options.threads)
+        with run_folder.owned(options.out):
+            with process.Painter(cores) if draws else nullcontext() as painter:
+                result, at_hand = _compute(study, heights, options, progress, painter)
+                if options.out is not None and painter is not None:
+                    _draw(result, at_hand, options, painter)
+            result.seconds = clock.seconds
+            if options.out is not None and options.whole:
+                write_summary(options.out, result)
     return result
 
 
-def _is_there(study: Study, given: GivenSurface | None, how: How, folder: Path) -> bool:
+def _is_there(study: Study, heights: ArraySurface | None, options: RunOptions, folder: Path) -> bool:
     """Whether the folder holds the run, finished. Raises InputError where it cannot be written or resumed."""
-    run_folder.check(folder, overwrite=how.overwrite, resume=how.resume)
-    if not how.resume:
+    run_folder.check(folder, overwrite=options.overwrite, resume=options.resume)
+    if not options.resume:
         return False
     if run_folder.is_finished(folder, study):
-        if given:
-            given.refuse_others(folder)
+        if heights:
+            heights.refuse_others(folder)
         return True
-    with opened(folder / CHECKPOINT) as found:  # before anything is made that takes long
-        if found is not None:
-            found.refuse_changes(study, device=str(find_device(how.device)))
+    with opened(folder / CHECKPOINT) as checkpoint:  # before anything is made that takes long
+        if checkpoint is not None:
+            checkpoint.refuse_changes(study, device=str(find_device(options.device)))
     return False
 
 
 def _compute(
-    study: Study, given: GivenSurface | None, how: How, progress: Progress, painter: "Painter | None"
+    study: Study,
+    heights: ArraySurface | None,
+    options: RunOptions,
+    progress: Progress,
+    painter: "Painter | None",
 ) -> tuple[Result, dict[int, Snapshot]]:
     """Make the steps and leave the run in its folder; returns its result, and the snapshots in memory.
 
@@ -203,24 +208,24 @@ def _compute(
     """
     with (
         report_out_of_memory(study.cells),
-        executor_of(study, device=how.device, threads=how.threads) as executor,
-        run_folder.writing_to(how.out, overwrite=how.overwrite, resume=how.resume) as work,
+        executor_of(study, device=options.device, threads=options.threads) as executor,
+        run_folder.working_in(options.out, overwrite=options.overwrite, resume=options.resume) as work,
     ):
         with _log_to(work), _result_file(work) as file:
             LOG.info("warpwear %s on %s with %d threads", __version__, executor.device, executor.threads)
             with phase("surface"):
-                writer = _writer_of(file, study, given, how, executor, work)
+                writer = _writer_of(file, study, heights, options, executor, work)
                 loop = StepLoop(
                     study,
                     executor,
                     writer,
                     progress,
-                    surface=given.surface if given else None,
-                    resume=how.out if how.resume else None,
+                    surface=heights.surface if heights else None,
+                    resume=options.out if options.resume else None,
                 )
-            if how.out and work:
-                loop.checkpoint_in(how.out, work)
-            loop.run(how.callback)
+            if options.out and work:
+                loop.checkpoint_in(options.out, work)
+            loop.run(options.callback)
             result = Result(file)
             result.study = study  # as it is in the file
             result.at_hand = writer.at_hand
@@ -228,16 +233,16 @@ def _compute(
                 painter.order(result.plot, but=process.LATE)
             with phase("write"):
                 writer.flush()
-        if work and how.out:
+        if work and options.out:
             with phase("write"):
                 result.close()
                 with sealing(work / FILE_NAME, MAGIC), Result.open_sealed(work / FILE_NAME) as before:
                     before.study, before.at_hand = study, writer.at_hand
                     before.take_over(result)
-                    _leave(before, loop, work if how.whole else None, painter)
-                run_folder.move_into_place(work, how.out)
+                    _leave(before, loop, work if options.whole else None, painter)
+                run_folder.move_into_place(work, options.out)
                 loop.end_checkpoints()
-                result = Result.open_sealed(how.out / FILE_NAME)
+                result = Result.open_sealed(options.out / FILE_NAME)
                 result.take_over(before)
                 if not result.owns_surface:  # which lies elsewhere now
                     result.study = study
@@ -250,19 +255,19 @@ def _compute(
 def _writer_of(
     file: h5py.File,
     study: Study,
-    given: GivenSurface | None,
-    how: How,
+    heights: ArraySurface | None,
+    options: RunOptions,
     executor: Executor,
     work: Path | None,
 ) -> ResultWriter:
     """The writer of the result's file, with the heights that were given beside it."""
-    if work and given:
-        given.save(work)
-    device, snapshots = str(executor.device), how.keeps_snapshots(study)
+    if work and heights:
+        heights.save(work)
+    device, snapshots = str(executor.device), options.keeps_snapshots(study)
     writer = ResultWriter(
         file, study, study.cells, device=device, threads=executor.threads, snapshots=snapshots
     )
-    if how.out and study.disc.surface == str(how.out.resolve() / SURFACE_FILE):
+    if options.out and study.disc.surface == str(options.out.resolve() / SURFACE_FILE):
         file.attrs[OWN_SURFACE] = True
     return writer
 
@@ -277,24 +282,24 @@ def _leave(result: Result, loop: StepLoop, work: Path | None, painter: "Painter 
             painter.order_page(manifest.PAGE, pages.content_of(result, result.plot), pages.MAKER)
 
 
-def _draw(result: Result, at_hand: dict[int, Snapshot], how: How, painter: "Painter") -> None:
+def _draw(result: Result, at_hand: dict[int, Snapshot], options: RunOptions, painter: "Painter") -> None:
     """Write the figures and the page, those of the painter and those that it left."""
-    assert how.out is not None
+    assert options.out is not None
     with phase("draw"):
         result.at_hand = at_hand
         drawn = painter.pictures()
-        paths = result.plot.save_all(how.out / manifest.FIGURES, plots=how.plots, drawn=drawn)
-        if how.whole:
+        paths = result.plot.save_all(options.out / manifest.FIGURES, plots=options.plots, drawn=drawn)
+        if options.whole:
             page = drawn.get(manifest.PAGE) or _page_of(result, paths)
-            pages.write_page(how.out, page)
+            pages.write_page(options.out, page)
         result.at_hand = {}
 
 
 def _page_of(result: Result, paths: list[Path]) -> bytes:
     """Make the page of a run whose figures are drawn. paths: of these."""
     content = pages.content_of(result, result.plot)
-    shown = pages.statics(content)
-    page: bytes = pages.made_here(content, {p.stem: p.read_bytes() for p in paths if p.stem in shown})
+    names = pages.statics(content)
+    page: bytes = pages.made_here(content, {p.stem: p.read_bytes() for p in paths if p.stem in names})
     return page
 
 
@@ -319,27 +324,27 @@ def steps(
     >>> [round(step.row["distance"], 5) for step in warpwear.steps(study)]
     [0.003, 0.00606, 0.00918, 0.01]
     """
-    study, given = _prepare(study, surface, None)
+    study, heights = _prepare(study, surface, None)
     with (
         report_out_of_memory(study.cells),
         executor_of(study, device=device, threads=threads) as executor,
         _log_to(None),
     ):
         progress = Progress(study, quiet=True)
-        loop = StepLoop(study, executor, None, progress, surface=given.surface if given else None)
+        loop = StepLoop(study, executor, None, progress, surface=heights.surface if heights else None)
         yield from loop.steps()
 
 
 def _prepare(
     study: Study | str | Path, surface: ArrayLike | Surface | None, folder: Path | None
-) -> tuple[Study, GivenSurface | None]:
+) -> tuple[Study, ArraySurface | None]:
     """The study, and the heights given for its disc if there are any."""
     if not isinstance(study, Study):
         study = Study.load(study)
     if surface is None:
         return study, None
-    given = take_surface(study, surface, folder)
-    return given.study, given
+    heights = take_surface(study, surface, folder)
+    return heights.study, heights
 
 
 @contextmanager

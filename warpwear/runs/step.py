@@ -12,7 +12,6 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import UNITS, columns_of
 from warpwear.history.rows import Named
 from warpwear.history.snapshot import Snapshot
-from warpwear.laws import friction
 from warpwear.study.study import Study
 
 
@@ -38,12 +37,11 @@ class RunStep:
         """
         names = [column.name for column in columns_of(self._study)]
         row = Named((name, self._booked.get(name, np.nan)) for name in names)
-        law = self._study.friction
-        if law.shear_strength is not None:
+        study = self._study
+        if study.friction.shear_strength is not None:
             history = {name: np.array([value]) for name, value in row.items()}
-            row["cof"] = float(
-                friction.coefficient(law, history, load=self._study.contact.load, finished=False)[0]
-            )
+            cof = study.friction.law.coefficient(history, load=study.contact.load, finished=False)
+            row["cof"] = float(cof[0])
         return row
 
     @property
@@ -61,13 +59,13 @@ class RunStep:
 
         Raises InputError when a later step has been made: the fields are then of that one.
         """
-        found = self._fields()
-        if found is None:
+        snapshot = self._fields()
+        if snapshot is None:
             raise InputError(
                 f"step {self.index} is over: its fields are there until the next one is made; take "
                 "snapshot() before."
             )
-        return deepcopy(found)  # on a CPU a model gives views of what it works on
+        return deepcopy(snapshot)  # on a CPU a model gives views of what it works on
 
     def __repr__(self) -> str:
         distance, area = self._booked["distance"], self._booked["area_contact"]

@@ -18,6 +18,8 @@ file_key = partial(key, applies=ROUGH + FROM_A_FILE)
 
 
 class Body(Section):
+    """A body has constants of its material, each given or that of a known material."""
+
     material: Annotated[str, AfterValidator(lambda name: material(name).name)] | None = key(
         None, "name of a known material (see 'warpwear materials'), for constants that are not given"
     )
@@ -37,17 +39,13 @@ class Sphere(Body):
     """The section [sphere] says how large the ball is and what it is made of."""
 
     radius: Annotated[float, Quantity("mm", Range(infinite=True))] | None = key(
-        None, "radius; 'inf mm' is a rigid flat", one_of="size"
+        None, "radius; 'inf mm' is a rigid flat", one_of="size", must_be_said=True
     )
     diameter: Length | None = key(None, "diameter, instead of the radius", one_of="size")
 
-    def _check(self) -> None:
-        if (self.radius is None) == (self.diameter is None):
-            raise ValueError("sphere.radius or sphere.diameter must be given, and not both")
-
     @property
     def curvature(self) -> float:
-        """1/R [1/mm], 0 for a flat."""
+        """Curvature [1/mm]: 1/R, which is 0 for a flat."""
         if self.radius is not None:
             return 1.0 / self.radius
         assert self.diameter is not None
@@ -58,7 +56,7 @@ class Synthetic(Section):
     """The section [disc.synthetic] says how the disc's surface is made."""
 
     kind: Literal["self-affine", "milled", "flat"] = key(..., "which surface")
-    ra: Length | None = random_key(None, "arithmetic mean height Ra", one_of="height")
+    ra: Length | None = random_key(None, "arithmetic mean height Ra", one_of="height", must_be_said=True)
     sq: Length | None = random_key(None, "root mean square height Sq, instead of Ra", one_of="height")
     hurst: Annotated[float, Number(Range(most=1.0))] = random_key(
         0.8, "Hurst exponent", assumed="typical of machined steel"
@@ -79,10 +77,6 @@ class Synthetic(Section):
         "90 deg", "milled: angle between feed marks and sliding", assumed="sliding across the marks"
     )
 
-    def _check(self) -> None:
-        if self.kind != "flat" and (self.ra is None) == (self.sq is None):
-            raise ValueError("disc.synthetic.ra or disc.synthetic.sq must be given, and not both")
-
 
 def _pixel(value: Any) -> Any:
     value = one_by_one(value)
@@ -100,7 +94,11 @@ class Disc(Body):
     """The section [disc] says what the disc is made of and which surface it has."""
 
     surface: str | None = key(
-        None, "file of a measured surface, relative to the study", applies=ROUGH, one_of="surface"
+        None,
+        "file of a measured surface, relative to the study",
+        applies=ROUGH,
+        one_of="surface",
+        must_be_said=True,
     )
     synthetic: Synthetic | None = key(None, "a synthetic surface instead", applies=ROUGH, one_of="surface")
     extend: Literal["refuse", "mirror", "periodic"] = file_key(
@@ -130,7 +128,3 @@ class Disc(Body):
         None, "unit of the file's heights, needed by .npy; overrides what a file says"
     )
     array: str | None = file_key(None, "which array of a .npz, or measurement of a .zip, by name or number")
-
-    def _check(self) -> None:
-        if self.surface is not None and self.synthetic is not None:
-            raise ValueError("disc.surface (a file) and [disc.synthetic] exclude each other")

@@ -1,14 +1,29 @@
 """[contact], [wear], [friction] and [junctions]: the laws of what touches."""
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from numbers import Real
+from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, PlainSerializer, PlainValidator
 
+from warpwear.laws.archard import BODIES, COEFFICIENTS, WEAR_LAWS, WearLaw
 from warpwear.laws.elastic import MATCHES
-from warpwear.study.keys import Length, Pressure, Section, key, when
+from warpwear.laws.friction import KEYS, FrictionLaw
+from warpwear.study.keys import (
+    Demand,
+    Length,
+    Pressure,
+    Section,
+    excludes,
+    key,
+    needs,
+    needs_compliance,
+    when,
+)
 from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, Range, parse, text
 
 #: K_N plays a part in the macro model, and in the two-scale model where it is the bulk behind the patches.
@@ -27,10 +42,45 @@ AT_REST = when(
     otherwise="does not apply to sliding.kinematics = '{}', where a cell slides while the contact is over it",
 )
 FITTED = when("friction.shear_strength", None, otherwise="does not apply with a friction.shear_strength")
-fitted_key = partial(key, applies=FITTED, one_of="strength: measured")
 SHEDS = when("wear.sheds", otherwise="does not apply without a wear.particle: all wear leaves at once")
 shed_key = partial(key, applies=SHEDS)
 running_in_key = partial(key, applies=when("wear.law", "running-in"))
+UNCHANGED: Mapping[str, Any] = MappingProxyType({})
+#: The sentence's words for what E* follows from.
+ELASTIC = (
+    "Young's modulus and Poisson's ratio of both bodies: sphere.material or sphere.young and sphere.poisson, "
+    "and the same of the disc"
+)
+#: The sentence's end where a stiffness is allowed instead.
+A_STIFFNESS = "; or a stiffness such as '2e6 N/mm^3'"
+THICKNESS = (
+    "wear.particle_thickness, such as '0.6 um': measure it as 4 times Sq of a worn patch, its form removed, "
+    "or on flakes in the SEM"
+)
+CRITICAL = (
+    "junctions.surface_energy, such as '2 J/m^2', and of the softer body Young's modulus, Poisson's ratio "
+    "and hardness; or give a diameter, such as '20 um'"
+)
+IN_ONE_PROPORTION = ", which keeps what sphere and disc wear in one proportion"
+
+
+def no_cell_by_cell(why: str, of: tuple[str, ...] = ()) -> tuple[Demand, ...]:
+    """Return the demand that neither a film nor growing junctions give each cell its own shear strength."""
+    return excludes("friction.film", of=of, why=why) + excludes("friction.junction_growth", of=of, why=why)
+
+
+fitted_key = partial(
+    key,
+    applies=FITTED,
+    one_of="strength: measured",
+    demands=no_cell_by_cell(", which needs friction.shear_strength itself"),
+)
+BARE_STRENGTH = needs(
+    "friction.shear_strength",
+    what="friction.shear_strength, the interfacial shear strength of bare metal, such as '172 MPa'",
+)
+NO_BEARING_CURVE = excludes("wear.law", "bearing-curve", why=", where a share of a cell touches")
+NOT_CONTACT = ("touched", "cumulative", "nominal")
 
 
 class Contact(Section):
@@ -40,12 +90,16 @@ class Contact(Section):
     hardness: Annotated[float, Quantity("MPa", Range(infinite=True), hardness=True)] | None = key(
         None,
         "largest pressure of a cell, inf for no limit; by default the softer body's, in the macro model none",
+        demands=needs_compliance(math.inf),
     )
     law: Literal["local", "half-space"] = key(
         "local",
         "under a largest pressure; local: every cell by itself; half-space: elastic bodies, whose "
         "asperities feel each other",
         former_value=("foundation", "local"),
+        demands=needs("study.model", "micro", "two-scale", of="half-space")
+        + needs("effective_modulus", of="half-space", what=ELASTIC)
+        + needs("stepping.scheme", "implicit", of="half-space"),
     )
     boundary: Literal["free", "periodic"] | None = key(
         None,
@@ -70,12 +124,15 @@ class Contact(Section):
         assumed="one spring constant matches one of Hertz's three values",
         applies=BULK,
         formerly="contact.foundation",
+        demands=needs("sphere.curvature", of=tuple(MATCHES), what="a sphere", why=A_STIFFNESS)
+        + needs("effective_modulus", of=tuple(MATCHES), what=ELASTIC, why=A_STIFFNESS),
     )
     bulk_update: Literal["initial", "updated"] = key(
         "initial",
         "K_N = C_W E*/a with Hertz's a for ever, or with that of the area in contact (two-scale: scar)",
         applies=BULK,
         formerly="contact.foundation_update",
+        demands=needs("contact.bulk_stiffness", *MATCHES, of="updated"),
     )
 
 
@@ -90,12 +147,12 @@ class ArchardCoefficient:
     dimensionless: bool = False
 
     @classmethod
-    def read(cls, given: Any) -> Self:
+    def read(cls, quantity: Any) -> Self:
         """Return the coefficient of a quantity, or of a bare number. Raises ValueError."""
-        if isinstance(given, cls):
-            return given
-        bare = isinstance(given, Real) and not isinstance(given, bool)
-        value = Number(cls.range).read(given) if bare else parse(given, cls.unit)
+        if isinstance(quantity, cls):
+            return quantity
+        bare = isinstance(quantity, Real) and not isinstance(quantity, bool)
+        value = Number(cls.range).read(quantity) if bare else parse(quantity, cls.unit)
         return cls(cls.range.check(value), bare)
 
     def write(self) -> str | float:
@@ -126,7 +183,14 @@ class Wear(Section):
         "k = K H, with contact.hardness or else the softer body's for both bodies",
     )
     law: Literal["archard", "exponential", "running-in", "bearing-curve"] = key(
-        "archard", "depth = K × pressure × distance, K constant or by an empirical law of the distance slid"
+        "archard",
+        "depth = K × pressure × distance, K constant or by an empirical law of the distance slid",
+        demands=needs("wear.decay", of="exponential")
+        + needs("wear.running_in", of="running-in")
+        + needs("wear.starts_apart", of="running-in", what="wear.initial_sphere or wear.initial_disc")
+        + needs("study.model", "macro", of="bearing-curve", why=": the other models resolve the roughness")
+        + needs("stepping.scheme", "implicit", of="bearing-curve")
+        + excludes("study.model", "two-scale", of="running-in", why=IN_ONE_PROPORTION),
     )
     decay: Annotated[float, Quantity("1/mm")] | None = key(
         None,
@@ -144,11 +208,17 @@ class Wear(Section):
         "none",
         "shorter sliding distance of disc cells beside the middle, √(1 − d²/R²): d across or radial",
         applies=AT_REST,
+        demands=excludes("study.model", "two-scale", of=("across", "radial"), why=IN_ONE_PROPORTION)
+        + excludes("contact.law", "half-space", of=("across", "radial"))
+        + excludes("wear.particle", of=("across", "radial")),
     )
     particle: Annotated[float | Literal["critical"], Quantity("mm", words=("critical",))] | None = key(
         None,
         "diameter d* of the pieces in which worn volume leaves; critical: that of thesis eq 2.3, see "
         "[junctions]; if not given, it leaves at once, as dust",
+        demands=needs("wear.particle_thickness", what=THICKNESS)
+        + needs("study.model", "micro", why=": patches would cut pieces, and smooth bodies have none")
+        + needs("critical_junction", of="critical", what=CRITICAL),
     )
     particle_thickness: Length | None = shed_key(
         None,
@@ -173,18 +243,27 @@ class Wear(Section):
         """True where worn volume leaves in pieces."""
         return self.particle is not None
 
-    def _check(self) -> None:
-        if self.sheds and self.particle_thickness is None:
-            raise ValueError(
-                "wear.particle needs wear.particle_thickness, such as '0.6 um': measure it as 4 times Sq of "
-                "a worn patch, its form removed, or on flakes in the SEM"
-            )
-        if self.law == "exponential" and self.decay is None:
-            raise ValueError("wear.law = 'exponential' needs wear.decay, such as '0.1 1/m'")
-        if self.law == "running-in" and self.running_in is None:
-            raise ValueError("wear.law = 'running-in' needs wear.running_in, a length such as '100 mm'")
-        if self.law == "running-in" and self.initial_sphere is None and self.initial_disc is None:
-            raise ValueError("wear.law = 'running-in' needs wear.initial_sphere or wear.initial_disc")
+    def laws(self, hardness: float, values: Mapping[str, Any] = UNCHANGED) -> tuple[WearLaw, WearLaw]:
+        """Return the laws of sphere and disc. hardness: H of V = k F L / H [MPa].
+
+        values: dotted keys -> numbers, or arrays of them, in the keys' units, that replace the section's.
+        """
+
+        def number(key: str) -> Any:
+            value = values.get(f"wear.{key}")
+            if value is None:
+                value = getattr(self, key)
+            elif key in COEFFICIENTS:
+                value = ArchardCoefficient(value)
+            return value.resolved(hardness) if isinstance(value, ArchardCoefficient) else value
+
+        sphere, disc = (WEAR_LAWS[self.law].of(body, number) for body in BODIES)
+        return sphere, disc
+
+    @property
+    def starts_apart(self) -> bool:
+        """True where a body runs in, from a coefficient of its own."""
+        return self.initial_sphere is not None or self.initial_disc is not None
 
 
 class FilmSection(Section):
@@ -218,20 +297,42 @@ class Friction(Section):
         0.0, "part μ_p of the coefficient that does not shear"
     )
     initial_ratio: Annotated[float, Number(Range(or_equal=True, most=1000.0))] | None = key(
-        None, "running-in: τ at the start over τ0, with τ0 (1 + (ratio − 1) e^(−L/L_τ)); an empirical fit"
+        None,
+        "running-in: τ at the start over τ0, with τ0 (1 + (ratio − 1) e^(−L/L_τ)); an empirical fit",
+        demands=needs("friction.running_in")
+        + no_cell_by_cell(": a shear strength that runs in by a fit would be counted twice"),
     )
-    running_in: Length | None = key(None, "running-in: L_τ of the shear strength")
-    area: Literal["contact", "touched", "cumulative", "nominal"] = key("contact", "area that shears")
+    running_in: Length | None = key(
+        None, "running-in: L_τ of the shear strength", demands=needs("friction.initial_ratio")
+    )
+    area: Literal["contact", "touched", "cumulative", "nominal"] = key(
+        "contact",
+        "area that shears",
+        demands=no_cell_by_cell(", which shears the cells in contact", of=NOT_CONTACT),
+    )
     junction_growth: Annotated[float, Number(Range(or_equal=True, most=100.0))] = key(
         0.0,
         "α of the cap √(H² − α τ²) of a cell under shear: junctions grow (Tabor: 9 to 27); 0 is none",
+        demands=BARE_STRENGTH
+        + NO_BEARING_CURVE
+        + needs("caps_pressure", what="a finite contact.hardness", why=", which it lowers"),
     )
-    film: FilmSection | None = key(None, "a film that wear breaks")
+    film: FilmSection | None = key(None, "a film that wear breaks", demands=BARE_STRENGTH + NO_BEARING_CURVE)
 
     @property
     def fitted(self) -> Literal["end", "initial"] | None:
         """Where the coefficient is an input, to which τ0 is fitted; None where τ0 is given."""
         return self.calibrate if self.shear_strength is None else None
+
+    def law_with(self, values: Mapping[str, Any] = UNCHANGED) -> FrictionLaw:
+        """Return the law of friction. values: as of `Wear.laws`."""
+        own = {key: value_in(self, key) for key in KEYS}
+        return FrictionLaw({key: values.get(f"friction.{key}", value) for key, value in own.items()})
+
+    @property
+    def law(self) -> FrictionLaw:
+        """The law by which a run's friction follows from its history."""
+        return self.law_with()
 
     @property
     def limit(self) -> str:
@@ -239,44 +340,18 @@ class Friction(Section):
         return "H/√α" if self.junction_growth else "H/(3√3)"
 
     def _check(self) -> None:
-        measured = {"coefficient", "calibrate"} & self.model_fields_set
-        self._check_film(measured)
-        if self.shear_strength is not None and measured:
-            raise ValueError(f"friction.shear_strength and friction.{max(measured)} exclude each other")
-        if (self.initial_ratio is None) != (self.running_in is None):
-            raise ValueError("friction.initial_ratio and friction.running_in need each other")
         if self.shear_strength is None and self.coefficient <= self.ploughing:
             raise ValueError(
                 f"friction.coefficient = {self.coefficient:g} must exceed friction.ploughing = "
                 f"{self.ploughing:g}"
             )
 
-    def _check_film(self, measured: set[str]) -> None:
-        """Refuse what neither a film nor growing junctions can go with: both need the τ of every cell."""
-        if self.film is None and self.junction_growth == 0.0:
-            return
-        growth = f"friction.junction_growth = {self.junction_growth:g}"
-        named = growth if self.film is None else "[friction.film]"
-        for name in sorted(measured):
-            raise ValueError(
-                f"friction.{name} = {getattr(self, name)!r} does not go with {named}, which needs the shear "
-                "strengths themselves: allowed is friction.shear_strength"
-            )
-        if self.shear_strength is None:
-            raise ValueError(
-                f"{named} needs friction.shear_strength, the interfacial shear strength of bare metal, such "
-                "as '172 MPa'"
-            )
-        if self.initial_ratio is not None:
-            raise ValueError(
-                f"friction.initial_ratio = {self.initial_ratio:g} does not go with {named}: a shear strength "
-                "that runs in by a fit would be counted twice; allowed is none"
-            )
-        if self.area != "contact":
-            raise ValueError(
-                f"friction.area = '{self.area}' does not go with {named}, which shears the cells in contact: "
-                "allowed is 'contact'"
-            )
+
+def value_in(section: Any, key: str) -> Any:
+    """Return the value of a dotted key of a study or a section; None where a section is not there."""
+    for name in key.split("."):
+        section = getattr(section, name, None)
+    return section
 
 
 class Junctions(Section):

@@ -15,7 +15,7 @@ from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
 from warpwear.laws.track import Track
 from warpwear.study.bodies import Disc, Sphere
-from warpwear.study.contact import ArchardCoefficient, Contact, Friction, Junctions, Wear
+from warpwear.study.contact import Contact, Friction, Junctions, Wear
 from warpwear.study.keys import Section, key, value_of, when
 from warpwear.study.motion import GridSection, Sliding, Stepping
 from warpwear.study.settings import About, Checks, Output, PatchesSection, Run
@@ -116,8 +116,8 @@ class Content(Section):
         """H of a cell without shear [MPa]: contact.hardness, or for rough cells the softer body's."""
         if self.contact.hardness is not None:
             return self.contact.hardness
-        found = None if self.study.model == "macro" else self.softer_hardness
-        return math.inf if found is None else found
+        hardness = None if self.study.model == "macro" else self.softer_hardness
+        return math.inf if hardness is None else hardness
 
     @property
     def caps(self) -> tuple[float, float]:
@@ -135,7 +135,7 @@ class Content(Section):
 
     @property
     def film(self) -> Film | None:
-        """The film on the bodies, None without one."""
+        """The film that the bodies have; None without one."""
         film, hardness = self.friction.film, self.hardness
         if film is None:
             return None
@@ -158,14 +158,14 @@ class Content(Section):
 
     @property
     def resolved(self) -> dict[str, str]:
-        """Dotted names of keys that were left open -> what they come to under the choices made, as text."""
-        found = {
+        """Map the keys that were left open to what they come to under the choices made, as text."""
+        resolved = {
             "contact.hardness": text(self.indentation_hardness, "MPa"),
             "contact.boundary": self.boundary,
             "patches.width": text(self.patches.patch_width, "mm"),
         }
         values = self.model_dump()
-        return {name: value for name, value in found.items() if value_of(values, name) is None}
+        return {name: value for name, value in resolved.items() if value_of(values, name) is None}
 
     @property
     def hertz(self) -> Hertz | None:
@@ -297,34 +297,28 @@ class Content(Section):
     @property
     def wear_laws(self) -> tuple[WearLaw, WearLaw]:
         """The laws by which sphere and disc wear."""
-        wear, given = self.wear, self.contact.hardness
-        hardness = (self.softer_hardness or math.inf) if given is None else given
+        return self.wear.laws(self.wear_hardness)
 
-        def of(steady: ArchardCoefficient, initial: ArchardCoefficient | None) -> WearLaw:
-            known = steady.resolved(hardness)
-            if wear.law == "exponential":
-                return WearLaw(known, decay=wear.decay)
-            if wear.law == "running-in":
-                at_first = initial.resolved(hardness) if initial else known
-                return WearLaw(known, initial=at_first, running_in=wear.running_in)
-            return WearLaw(known)
-
-        return of(wear.sphere, wear.initial_sphere), of(wear.disc, wear.initial_disc)
+    @property
+    def wear_hardness(self) -> float:
+        """H of V = k F L / H [MPa]: contact.hardness, or the softer body's."""
+        limit = self.contact.hardness
+        return (self.softer_hardness or math.inf) if limit is None else limit
 
     @property
     def cells(self) -> Grid:
-        """The grid of cells."""
+        """The grid of cells that the study asks for."""
         n = round(self.grid.extent / self.grid.cell)
         return Grid(n, n, self.grid.cell)
 
     @property
     def snapshot_distances(self) -> tuple[float, ...]:
         """Sliding distances [mm] that fields are kept at, or where the next step ends, beside the end."""
-        asked = self.output.snapshots
-        return tuple(part * self.sliding.total for part in SNAPSHOTS) if asked == "auto" else asked
+        snapshots = self.output.snapshots
+        return tuple(part * self.sliding.total for part in SNAPSHOTS) if snapshots == "auto" else snapshots
 
     @property
     def load_tolerance(self) -> float:
         """Load that a bearing area may leave unbalanced [N], by default what one cell carries, H h²."""
-        asked = self.stepping.load_tolerance
-        return self.hardness * self.cells.cell_area if asked == "one cell" else float(asked)
+        tolerance = self.stepping.load_tolerance
+        return self.hardness * self.cells.cell_area if tolerance == "one cell" else float(tolerance)

@@ -6,17 +6,18 @@ repeat. Keys that are not used under the choices made are ignored with a notice 
 one key can change a kind.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from functools import cache
+from functools import cache, partial
+from itertools import chain
 from types import MappingProxyType
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
 
-from warpwear.study.units import NOT_NEGATIVE, Quantity
+from warpwear.study.units import EXAMPLES, NOT_NEGATIVE, Quantity
 
 Length = Annotated[float, Quantity("mm")]
 LengthOrZero = Annotated[float, Quantity("mm", NOT_NEGATIVE)]
@@ -34,9 +35,7 @@ class Rule:
 
     def why_not(self, study: BaseModel) -> str | None:
         """Return the end of the sentence about a key that the study does not use; None where it may."""
-        value: Any = study
-        for part in self.name.split("."):
-            value = getattr(value, part, None)
+        value = attribute_of(study, self.name)
         return None if value in self.values else self.otherwise.format(value)
 
 
@@ -50,6 +49,113 @@ def when(name: str, *values: Any, otherwise: str | None = None) -> tuple[Rule, .
 
 
 @dataclass(frozen=True)
+class Demand:
+    """One thing that a key needs of another one, or cannot stand beside; see `needs` and `excludes`."""
+
+    name: str  # dotted key of a study, or a property of its content or of a section
+    values: tuple[Any, ...]  # of that, which are needed or excluded; none: whatever says something
+    of: tuple[Any, ...]  # values of the key that demand it; none: whatever is given and says something
+    what: str  # is needed, in words; by default the name and its values
+    why: str  # end of the sentence, with its comma or colon
+    excludes: bool
+
+    def refusal(self, study: BaseModel, key: str) -> str | None:
+        """Return the sentence about a study that does not meet the demand of a key; None where it does."""
+        demanding = attribute_of(study, key)
+        if demanding not in self.of if self.of else not (demanding and _is_given(study, key)):
+            return None
+        value, other = attribute_of(study, self.name), declarations(type(study)).get(self.name)
+        if self.excludes and other and other.why_not(study):
+            value = None
+        if (value in self.values if self.values else bool(value)) != self.excludes:
+            return None
+        if self.excludes:
+            allowed = _allowed(study, key, self.of) if self.of else "none"
+            if self.values and not self.of:
+                allowed = f"{self.name} = {_allowed(study, self.name, self.values)}"
+            beside = f"{_named(study, self.name)}{self.why}"
+            return f"{_named(study, key)} does not go with {beside}; allowed is {allowed}"
+        what = self.what or _example(self.name, other.field if other else None)
+        if self.values and not self.what:
+            what = f"{self.name} = {_one_of(self.values)}, not {_shown(study, self.name)}"
+        return f"{_named(study, key)} needs {what}{self.why}"
+
+
+def attribute_of(study: BaseModel, name: str) -> Any:
+    """Return the value of a dotted key or property; None where it, or its section, is not there."""
+    value: Any = study
+    for part in name.split("."):
+        value = getattr(value, part, None)
+    return value
+
+
+def _is_given(study: BaseModel, name: str) -> bool:
+    """Tell whether a key or section was given, and not left to its default."""
+    section, _, last = name.rpartition(".")
+    return last in attribute_of(study, section).model_fields_set and attribute_of(study, name) is not None
+
+
+def _named(study: BaseModel, name: str) -> str:
+    """Return a key with its value as a sentence names it, or a section in brackets."""
+    value = attribute_of(study, name)
+    return f"[{name}]" if isinstance(value, BaseModel) else f"{name} = {_shown(study, name)}"
+
+
+def _shown(study: BaseModel, name: str) -> str:
+    """Return the value of a key as a sentence shows it: words in quotes, numbers with their unit."""
+    value = attribute_of(study, name)
+    if isinstance(value, str):
+        return f"'{value}'"
+    number, _, unit = str(value_of(study.model_dump(), name)).partition(" ")
+    return f"{float(number):g} {unit}".rstrip()
+
+
+def _example(name: str, field: FieldInfo | None) -> str:
+    """Return the name of a key, followed by an example of it where it is a quantity."""
+    metadata = (
+        [value.__metadata__ for value in get_args(field.annotation) if hasattr(value, "__metadata__")]
+        if field
+        else []
+    )
+    units = [part.unit for part in chain(*metadata) if isinstance(part, Quantity)]
+    return f"{name}, {EXAMPLES[units[0]]}" if units else name
+
+
+def _one_of(values: Iterable[Any]) -> str:
+    """Return values as a list in a sentence: 'a', 'b' or 'c'."""
+    *first, last = (f"'{value}'" for value in values)
+    return f"{', '.join(first)} or {last}" if first else last
+
+
+def _allowed(study: BaseModel, name: str, barred: tuple[Any, ...]) -> str:
+    """Return the values of a key that are left where some are barred."""
+    field = declarations(type(study))[name].field
+    assert field is not None
+    return _one_of(value for value in get_args(field.annotation) if value not in barred)
+
+
+def needs(
+    name: str, *values: Any, of: Any = (), what: str = "", why: str = "", excluded: bool = False
+) -> tuple[Demand, ...]:
+    """Return the demand that `name` has one of the values, or says something at all, beside a key.
+
+    of: value of the key, or a tuple of them, that demands it; by default any that is given. what: what is
+    needed, in words, by default the name and the values. why: end of the sentence. Demands add up.
+    """
+    return (Demand(name, values, of if isinstance(of, tuple) else (of,), what, why, excluded),)
+
+
+def needs_compliance(of: Any, what: str = "compliance") -> tuple[Demand, ...]:
+    """Return the demand that contacts yield, for values of a key. what: has the compliance, in words."""
+    what += ": a finite contact.stiffness, or wear with stepping.scheme = 'implicit'"
+    return needs("uses_bearing_area", False, of=of, what=what)
+
+
+#: As `needs`: the demand that `name` has none of the values, or says nothing at all, beside a key.
+excludes = partial(needs, excluded=True)
+
+
+@dataclass(frozen=True)
 class Declared:
     """A key declares this beside its type, default and meaning."""
 
@@ -58,8 +164,12 @@ class Declared:
     #: When the key is used; the first rule that does not hold says why it is not. Those of a section hold for
     #: its keys too.
     applies: tuple[Rule, ...] = ()
+    #: What the key demands of others where it is used.
+    demands: tuple[Demand, ...] = ()
     #: "THING" that keys of the section say in different ways; "THING: WAY" where some say it together.
-    one_of: str | None = None
+    one_of: str = ""
+    #: Whether the thing that the key says must be said, by this one or by another.
+    must_be_said: bool = False
     #: Dotted name before the key was renamed.
     formerly: str | None = None
     #: Old and new name of a value.
@@ -72,6 +182,10 @@ class Declared:
         if self.assumed is not None:
             schema["assumed"] = self.assumed
 
+    def why_not(self, study: BaseModel) -> str | None:
+        """Return the end of the sentence about the key where the study does not use it; None where it may."""
+        return next((why for rule in self.applies if (why := rule.why_not(study))), None)
+
 
 def key(default: Any = ..., meaning: str = "", **declared: Any) -> Any:
     """Declare a key of a section, with all that is known of it. declared: see the fields of `Declared`."""
@@ -79,10 +193,7 @@ def key(default: Any = ..., meaning: str = "", **declared: Any) -> Any:
 
 
 class Section(BaseModel):
-    """A section is frozen and takes no key that is not declared; `_check` says whether its keys agree.
-
-    Copies and pickles hold its keys alone: what a `cached_property` keeps would be stale in a changed copy.
-    """
+    """A section is frozen and takes no key that is not declared; `_check` says whether its numbers agree."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
 
@@ -93,23 +204,6 @@ class Section(BaseModel):
 
     def _check(self) -> None:
         """Refuse keys that do not go together: raises ValueError with one sentence."""
-
-    def __getstate__(self) -> dict[Any, Any]:
-        return super().__getstate__() | {"__dict__": self._keys_of(self)}
-
-    def __copy__(self) -> Self:
-        copied = super().__copy__()
-        object.__setattr__(copied, "__dict__", self._keys_of(copied))
-        return copied
-
-    def __deepcopy__(self, memo: dict[int, Any] | None = None) -> Self:
-        copied = super().__deepcopy__(memo)
-        object.__setattr__(copied, "__dict__", self._keys_of(copied))
-        return copied
-
-    @staticmethod
-    def _keys_of(section: BaseModel) -> dict[str, Any]:
-        return {name: value for name, value in vars(section).items() if name in type(section).model_fields}
 
 
 #: Most letters of a name that a message repeats.
@@ -128,8 +222,8 @@ def no_such_key(model: type[BaseModel], name: str, *, now: str = "") -> str:
     near = [key for key, (_, _, end) in parts.items() if end == last]
     near += [siblings[end] for end in get_close_matches(last, siblings, n=1)]
     hint = f"did you mean '{near[0]}'?" if near else f"allowed are {', '.join(siblings.values())}."
-    shown = name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}…"
-    return f"'{shown}' is no key of a study; {hint}"
+    short = name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}…"
+    return f"'{short}' is no key of a study; {hint}"
 
 
 def key_of(model: type[BaseModel], name: str) -> FieldInfo | None:
@@ -146,44 +240,72 @@ def section_in(annotation: Any) -> type[BaseModel] | None:
 
 def given_keys(section: BaseModel, prefix: str = "") -> set[str]:
     """Return the dotted names of the keys that were given, not left to their defaults."""
-    found = set()
+    names = set()
     for name in section.model_fields_set:
         value = getattr(section, name)
-        found |= given_keys(value, f"{prefix}{name}.") if isinstance(value, BaseModel) else {prefix + name}
-    return found
+        names |= given_keys(value, f"{prefix}{name}.") if isinstance(value, BaseModel) else {prefix + name}
+    return names
 
 
 @cache
 def declarations(model: type[BaseModel], prefix: str = "") -> Mapping[str, Declared]:
     """Map dotted names of keys and sections to what they declare, with the rules of sections above them."""
-    found: dict[str, Declared] = {}
+    keys: dict[str, Declared] = {}
     for name, info in model.model_fields.items():
         extra = info.json_schema_extra
         declared = replace(extra if isinstance(extra, Declared) else Declared(), field=info)
-        found[prefix + name] = declared
+        keys[prefix + name] = declared
         section = section_in(info.annotation)
         if section is not None:
             for below, of_key in declarations(section, f"{prefix}{name}.").items():
-                found[below] = replace(of_key, applies=(*declared.applies, *of_key.applies))
-    return MappingProxyType(found)
+                keys[below] = replace(of_key, applies=(*declared.applies, *of_key.applies))
+    return MappingProxyType(keys)
 
 
 def inapplicable(study: BaseModel) -> dict[str, str]:
     """Map keys that nothing uses under the choices made to the end of a sentence that says why."""
-    found = {}
-    for name, declared in declarations(type(study)).items():
-        reasons = [why for rule in declared.applies if (why := rule.why_not(study))]
-        if reasons:
-            found[name] = reasons[0]
-    return found
+    keys = declarations(type(study)).items()
+    return {name: why for name, declared in keys if (why := declared.why_not(study))}
+
+
+def check_keys(study: BaseModel) -> None:
+    """Refuse keys that do not go together by their declarations: raises ValueError with one sentence.
+
+    What keys of sections demand of each other comes first: what follows from the study builds on it.
+    """
+    _check_choices(study)
+    demands = [
+        (demand, name, declared)
+        for name, declared in declarations(type(study)).items()
+        for demand in declared.demands
+    ]
+    for demand, name, declared in sorted(demands, key=lambda entry: "." not in entry[0].name):
+        if not declared.why_not(study) and (refusal := demand.refusal(study, name)):
+            raise ValueError(refusal)
+
+
+def _check_choices(study: BaseModel) -> None:
+    """Refuse what is said in two ways, and what must be said and is not: raises ValueError."""
+    model, keys = type(study), declarations(type(study))
+    for name, declared in keys.items():
+        if not declared.one_of or attribute_of(study, name.rpartition(".")[0]) is None:
+            continue
+        names = [name, *_other_ways(model, name)]
+        said = [way for way in names if _is_given(study, way)]
+        sections = {way for way in names if (field := keys[way].field) and section_in(field.annotation)}
+        titles = [f"[{way}]" if way in sections else way for way in names]
+        if name in said and len(said) > 1:
+            raise ValueError(f"{name} and {titles[names.index(said[1])]} exclude each other")
+        if declared.must_be_said and not said and not declared.why_not(study):
+            raise ValueError(f"{', '.join(titles[:-1])} or {titles[-1]} must be given")
 
 
 def unused_key_notices(study: BaseModel) -> list[str]:
     """Return a sentence about each reason why keys are given but not used."""
-    given = given_keys(study)
+    given_names = given_keys(study)
     reasons: dict[str, list[str]] = {}
     for name, why in inapplicable(study).items():
-        if name in given:
+        if name in given_names:
             reasons.setdefault(why, []).append(name)
     return [
         f"{', '.join(names)} {why if len(names) == 1 else why.replace('does not', 'do not', 1)}."
@@ -193,20 +315,20 @@ def unused_key_notices(study: BaseModel) -> list[str]:
 
 def alternatives_of(model: type[BaseModel], name: str) -> set[str]:
     """Return the keys that say the same as a key, or as a section that it lies in, in other ways."""
+    parts = name.split(".")
+    above = [".".join(parts[:length]) for length in range(1, len(parts) + 1)]
+    return {other for key in above for other in _other_ways(model, key)}
+
+
+@cache
+def _other_ways(model: type[BaseModel], name: str) -> tuple[str, ...]:
+    """Return the keys of the same section that say the same as a key or section in another way."""
     keys = declarations(model)
-    found: set[str] = set()
-    above = ""
-    for part in name.split("."):
-        section, above = above, f"{above}.{part}".lstrip(".")
-        one_of = keys[above].one_of if above in keys else None
-        if one_of is None:
-            continue
-        for other, declared in keys.items():
-            said = declared.one_of or ""
-            same_thing = other.rpartition(".")[0] == section and said.split(":")[0] == one_of.split(":")[0]
-            if same_thing and other != above and (said != one_of or ":" not in said):
-                found.add(other)
-    return found
+    if name not in keys or not (thing := keys[name].one_of.split(":")[0]):
+        return ()
+    siblings = [key for key in keys if key.rpartition(".")[0] == name.rpartition(".")[0] and key != name]
+    ways = {key: keys[key].one_of for key in siblings if keys[key].one_of.split(":")[0] == thing}
+    return tuple(key for key, way in ways.items() if way != keys[name].one_of or ":" not in way)
 
 
 def value_of(nested: Any, name: str) -> Any:

@@ -48,12 +48,12 @@ def parse_toml(content: str) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         at = re.search(r"at line (\d+)", str(error))
         line = content.splitlines()[int(at[1]) - 1] if at else ""
-        found = re.search(
+        match = re.search(
             r"=\s*(?P<quantity>[+-]?\d+([.,]\d+)?(e[+-]?\d+)?\s*(?P<unit>[^\W\d_][^#,]*)?)", line
         )
-        wrong = found["quantity"].strip() if found else ""
+        wrong = match["quantity"].strip() if match else ""
         right = wrong.replace(",", ".")
-        if found and found["unit"]:
+        if match and match["unit"]:
             right = f'"{right}", in quotes'
         raise ValueError(f"{error}{f': {wrong} is written {right}' if right != wrong else ''}") from None
 
@@ -69,7 +69,7 @@ def read_sections(path_or_preset: str | Path) -> dict[str, Any]:
             if not (path / "study.toml").is_file():
                 raise InputError(f"STUDY = '{path}' is a folder without a study.toml.")
             path = path / "study.toml"
-        with path.open(encoding="utf-8") as file:
+        with path.open(encoding="utf-8-sig") as file:
             sections = parse_toml(file.read(MOST_CHARACTERS + 1))
     except FileNotFoundError:
         raise InputError(_no_such_study(str(path_or_preset))) from None
@@ -135,51 +135,51 @@ def with_new_names(sections: Mapping[str, Any]) -> tuple[dict[str, Any], list[st
 
     Raises InputError for a key that is given by its old name and by its new one.
     """
-    found = {name: dict(keys) if isinstance(keys, dict) else keys for name, keys in sections.items()}
-    reasons = found.get("assumed")
+    renamed = {name: dict(keys) if isinstance(keys, dict) else keys for name, keys in sections.items()}
+    reasons = renamed.get("assumed")
     notices = []
     for new, declared in declarations(Content).items():
         old = declared.formerly or new
-        moved = old != new and _is_given(found, old)
+        moved = old != new and _is_given(renamed, old)
         if moved:
-            if _is_given(found, new):
+            if _is_given(renamed, new):
                 raise InputError(_given_twice(old, new))
-            insert(found, new, _remove(found, old))
+            insert(renamed, new, _remove(renamed, old))
         if isinstance(reasons, dict) and old != new and old in reasons:
             reasons.setdefault(new, reasons.pop(old))
             moved = True
         value, now = declared.former_value or ("", "")
-        given = value_of(found, new)
-        if value and isinstance(given, str) and given == value:
-            insert(found, new, now)
+        current = value_of(renamed, new)
+        if value and isinstance(current, str) and current == value:
+            insert(renamed, new, now)
             notices.append(_renamed(f"{old if moved else new} = '{value}'", f"{new} = '{now}'"))
         elif moved:
             notices.append(_renamed(old, new))
     for old, new in _former_names().items():
-        if "." not in old and old in found:  # what is left in a section that has another name
-            left = found.pop(old)
+        if "." not in old and old in renamed:  # what is left in a section that has another name
+            left = renamed.pop(old)
             if not isinstance(left, dict):
                 raise InputError(f"{old} = {left!r} is not a section; write [{new}] and its keys below it.")
             for key in left:
                 raise InputError(no_such_key(Content, f"{old}.{key}", now=f"{new}.{key}"))
-            found.setdefault(new, {})
-    return found, notices
+            renamed.setdefault(new, {})
+    return renamed, notices
 
 
 def changes_with_new_names(flat: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     """Return changes by dotted names with new names for old ones, and a sentence about each of these."""
-    found: dict[str, Any] = {}
+    renamed: dict[str, Any] = {}
     notices: list[str] = []
     for old, value in flat.items():
         nested: dict[str, Any] = {}
         insert(nested, old, value)
         nested, more = with_new_names(nested)
         new = _former_names().get(old, old)
-        if new in found or (new != old and new in flat):
+        if new in renamed or (new != old and new in flat):
             raise InputError(_given_twice(old, new))
-        found[new] = value_of(nested, new)
+        renamed[new] = value_of(nested, new)
         notices += more
-    return found, notices
+    return renamed, notices
 
 
 @cache

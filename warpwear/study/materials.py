@@ -38,9 +38,9 @@ def material(name: str) -> Material:
     """
     entries, aliases = _table()
     key = _key(name)
-    found = aliases.get(key, aliases.get(_STANDARDS.sub("", key)))
-    if found is not None:
-        return entries[found]
+    place = aliases.get(key, aliases.get(_STANDARDS.sub("", key)))
+    if place is not None:
+        return entries[place]
     near = get_close_matches(key[:LONGEST_NAME], aliases, n=1, cutoff=0.6)
     hint = f" (did you mean '{entries[aliases[near[0]]].name}'?)" if near else ""
     raise ValueError(f"no material '{name[:LONGEST_NAME]}' is known{hint}; allowed: {', '.join(names())}")

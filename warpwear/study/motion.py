@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from warpwear.study.keys import Length, LengthOrZero, Section, key, when
+from warpwear.study.keys import Length, LengthOrZero, Section, key, needs, needs_compliance, when
 from warpwear.study.units import Number, Quantity, Range
 
 #: Most cells along a side: a million squared is more than any memory holds.
@@ -28,11 +28,14 @@ FIXED = when("stepping.increment", None, otherwise="does not apply to a fixed st
 NO_COMPLIANCE = when(
     "uses_bearing_area", otherwise="does not apply: with compliance the balance holds to 1e-12"
 )
+STROKE = needs("sliding.stroke")
+A_DISC_OF_CELLS = ": patches lie still, and a smooth disc is one of cells with disc.synthetic.kind = 'flat'"
+total_key = partial(key, one_of="total")
 growing_key = partial(key, applies=STEPS + FIXED, one_of="plan: growing")
 
 
 class GridSection(Section):
-    """[grid]"""
+    """The section [grid] says how large the cells and the domain are."""
 
     cell: Length = key(..., "size of a cell; 10 um in the macro model, if not given")
     extent: Length = key(..., "side of the square domain")
@@ -53,19 +56,29 @@ class GridSection(Section):
 
 
 class Sliding(Section):
-    """[sliding]"""
+    """The section [sliding] says how far the sphere slides, and which way it takes."""
 
-    distance: LengthOrZero | None = key(None, "total sliding distance; 0 is a static contact", one_of="total")
-    passes: Strokes | None = key(None, "instead of distance: number of strokes", one_of="total")
-    cycles: Strokes | None = key(None, "instead of distance: number of pairs of strokes", one_of="total")
-    duration: Annotated[float, Quantity("s")] | None = key(
-        None, "instead of distance, with frequency: time of the test", one_of="total"
+    distance: LengthOrZero | None = total_key(
+        None, "total sliding distance; 0 is a static contact", must_be_said=True
+    )
+    passes: Strokes | None = total_key(None, "instead of distance: number of strokes", demands=STROKE)
+    cycles: Strokes | None = total_key(
+        None, "instead of distance: number of pairs of strokes", demands=STROKE
+    )
+    duration: Annotated[float, Quantity("s")] | None = total_key(
+        None,
+        "instead of distance, with frequency: time of the test",
+        demands=needs("sliding.frequency", why=" or '60 rpm'"),
     )
     frequency: Annotated[float, Quantity("Hz")] | None = key(
-        None, "cycles (pairs of strokes), or with a track_radius revolutions, in a second: '60 rpm' is 1 Hz"
+        None,
+        "cycles (pairs of strokes), or with a track_radius revolutions, in a second: '60 rpm' is 1 Hz",
+        demands=needs("sliding.lap", what="sliding.stroke or, of a rotation, sliding.track_radius"),
     )
-    revolutions: Annotated[float, Number()] | None = key(
-        None, "instead of distance: revolutions of a rotating disc", one_of="total"
+    revolutions: Annotated[float, Number()] | None = total_key(
+        None,
+        "instead of distance: revolutions of a rotating disc",
+        demands=needs("sliding.track_radius"),
     )
     stroke: Length | None = key(None, "length of one pass", one_of="lap")
     track_radius: Length | None = key(
@@ -80,6 +93,8 @@ class Sliding(Section):
     kinematics: Literal["stationary", "swept"] = key(
         "stationary",
         "stationary: the same disc cells stay under the sphere; swept: it slides along a track on the disc",
+        demands=needs("study.model", "micro", of="swept", why=A_DISC_OF_CELLS)
+        + needs("sliding.lap", of="swept", what="sliding.stroke, or sliding.track_radius of a rotating disc"),
     )
     track: Annotated[float | Literal["full"], Quantity("mm", words=("full",))] = key(
         "full",
@@ -96,32 +111,9 @@ class Sliding(Section):
         "forget",
         "swept: a disc cell at the hardness springs back, or keeps the depth it was pressed to",
         assumed="Archard's wear alone; 'keep' is the other end",
+        demands=needs_compliance("keep", "a contact with compliance"),
         applies=SWEPT + CAPPED,
     )
-
-    def _check(self) -> None:
-        ways = {
-            "sliding.distance": self.distance,
-            "sliding.passes": self.passes,
-            "sliding.cycles": self.cycles,
-            "sliding.duration with sliding.frequency": self.duration,
-            "sliding.revolutions": self.revolutions,
-        }
-        given = [way for way, value in ways.items() if value is not None]
-        if len(given) != 1:
-            found = " and ".join(given) if given else "none"
-            raise ValueError(f"the sliding distance needs one of {', '.join(ways)}; given: {found}")
-        if self.duration is not None and self.frequency is None:
-            raise ValueError("sliding.duration needs sliding.frequency, such as '1 Hz' or '60 rpm'")
-        if self.stroke is not None and self.track_radius is not None:
-            raise ValueError("sliding.stroke and sliding.track_radius exclude each other")
-        if self.revolutions is not None:
-            if self.track_radius is None:
-                raise ValueError("sliding.revolutions needs sliding.track_radius, a length such as '5 mm'")
-        elif self.lap is None and self.frequency is not None:
-            raise ValueError("sliding.frequency needs sliding.stroke or, of a rotation, sliding.track_radius")
-        elif self.distance is None and self.stroke is None and self.duration is None:
-            raise ValueError(f"{given[0]} needs sliding.stroke, a length such as '30 mm'")
 
     @property
     def uses_track_radius(self) -> bool:
@@ -147,7 +139,7 @@ class Sliding(Section):
 
     @property
     def total(self) -> float:
-        """Sliding distance of the whole test [mm]."""
+        """Distance that the whole test slides [mm]."""
         if self.distance is not None:
             return self.distance
         if self.revolutions is not None:
@@ -155,12 +147,11 @@ class Sliding(Section):
             return self.revolutions * self.lap
         if self.duration is not None and self.pace is not None:
             return self.pace * self.duration
-        assert self.stroke is not None  # one of the other ways was given, and they need it
-        return self.stroke * (self.passes or 2 * (self.cycles or 0))
+        return (self.stroke or 0.0) * (self.passes or 2 * (self.cycles or 0))
 
 
 class Stepping(Section):
-    """[stepping]"""
+    """The section [stepping] says which steps the way is cut into."""
 
     scheme: Literal["explicit", "implicit"] = key("implicit", "pressure of the step's start, or of its end")
     increment: Length | None = key(None, "fixed sliding increment", applies=STEPS, one_of="plan")
@@ -177,9 +168,6 @@ class Stepping(Section):
     force: bool = key(False, "go on beyond the explicit stability limit")
 
     def _check(self) -> None:
-        growing = {"first", "growth", "largest"} & self.model_fields_set
-        if self.increment is not None and growing:
-            raise ValueError(f"stepping.increment and stepping.{min(growing)} exclude each other")
         if self.first > self.largest:
             raise ValueError(
                 f"stepping.first = {self.first:g} mm must not exceed stepping.largest = {self.largest:g} mm"
@@ -187,7 +175,7 @@ class Stepping(Section):
 
     @property
     def plan(self) -> tuple[float, float, float]:
-        """First increment [mm], growth, largest [mm]."""
+        """First increment [mm], the factor by which increments grow, and the largest [mm]."""
         if self.increment is not None:
             return self.increment, 1.0, self.increment
         return self.first, self.growth, self.largest

@@ -3,10 +3,10 @@
 import math
 from collections.abc import Iterator
 
-from warpwear.laws.elastic import MATCHES
-from warpwear.laws.track import WHOLE, is_whole
+from warpwear.laws.track import WHOLE
 from warpwear.study import rules_pieces, rules_track
 from warpwear.study.content import Content
+from warpwear.study.keys import check_keys
 
 #: More steps than anybody waits for, or than a history holds.
 MOST_STEPS = 1_000_000
@@ -14,9 +14,11 @@ MOST_STEPS = 1_000_000
 
 def check(study: Content) -> None:
     """Refuse a study that cannot be computed as it stands: raises ValueError with one sentence."""
+    check_keys(study)
     _junction_growth(study)
-    _model(study)
-    _half_space(study)
+    if study.study.model == "two-scale":
+        _patches(study)
+    _boundary(study)
     rules_track.check(study)
     rules_pieces.check(study)
     _hardness(study)
@@ -26,43 +28,10 @@ def check(study: Content) -> None:
     _steps(study)
 
 
-def _model(study: Content) -> None:
-    rough = study.disc.surface is not None or study.disc.synthetic is not None
-    bearing_curve = study.wear.law == "bearing-curve"
-    if study.study.model != "macro":
-        if bearing_curve:
-            raise ValueError(
-                "wear.law = 'bearing-curve' is for the macro model: the "
-                f"{study.study.model} model resolves the roughness; allowed are study.model = 'macro', or "
-                "wear.law = 'archard', 'exponential' or 'running-in'"
-            )
-        if not rough:
-            raise ValueError(
-                f"disc.surface (a file) or [disc.synthetic] must be given: the {study.study.model} model is "
-                "rough"
-            )
-    elif bearing_curve:
-        if not rough:
-            raise ValueError(
-                "wear.law = 'bearing-curve' needs disc.surface or [disc.synthetic]: a rough disc"
-            )
-        if study.stepping.scheme == "explicit":
-            raise ValueError("wear.law = 'bearing-curve' needs stepping.scheme = 'implicit'")
-    if study.study.model == "two-scale":
-        _patches(study)
-    if study.uses_bulk_stiffness:
-        _foundation(study)
-
-
 def _patches(study: Content) -> None:
     patches, cell = study.patches, study.grid.cell
-    for name, length in (("macro_cell", patches.macro_cell), ("width", patches.patch_width)):
-        if not is_whole(length / cell):
-            near = max(round(length / cell), 1) * cell
-            raise ValueError(
-                f"patches.{name} = {1e3 * length:g} µm is not a whole number of cells of {1e3 * cell:g} µm; "
-                f"the nearest that is, is {1e3 * near:.6g} µm"
-            )
+    rules_track.refuse_parts("patches.macro_cell", patches.macro_cell, cell)
+    rules_track.refuse_parts("patches.width", patches.patch_width, cell)
     named = f"patches.macro_cell = {1e3 * patches.macro_cell:g} µm"
     if patches.patch_width > patches.macro_cell * (1.0 + WHOLE):
         raise ValueError(
@@ -75,88 +44,13 @@ def _patches(study: Content) -> None:
             f"{named} is larger than the contact's domain allows: grid.extent = {study.grid.extent:g} mm "
             "must hold two macro cells or more"
         )
-    cells = study.grid.extent / patches.macro_cell
-    if not is_whole(cells):
-        raise ValueError(
-            f"grid.extent = {study.grid.extent:g} mm is not a whole number of cells of {named}; the nearest "
-            f"extent that is, is {round(cells) * patches.macro_cell:.9g} mm"
-        )
-    if study.uses_bearing_area:
-        raise ValueError(
-            "study.model = 'two-scale' needs patches that yield: a finite contact.stiffness, or wear with "
-            "stepping.scheme = 'implicit'"
-        )
-    if study.wear.law == "running-in":
-        raise ValueError(
-            "wear.law = 'running-in' changes what sphere and disc wear beside each other, which the "
-            "two-scale model keeps in one proportion; allowed are 'archard' and 'exponential'"
-        )
-    if study.wear.distance_factor != "none":
-        raise ValueError(
-            f"wear.distance_factor = '{study.wear.distance_factor}' changes what sphere and disc wear beside "
-            "each other from cell to cell, which the two-scale model keeps in one proportion; allowed is "
-            "'none'"
-        )
-    if patches.coupling == "load" and study.stepping.scheme == "explicit":
-        raise ValueError("patches.coupling = 'load' needs stepping.scheme = 'implicit'")
-    if patches.coupling == "load" and not math.isfinite(study.hardness):
-        raise ValueError(
-            "patches.coupling = 'load' needs a finite contact.hardness: without it the smooth contact asks "
-            "of patches what asperities cannot carry"
-        )
+    rules_track.refuse_parts("grid.extent", study.grid.extent, patches.macro_cell, cells=named)
 
 
-def _foundation(study: Content) -> None:
-    match = study.contact.bulk_stiffness
-    named = isinstance(match, str)
-    if named and study.sphere.curvature == 0.0:
-        raise ValueError(
-            f"contact.bulk_stiffness = '{match}' needs a sphere: allowed for a flat is a stiffness such as "
-            "'2e6 N/mm^3'"
-        )
-    if named and study.hertz is None:
-        raise ValueError(
-            f"contact.bulk_stiffness = '{match}' needs Young's modulus and Poisson's ratio of both bodies: "
-            "sphere.material or sphere.young and sphere.poisson, and the same of the disc; or a stiffness "
-            "such as '2e6 N/mm^3'"
-        )
-    if not named and study.contact.bulk_update == "updated":
-        raise ValueError(
-            "contact.bulk_update = 'updated' needs contact.bulk_stiffness = "
-            f"{', '.join(MATCHES)}, not a stiffness"
-        )
-    if not named and not math.isfinite(float(match)):
-        raise ValueError(
-            f"contact.bulk_stiffness = inf N/mm^3: the {study.study.model} model needs a finite stiffness"
-        )
-
-
-def _half_space(study: Content) -> None:
-    if study.contact.law != "half-space":
-        return
-    named = "contact.law = 'half-space'"
-    if study.study.model == "macro":
-        raise ValueError(f"{named} is for study.model = 'micro' and 'two-scale', not 'macro'")
-    if study.effective_modulus is None:
-        raise ValueError(
-            f"{named} needs Young's modulus and Poisson's ratio of both bodies: sphere.material or "
-            "sphere.young and sphere.poisson, and the same of the disc"
-        )
-    if study.stepping.scheme == "explicit":
-        raise ValueError(f"{named} needs stepping.scheme = 'implicit', not 'explicit'")
-    if study.wear.distance_factor != "none" and not study.is_swept:
-        raise ValueError(
-            f"wear.distance_factor = '{study.wear.distance_factor}' does not go with {named}: allowed is "
-            "'none'"
-        )
-    if study.study.model == "two-scale":
-        shared = study.patches.coupling == "approach"
-        if shared and study.boundary == "free" and study.patches.bulk == "spring":
-            raise ValueError(
-                "contact.boundary = 'free' of patches needs patches.bulk = 'none': a free patch contains the "
-                "displacement of its mean, which a bulk behind it would count twice"
-            )
-    elif study.boundary == "periodic" and study.sphere.curvature != 0.0:
+def _boundary(study: Content) -> None:
+    """Refuse a half-space that repeats a sphere."""
+    elastic = study.contact.law == "half-space" and study.study.model == "micro"
+    if elastic and study.boundary == "periodic" and study.sphere.curvature != 0.0:
         raise ValueError(
             "contact.boundary = 'periodic' would repeat the sphere beside itself: allowed is 'free', or a "
             "flat, sphere.radius = 'inf mm'"
@@ -164,23 +58,11 @@ def _half_space(study: Content) -> None:
 
 
 def _junction_growth(study: Content) -> None:
-    """Refuse a film, or junctions that grow, where cells have no cap, or none that could be theirs."""
+    """Refuse junctions that grow where the shear leaves a cell no pressure, or has no smooth contact."""
     friction, hardness = study.friction, study.indentation_hardness
     growth, film = friction.junction_growth, friction.film
-    if film is None and growth == 0.0:
-        return
-    named = "[friction.film]" if film else f"friction.junction_growth = {growth:g}"
-    if study.wear.law == "bearing-curve":
-        raise ValueError(
-            f"{named} does not go with wear.law = 'bearing-curve', where a share of a cell touches: "
-            "allowed are 'archard', 'exponential' and 'running-in'"
-        )
     if growth == 0.0:
         return
-    if not math.isfinite(hardness):
-        raise ValueError(
-            f"friction.junction_growth = {growth:g} lowers the hardness and needs a finite contact.hardness"
-        )
     strengths = {"friction.shear_strength": friction.shear_strength or 0.0}
     if film is not None:
         strengths["friction.film.shear_strength"] = film.shear_strength
@@ -211,11 +93,6 @@ def _hardness(study: Content) -> None:
                 f"{named} is k of V = k F L / H and needs a finite contact.hardness; or give it with a unit, "
                 "such as '9.4e-4 mm^3/N/m'"
             )
-    if not math.isfinite(study.hardness) and study.uses_bearing_area:
-        raise ValueError(
-            "contact.hardness = inf MPa needs a finite contact.stiffness, or wear with "
-            "stepping.scheme = 'implicit'"
-        )
 
 
 def _dimensionless(study: Content) -> Iterator[str]:
@@ -310,16 +187,16 @@ def _of_film(study: Content) -> Iterator[str]:
 def _of_hardness(study: Content) -> Iterator[str]:
     """Yield a sentence about each hardness that is given and plays no part, or one part for both bodies."""
     limit, softer = study.contact.hardness, study.softer_hardness
-    given = [
+    bodies = [
         name
         for name in ("sphere", "disc")
         if "hardness" in getattr(study, name).model_fields_set and f"{name}.hardness" not in study.assumed
     ]
-    if limit is not None and given:
-        names = " and ".join(f"{name}.hardness = {getattr(study, name).hardness:g} MPa" for name in given)
+    if limit is not None and bodies:
+        names = " and ".join(f"{name}.hardness = {getattr(study, name).hardness:g} MPa" for name in bodies)
         yield (
             f"contact.hardness = {limit:g} MPa is the largest pressure of a cell: {names} only "
-            f"{'enter' if len(given) > 1 else 'enters'} the shear strength H/(3√3) of the softer body."
+            f"{'enter' if len(bodies) > 1 else 'enters'} the shear strength H/(3√3) of the softer body."
         )
     bare = " and ".join(_dimensionless(study))
     if bare:

@@ -12,22 +12,8 @@ def check(study: Content) -> None:
     if not study.is_swept:
         return
     sliding, cell, extent = study.sliding, study.grid.cell, study.grid.extent
-    if study.study.model == "two-scale":
-        raise ValueError(
-            "sliding.kinematics = 'swept' is not for study.model = 'two-scale', whose patches lie still; "
-            "allowed is 'stationary'"
-        )
-    if study.study.model == "macro":
-        raise ValueError(
-            "sliding.kinematics = 'swept' is not for study.model = 'macro': a smooth disc under a sliding "
-            "sphere is study.model = 'micro' with disc.synthetic.kind = 'flat'"
-        )
     lap = sliding.lap
-    if lap is None:
-        raise ValueError(
-            "sliding.kinematics = 'swept' needs sliding.stroke, a length such as '30 mm', or "
-            "sliding.track_radius of a rotating disc"
-        )
+    assert lap is not None  # the key that says so was checked
     named = f"sliding.stroke = {lap:g} mm"
     if sliding.track_radius is not None:
         named = f"sliding.track_radius = {sliding.track_radius:g} mm (a track of {lap:.4g} mm)"
@@ -48,12 +34,8 @@ def check(study: Content) -> None:
             raise ValueError(
                 f"sliding.track = {length:g} mm is longer than {named}: allowed are shorter ones, or 'full'"
             )
-    elif sliding.track_radius is None and not is_whole(lap / cell):
-        near = round(lap / cell) * cell
-        raise ValueError(
-            f"sliding.stroke = {lap:g} mm is not a whole number of cells of {1e3 * cell:g} µm; the nearest "
-            f"that is, is {near:.9g} mm"
-        )
+    elif sliding.track_radius is None:
+        refuse_parts("sliding.stroke", lap, cell)
     track = study.track
     if track.periodic and track.cells < track.window:
         whose = f"sliding.track = {sliding.track:g} mm" if sliding.track != "full" else named
@@ -72,11 +54,21 @@ def check(study: Content) -> None:
             f"{named} is shorter than the contact will be, {contact:.3g} mm: its middle would never leave "
             "the sphere; allowed are longer ones, or sliding.kinematics = 'stationary'"
         )
-    if sliding.plastic == "keep" and study.uses_bearing_area:
+
+
+def refuse_parts(name: str, length: float, cell: float, *, cells: str = "") -> None:
+    """Refuse a length [mm] that is no whole number of cells: raises ValueError. cells: size of these."""
+    if not is_whole(length / cell):
+        near = max(round(length / cell), 1) * cell
         raise ValueError(
-            "sliding.plastic = 'keep' needs a contact with compliance: stepping.scheme = 'implicit' with "
-            "wear, or a finite contact.stiffness"
+            f"{name} = {_in_words(length)} is not a whole number of cells of {cells or _in_words(cell)}; the "
+            f"nearest that is, is {_in_words(near)}"
         )
+
+
+def _in_words(length: float) -> str:
+    """Return a length [mm] in mm, or below 0.1 mm in µm."""
+    return f"{length:.9g} mm" if length >= 0.1 else f"{1e3 * length:.6g} µm"
 
 
 def worn_patch(study: Content) -> float:
@@ -89,7 +81,7 @@ def worn_patch(study: Content) -> float:
     curvature, load, total = study.sphere.curvature, study.contact.load, study.sliding.total
     if curvature == 0.0:
         return study.grid.extent
-    sphere, disc = (load * law.removal(0.0, total) for law in study.wear_laws)
+    sphere, disc = (load * law.wear_per_pressure(0.0, total) for law in study.wear_laws)
     lap = study.sliding.lap
     if not study.is_swept or lap is None:
         return float(2.0 * (4.0 * (sphere + disc) / (math.pi * curvature)) ** 0.25)

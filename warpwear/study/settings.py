@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from warpwear.study.keys import Length, LengthOrZero, Section, key, when
+from warpwear.study.keys import Length, LengthOrZero, Section, excludes, key, needs, needs_compliance, when
 from warpwear.study.units import Quantity, Range, one_by_one
 
 ONE_APPROACH = when(
@@ -16,8 +16,13 @@ SAMPLES = when("samples_area", otherwise="does not apply: the patches tile the c
 AT_RANDOM = when("places_at_random", otherwise="does not apply: no patch is placed at random")
 
 
+COUNTED_TWICE = (
+    ", as a free patch contains the displacement of its mean, which a bulk behind it would count twice"
+)
+
+
 class About(Section):
-    """[study]"""
+    """The section [study] names the run and says which model computes it."""
 
     name: Annotated[str, Field(pattern=r"^\w[\w .+-]*$", max_length=100)] = key(
         "study", "name of the run and of its folder: letters, digits, spaces and . + - _"
@@ -27,11 +32,12 @@ class About(Section):
         "micro",
         "macro: smooth bodies on an elastic foundation; micro: every asperity resolved; two-scale: patches "
         "of resolved asperities that share the load",
+        demands=needs_compliance("two-scale", "patches that yield"),
     )
 
 
 class PatchesSection(Section):
-    """[patches] of the two-scale model."""
+    """The section [patches] says where patches of the two-scale model lie and how they share the load."""
 
     macro_cell: Length = key(
         "50 um",
@@ -50,6 +56,7 @@ class PatchesSection(Section):
         assumed="springs of the patches yield as the smooth bodies do; without hardness or asperities",
         applies=ONE_APPROACH,
         formerly="macro.bulk",
+        demands=excludes("contact.boundary", "free", of="spring", why=COUNTED_TWICE),
         former_value=("foundation", "spring"),
     )
     coupling: Literal["approach", "load"] = key(
@@ -57,6 +64,13 @@ class PatchesSection(Section):
         "approach: one for all patches, whose own answers share the load; load: a smooth macro contact "
         "prescribes the load of each patch",
         formerly="macro.coupling",
+        demands=needs("stepping.scheme", "implicit", of="load")
+        + needs(
+            "caps_pressure",
+            of="load",
+            what="a finite contact.hardness",
+            why=": without it the smooth contact asks of patches what asperities cannot carry",
+        ),
     )
     placement: Literal["centre", "random"] = key(
         "centre",
@@ -70,12 +84,12 @@ class PatchesSection(Section):
 
     @property
     def patch_width(self) -> float:
-        """Width of a patch [mm]: as given, or that of a macro cell."""
+        """Width that a patch has [mm]: as given, or that of a macro cell."""
         return self.macro_cell if self.width is None else self.width
 
 
 class Run(Section):
-    """[run]"""
+    """The section [run] says how a run is kept safe."""
 
     checkpoint: Annotated[float, Quantity("s", Range(or_equal=True, infinite=True))] = key(
         "2 min", "time between checkpoints, from which a run is resumed; 0 s is after every step, inf s never"
@@ -83,7 +97,7 @@ class Run(Section):
 
 
 class Checks(Section):
-    """[checks]"""
+    """The section [checks] says what a run does when a check fails."""
 
     strict: bool = key(
         True,
@@ -104,7 +118,7 @@ def _snapshots(value: Any) -> Any:
 
 
 class Output(Section):
-    """[output]"""
+    """The section [output] says which fields and columns are kept."""
 
     snapshots: Annotated[tuple[LengthOrZero, ...] | Literal["auto"], BeforeValidator(_snapshots)] = key(
         "auto",

@@ -62,11 +62,11 @@ class Study(Content):
     def notices(self) -> list[str]:
         """Return a sentence about each old name, each unused key, and each number that misleads."""
         total = self.sliding.total
-        found = [*self._old_names, *unused_key_notices(self), *rules_track.doubts(self)]
+        sentences = [*self._old_names, *unused_key_notices(self), *rules_track.doubts(self)]
         late = ", ".join(f"{s:g}" for s in self.snapshot_distances if s > total or s == 0.0 < total)
         if late:
-            found.append(f"output.snapshots that no step ends at: {late} mm.")
-        return [*found, *rules.doubts(self)]
+            sentences.append(f"output.snapshots that no step ends at: {late} mm.")
+        return [*sentences, *rules.doubts(self)]
 
     def to_toml(self) -> str:
         """Return the whole study after defaults, as TOML that `load` reads back without loss."""
@@ -78,10 +78,10 @@ class Study(Content):
         sections = loading.read_sections(path_or_preset)
         if "sweep" in sections:
             raise InputError(f"STUDY = '{path_or_preset}' has a section [sweep]; 'warpwear sweep' makes it.")
-        found = cls(**sections)
+        study = cls(**sections)
         if Path(path_or_preset).is_dir():  # whose study.toml no person wrote
-            found._old_names = ()
-        return found
+            study._old_names = ()
+        return study
 
     @classmethod
     def stored(cls, content: str, *, surface: str | None = None) -> Self:
@@ -92,9 +92,9 @@ class Study(Content):
         sections = loading.parse_toml(content)
         if surface is not None:
             sections["disc"]["surface"] = surface
-        found = cls(**sections)
-        found._old_names = ()
-        return found
+        study = cls(**sections)
+        study._old_names = ()
+        return study
 
     def replace(self, changes: Mapping[str, Any] | None = None, /, **sections: Mapping[str, Any]) -> Self:
         """Return a copy with keys changed: {"grid.cell": "2 um"}, or by section: grid={"cell": "2 um"}.
@@ -120,11 +120,13 @@ class Study(Content):
         flat, old_names = loading.changes_with_new_names(flat)
         nested = self.model_dump(exclude_unset=True)
         loading.change(nested, flat)
-        found = type(self)(**nested)
-        found._old_names = tuple(dict.fromkeys([*self._old_names, *old_names]))
+        changed_study = type(self)(**nested)
+        changed_study._old_names = tuple(dict.fromkeys([*self._old_names, *old_names]))
         if not self.study.description or "study.description" in flat:
-            return found
-        before, after = self.model_dump(), found.model_dump()
+            return changed_study
+        before, after = self.model_dump(), changed_study.model_dump()
         changed = [name for name in flat if value_of(before, name) != value_of(after, name)]
         description = loading.with_changes(self.study.description, changed)
-        return found.model_copy(update={"study": found.study.model_copy(update={"description": description})})
+        return changed_study.model_copy(
+            update={"study": changed_study.study.model_copy(update={"description": description})}
+        )

@@ -46,9 +46,9 @@ def _check_track(study: Study, length: float) -> None:
     most = math.floor(length / step * (1.0 + WHOLE)) * step
     shorter = f"sliding.track = '{most:.9g} mm' or less, of which a lap stands for a pass, and "
     lap = f" of sliding.track_radius = {sliding.track_radius:g} mm" if sliding.track_radius else ""
-    asked = sliding.track if sliding.track == "full" else f"{sliding.track:g} mm"
+    text = sliding.track if sliding.track == "full" else f"{sliding.track:g} mm"
     raise InputError(
-        f"sliding.track = {asked}{lap} needs {needed:.4g} mm of the disc along the sliding direction, and "
+        f"sliding.track = {text}{lap} needs {needed:.4g} mm of the disc along the sliding direction, and "
         f"disc.surface has {length:.4g} mm of it: allowed are {shorter if most >= study.grid.extent else ''}"
         "disc.extend = 'mirror' or 'periodic'."
     )
@@ -87,12 +87,12 @@ def fit_bearing_curve(heights: FloatArray) -> Logistic:
 
 def surface_of(disc: Disc) -> Surface:
     """Return the disc's surface. Raises InputError, naming the field of ``disc``, where it cannot be used."""
-    made = disc.synthetic
-    if made is None:
+    synthetic = disc.synthetic
+    if synthetic is None:
         preparation = Preparation(**{field.name: getattr(disc, field.name) for field in fields(Preparation)})
         how = {name: getattr(disc, name) for name in ("extend", "pixel", "height_unit", "array")}
         return read_measured(str(disc.surface), preparation, **how)
-    if made.kind == "flat":
+    if synthetic.kind == "flat":
         return Flat()
-    kind = SelfAffine if made.kind == "self-affine" else Milled
-    return kind(**{field.name: getattr(made, field.name) for field in fields(kind)})
+    kind = SelfAffine if synthetic.kind == "self-affine" else Milled
+    return kind(**{field.name: getattr(synthetic, field.name) for field in fields(kind)})

@@ -1,4 +1,4 @@
-"""A study as TOML text, for files and for people."""
+"""A study is written as TOML text, for files and for people."""
 
 import math
 from collections.abc import Iterator
@@ -38,7 +38,7 @@ def to_toml(study: Content) -> str:
 
 def to_marked_toml(study: Content) -> str:
     """Return the keys that apply as TOML for people: defaults are marked, assumptions give their reasons."""
-    given = given_keys(study)
+    explicit = given_keys(study)
     reasons = assumptions(study)
     lines: list[str] = []
     section = ""
@@ -48,41 +48,41 @@ def to_marked_toml(study: Content) -> str:
             section = parent
             lines += ["", f"[{section}]"]
         text = tomli_w.dumps({key: readable(value)}, indent=0).strip().replace("\n", " ")
-        mark = f"ASSUMED: {reasons[name]}" if name in reasons else "" if name in given else "default"
+        mark = f"ASSUMED: {reasons[name]}" if name in reasons else "" if name in explicit else "default"
         lines.append(f"{text:<38}# {mark}" if mark else text)
     return "\n".join(lines[1:])
 
 
 def assumptions(study: Content) -> dict[str, str]:
     """Map dotted keys to why they were assumed, in the study's own words or by a default that is a choice."""
-    given = given_keys(study)
-    found = {}
+    explicit = given_keys(study)
+    reasons = {}
     for name, _ in _applicable(study):
         body, _, constant = name.partition(".")
         if name in study.assumed:
-            found[name] = printable(study.assumed[name])
-        elif name in given:
+            reasons[name] = printable(study.assumed[name])
+        elif name in explicit:
             continue
         elif body != "contact" and constant in CONSTANTS:
             known = material(getattr(study, body).material)
-            found[name] = f"{known.name}, {known.condition}: {known.sources[constant]}"
+            reasons[name] = f"{known.name}, {known.condition}: {known.sources[constant]}"
         elif assumed := declarations(type(study))[name].assumed:
-            found[name] = assumed
-    return found
+            reasons[name] = assumed
+    return reasons
 
 
 def to_html(study: Content) -> str:
     """Return the keys that apply as a table for a notebook: defaults and assumptions are marked."""
-    given, reasons = given_keys(study), assumptions(study)
+    explicit, reasons = given_keys(study), assumptions(study)
     cell = "style='text-align:left;vertical-align:top;padding:.1em .6em'"
     rows = []
     for name, value in _applicable(study):
-        mark = "" if name in given else "default"
+        mark = "" if name in explicit else "default"
         if name in reasons:
             mark = f"<b style='color:#b35900'>assumed:</b> {escape(reasons[name])}"
-        shown = escape(str(readable(value)))
+        text = escape(str(readable(value)))
         rows.append(
-            f"<tr><td {cell}><code>{name}</code></td><td {cell}>{shown}</td><td {cell}>{mark}</td></tr>"
+            f"<tr><td {cell}><code>{name}</code></td><td {cell}>{text}</td><td {cell}>{mark}</td></tr>"
         )
     return f"<div>{escape(repr(study))}<br>{len(reasons)} assumptions.<table>{''.join(rows)}</table></div>"
 
@@ -142,15 +142,15 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
         if not str(p).startswith(("literal[", "constrained-", "function-", "tuple["))
     )
     kind, value = first["type"], first.get("input")
-    shown = _SHOWN.repr(str(value) if is_quantity(value) else value)
+    text = _SHOWN.repr(str(value) if is_quantity(value) else value)
     if kind == "extra_forbidden":
         return no_such_key(model, name)
     if kind == "missing":
         return f"{name} is missing{_expected(model, name)}."
     if kind in ("tuple_type", "list_type"):
-        return f"{name} = {shown}: must be a list in brackets, such as ['30 mm', '240 mm']."
+        return f"{name} = {text}: must be a list in brackets, such as ['30 mm', '240 mm']."
     if kind in ("model_type", "dict_type", "model_attributes_type"):
-        return f"{name} = {shown} is not a section; write [{name}] and its keys below it."
+        return f"{name} = {text} is not a section; write [{name}] and its keys below it."
     message = str(first["ctx"]["error"]) if "ctx" in first and "error" in first["ctx"] else first["msg"]
     info = key_of(model, name)
     if kind == "value_error" and (not name or (info and section_in(info.annotation))):
@@ -159,10 +159,10 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
         branches = [e for e in error.errors() if e["type"] == kind and e["loc"][:2] == first["loc"][:2]]
         options = sorted({str(e["ctx"]["expected"]) for e in branches})
         more = " or a degree from 0 to 12" if name == "disc.level" else ""
-        return f"{name} = {shown} is not allowed; allowed: {', '.join(options)}{more}."
+        return f"{name} = {text} is not allowed; allowed: {', '.join(options)}{more}."
     if kind in ("string_pattern_mismatch", "string_too_long"):  # of study.name, a folder's
         message = "allowed are up to 100 letters, digits, spaces and the signs . _ + -"
-    return f"{name} = {shown}: {message[:1].lower()}{message[1:]}."
+    return f"{name} = {text}: {message[:1].lower()}{message[1:]}."
 
 
 def _expected(model: type[BaseModel], name: str) -> str:

@@ -85,24 +85,24 @@ def _read(value: str, unit: str) -> float:
     """Return a quantity that is text as a number in `unit`. Raises ValueError as `parse` does."""
     if "," in value:
         raise ValueError(f"has a comma: write the number with a decimal point, {EXAMPLES[unit]}")
-    found = _NUMBER_AND_UNIT.fullmatch(value) if len(value) <= LONGEST_TEXT else None
-    if found is None:
+    match = _NUMBER_AND_UNIT.fullmatch(value) if len(value) <= LONGEST_TEXT else None
+    if match is None:
         raise ValueError(f"is not one number with one unit: {EXAMPLES[unit]} is expected")
-    asked = found["unit"]
-    if not asked:
+    wanted = match["unit"]
+    if not wanted:
         raise ValueError(f"needs its unit: {EXAMPLES[unit]}")
-    if asked in FACTORS.get(unit, {}):
-        return float(found["number"]) * FACTORS[unit][asked]
+    if wanted in FACTORS.get(unit, {}):
+        return float(match["number"]) * FACTORS[unit][wanted]
     # "mm3/Nm" is mm³/(N m), where pint has a unit Nm of yarn.
-    asked = re.sub(r"(?<=[^\W\d_])[23]", r"^\g<0>", re.sub(r"\bNm\b", "N*m", asked.replace("⋅", "·")))
-    above, slash, below = asked.partition("/")
+    wanted = re.sub(r"(?<=[^\W\d_])[23]", r"^\g<0>", re.sub(r"\bNm\b", "N*m", wanted.replace("⋅", "·")))
+    above, slash, below = wanted.partition("/")
     # As papers write it: all that stands behind the slash is below it, as in "mm³/N·m".
-    readings = [asked, f"{above}/({below.replace('/', '*')})"] if slash else [asked]
+    readings = [wanted, f"{above}/({below.replace('/', '*')})"] if slash else [wanted]
     problems = []
     for reading in readings:
         try:
             quantity = _registry().Quantity(
-                float(found["number"]), f"1{reading}" if reading[0] == "/" else reading
+                float(match["number"]), f"1{reading}" if reading[0] == "/" else reading
             )
         except (
             Exception
@@ -144,15 +144,15 @@ def _hardness(value: Any) -> Any:
     """
     written = f"{float(value[0])!r} {value[1]}" if is_pair(value) else value
     short = isinstance(written, str) and len(written) <= LONGEST_TEXT
-    found = _HARDNESS_NUMBER.fullmatch(written) if short else None
-    if found is None:
+    match = _HARDNESS_NUMBER.fullmatch(written) if short else None
+    if match is None:
         return value
-    if found["scale"].upper().startswith("HR"):
+    if match["scale"].upper().startswith("HR"):
         raise ValueError(
             "is a Rockwell number, which no factor makes a pressure: convert it to HV by ISO 18265 or ASTM "
             "E140, where 20, 30, 40, 50 and 60 HRC of steel are 238, 302, 392, 513 and 697 HV"
         )
-    return text(HARDNESS_UNIT * float(found["number"]), "MPa")
+    return text(HARDNESS_UNIT * float(match["number"]), "MPa")
 
 
 def is_quantity(value: Any) -> bool:
@@ -229,8 +229,8 @@ class Quantity:
         if isinstance(value, str) and value in self.words:
             return value
         try:
-            asked = _hardness(value) if self.hardness else value
-            return self.range.check(parse(asked, self.unit), self.unit)
+            pressure = _hardness(value) if self.hardness else value
+            return self.range.check(parse(pressure, self.unit), self.unit)
         except ValueError as error:
             or_word = f", or {', '.join(repr(word) for word in self.words)}" if self.words else ""
             raise ValueError(f"{error}{or_word}") from None

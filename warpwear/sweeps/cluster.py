@@ -9,11 +9,14 @@ from urllib.parse import urlsplit
 
 from warpwear import lazy
 from warpwear.errors import InputError
+from warpwear.runs.console import warn
 
 distributed = lazy.module("distributed")
 
 #: How often a run is begun again whose worker was lost.
 RETRIES = 5
+#: How long the first worker is waited for [s].
+PATIENCE = 60.0
 
 
 @contextmanager
@@ -67,6 +70,14 @@ def _is_here(host: str) -> bool:
 
 def _check_workers(client: Any, address: str) -> int:
     """The number of workers. Raises InputError where one would make two runs at a time."""
+    if not client.nthreads():
+        warn(f"--cluster {address} has no workers yet: waiting {PATIENCE:g} s for the first.")
+        try:
+            client.wait_for_workers(1, timeout=PATIENCE)
+        except TimeoutError as error:
+            raise InputError(
+                f"--cluster {address} has no workers: start some with dask worker {address} --nthreads 1."
+            ) from error
     workers = client.nthreads()
     many = {name: threads for name, threads in workers.items() if threads > 1}
     if many:
@@ -74,4 +85,4 @@ def _check_workers(client: Any, address: str) -> int:
             f"--cluster {address}: {len(many)} of its workers have several threads, in which runs would wait "
             "for each other; start them with --nthreads 1 (and --nworkers as many as cores)."
         )
-    return max(1, len(workers))
+    return len(workers)

@@ -5,7 +5,7 @@ import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -27,20 +27,21 @@ from warpwear.sweeps.sweep import (
     estimate,
     local_executor,
     make_runs,
+    opened_folder,
     share_runs,
 )
-from warpwear.sweeps.table import RUNS, SweepResult
+from warpwear.sweeps.table import SweepResult
 
 
 def varied(texts: Sequence[str]) -> dict[str, Any]:
     """Key -> what it is varied over, from texts KEY=VALUES. Raises InputError."""
-    found: dict[str, Any] = {}
+    vary: dict[str, Any] = {}
     for text in texts:
         key, equals, values = (part.strip() for part in text.partition("="))
         if not equals or not values:
             raise InputError(f"--vary {text!r}: KEY=VALUES is expected, such as 'contact.load=2 N,4 N,8 N'.")
-        found[key] = values_of_text(values)
-    return found
+        vary[key] = values_of_text(values)
+    return vary
 
 
 def values_of_text(text: str) -> Any:
@@ -57,7 +58,7 @@ def values_of_text(text: str) -> Any:
 def command(
     study: str,
     changes: Mapping[str, Any],
-    asked: Mapping[str, Any],
+    options: Mapping[str, Any],
     *,
     out: Path | None,
     runs: Path | None,
@@ -71,7 +72,7 @@ def command(
 
     where: workers, cluster, insecure, gpus.
     """
-    plan = read_plan(study, changes, asked, device="cuda:0" if where["gpus"] else device)
+    plan = read_plan(study, changes, options, device="cuda:0" if where["gpus"] else device)
     measured = tuple(
         read_experiment(
             path,
@@ -85,11 +86,10 @@ def command(
     check_folder(folder, resume=resume)
     check_runs(plan, folder)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    with _executor(plan, **where) as (executor, threads, workers):
-        if not dry_run:
-            if runs is not None:
-                share_runs(folder, runs)
-            (folder / RUNS).mkdir(parents=True, exist_ok=True)
+    if runs is not None and not dry_run:
+        share_runs(folder, runs)
+    place = nullcontext() if dry_run else opened_folder(folder)
+    with place, _executor(plan, **where) as (executor, threads, workers):
         cost = estimate(plan, None if dry_run else folder, executor, threads=threads)
         click.echo(cost.sentence(workers), err=not dry_run)
         if dry_run:
@@ -97,7 +97,7 @@ def command(
         with tqdm(total=len(plan.points), unit="run", disable=not sys.stderr.isatty(), leave=False) as bar:
             counted, said = Count(len(plan.points)), time.monotonic()
 
-            def told(number: int, row: Row) -> None:
+            def on_row(number: int, row: Row) -> None:
                 nonlocal said
                 bar.update()
                 if row.status.startswith("failed"):
@@ -107,16 +107,18 @@ def command(
                     said = time.monotonic()
                     bar.write(line, file=sys.stderr)
 
-            def warned(sentence: str) -> None:
+            def on_warning(sentence: str) -> None:
                 bar.write(f"warning: {sentence}", file=sys.stderr)
 
             try:
-                rows = make_runs(plan, folder, executor, threads=threads, told=told, warned=warned)
+                rows = make_runs(
+                    plan, folder, executor, threads=threads, on_row=on_row, on_warning=on_warning
+                )
             except KeyboardInterrupt:
                 click.echo("the same command with --resume goes on from here", err=True)
                 raise
-    result = SweepResult(plan, rows, folder)
-    written = write_report(result, folder, measured)
+        result = SweepResult(plan, rows, folder)
+        written = write_report(result, folder, measured)
     click.echo(summary_text(result))
     click.echo(f"written to {folder}/: {', '.join(path.name for path in written)}")
     failed = failed_sentence(result)

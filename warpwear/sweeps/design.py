@@ -77,8 +77,8 @@ class Design:
             lists = [factor.values for factor in factors]
             lengths = sorted({len(values) for values in lists})
             if self.kind == "zip" and len(lengths) > 1:
-                told = ", ".join(f"{factor.key} {len(factor.values)}" for factor in factors)
-                raise InputError(f"design = 'zip' needs as many values of every key; given: {told}.")
+                counts = ", ".join(f"{factor.key} {len(factor.values)}" for factor in factors)
+                raise InputError(f"design = 'zip' needs as many values of every key; given: {counts}.")
             rows = zip(*lists, strict=True) if self.kind == "zip" else itertools.product(*lists)
             _check_number(lengths[0] if self.kind == "zip" else math.prod(map(len, lists)))
             return [dict(zip(keys, row, strict=True)) for row in rows]
@@ -96,8 +96,8 @@ class Design:
         assert self.samples is not None
         _check_number(self.samples * (factors + 2.0))
         if self.kind == "latin-hypercube":
-            found: FloatArray = qmc.LatinHypercube(factors, rng=self.seed).random(self.samples)
-            return _inside(found)
+            samples: FloatArray = qmc.LatinHypercube(factors, rng=self.seed).random(self.samples)
+            return _inside(samples)
         columns = 2 * factors if self.kind == "saltelli" else factors
         sequence = qmc.Sobol(columns, rng=self.seed)
         power = int(np.ceil(np.log2(self.samples)))
@@ -124,26 +124,26 @@ def factors_of(vary: Mapping[str, Any]) -> list[Factor]:
     """
     if not vary:
         raise InputError("sweep.vary is empty: name a key and its values, such as contact.load=2 N,4 N,8 N.")
-    return [_factor(str(key), given) for key, given in vary.items()]
+    return [_factor(str(key), values) for key, values in vary.items()]
 
 
-def _factor(key: str, given: Any) -> Factor:
-    if isinstance(given, str) and (ends := _RANGE.fullmatch(given)):
+def _factor(key: str, values: Any) -> Factor:
+    if isinstance(values, str) and (ends := _RANGE.fullmatch(values)):
         first, last = int(ends[1]), int(ends[2])
         if last < first:
-            raise InputError(f"sweep.vary '{key}' = '{given}': the first number must be the smaller one.")
+            raise InputError(f"sweep.vary '{key}' = '{values}': the first number must be the smaller one.")
         _check_number(last - first + 1.0)
         return Factor(key, tuple(range(first, last + 1)))
-    if isinstance(given, str):
-        return Factor(key, distribution=distribution(given, key))
-    if isinstance(given, Distribution):
-        return Factor(key, distribution=given)
-    if isinstance(given, Mapping) or not hasattr(given, "__iter__"):
+    if isinstance(values, str):
+        return Factor(key, distribution=distribution(values, key))
+    if isinstance(values, Distribution):
+        return Factor(key, distribution=values)
+    if isinstance(values, Mapping) or not hasattr(values, "__iter__"):
         raise InputError(
-            f"sweep.vary '{key}' = {given!r}: a list of values, a range such as '1:20' or a distribution "
+            f"sweep.vary '{key}' = {values!r}: a list of values, a range such as '1:20' or a distribution "
             "such as 'normal 8 +- 1 N' is expected."
         )
-    values = tuple(given)
+    values = tuple(values)
     if not values:
         raise InputError(f"sweep.vary '{key}' has no values.")
     return Factor(key, values)

@@ -5,6 +5,8 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
@@ -45,8 +47,7 @@ class Distribution:
         if self.kind == "uniform":
             return a + (b - a) * u
         if self.kind == "log-uniform":
-            found: FloatArray = a * (b / a) ** u
-            return found
+            return np.asarray(a * (b / a) ** u)
         logarithm = self.kind == "log-normal"
         if logarithm:  # of the mean and standard deviation of the quantity those of its logarithm
             spread = math.sqrt(math.log1p((b / a) ** 2))
@@ -65,39 +66,39 @@ class Distribution:
 
 def distribution(text: str, key: str) -> Distribution:
     """The distribution that a text describes. Raises InputError, naming the key, for another text."""
-    found = _WRITTEN.fullmatch(text)
+    match = _WRITTEN.fullmatch(text)
     kind, between = "", ""
-    if found is not None:
-        kind = " ".join(found["kind"].split()).removeprefix("truncated ")
-        between = {"±": "+-", "to": ".."}.get(found["between"], found["between"])
-    if found is None or KINDS.get(kind) != between:
+    if match is not None:
+        kind = " ".join(match["kind"].split()).removeprefix("truncated ")
+        between = {"±": "+-", "to": ".."}.get(match["between"], match["between"])
+    if match is None or KINDS.get(kind) != between:
         raise InputError(f"sweep.vary '{key}' = '{text}': a distribution such as {ALLOWED} is expected.")
-    _, first, _, second, low, high, unit = found.groups()
-    made = Distribution(
+    _, first, _, second, low, high, unit = match.groups()
+    parsed = Distribution(
         kind,
         float(first),
         float(second),
         None if low is None else (float(low), float(high)),
         unit or "",
     )
-    _check(made, text, key)
-    return made
+    _check(parsed, text, key)
+    return parsed
 
 
-def _check(made: Distribution, text: str, key: str) -> None:
+def _check(parsed: Distribution, text: str, key: str) -> None:
     """Raises InputError for numbers that make no distribution."""
     problem = None
-    if KINDS[made.kind] == ".." and not made.first < made.second:
+    if KINDS[parsed.kind] == ".." and not parsed.first < parsed.second:
         problem = "the first number must be the smaller one"
-    elif KINDS[made.kind] == ".." and made.within is not None:
+    elif KINDS[parsed.kind] == ".." and parsed.within is not None:
         problem = "a uniform distribution ends where its range does and takes no 'within'"
-    elif KINDS[made.kind] == "+-" and not made.second > 0.0:
+    elif KINDS[parsed.kind] == "+-" and not parsed.second > 0.0:
         problem = "the number after +- must be greater than 0"
-    elif made.kind.startswith("log-") and not made.first > 0.0:
+    elif parsed.kind.startswith("log-") and not parsed.first > 0.0:
         problem = "a logarithmic distribution needs positive numbers"
-    elif made.within is not None and not made.within[0] < made.within[1]:
+    elif parsed.within is not None and not parsed.within[0] < parsed.within[1]:
         problem = "the first number after 'within' must be the smaller one"
-    elif made.within is not None and made.kind == "log-normal" and not made.within[0] > 0.0:
+    elif parsed.within is not None and parsed.kind == "log-normal" and not parsed.within[0] > 0.0:
         problem = "a logarithmic distribution needs positive numbers"
     if problem:
         raise InputError(f"sweep.vary '{key}' = '{text}': {problem}.")

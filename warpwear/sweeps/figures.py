@@ -11,7 +11,6 @@ from warpwear.figures.describe import (
     DASHES,
     GROUPS,
     NOMINAL,
-    RAISED,
     SPHERE,
     WIDE_DISTANCE,
     Axis,
@@ -25,9 +24,10 @@ from warpwear.figures.describe import (
     look_of_measured,
     shade,
 )
+from warpwear.figures.wording import RAISED
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import Quantity, printed
-from warpwear.measured.course import Experiment
+from warpwear.measured.experiment import Experiment
 from warpwear.results.ensemble import band_told, in_legend, is_label, short_names
 from warpwear.sweeps.table import SweepResult
 
@@ -35,8 +35,6 @@ from warpwear.sweeps.table import SweepResult
 NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)")
 #: Groups that are drawn one by one; more are only told apart by the table.
 MOST_GROUPS = 28
-#: Names of the figures that a sweep may have.
-FIGURES = ("courses", "scatter", "heat_map", "tornado")
 #: Values of two keys that have a colour and a kind of line each.
 COLOURS, KINDS = GROUPS, DASHES[:4]
 RANKS = "Rank correlation (Spearman) sees only what rises or falls throughout; of words and seeds η²."

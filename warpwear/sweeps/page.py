@@ -10,7 +10,7 @@ from warpwear.figures.describe import Section
 from warpwear.grid import FloatArray
 from warpwear.history.end_values import ENDS
 from warpwear.history.quantities import BY_NAME
-from warpwear.measured.course import Experiment
+from warpwear.measured.experiment import Experiment
 from warpwear.page.html import page_of
 from warpwear.page.limits import limits_of
 from warpwear.results import manifest

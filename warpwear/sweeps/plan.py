@@ -43,46 +43,46 @@ class Plan:
         self.design = Design(section.design, section.samples, section.seed)
         self.factors: list[Factor] = factors_of(with_positions(study, section.vary))
         self.keys = [factor.key for factor in self.factors]
-        given = [section.band_over] if isinstance(section.band_over, str) else list(section.band_over)
-        for key in given:
+        band_over = [section.band_over] if isinstance(section.band_over, str) else list(section.band_over)
+        for key in band_over:
             if key not in self.keys:
                 raise InputError(
                     f"sweep.band_over = '{key}' is not varied; varied are {', '.join(self.keys)}."
                 )
-        self.band_over = given or (self.keys if self.design.kind in SAMPLED else [])
+        self.band_over = band_over or (self.keys if self.design.kind in SAMPLED else [])
         self.points: list[Point] = points_of(study, self.design.points(self.factors), device=device)
 
     @property
     def groups(self) -> dict[str, list[int]]:
         """Label -> numbers of the runs that differ only in what the bands are taken over."""
         names = {key: name for key, name in short_names(self.keys).items() if key not in self.band_over}
-        found: dict[str, list[int]] = {}
+        groups: dict[str, list[int]] = {}
         for point in self.points:
-            found.setdefault(label_of(point.values, names), []).append(point.number)
-        return found
+            groups.setdefault(label_of(point.values, names), []).append(point.number)
+        return groups
 
 
 def read_plan(
-    path_or_preset: str | Path, changes: Mapping[str, Any], asked: Mapping[str, Any], *, device: str
+    path_or_preset: str | Path, changes: Mapping[str, Any], options: Mapping[str, Any], *, device: str
 ) -> Plan:
-    """The plan of a study file with a section [sweep], or of a study and what is asked for beside it.
+    """The plan of a study file with a section [sweep], or of a study and options beside it.
 
-    changes: of keys of the study. asked: of the section, by its keys; "vary" adds to the file's.
+    changes: of keys of the study. options: of the section, by its keys; "vary" adds to the file's.
     """
     sections = loading.read_sections(path_or_preset)
-    given = sections.pop(SECTION, {})
+    section = sections.pop(SECTION, {})
     study = Study(**sections).replace(changes)
-    return Plan(study, section_of(given, asked), device=device)
+    return Plan(study, section_of(section, options), device=device)
 
 
-def section_of(given: Any, asked: Mapping[str, Any]) -> SweepSection:
-    """The section in a file with what is asked for instead. Raises InputError with one sentence."""
-    given = dict(given) if isinstance(given, Mapping) else {"vary": given}
-    more = {key: value for key, value in asked.items() if value is not None and key != "vary"}
-    if isinstance(given.get("vary", {}), Mapping):
-        more["vary"] = {**_flat(given.get("vary", {})), **asked.get("vary", {})}
+def section_of(section: Any, options: Mapping[str, Any]) -> SweepSection:
+    """Put options in the place of what the section of a file says. Raises InputError with one sentence."""
+    section = dict(section) if isinstance(section, Mapping) else {"vary": section}
+    more = {key: value for key, value in options.items() if value is not None and key != "vary"}
+    if isinstance(section.get("vary", {}), Mapping):
+        more["vary"] = {**_flat(section.get("vary", {})), **options.get("vary", {})}
     try:
-        return SweepSection(**{**given, **more})
+        return SweepSection(**{**section, **more})
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join([SECTION, *map(str, first["loc"])])
@@ -91,10 +91,10 @@ def section_of(given: Any, asked: Mapping[str, Any]) -> SweepSection:
 
 def _flat(nested: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     """Dotted keys of tables in tables, as TOML makes of unquoted dots; {positions = 12} is a value."""
-    found: dict[str, Any] = {}
+    flat: dict[str, Any] = {}
     for key, value in nested.items():
         if isinstance(value, Mapping) and "positions" not in value:
-            found |= _flat(value, f"{prefix}{key}.")
+            flat |= _flat(value, f"{prefix}{key}.")
         else:
-            found[f"{prefix}{key}"] = value
-    return found
+            flat[f"{prefix}{key}"] = value
+    return flat

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -12,9 +12,9 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.results.ensemble import that_matter
-from warpwear.study.keys import value_of
 from warpwear.study.study import Study
-from warpwear.surfaces.reading import read
+from warpwear.surfaces.reading import digest_of, read
+from warpwear.sweeps.run_one import Task
 
 #: Number of what a stored run holds; it rises when the same study gives other numbers.
 RESULT_FORMAT = 1
@@ -31,6 +31,7 @@ class Point:
     study: Study | None
     run: str  # name of its folder; empty without a study
     problem: str = ""
+    surface: str | None = None  # SHA-256 of the file of its surface
 
 
 def points_of(study: Study, values: Iterable[Mapping[str, Any]], *, device: str) -> list[Point]:
@@ -38,43 +39,42 @@ def points_of(study: Study, values: Iterable[Mapping[str, Any]], *, device: str)
 
     A combination that makes no study is a point with its sentence. Raises InputError where none makes one.
     """
-    found = [_point(number, study, dict(changes), device) for number, changes in enumerate(values)]
-    if all(point.study is None for point in found):
-        raise InputError(found[0].problem)
-    return found
+    digest = cache(digest_of)  # a file is read once for all runs
+    points = [_point(number, study, dict(changes), device, digest) for number, changes in enumerate(values)]
+    if all(point.study is None for point in points):
+        raise InputError(points[0].problem)
+    return points
 
 
-def _point(number: int, study: Study, values: dict[str, Any], device: str) -> Point:
+def _point(
+    number: int, study: Study, values: dict[str, Any], device: str, digest: Callable[[str], str]
+) -> Point:
     try:
-        made = study.replace(values)
+        varied = study.replace(values)
     except InputError as error:
         return Point(number, values, None, "", str(error))
-    return Point(number, values, made, name_of(made, device=device))
+    surface = None if varied.disc.surface is None else digest(varied.disc.surface)
+    return Point(number, values, varied, name_of(varied, device=device, surface=surface), surface=surface)
 
 
-def name_of(study: Study, *, device: str) -> str:
+def name_of(study: Study, *, device: str, surface: str | None) -> str:
     """SHA-256 of all that decides the numbers of a run, as hexadecimal text.
 
     That is the resolved study without its names, what its surface file holds (not where it lies), the kind
-    of device and `RESULT_FORMAT`. Raises InputError for a surface file that cannot be read.
+    of device and `RESULT_FORMAT`. surface: digest of that file.
     """
     sections = that_matter(study)
-    surface = value_of(sections, "disc.surface")
     if surface is not None:
-        sections["disc"]["surface"] = _digest(
-            surface, Path(surface).stat().st_mtime_ns if Path(surface).is_file() else 0
-        )
+        sections["disc"]["surface"] = surface
     about = {"study": sections, "device": device.partition(":")[0], "format": RESULT_FORMAT}
     return hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()
 
 
-@cache
-def _digest(path: str, modified: int) -> str:
-    try:
-        with Path(path).open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError as error:
-        raise InputError(f"disc.surface '{path}' cannot be read: {error.strerror}.") from error
+def task_of(point: Point, runs: Path, *, device: str, threads: int | None = None) -> Task:
+    """What a worker is asked for a run. runs: the folder of all of them."""
+    assert point.study is not None
+    folder = str((runs / point.run).resolve())
+    return Task(point.study.to_toml(), folder, device, threads, surface=point.surface)
 
 
 def with_positions(study: Study, vary: Mapping[str, Any]) -> dict[str, Any]:
@@ -83,13 +83,13 @@ def with_positions(study: Study, vary: Mapping[str, Any]) -> dict[str, Any]:
     Each part is as large as the domain, or the track, and lies anywhere in the file, as often as not over
     another. Raises InputError for a disc that is not measured, or too small for any choice.
     """
-    given = vary.get(CROP)
-    if not isinstance(given, Mapping):
+    positions = vary.get(CROP)
+    if not isinstance(positions, Mapping):
         return dict(vary)
-    number = given.get("positions")
-    if set(given) - POSITIONS or not isinstance(number, int) or isinstance(number, bool) or number < 1:
+    number = positions.get("positions")
+    if set(positions) - POSITIONS or not isinstance(number, int) or isinstance(number, bool) or number < 1:
         raise InputError(
-            f"sweep.vary '{CROP}' = {dict(given)!r}: {{positions = 12, seed = 1}} is expected, or a list."
+            f"sweep.vary '{CROP}' = {dict(positions)!r}: {{positions = 12, seed = 1}} is expected, or a list."
         )
     disc = study.disc
     if disc.surface is None:
@@ -108,6 +108,6 @@ def with_positions(study: Study, vary: Mapping[str, Any]) -> dict[str, Any]:
             f"disc.surface '{disc.surface}' measures {whole[0]:.4g} × {whole[1]:.4g} mm: the part of "
             f"{needed[0]:.4g} × {needed[1]:.4g} mm that a run needs has no other place in it."
         )
-    corners = np.random.default_rng(given.get("seed", 0)).random((number, 2)) * (whole - needed)
+    corners = np.random.default_rng(positions.get("seed", 0)).random((number, 2)) * (whole - needed)
     crops = [[f"{e:.9g} mm" for e in (x, x + needed[0], y, y + needed[1])] for x, y in corners.tolist()]
     return {**vary, CROP: crops}

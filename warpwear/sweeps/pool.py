@@ -77,6 +77,12 @@ class Workers(ThreadPoolExecutor):
             self._own.process = process
         return process
 
+    def __exit__(self, kind: type[BaseException] | None, *error: Any) -> None:
+        """End the workers, at once on Ctrl-C."""
+        if kind is not None and issubclass(kind, KeyboardInterrupt):
+            self.stop()
+        self.shutdown()
+
     def stop(self) -> None:
         """End the workers at once: a run in the middle leaves its checkpoint."""
         self._stopping = True

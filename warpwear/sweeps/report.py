@@ -1,5 +1,6 @@
 """What a sweep leaves in its folder: tables, figures, and a page that shows them without a network."""
 
+import tempfile
 from collections import Counter
 from functools import partial
 from pathlib import Path
@@ -7,30 +8,55 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.measured.course import Experiment
+from warpwear.errors import InputError
+from warpwear.measured.experiment import Experiment
 from warpwear.page.folder import write_report as write_folder
-from warpwear.sweeps.figures import FIGURES, figures_of
+from warpwear.results import manifest
+from warpwear.sweeps.figures import figures_of
 from warpwear.sweeps.page import page
-from warpwear.sweeps.table import SweepResult
+from warpwear.sweeps.table import TABLES, SweepResult
 
-TABLES, PAGE = ("table.csv", "table.parquet", "sweep.nc"), "sweep.html"
+#: The page of a sweep.
+PAGE = "sweep.html"
 #: Sentences of runs that failed, and numbers of them that one sentence names.
 MOST_FAILURES = 8
 
 
 def write_report(result: SweepResult, folder: Path, experiments: tuple[Experiment, ...] = ()) -> list[Path]:
-    """Write table.csv, table.parquet, sweep.nc, figures/ and sweep.html; return what was written."""
-    result.write_tables(folder)
+    """Write the files of `TABLES`, sweep.html and figures/, each as a whole; return what was written.
+
+    Raises InputError where they cannot be written; the runs are kept.
+    """
     texts = {"groups": group_rows(result), "failed": failures(result)}
-    written = write_folder(
-        folder,
-        figures_of(result, experiments),
-        pages={PAGE: partial(page, result, texts=texts, experiments=experiments)},
-        files={},
-        within="figures",
-        older=FIGURES,
-    )
-    return [path for name in TABLES if (path := folder / name).is_file()] + written
+    try:
+        with tempfile.TemporaryDirectory(prefix=".tables-", dir=folder) as name:
+            work = Path(name)
+            result.write_tables(work)
+            write_folder(
+                work,
+                figures_of(result, experiments),
+                pages={PAGE: partial(page, result, texts=texts, experiments=experiments)},
+                within=manifest.FIGURES,
+            )
+            return _moved(work, folder)
+    except OSError as error:
+        raise InputError(
+            f"out = {folder}: tables and figures could not be written: {error.strerror or error}; the runs "
+            "are kept, and the same command with --resume writes them"
+        ) from error
+
+
+def _moved(work: Path, folder: Path) -> list[Path]:
+    """Move tables and figures into the folder of a sweep, in place of its older ones alone."""
+    ours = manifest.written(folder)
+    tables = [name for name in (*TABLES, PAGE) if (work / name).is_file()]
+    names = [*tables, *sorted(f"{manifest.FIGURES}/{path.name}" for path in work.glob("*/*.png"))]
+    (folder / manifest.FIGURES).mkdir(exist_ok=True)
+    for name in names if ours else ():  # what earlier versions wrote stands in no manifest
+        if name not in ours:
+            manifest.set_aside(folder / name)
+    manifest.write(folder, ours | {*names}, work=work)
+    return [(work / name).replace(folder / name) for name in names]
 
 
 def group_rows(result: SweepResult, column: str = "cof") -> list[dict[str, Any]]:
@@ -38,15 +64,13 @@ def group_rows(result: SweepResult, column: str = "cof") -> list[dict[str, Any]]
     values = (
         result.ends(column) if any(row.ends for row in result.rows) else np.full(len(result.rows), np.nan)
     )
-    found = []
+    rows = []
     for label, runs in result.plan.groups.items():
         known = values[runs][np.isfinite(values[runs])]
         low, high = np.percentile(known, (5.0, 95.0)) if known.size else (np.nan, np.nan)
         mean = float(known.mean()) if known.size else np.nan
-        found.append(
-            {"label": label or "all runs", "runs": len(runs), "mean": mean, "low": low, "high": high}
-        )
-    return found
+        rows.append({"label": label or "all runs", "runs": len(runs), "mean": mean, "low": low, "high": high})
+    return rows
 
 
 def summary_text(result: SweepResult) -> str:
@@ -63,8 +87,8 @@ def summary_text(result: SweepResult) -> str:
             if result.plan.design.kind == "saltelli"
             else "rank correlation; of words and seeds η²"
         )
-        told = ", ".join(f"{key} {value:.2f}" for key, value in result.influence().items())
-        lines.append(f"what decides it ({what}): {told}")
+        shares = ", ".join(f"{key} {value:.2f}" for key, value in result.influence().items())
+        lines.append(f"what decides it ({what}): {shares}")
     return "\n".join([*lines, *failures(result)])
 
 

@@ -16,15 +16,13 @@ from warpwear.history.quantities import columns_of
 from warpwear.result import Result
 from warpwear.results.file import FILE_NAME
 from warpwear.results.summary import course
-from warpwear.runs import lock as run_lock
 from warpwear.runs.checkpoint import holds_checkpoint
-from warpwear.runs.run import How, run_study
+from warpwear.runs.run import RunOptions, run_study
 from warpwear.study.study import Study
 
-fcntl = lazy.module("fcntl")
+filelock = lazy.module("filelock")
 
-#: Ending of a file beside a run's folder on which its process holds a lock of the system; it is free again
-#: when that is gone, on whichever computer of a cluster it ran.
+#: Ending of a file beside a run's folder on which who makes the run holds a lock of the operating system.
 LOCK = ".lock"
 #: Points of a course that a row keeps.
 POINTS = 500
@@ -32,12 +30,16 @@ POINTS = 500
 
 @dataclass(frozen=True)
 class Task:
-    """What a worker is asked for: the study as text, its folder, and where to compute it."""
+    """What a worker is asked for: the study as text, its folder, where to compute it, and on which surface.
+
+    surface: SHA-256 of the file of the surface.
+    """
 
     study: str
     folder: str
     device: str = "cpu"
     threads: int | None = None
+    surface: str | None = None
 
 
 @dataclass(frozen=True)
@@ -54,20 +56,50 @@ class Row:
 def run_one(task: Task) -> Row:
     """Compute a run, or go on with it, unless its folder holds it finished; a run that fails is a row too."""
     start, folder = time.perf_counter(), Path(task.folder)
-    how = How(out=folder, device=task.device, threads=task.threads, resume=True, whole=False)
     try:
         study = Study.stored(task.study)
         folder.mkdir(parents=True, exist_ok=True)
-        with _alone_in(folder):
+        with filelock.FileLock(f"{folder}{LOCK}"):  # waits for another sweep that makes the same run
             was_there = is_there(folder) and not holds_checkpoint(folder)
-            with _warnings_left_to_the_summary(), run_study(study, how) as result:
-                found = row_of(result)
-        if was_there:
-            return replace(found, was_there=True)
-        return replace(found, seconds=time.perf_counter() - start)
-    except (InputError, ConvergenceError, InvariantError, MemoryError) as error:
+            try:
+                row = _row_of_run(task, study, resume=True)
+            except InputError:
+                row = None
+                if not was_there:
+                    raise
+            if row is None and was_there:  # damaged, or of another surface under this name
+                was_there, row = False, _row_of_run(task, study, resume=False)
+            if row is None:
+                (folder / FILE_NAME).unlink()
+                raise InputError(
+                    f"disc.surface '{study.disc.surface}' is not the file any more that the sweep was "
+                    "planned with; start the sweep again"
+                )
+        return replace(row, was_there=was_there, seconds=row.seconds if was_there else _since(start))
+    except (InputError, ConvergenceError, InvariantError, MemoryError, OSError) as error:
         why = " ".join(str(error).split()) or "the memory ran out"
-        return Row(f"failed: {why}", time.perf_counter() - start)
+        return Row(f"failed: {why}", _since(start))
+
+
+def _row_of_run(task: Task, study: Study, *, resume: bool) -> Row | None:
+    """Make a run, or find it; None where its surface is not that of the task."""
+    options = RunOptions(
+        out=Path(task.folder),
+        device=task.device,
+        threads=task.threads,
+        resume=resume,
+        overwrite=not resume,
+        whole=False,
+    )
+    with _warnings_left_to_the_summary(), run_study(study, options) as result:
+        is_read = study.study.model != "macro" and task.surface is not None
+        if is_read and result.record["surface"].get("sha256") != task.surface:
+            return None
+        return row_of(result)
+
+
+def _since(start: float) -> float:
+    return time.perf_counter() - start
 
 
 @contextmanager
@@ -89,7 +121,7 @@ def row_of(result: Result) -> Row:
         "approach [mm]": 1.0e-3 * summary["approach_um"],
         **{f"area_{name} [mm^2]": value for name, value in summary["area_mm2"].items()},
         **{f"pressure_{name} [MPa]": value for name, value in summary["pressure_MPa"].items()},
-        "shear_strength [MPa]": strength_of(result.study, summary),
+        "shear_strength [MPa]": summary["shear_strength_MPa"],
     }
     ends |= {name: np.nan if value is None else float(value) for name, value in of_summary.items()}
     courses = {"distance": course(result, "distance")[0]}
@@ -98,29 +130,6 @@ def row_of(result: Result) -> Row:
     thinned = {name: np.asarray(values[keep], dtype=np.float64) for name, values in courses.items()}
     status = "done" if result.finished else "unfinished"
     return Row(status, float(result.record["elapsed_s"]), ends, thinned)
-
-
-def strength_of(study: Study, summary: dict[str, object]) -> float | None:
-    """The shear strength of a run [MPa], as given or as its calibration came to."""
-    given = study.friction.shear_strength
-    if given is not None or study.friction.calibrate is None:
-        return given
-    found = summary["shear_strength_MPa_for_reference"]
-    value = found.get(study.friction.calibrate) if isinstance(found, dict) else None
-    return None if value is None else float(value)
-
-
-@contextmanager
-def _alone_in(folder: Path) -> Iterator[None]:
-    """The run folder for this process alone; waits for another, maybe on another computer."""
-    with folder.with_name(folder.name + LOCK).open("w") as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX)
-        except (ImportError, OSError):  # not every system has it: the run's own lock is left
-            yield
-            return
-        run_lock.forget_other_computers(folder)  # a run there would hold the lock of the system
-        yield
 
 
 def is_there(folder: Path) -> bool:

@@ -2,33 +2,34 @@
 
 import csv
 import logging
-import shutil
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from contextlib import contextmanager, nullcontext
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
+from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from warpwear.engine.device import gpu_count, usable_cores
+from warpwear.engine.device import find_device, gpu_count, usable_cores
 from warpwear.errors import InputError
+from warpwear.results import manifest
+from warpwear.results.folder import LOCK, check_writable, held, refuse_if_held
 from warpwear.runs.console import warn
 from warpwear.study.study import Study
 from warpwear.sweeps.plan import Plan, section_of
-from warpwear.sweeps.points import Point
+from warpwear.sweeps.points import task_of
 from warpwear.sweeps.pool import WorkerDiedError, Workers, local_workers
-from warpwear.sweeps.report import failed_sentence, write_report
-from warpwear.sweeps.run_one import Row, Task, is_there, run_one
-from warpwear.sweeps.table import RUNS, SweepResult
+from warpwear.sweeps.report import PAGE, failed_sentence, write_report
+from warpwear.sweeps.run_one import Row, is_there, run_one
+from warpwear.sweeps.table import RUNS, TABLES, SweepResult
 
 #: How often it is looked after runs that take long [s].
 LOOK = 5.0
 #: A run is told of that takes this many times as long as the longest before, and this long at least [s].
 MANY, SILENCE = 10.0, 60.0
-#: A file that every finished sweep has.
-TABLE = "table.csv"
+#: Workers on this machine at most, or four for each of its cores.
+MOST_WORKERS = 64
 #: Tells at the level INFO how far a sweep from Python is.
 LOG = logging.getLogger("warpwear")
 
@@ -62,26 +63,34 @@ def sweep(
     StudyWarning at the end names it.
     """
     study = study if isinstance(study, Study) else Study.load(study)
-    asked = {"design": design, "samples": samples, "seed": seed, "band_over": band_over}
-    plan = Plan(study, section_of({"vary": dict(vary)}, asked), device=device)
+    options = {"design": design, "samples": samples, "seed": seed, "band_over": band_over}
+    plan = Plan(study, section_of({"vary": dict(vary)}, options), device=device)
     if executor is not None and not callable(getattr(executor, "submit", None)):
         raise InputError(
             f"executor = {executor!r}: an object with submit(), as in concurrent.futures, is expected."
         )
     local = nullcontext((executor, 1, 1)) if executor is not None else local_executor(plan, workers=workers)
     counted = Count(len(plan.points))
-    with _folder(out) as folder, local as (pool, threads, _):
-        check_runs(plan, folder)
+    out = None if out is None else Path(out)
+    if out is not None:
+        check_folder(out, resume=True)
+        check_runs(plan, out)
+    with opened_folder(out) as folder, local as (pool, threads, _):
         rows = make_runs(
-            plan, folder, pool, threads=threads, told=lambda _, row: LOG.info(counted.one(row)), warned=warn
+            plan,
+            folder,
+            pool,
+            threads=threads,
+            on_row=lambda _, row: LOG.info(counted.one(row)),
+            on_warning=warn,
         )
-        found = SweepResult(plan, rows, None if out is None else folder)
+        result = SweepResult(plan, rows, None if out is None else folder)
         if out is not None:
-            write_report(found, folder)
-    failed = failed_sentence(found)
+            write_report(result, folder)
+    failed = failed_sentence(result)
     if failed is not None:
         warn(f"{failed}.")
-    return found
+    return result
 
 
 class Count:
@@ -106,27 +115,29 @@ def make_runs(
     executor: Executor,
     *,
     threads: int | None = None,
-    told: Callable[[int, Row], object] | None = None,
-    warned: Callable[[str], object] = lambda sentence: None,
+    on_row: Callable[[int, Row], object] | None = None,
+    on_warning: Callable[[str], object] = lambda sentence: None,
 ) -> list[Row]:
     """Have an executor make the runs of a plan, each once, and return their rows in the plan's order.
 
-    told: is called with the number and row of each run that is done. warned: is called once with a
+    on_row: is called with the number and row of each run that is done. on_warning: is called once with a
     sentence about a run that takes far longer than all that are done. On an interrupt what is not begun is
     left, and KeyboardInterrupt raised.
     """
     rows: dict[int, Row] = {}
     waiting: dict[Future[Row], list[int]] = {}
-    asked: dict[str, Future[Row]] = {}
+    futures: dict[str, Future[Row]] = {}
     for point in plan.points:
         if point.study is None:
             rows[point.number] = Row(f"failed: {point.problem}")
-            if told is not None:
-                told(point.number, rows[point.number])
+            if on_row is not None:
+                on_row(point.number, rows[point.number])
             continue
-        future = asked.get(point.run)
+        future = futures.get(point.run)
         if future is None:
-            future = asked[point.run] = executor.submit(run_one, task_of(plan, point, folder, threads))
+            future = futures[point.run] = executor.submit(
+                run_one, task_of(point, folder / RUNS, device=plan.device, threads=threads)
+            )
         waiting.setdefault(future, []).append(point.number)
     begun: dict[Future[Row], float] = {}
     longest = 0.0
@@ -142,7 +153,7 @@ def make_runs(
                 if took > max(SILENCE, MANY * longest):
                     late.add(future)
                     point = plan.points[waiting[future][0]]
-                    warned(
+                    on_warning(
                         f"run {point.number} has taken {_duration(took)}, the longest of the others "
                         f"{_duration(longest)}: its process may hang ({folder / RUNS / point.run})"
                     )
@@ -151,13 +162,11 @@ def make_runs(
                 longest = max(longest, row.seconds if row.status == "done" else 0.0)
                 for number in waiting.pop(future):
                     rows[number] = row
-                    if told is not None:
-                        told(number, row)
+                    if on_row is not None:
+                        on_row(number, row)
     except KeyboardInterrupt:
         for future in waiting:
             future.cancel()
-        if isinstance(executor, Workers):
-            executor.stop()
         raise
     return [rows[number] for number in range(len(plan.points))]
 
@@ -166,6 +175,8 @@ def _row(future: "Future[Row]") -> Row:
     """The row of a run; one whose worker was lost says so."""
     try:
         return future.result()
+    except CancelledError:
+        return Row("failed: it was cancelled, as runs are whose cluster is gone")
     except (WorkerDiedError, OSError, RuntimeError, MemoryError) as error:
         return Row(f"failed: {' '.join(str(error).split()) or type(error).__name__}")
 
@@ -199,25 +210,18 @@ def estimate(plan: Plan, folder: Path | None, executor: Executor, *, threads: in
     missing = [name for name in runs if folder is None or not is_there(folder / RUNS / name)]
     if not missing:
         return Estimate(len(plan.points), len(runs), 0.0, 0.0)
-    with _folder(folder) as place:
-        task = task_of(plan, runs[missing[0]], place, threads)
-        row = executor.submit(run_one, task).result()
+    with opened_folder(None) if folder is None else nullcontext(folder) as place:
+        task = task_of(runs[missing[0]], place / RUNS, device=plan.device, threads=threads)
+        row = _row(executor.submit(run_one, task))
         size = sum(path.stat().st_size for path in Path(task.folder).glob("*") if path.is_file())
     return Estimate(len(plan.points), len(runs) - len(missing), row.seconds, size)
 
 
-def task_of(plan: Plan, point: Point, folder: Path, threads: int | None) -> Task:
-    """What a worker is asked for a run of a plan, in the folder of its sweep."""
-    assert point.study is not None
-    return Task(point.study.to_toml(), str((folder / RUNS / point.run).resolve()), plan.device, threads)
-
-
 def check_folder(folder: Path, *, resume: bool) -> None:
     """Raises InputError for a folder that a sweep may not be written into."""
-    for path in (folder, *folder.parents):
-        if path.exists() and not path.is_dir():
-            raise InputError(f"out = {folder}: {path} is a file; the name of a folder is expected.")
-    if not folder.is_dir() or not any(folder.iterdir()):
+    check_writable(folder)
+    names = {path.name for path in folder.iterdir()} - {LOCK} if folder.is_dir() else set()
+    if not names:
         return
     if not (folder / RUNS).is_dir():
         raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected.")
@@ -225,22 +229,41 @@ def check_folder(folder: Path, *, resume: bool) -> None:
         raise InputError(
             f"out = {folder} already holds a sweep; resume it (--resume), or give another folder (--out)."
         )
+    refuse_if_held(folder)
+    if (folder / manifest.FIGURES).is_symlink():
+        raise InputError(
+            f"{folder / manifest.FIGURES} is a link; a sweep draws into its own folder: move it away."
+        )
+    ours = manifest.written(folder)
+    foreign = [name for name in (*TABLES, PAGE) if name in names and name not in ours]
+    if foreign and (ours or TABLES[0] not in names):  # earlier versions wrote no manifest
+        raise InputError(
+            f"out = {folder} holds {', '.join(foreign)}, which no sweep wrote and this one would replace: "
+            "move what you want to keep, or give another folder (out)."
+        )
 
 
 def check_runs(plan: Plan, folder: Path) -> None:
     """Raises InputError for the folder of a sweep with runs that this one has not: its tables would go.
 
-    A sweep may grow, so that its runs are part of those of a larger one. Runs that failed are no loss.
+    A sweep may grow, so that its runs are part of those of a larger one. Runs that failed are no loss, and
+    neither is a row that was cut off while it was written.
     """
+    path = folder / TABLES[0]
     try:
-        with (folder / TABLE).open(newline="", encoding="utf-8-sig") as file:
-            rows = [*csv.DictReader(file)]
-        there = {row["run"] for row in rows if not str(row["status"]).startswith("failed")}
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            reader = csv.DictReader(file)
+            rows = [row for row in reader if None not in row.values()]
+            if path.name not in manifest.written(folder) and not {"run", "status"} <= {
+                *(reader.fieldnames or ())
+            }:
+                raise KeyError("columns run and status")
+        there = {row["run"] for row in rows if not row["status"].startswith("failed")}
     except FileNotFoundError:
         return
     except (OSError, UnicodeError, csv.Error, KeyError) as error:
         raise InputError(
-            f"{folder / TABLE} cannot be read as the table of a sweep, which would be lost ({error}): give "
+            f"{path} cannot be read as the table of a sweep, which would be lost ({error}): give "
             "another folder, or move it away."
         ) from error
     others = there - {point.run for point in plan.points}
@@ -269,17 +292,20 @@ def share_runs(folder: Path, store: Path) -> None:
 
 
 @contextmanager
-def _folder(out: str | Path | None) -> Iterator[Path]:
-    if out is not None:
-        check_folder(Path(out), resume=True)
-        (Path(out) / RUNS).mkdir(parents=True, exist_ok=True)
-        yield Path(out)
+def opened_folder(out: Path | None) -> Iterator[Path]:
+    """Hold the folder of a sweep, or give one that is gone at the end. Raises InputError."""
+    if out is None:
+        with tempfile.TemporaryDirectory(prefix="warpwear-sweep-", ignore_cleanup_errors=True) as place:
+            yield Path(place)
         return
-    place = Path(tempfile.mkdtemp(prefix="warpwear-sweep-"))
     try:
-        yield place
-    finally:
-        shutil.rmtree(place, ignore_errors=True)
+        (out / RUNS).mkdir(parents=True, exist_ok=True)
+        lock = ExitStack()
+        lock.enter_context(held(out))
+    except OSError as error:
+        raise InputError(f"out = {out} cannot be written: {error.strerror or error}.") from error
+    with lock:
+        yield out
 
 
 @contextmanager
@@ -295,8 +321,11 @@ def local_executor(
     if gpus and not visible:
         raise InputError("gpus = 'all': no GPU of CUDA is here.")
     number = workers if workers is not None else len(visible) or min(cores, len(plan.points))
-    if number < 1:
-        raise InputError(f"workers = {number}: at least one is needed.")
+    most = max(MOST_WORKERS, 4 * cores)
+    if not 1 <= number <= most:
+        raise InputError(f"workers = {number} is not possible; allowed: 1 to {most}.")
+    if plan.device != "cpu":
+        find_device(plan.device)  # before any worker asks for it in vain
     with local_workers(number, cores=cores, gpus=visible) as pool:
         yield pool, max(1, cores // number), number
 

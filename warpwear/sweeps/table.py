@@ -15,6 +15,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import QUANTITIES
 from warpwear.result import Result
 from warpwear.results.ensemble import at, band, is_label
+from warpwear.results.formats.netcdf import require_free_space
 from warpwear.study.keys import value_of
 from warpwear.study.units import parse
 from warpwear.sweeps.indices import Indices, sobol
@@ -26,6 +27,8 @@ stats = lazy.module("scipy.stats")
 
 #: Folder of the runs in that of a sweep.
 RUNS = "runs"
+#: Tables of a sweep; every one that has ended has the first.
+TABLES = ("table.csv", "table.parquet", "sweep.nc")
 MEANINGS = {quantity.name: quantity for quantity in QUANTITIES}
 
 
@@ -54,15 +57,15 @@ class SweepResult:
         value stands in its name: "area_contact [mm^2]".
         """
         points = self.plan.points
-        found: dict[str, list[Any]] = {
+        table: dict[str, list[Any]] = {
             "run": [point.run for point in points],
             "status": [row.status for row in self.rows],
             "seconds": [round(row.seconds, 3) for row in self.rows],
         }
-        found |= {key: [_written(point.values[key]) for point in points] for key in self.plan.keys}
+        table |= {key: [_written(point.values[key]) for point in points] for key in self.plan.keys}
         names = dict.fromkeys(name for row in self.rows for name in row.ends)
-        found |= {name: [row.ends.get(name, np.nan) for row in self.rows] for name in names}
-        return found
+        table |= {name: [row.ends.get(name, np.nan) for row in self.rows] for name in names}
+        return table
 
     def open(self, number: int) -> Result:
         """The run of a row, counted from 0, with fields and figures. Raises InputError if there is none."""
@@ -96,11 +99,11 @@ class SweepResult:
         """Values of a column of the history over `distance`, (runs, distances); NaN where a run has none."""
         if name not in self._courses:
             places = self.distance
-            found = np.full((len(self.rows), places.size), np.nan)
-            for line, row in zip(found, self.rows, strict=True):
+            courses = np.full((len(self.rows), places.size), np.nan)
+            for line, row in zip(courses, self.rows, strict=True):
                 if name in row.courses:
                     line[:] = at(places, row.courses["distance"], row.courses[name])
-            self._courses[name] = found
+            self._courses[name] = courses
         return self._courses[name]
 
     def ends(self, name: str) -> FloatArray:
@@ -133,21 +136,21 @@ class SweepResult:
         """
         values = self.ends(name)
         indices = self.sobol(name)
-        found = {}
+        influence = {}
         for place, key in enumerate(self.plan.keys):
             number = self.numbers(key)
             if indices is not None:
-                found[key] = float(indices.total[place])
+                influence[key] = float(indices.total[place])
             elif number is not None and not is_label(key):
                 known = np.isfinite(values) & np.isfinite(number[0])
                 varies = known.sum() > 2 and np.ptp(values[known]) > 0.0 and np.ptp(number[0][known]) > 0.0
-                found[key] = float(stats.spearmanr(number[0][known], values[known])[0]) if varies else 0.0
+                influence[key] = float(stats.spearmanr(number[0][known], values[known])[0]) if varies else 0.0
             else:
-                found[key] = _between(values, [str(point.values[key]) for point in self.plan.points])
-        return dict(sorted(found.items(), key=lambda item: -abs(item[1])))
+                influence[key] = _between(values, [str(point.values[key]) for point in self.plan.points])
+        return dict(sorted(influence.items(), key=lambda item: -abs(item[1])))
 
     def write_tables(self, folder: Path) -> None:
-        """Write table.csv, and table.parquet and sweep.nc where their packages are installed."""
+        """Write `TABLES`, the last two where their packages are installed. Raises OSError."""
         table = self.table
         with (folder / "table.csv").open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
@@ -156,7 +159,9 @@ class SweepResult:
                 writer.writerow([repr(v) if isinstance(v, float) else v for v in row])
         try:
             pandas.DataFrame(table).to_parquet(folder / "table.parquet", index=False)
-            self._dataset().to_netcdf(folder / "sweep.nc", engine="h5netcdf")
+            courses = self._dataset()
+            require_free_space(folder / "sweep.nc", courses.nbytes)
+            courses.to_netcdf(folder / "sweep.nc", engine="h5netcdf")
         except ImportError:  # of what pip install 'warpwear[io]' brings
             return
 
@@ -184,7 +189,7 @@ def numbers_of(plan: Plan, key: str) -> tuple[FloatArray, str] | None:
 
     NaN is what no number can be made of, in a point of which no study could be made.
     """
-    found, unit = np.full(len(plan.points), np.nan), ""
+    numbers, unit = np.full(len(plan.points), np.nan), ""
     for place, study in ((point.number, point.study) for point in plan.points if point.study):
         value = value_of(study.model_dump(), key)
         if isinstance(value, str) and (split := value.split(" ", 1))[0]:
@@ -194,13 +199,13 @@ def numbers_of(plan: Plan, key: str) -> tuple[FloatArray, str] | None:
                 return None
         if isinstance(value, bool) or not isinstance(value, int | float):
             return None
-        found[place] = value
+        numbers[place] = value
     for point in plan.points:
         if point.study is None:
             with suppress(ValueError, TypeError, OverflowError):
                 value = point.values[key]
-                found[point.number] = parse(value, unit) if unit else float(value)
-    return found, unit
+                numbers[point.number] = parse(value, unit) if unit else float(value)
+    return numbers, unit
 
 
 def _between(values: FloatArray, words: Sequence[str]) -> float:

@@ -27,18 +27,18 @@ WIDE_CAP = "with the whole mean diagonal for a: eq 3.1 to the letter"
 
 @dataclass(frozen=True, kw_only=True)
 class Patch:
-    """The printed patch of the ball against the printed K. Diameters [mm], volumes [mm³], K [mm²/N].
+    """The printed patch of the ball is set against the printed K. Diameters [mm], volumes [mm³], K [mm²/N].
 
     by_ellipsoid: of a full ellipsoid (4/3) π a² h, with the rim's radius a and the depth h; by_mean_as_rim:
-    of the cap whose rim's radius is the whole mean diagonal, the letter of eq 3.1. asked, asked_small: the
+    of the cap whose rim's radius is the whole mean diagonal, the letter of eq 3.1. needed, needed_small: the
     diameter that the printed K needs, by the cap and by π d⁴/(64 R).
     """
 
     by_cap: WearCalibration
     by_ellipsoid: WearCalibration
     by_mean_as_rim: WearCalibration
-    asked: float
-    asked_small: float
+    needed: float
+    needed_small: float
 
 
 def _of_test(worn: WornVolume) -> WearCalibration:
@@ -51,11 +51,11 @@ def table_4_1() -> dict[str, tuple[Printed, WearCalibration]]:
 
     The text prints no volume: they are K F L, so that this checks units and arithmetic, not the measurement.
     """
-    found = {}
+    rows = {}
     for name, printed in thesis.WEAR_COEFFICIENTS.items():
         volume = 1e-3 * printed.value * thesis.LOAD.value * thesis.DISTANCE.value
-        found[name] = (printed, _of_test(volume_given(float(f"{volume:.{DIGITS}g}"))))
-    return found
+        rows[name] = (printed, _of_test(volume_given(float(f"{volume:.{DIGITS}g}"))))
+    return rows
 
 
 def patch() -> Patch:
@@ -68,15 +68,15 @@ def patch() -> Patch:
         by_cap=_of_test(flat),
         by_ellipsoid=_of_test(ellipsoid),
         by_mean_as_rim=_of_test(cap(2.0 * diameter, radius=radius)),
-        asked=diameter_of_cap(volume, radius=radius),
-        asked_small=(64.0 * radius * volume / math.pi) ** 0.25,
+        needed=diameter_of_cap(volume, radius=radius),
+        needed_small=(64.0 * radius * volume / math.pi) ** 0.25,
     )
 
 
 def calibrate_thesis(*, as_json: bool = False) -> str:
     """Set Table 4.1 beside the patch that does not go with it: the text for people, or JSON."""
     load, distance = thesis.LOAD.value, thesis.DISTANCE.value
-    groups = {name: _row_of_table(printed, found) for name, (printed, found) in table_4_1().items()}
+    groups = {name: _row_of_table(*row) for name, row in table_4_1().items()}
     head = [
         Row("load", "load_N", load, digits=6),
         Row("distance", "distance_mm", distance, digits=6),
@@ -104,9 +104,9 @@ def calibrate_thesis(*, as_json: bool = False) -> str:
     )
 
 
-def _row_of_table(printed: Printed, found: WearCalibration) -> list[Row]:
-    """Declare a row of Table 4.1. found: of the volume that it implies."""
-    volume, again = found.volumes[0].volume, 1e3 * found.mean
+def _row_of_table(printed: Printed, calibration: WearCalibration) -> list[Row]:
+    """Declare a row of Table 4.1. calibration: of the volume that it implies."""
+    volume, again = calibration.volumes[0].volume, 1e3 * calibration.mean
     section = 1e6 * volume / thesis.STROKE.value
     return [
         Row("of", "of", printed.note),
@@ -124,7 +124,7 @@ def _patch_rows(worn: Patch) -> list[Row]:
     """Declare what the printed patch and the printed K of the ball say of each other."""
     flat = worn.by_cap.volumes[0]
     cap_told = f"by π h² (3R − h)/3: {flat.volume:.4g} mm³, {1e3 * (flat.depth or 0.0):.3g} µm deep"
-    asked = f"by the cap, {worn.asked_small:.3f} mm by π d⁴/(64 R)"
+    by_both = f"by the cap, {worn.needed_small:.3f} mm by π d⁴/(64 R)"
     return [
         Row("diameter", "diameter_mm", DIAMETER.value),
         Row("printed in", "place", DIAMETER.place),
@@ -132,8 +132,8 @@ def _patch_rows(worn: Patch) -> list[Row]:
         _coefficient("full ellipsoid", "by_ellipsoid", worn.by_ellipsoid.mean, ELLIPSOID),
         _coefficient("wide cap", "by_mean_diagonal_as_rim", worn.by_mean_as_rim.mean, WIDE_CAP),
         _coefficient("printed", "printed", K_OF_BALL, "in Table 4.1"),
-        Row("patch asked for", "diameter_asked_for_mm", worn.asked, note=asked),
-        Row("", "diameter_asked_for_small_scar_mm", worn.asked_small),
+        Row("patch asked for", "diameter_asked_for_mm", worn.needed, note=by_both),
+        Row("", "diameter_asked_for_small_scar_mm", worn.needed_small),
         Row("", "agree", False),
     ]
 

@@ -4,7 +4,7 @@ They stand in `items.toml`, which says how; here they are read, and each row of 
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -75,11 +75,18 @@ class Item:
     figures: tuple[str, ...] = ()  # names of figures
 
 
-def _row(quantity: str, unit: str, *, of_all: str = "", **columns: Mapping[str, str]) -> Row:
+def _row(
+    quantity: str,
+    unit: str,
+    *,
+    ours: Mapping[str, str] | Sequence[str] = (),
+    of_all: str = "",
+    printed: Mapping[str, str] | None = None,
+) -> Row:
     """Make a row from its entry. of_all: name of a number of every version, without the version."""
-    ours = {told: f"{version}.{of_all}" for version, told in VERSIONS.items()} if of_all else {}
-    printed = {told: PRINTED[name] for told, name in columns.pop("printed", {}).items()}
-    return Row(quantity, unit, printed=printed, **{"ours": ours} | columns)
+    names = [f"{version}.{of_all}" for version in VERSIONS] if of_all else ours
+    columns = names if isinstance(names, Mapping) else {VERSIONS[n.partition(".")[0]]: n for n in names}
+    return Row(quantity, unit, columns, {column: PRINTED[name] for column, name in (printed or {}).items()})
 
 
 def _line(item: str, tolerance: str = "", **row: Any) -> Line:

@@ -36,13 +36,13 @@ EXTENTS = ("along", "across", "predicted_along", "predicted_across", "bound", "f
 
 def collect(runs: Runs) -> Numbers:
     """Find all numbers of a report: name -> value."""
-    found: Numbers = {}
+    numbers: Numbers = {}
     for name in VERSIONS:
-        found |= {f"{name}.{key}": value for key, value in _of_version(runs[name]).items()}
-    found |= {name: _change(runs, **entry) for name, entry in COLUMNS["change"].items()}
-    found |= _smooth(runs) | _factor(runs) | _rough(runs) | _patches(runs)
-    found |= _increments(runs) | _stability(runs) | calibration()
-    return {name: float(value) for name, value in found.items()}
+        numbers |= {f"{name}.{key}": value for key, value in _of_version(runs[name]).items()}
+    numbers |= {name: _change(runs, **entry) for name, entry in COLUMNS["change"].items()}
+    numbers |= _smooth(runs) | _factor(runs) | _rough(runs) | _patches(runs)
+    numbers |= _increments(runs) | _stability(runs) | calibration()
+    return {name: float(value) for name, value in numbers.items()}
 
 
 def snapshot_at(result: Result, distance: float) -> Snapshot:
@@ -56,7 +56,7 @@ def _of_version(result: Result) -> Numbers:
     first, end = ({name: values[row] for name, values in history.items()} for row in (0, -1))
     mean, curvature = history["pressure_mean"], result.study.sphere.curvature
     total = end["wear_depth_sphere"] + end["wear_depth_disc"]
-    found = {
+    values_of_version = {
         "patch_by_area_mm": 2.0 * math.sqrt(end["area_touched"] / math.pi),
         # A sphere and a flat whose middles have receded by so much meet at this rim; a paraboloid is wider.
         "patch_by_depth_mm": 2.0 * rim_at(total, radius=1.0 / curvature) if curvature else math.nan,
@@ -71,12 +71,12 @@ def _of_version(result: Result) -> Numbers:
         "cof_first_over_end": first["cof"] / end["cof"],
     }
     for name, column in COLUMNS["first"].items():
-        found[name] = first[column]
+        values_of_version[name] = first[column]
     for name, column in COLUMNS["last"].items():
-        found[name] = 1e3 * end[column] if name.endswith("_um") else end[column]
+        values_of_version[name] = 1e3 * end[column] if name.endswith("_um") else end[column]
     for area, prefix in (("contact", ""), ("touched", "touched_"), ("cumulative", "sum_")):
-        found |= {f"{prefix}{key}": value for key, value in shape(result, area).items()}
-    return found
+        values_of_version |= {f"{prefix}{key}": value for key, value in shape(result, area).items()}
+    return values_of_version
 
 
 def shape(result: Result, area: str) -> Numbers:
@@ -163,7 +163,7 @@ def _rough(runs: Runs) -> Numbers:
     mean, cells = v3["pressure_mean"], v3["cells_in_contact"]
     rough, study = runs["v3"].study, runs["fine"].study
     hardness, load, tolerance = rough.hardness, rough.contact.load, rough.load_tolerance
-    found = {
+    numbers = {
         "v3.sum_over_worn_patch": v3["area_cumulative"][-1] / v1["area_contact"][-1],
         "v3.cof_over_v1": v3["cof"][-1] / v1["cof"][-1],
         "v3.pressures_within_printed": np.mean((mean >= low) & (mean <= high)),
@@ -177,11 +177,11 @@ def _rough(runs: Runs) -> Numbers:
         "fine.area_first_over_F_H": fine["area_contact"][0] * study.hardness / study.contact.load,
     }
     for name, history in (("v1", v1), ("v3", v3)):
-        found[f"{name}.sphere_pattern_um"] = 1e3 * pattern(runs[name])
-        found[f"{name}.mean_disc_depth_um"] = (
+        numbers[f"{name}.sphere_pattern_um"] = 1e3 * pattern(runs[name])
+        numbers[f"{name}.mean_disc_depth_um"] = (
             1e3 * history["wear_volume_disc"][-1] / history["area_nominal"][-1]
         )
-    return found
+    return numbers
 
 
 def pattern(result: Result) -> float:
@@ -210,13 +210,13 @@ def _patches(runs: Runs) -> Numbers:
     volumes = of("disc_volume") / runs["v2"].history["wear_volume_disc"][-1] - 1.0
     radius, smooth = 1.0 / rough.sphere.curvature, worn_radius(rough)
     printed = 0.5 * thesis.PATCH_DIAMETERS["v3"].value
-    asked = depth_of_rim(printed, radius=radius) - depth_of_rim(smooth, radius=radius)
-    found: Numbers = {
+    height = depth_of_rim(printed, radius=radius) - depth_of_rim(smooth, radius=radius)
+    numbers: Numbers = {
         "surfaces": len(patches),
         "surfaces.patch_mean_mm": float(np.mean(0.5 * (of("along") + of("across")))),
         "surfaces.prediction_error_mm": np.abs(measured - predicted).max(),
         "surfaces.bound_exceeded_mm": (measured - of("bound")).max(),
-        "surfaces.peak_asked_um": 1e3 * asked,
+        "surfaces.peak_asked_um": 1e3 * height,
         "surfaces.cell_mm": rough.grid.cell,
     }
     for name, values in (
@@ -226,24 +226,24 @@ def _patches(runs: Runs) -> Numbers:
         ("peak_{}_um", 1e3 * of("peak")),
         ("disc_volume_over_v2_{}", volumes),
     ):
-        found[f"surfaces.{name.format('smallest')}"] = values.min()
-        found[f"surfaces.{name.format('largest')}"] = values.max()
+        numbers[f"surfaces.{name.format('smallest')}"] = values.min()
+        numbers[f"surfaces.{name.format('largest')}"] = values.max()
     for p in patches:
-        found |= {f"surface_{p.seed}.{name}_mm": getattr(p, name) for name in EXTENTS}
-        found[f"surface_{p.seed}.peak_um"] = 1e3 * p.peak
-    return found
+        numbers |= {f"surface_{p.seed}.{name}_mm": getattr(p, name) for name in EXTENTS}
+        numbers[f"surface_{p.seed}.peak_um"] = 1e3 * p.peak
+    return numbers
 
 
 def _increments(runs: Runs) -> Numbers:
     """Find where V1 with implicit wear ends for each increment."""
-    found: Numbers = {}
+    numbers: Numbers = {}
     deviations = []
     for increment in runs.plan.increments:
         run = IMPLICIT.format(increment)
         for key, column in (("area_end_mm2", "area_contact"), ("disc_depth_mm", "wear_depth_disc")):
-            found[f"implicit_{increment:g}.{key}"] = runs[run].history[column][-1]
+            numbers[f"implicit_{increment:g}.{key}"] = runs[run].history[column][-1]
             deviations.append(abs(_change(runs, run=run, other="v1", column=column)))
-    return found | {"implicit.largest_deviation": max(deviations)}
+    return numbers | {"implicit.largest_deviation": max(deviations)}
 
 
 def _stability(runs: Runs) -> Numbers:
@@ -274,7 +274,7 @@ def calibration() -> Numbers:
         "experiment.K_by_cap": by_cap,
         "experiment.K_by_ellipsoid": by_ellipsoid,
         "experiment.K_over_cap": 1e3 * K_OF_BALL / by_cap,
-        "experiment.patch_of_printed_K_mm": worn.asked,
+        "experiment.patch_of_printed_K_mm": worn.needed,
         # A groove with the profile of a parabola, as wide as the patch and as long as the stroke.
         "experiment.groove_depth_um": 1e3 * 1.5 * groove / (DIAMETER.value * thesis.STROKE.value),
         "experiment.distance_by_strokes_mm": thesis.STROKE.value * thesis.PASSES.value,

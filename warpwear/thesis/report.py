@@ -1,4 +1,4 @@
-"""The report of the thesis: its printed results beside ours, one page and one file of numbers."""
+"""The report of the thesis shows its printed results beside ours, as one page and one file of numbers."""
 
 import platform
 import time
@@ -168,11 +168,11 @@ def _how(name: str, result: Result) -> dict[str, Any]:
 
 def _assumptions(runs: Runs) -> list[tuple[tuple[str, str, str], list[str]]]:
     """List each assumed key with its value and reason, and the names of the studies that assume it."""
-    found: dict[tuple[str, str, str], list[str]] = defaultdict(list)
-    for name, told in VERSIONS.items():
+    assumed_by: dict[tuple[str, str, str], list[str]] = defaultdict(list)
+    for name, label in VERSIONS.items():
         study = runs[name].study.model_dump()
         for key, reason in runs[name].summary["assumptions"].items():
             value = value_of(study, key)
-            shown = "" if value is None else str(readable(value))
-            found[key, shown, reason].append(told)
-    return sorted(found.items())
+            text = "" if value is None else str(readable(value))
+            assumed_by[key, text, reason].append(label)
+    return sorted(assumed_by.items())

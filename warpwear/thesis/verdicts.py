@@ -45,7 +45,7 @@ OTHERWISE = {
 
 @dataclass(frozen=True)
 class Verdict:
-    """A judgement and its reason in one to three sentences."""
+    """A verdict has a judgement and its reason in one to three sentences."""
 
     kind: Kind
     reason: str
@@ -105,16 +105,16 @@ class Rule:
 @cache
 def environment() -> Any:
     """Make what rules can use besides numbers of the runs."""
-    made = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=False)
-    made.globals = {
+    rules = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=False)
+    rules.globals = {
         "abs": abs,
         "max": max,
         "printed": {name: printed.value for name, printed in PRINTED.items()},
         "tolerance": TOLERANCES,
     } | {name: [printed.value for printed in series] for name, series in SERIES.items()}
-    made.filters |= {"number": number, "percent": percent, "shape": shape_of}
-    made.tests["square_root"] = is_square_root
-    return made
+    rules.filters |= {"number": number, "percent": percent, "shape": shape_of}
+    rules.tests["square_root"] = is_square_root
+    return rules
 
 
 @cache
@@ -150,13 +150,13 @@ def number(value: float, digits: int = 3) -> str:
         return "–"
     if value == 0.0:
         return "0"
-    shown = f"{value:#.{digits}g}"
-    if "e" in shown:
-        mantissa, exponent = shown.split("e")
+    text = f"{value:#.{digits}g}"
+    if "e" in text:
+        mantissa, exponent = text.split("e")
         power = int(exponent)
         raised = str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-        shown = f"{float(shown):.0f}" if 0 <= power < 7 else f"{mantissa.removesuffix('.')}·10{raised}"
-    return shown.removesuffix(".").replace("-", "−")
+        text = f"{float(text):.0f}" if 0 <= power < 7 else f"{mantissa.removesuffix('.')}·10{raised}"
+    return text.removesuffix(".").replace("-", "−")
 
 
 def percent(value: float, digits: int = 2) -> str:

@@ -286,7 +286,7 @@ def test_a_model_goes_on_from_any_step(kind: str) -> None:
     ("changes", "words"),
     [
         ({"patches.coupling": "load", "contact.hardness": "inf MPa"}, "needs a finite contact.hardness"),
-        ({"contact.boundary": "free"}, "contact.boundary = 'free' of patches needs patches.bulk = 'none'"),
+        ({"contact.boundary": "free"}, "patches.bulk = 'spring' does not go with contact.boundary = 'free'"),
         ({"stepping.scheme": "explicit"}, "needs stepping.scheme = 'implicit'"),
         ({"sliding.kinematics": "swept"}, "sliding.kinematics"),
         ({"sphere.material": None}, "needs Young's modulus and Poisson's ratio of both bodies"),

@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import warpwear
 from warpwear import ConvergenceError, Study
 from warpwear.engine import state as saved
-from warpwear.engine.executor import Executor
+from warpwear.engine.executor import Executor, Field
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels import patches as passes
@@ -157,9 +157,9 @@ def test_what_is_evaluated_ahead_is_what_patches_answer(kind: str, device: str) 
         model.advance(increment, then=then)
         if foresight.memory["ahead"] < 0.0:
             continue
-        ahead, before = (sharing.answer.numpy().copy(), [field.numpy().copy() for field in sharing.trial])
+        ahead, before = (sharing.answer.numpy().copy(), [field.numpy().copy() for field in _trial(sharing)])
         base, offset = foresight.courses.base_next.numpy(), foresight.courses.offset_next.numpy()
-        for field, values in zip(sharing.trial, (base, offset), strict=True):
+        for field, values in zip(_trial(sharing), (base, offset), strict=True):
             field.assign(values)
         model._now.set(stiffness=model._now["stiffness_next"])
         asks.run()
@@ -171,7 +171,7 @@ def test_what_is_evaluated_ahead_is_what_patches_answer(kind: str, device: str) 
         deeper = base + offset >= foresight.reached.numpy()
         compared += int(deeper.sum())
         assert_allclose(ahead[2][deeper], answer[2][deeper], rtol=1e-6, atol=1e-16)
-        for field, values in zip([sharing.answer, *sharing.trial], [ahead, *before], strict=True):
+        for field, values in zip([sharing.answer, *_trial(sharing)], [ahead, *before], strict=True):
             field.assign(values)
     assert compared > stepped.patches.count
 
@@ -263,6 +263,16 @@ def test_a_step_that_does_not_converge_stops_the_run(kind: str, monkeypatch: pyt
 Response = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray, FloatArray]]
 
 
+def _trial(sharing: LoadSharing) -> tuple[Field, Field]:
+    """Base and offset of the approach of every patch [mm]."""
+    return sharing.base, sharing.offset
+
+
+def _common(sharing: LoadSharing) -> tuple[float, float]:
+    """Approach of the bodies, base and offset [mm]."""
+    return sharing.search["common_base"], sharing.search["bracket"][0]
+
+
 class Shared:
     """The search of a step, of patches that answer in NumPy."""
 
@@ -273,27 +283,26 @@ class Shared:
         self.sharing.say(self._program, lambda: self._program.call(self._answer))
 
     def _answer(self) -> None:
-        base, offset = (field.numpy() for field in self.sharing.trial)
+        base, offset = (field.numpy() for field in _trial(self.sharing))
         self.sharing.answer.assign(np.array(self._response(base, offset)))
 
     def solve(self, flexibility: float, *, step: float) -> None:
         """Share the load from where the last solve has ended, or from the lowest cell."""
         sharing, load = self.sharing, self.sharing.load
         pressure, is_first = self.pressure, not self.sharing.search["evaluations"]
-        approach = float(self._lowest.min()) if is_first else sum(sharing.common)
+        approach = float(self._lowest.min()) if is_first else sum(_common(sharing))
         start = np.where(pressure > 0.0, sharing.approaches, approach)
-        none = np.full(start.size, np.inf)
-        values = {
-            sharing.base: start,
-            sharing.offset: np.full(start.size, step),
-            sharing.curves.low: np.stack([-none, -none, 0.0 * start]),
-            sharing.curves.high: np.stack([none, none, np.full(start.size, load.hardness)]),
-        }
-        for field, numbers in values.items():
-            field.assign(numbers)
-        numbers = {"evaluation": 0, "evaluations": 0, "bracketed": 0, "waited": 0, "number": 0, "state": 0}
-        ends = {"low": 0.0 if is_first else -1e300, "high": 1e300, "width": 1e300, "reach": abs(step)}
-        sharing.search.set(flexibility=flexibility, common_base=approach, common=step, **ends, **numbers)
+        sharing.base.assign(start)
+        sharing.offset.fill_(step)
+        for ends, end in (
+            (sharing.curves.low, (-np.inf, -np.inf, 0.0)),
+            (sharing.curves.high, (np.inf, np.inf, load.hardness)),
+        ):
+            ends.assign(np.full(start.size, np.array(end, dtype=ends.numpy().dtype)))
+        low = 0.0 if is_first else -1e300
+        bracket = (step, low, 1e300, abs(step), 1e300, 0, 0)  # by `kernels.newton.Bracket`
+        numbers = dict.fromkeys(("evaluations", "bracketed", "waited", "number"), 0)
+        sharing.search.set(flexibility=flexibility, common_base=approach, bracket=bracket, **numbers)
         for flag in (sharing.flags.searching, sharing.flags.unanswered):
             flag.fill_(1)
         self._program.run()
@@ -324,7 +333,7 @@ def test_the_safeguards_hold_where_newton_leaps(flexibility: float) -> None:
     assert pressure.sum() == pytest.approx(40.0, rel=1e-12)
     at = shared.sharing.approaches + flexibility * pressure
     carrying = pressure > 0.0
-    assert_allclose(at[carrying], sum(shared.sharing.common), rtol=1e-11)
+    assert_allclose(at[carrying], sum(_common(shared.sharing)), rtol=1e-11)
 
 
 class _Cells:
@@ -362,11 +371,11 @@ def test_springs_behind_cells_that_are_almost_rigid() -> None:
         shared = Shared(gap.min(axis=1), of_cells.response, load=load, area=area, hardness=hardness)
         for of_cells.c in 10.0 ** drawn.uniform(-18.0, -6.0, 2):
             shared.solve(1.0 / spring, step=0.5 * hardness * of_cells.c)
-            base, offset = (field.numpy() for field in shared.sharing.trial)
+            base, offset = (field.numpy() for field in _trial(shared.sharing))
             pressures = of_cells.pressures(base, offset)
             p = pressures.mean(axis=1)
             assert area * p.sum() == pytest.approx(load, rel=2e-12)
-            common_base, common_offset = shared.sharing.common
+            common_base, common_offset = _common(shared.sharing)
             deflection = (common_base - base) + (common_offset - offset)
             allowed = 2e-12 * p.max() / spring + 1e-17  # and the rounding of lengths near 0.05 mm
             assert np.abs(deflection - p / spring)[p > 0.0].max() <= allowed
@@ -421,7 +430,7 @@ def test_prescribed_loads_add_up_well_within_the_tolerance(monkeypatch: pytest.M
 
     def answer() -> None:
         """Straight, and a slope that is wrong by a millionth: what is left after a step is as much of it."""
-        base, offset = (field.numpy() for field in sharing.trial)
+        base, offset = (field.numpy() for field in _trial(sharing))
         p = 1e5 * np.maximum(base + offset, 0.0)
         sharing.answer.assign(np.stack([p, np.full_like(p, 1e5 * (1.0 + 0.9e-6)), np.zeros_like(p)]))
 

@@ -62,7 +62,10 @@ BAD = [
         {"wear.law": "running-in", "wear.running_in": "1 mm", "wear.initial_disc": "1 mm^3/N/m"},
         r"wear\.law = 'running-in'",
     ),
-    ({"wear.law": "bearing-curve"}, r"the two-scale model resolves"),
+    (
+        {"wear.law": "bearing-curve"},
+        r"^wear\.law = 'bearing-curve' needs study\.model = 'macro', not 'two-scale': .* resolve",
+    ),
     ({"contact.hardness": "inf MPa", "patches.coupling": "load"}, r"'load' needs a finite contact\.hardness"),
     (
         {"patches.coupling": "load", "stepping.scheme": "explicit", "contact.stiffness": "1e4 N/mm^3"},
@@ -130,10 +133,11 @@ def test_a_history_of_patches_that_memory_does_not_hold(monkeypatch: pytest.Monk
         r"patches\.macro_cell = 2 µm makes 562500 patches, .* 1099 steps take 18\.4 GiB .* a larger "
         r"patches\.macro_cell"
     )
-    monkeypatch.setattr("warpwear.runs.make.free_memory", lambda device: {"the host": tables + fields - 1})
+    place = "warpwear.runs.arrangements.free_memory"
+    monkeypatch.setattr(place, lambda device: {"the host": tables + fields - 1})
     with pytest.raises(InputError, match=refused):
         warpwear.run(study)
-    monkeypatch.setattr("warpwear.runs.make.free_memory", lambda device: {"the host": tables + fields})
+    monkeypatch.setattr(place, lambda device: {"the host": tables + fields})
     with executor_of(study, device="cpu", threads=1) as executor:
         assert executor.grid.cells == cells
 

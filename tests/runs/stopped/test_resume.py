@@ -20,7 +20,7 @@ from warpwear.engine.executor import Executor
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray, Grid
 from warpwear.models.rest.local import OneScaleModel
-from warpwear.runs.make import model_at_rest
+from warpwear.runs.arrangements import model_at_rest
 
 #: Cases whose state others have, too: quick tests leave them out.
 COVERED = ("micro, implicit", "micro, many tiles", "bearing area", "two-scale, load")

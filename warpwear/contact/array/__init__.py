@@ -1,1 +1,1 @@
-"""One contact of an array of heights, without a study: what is asked, solved, and handed back."""
+"""One contact of an array of heights, without a study: from arguments to a solution."""

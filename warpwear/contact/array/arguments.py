@@ -1,4 +1,4 @@
-"""Checks of what is handed to `solve_contact`, and the sentences for what is not possible."""
+"""Check what is handed to `solve_contact`, and say what is not possible."""
 
 import math
 from numbers import Real
@@ -13,12 +13,12 @@ from warpwear.grid import FloatArray
 
 
 def checked_heights(heights: npt.ArrayLike, threads: int) -> tuple[FloatArray, float, float, float]:
-    """The heights as an array; the lowest, the highest and the sum of them."""
+    """Return the heights as an array; the lowest, the highest and the sum of them."""
     try:
-        given = np.asanyarray(heights)
-        if np.ma.is_masked(given) or np.iscomplexobj(given):
+        values = np.asanyarray(heights)
+        if np.ma.is_masked(values) or np.iscomplexobj(values):
             raise TypeError("masked or complex")
-        values = np.asarray(given, dtype=np.float64)
+        values = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InputError(
             f"heights of type {type(heights).__name__} are not possible ({error}); "
@@ -41,29 +41,29 @@ def checked_heights(heights: npt.ArrayLike, threads: int) -> tuple[FloatArray, f
 
 
 def number(name: str, value: Any, *, any_sign: bool = False, optional: bool = True) -> Any:
-    """An argument as a float, None where it is left out. Raises InputError for what is not allowed."""
+    """Return an argument as a float, None where it is left out. Raises InputError for what is not allowed."""
     if value is None and optional:
         return None
     is_number = isinstance(value, Real) and not isinstance(value, bool | np.bool_)
     if not is_number or not math.isfinite(value) or not (any_sign or value > 0.0):
-        shown = f"{float(value):g}" if is_number else repr(value)
+        text = f"{float(value):g}" if is_number else repr(value)
         allowed = f"{'' if any_sign else 'positive, '}finite number{', or left out' if optional else ''}"
-        raise InputError(f"{name} = {shown} is not possible; it must be a {allowed}.")
+        raise InputError(f"{name} = {text} is not possible; it must be a {allowed}.")
     return float(value)
 
 
 def check_choice(how_many: str, **choice: float | None) -> None:
-    """InputError where more are given than may be, or none where one must be."""
-    given = [f"{name} = {value:g}" for name, value in choice.items() if value is not None]
-    if len(given) > 1 or (how_many == "exactly one" and not given):
-        names = " and ".join([", ".join(list(choice)[:-1]), list(choice)[-1]])
-        told = f"{' and '.join(given)} are" if given else "nothing is"
+    """Raise InputError where more are given than may be, or none where one must be."""
+    present = [f"{name} = {value:g}" for name, value in choice.items() if value is not None]
+    if len(present) > 1 or (how_many == "exactly one" and not present):
+        *names, last = choice
+        values = f"{' and '.join(present)} are" if present else "nothing is"
         may = "may" if how_many == "at most one" else "must"
-        raise InputError(f"{told} given; {how_many} of {names} {may} be.")
+        raise InputError(f"{values} given; {how_many} of {', '.join(names)} and {last} {may} be.")
 
 
 def boundary_of(boundary: str | None, modulus: float | None, sphere_radius: float | None) -> str | None:
-    """The boundary of the half-space; None where there is no half-space."""
+    """Return the boundary of the half-space; None where there is no half-space."""
     if modulus is None:
         if boundary is not None:
             raise InputError(

@@ -1,4 +1,4 @@
-"""A solved contact of an array of heights."""
+"""What users get of a solved contact of an array of heights."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -32,32 +32,32 @@ class ArrayContact:
 
     @property
     def residual(self) -> float:
-        """Largest violation of the contact conditions over the rms height of the gap before contact."""
+        """Return the largest violation of the contact conditions over the rms height of the unloaded gap."""
         return self.certificate.violation
 
     @cached_property
     def load(self) -> float:
-        """Sum of the pressures, each times the area of a cell: a force."""
+        """Return the sum of the pressures, each times the area of a cell: a force."""
         return float(self.pressure.sum()) * self.cell**2
 
     @property
     def mean_pressure(self) -> float:
-        """Load over the nominal area."""
+        """Return the load over the nominal area."""
         return self.load / self.nominal_area
 
     @property
     def nominal_area(self) -> float:
-        """Area of all cells of the array: a length²."""
+        """Return the area of all cells of the array: a length²."""
         return self.pressure.size * self.cell**2
 
     @cached_property
     def area(self) -> float:
-        """Real area of contact, of the cells that carry a pressure: a length²."""
+        """Return the real area of contact, of the cells that carry a pressure: a length²."""
         return np.count_nonzero(self.pressure) * self.cell**2
 
     @cached_property
     def area_at_hardness(self) -> float:
-        """Area of the cells whose pressure is the hardness: a length²; 0 without a hardness.
+        """Return the area of the cells whose pressure is the hardness: a length²; 0 without a hardness.
 
         Of a bearing area it may be a cell short of `area`: one cell carries what is left of the load.
         """

@@ -1,4 +1,4 @@
-"""The contact of an array on a half-space: of all its cells, or of those that a free one can touch.
+"""Solve the contact of an array on a half-space: of all its cells, or of those that a free one can touch.
 
 Pressures push a free half-space away from the other body everywhere, so that a contact solved on a window is
 that of all cells if no cell beyond the window then reaches the other body. That is looked up in the
@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 import warp as wp
 
-from warpwear.contact.array.task import Found, Task, gap_field, rms_of
-from warpwear.contact.half_space import nested
+from warpwear.contact.array.task import Solution, Task, gap_field, rms_of
+from warpwear.contact.half_space import coarse_start
 from warpwear.contact.half_space.influence import Box, displace
 from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.contact.half_space.window import Window
@@ -31,7 +31,7 @@ LEAST_ROUGH = 0.01
 WIDE_CELLS = 64
 
 
-def solve_half_space(task: Task, executor: Executor, tolerance: float) -> Found:
+def solve_half_space(task: Task, executor: Executor, tolerance: float) -> Solution:
     """Solve on all cells of a periodic half-space, or on those of a free one that may touch."""
     options: dict[str, Any] = {"modulus": 1.0, "boundary": task.edge, "hardness": task.cap}
     options["tolerance"] = tolerance
@@ -39,23 +39,24 @@ def solve_half_space(task: Task, executor: Executor, tolerance: float) -> Found:
         return _solve_free(task, executor, options)
     solver, here = HalfSpace(executor, **options), executor.device.is_cpu
     gap = gap_field(task.gap, executor) if here else upload(executor, task.gap_of, padding=PADDING)
-    found = solver.solve(gap, mean_pressure=task.mean, approach=task.approach)
-    return Found(
-        found.pressure if here else found.pressure_field,
-        executor.to_numpy(solver.displacement()) if here else solver.displacement(),
-        found.approach,
-        found.transforms + 1,
-        certificate=found.certificate,
+    contact = solver.solve(gap, mean_pressure=task.mean, approach=task.approach)
+    displacement = solver.displacement()
+    return Solution(
+        contact.pressure if here else contact.pressure_field,
+        executor.to_numpy(displacement) if here else displacement,
+        contact.approach,
+        contact.transforms + 1,
+        certificate=contact.certificate,
     )
 
 
-def _solve_free(task: Task, executor: Executor, options: dict[str, Any]) -> Found:
+def _solve_free(task: Task, executor: Executor, options: dict[str, Any]) -> Solution:
     """Solve on a window, then displace all cells; on a larger one where that shows it to be too small."""
     grid, evaluations = executor.grid, 0
     everything = Window.close_to((0, grid.nx - 1, 0, grid.ny - 1), grid)
     reached = everything.box if task.approach is None else _box(task.gap < task.approach)
     if reached is None:
-        return Found(np.zeros(task.shape), np.zeros(task.shape), task.approach or 0.0, evaluations)
+        return Solution(np.zeros(task.shape), np.zeros(task.shape), task.approach or 0.0, evaluations)
     boxes = [reached, _guess(task, executor, options) or reached]
     window = min((Window.close_to(box, grid) for box in boxes), key=lambda one: one.area)
     for again in range(3):
@@ -72,7 +73,7 @@ def _solve_free(task: Task, executor: Executor, options: dict[str, Any]) -> Foun
         # Too few cells give too large an approach: what lies below it holds the contact of them all.
         reached = None if again else _box(task.gap <= approach)
         window = everything if reached is None else Window.close_to(reached, grid)
-    return Found(
+    return Solution(
         executor.to_numpy(pressure), displaced, approach, evaluations, allowed=(1.0 + SLACK) * allowed
     )
 
@@ -80,7 +81,7 @@ def _solve_free(task: Task, executor: Executor, options: dict[str, Any]) -> Foun
 def _solve_in(
     window: Window, task: Task, executor: Executor, options: dict[str, Any]
 ) -> tuple[Field, float, int, float]:
-    """Pressure of all cells, found on a window; approach, pairs of transforms and violation allowed."""
+    """Return the pressure of all cells, solved on a window; approach, transforms and violation allowed."""
     grid, cells = window.grid(executor.grid), task.gap[window.cells]
     mean = None if task.mean is None else task.mean * (task.gap.size / grid.cells)
     with _executor_like(executor, grid) as part:
@@ -91,14 +92,14 @@ def _solve_in(
         height = rms_of(cells)
         if height > LEAST_ROUGH * task.rms:  # what is asked counts over that of all cells
             options = options | {"tolerance": options["tolerance"] * task.rms / height}
-        found = HalfSpace(part, **options).solve(gap, mean_pressure=mean, approach=task.approach)
+        contact = HalfSpace(part, **options).solve(gap, mean_pressure=mean, approach=task.approach)
         pressure = executor.zeros()
-        window.give(found.pressure_field, pressure)
-        return pressure, found.approach, found.transforms, found.allowed.item()
+        window.give(part, contact.pressure_field, pressure)
+        return pressure, contact.approach, contact.transforms, contact.allowed.item()
 
 
 def _carries(task: Task, window: Window) -> bool:
-    """Whether the cells of a window can bear the load."""
+    """Tell whether the cells of a window can bear the load."""
     if task.mean is None or math.isinf(task.cap):
         return True
     there = np.count_nonzero(np.isfinite(task.gap[window.cells]))
@@ -106,7 +107,7 @@ def _carries(task: Task, window: Window) -> bool:
 
 
 def _guess(task: Task, executor: Executor, options: dict[str, Any]) -> Box | None:
-    """A box of cells that will hold the contact: those that one of wide cells comes near; None if unknown."""
+    """Return a box of cells that will hold the contact: those that a contact of wide cells comes near."""
     size = -(-max(task.shape) // WIDE_CELLS)
     if size == 1:
         return None
@@ -118,17 +119,17 @@ def _guess(task: Task, executor: Executor, options: dict[str, Any]) -> Box | Non
 
     gap, lowest = of_wide(np.add) / counts, of_wide(np.minimum)
     mean = None if task.mean is None else task.mean * (task.gap.size / (gap.size * size**2))
-    rough = {"tolerance": nested.TOLERANCE, "max_iterations": nested.MAX_ITERATIONS}
+    rough = {"tolerance": coarse_start.TOLERANCE, "max_iterations": coarse_start.MAX_ITERATIONS}
     with _executor_like(executor, Grid(gap.shape[0], gap.shape[1], float(size))) as wide:
         solver = HalfSpace(wide, **{**options, **rough})
         try:
-            found = solver.solve(
+            contact = solver.solve(
                 gap_field(gap, wide), mean_pressure=mean, approach=task.approach, certified=False
             )
         except (ConvergenceError, InputError):
             return None
-        lifted = np.where(gap < PADDING, wide.to_numpy(found.gradient_field) - gap, 0.0)
-        box = _box((lowest + lifted < found.approach) | (found.pressure > 0.0))
+        lifted = np.where(gap < PADDING, wide.to_numpy(contact.gradient_field) - gap, 0.0)
+        box = _box((lowest + lifted < contact.approach) | (contact.pressure > 0.0))
     if box is None:
         return None
     # one wide cell more on each side
@@ -137,24 +138,20 @@ def _guess(task: Task, executor: Executor, options: dict[str, Any]) -> Box | Non
 
 
 def _clears(gap: FloatArray, displaced: FloatArray, window: Window, level: float) -> bool:
-    """Whether all cells beyond a window lie above a level."""
+    """Tell whether all cells beyond a window lie above a level."""
     rows, columns = window.cells
-    beside: list[Any] = [
-        np.s_[: rows.start],
-        np.s_[rows.stop :],
-        np.s_[rows, : columns.start],
-        np.s_[rows, columns.stop :],
-    ]
-    return all(bool((gap[cells] + displaced[cells] >= level).all()) for cells in beside)
+    above = gap + displaced >= level
+    above[rows, columns] = True
+    return bool(above.all())
 
 
 def _executor_like(executor: Executor, grid: Grid) -> Executor:
-    """An executor on another grid, whose memory is part of what was asked for."""
+    """Make an executor on another grid, whose memory is part of what was asked for."""
     return Executor(grid, device=str(executor.device), threads=executor.threads, fields_needed=0.0)
 
 
 def _box(cells: npt.NDArray[np.bool_]) -> Box | None:
-    """First and last row, first and last column of the cells that are true; None where none is."""
+    """Return the first and last row and column of the cells that are true; None where none is."""
     rows, columns = (np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0))
     if not rows.size:
         return None

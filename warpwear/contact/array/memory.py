@@ -1,4 +1,4 @@
-"""The memory that the contact of an array needs, said before it starts and given back at its end."""
+"""Say what memory the contact of an array needs before it starts, and give it back at its end."""
 
 import math
 import sys

@@ -1,10 +1,11 @@
-"""The contact of a rigid plane or sphere with heights in an array, without a study.
+"""Solve the contact of a rigid plane or sphere with heights in an array, without a study.
 
 Numbers are in consistent units of the caller's choice; the solvers work in units of their own, see `Task`.
 """
 
 import math
 import warnings
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -14,8 +15,8 @@ from warpwear.contact.array.contact import ArrayContact
 from warpwear.contact.array.elastic import solve_half_space
 from warpwear.contact.array.memory import check_memory, giving_back
 from warpwear.contact.array.springs import solve_cells
-from warpwear.contact.array.task import ROUNDING, Found, Gap, Task, surface_of
-from warpwear.contact.certificate import Certificate, cells_of, certify
+from warpwear.contact.array.task import ROUNDING, Gap, Solution, Task, gap_field, surface_of
+from warpwear.contact.certificate import Certificate, Proof
 from warpwear.contact.half_space.search import SearchRules
 from warpwear.contact.half_space.solver import TOLERANCE
 from warpwear.engine.device import check_threads
@@ -91,21 +92,14 @@ def solve_contact(
         )
     edge = boundary_of(boundary, modulus, sphere_radius)
     nx, ny = surface.shape
-    grid = Grid(nx, ny, cell)
-    middle = total / surface.size
-    nearest, furthest, there = middle - highest, middle - lowest, surface.size
-    given = Gap(surface, middle, grid, sphere_radius)
+    grid, middle = Grid(nx, ny, cell), total / surface.size
+    nearest, furthest, carriers = middle - highest, middle - lowest, surface.size
+    unscaled = Gap(surface, middle, grid, sphere_radius)
     if sphere_radius is not None:
-        extents = each(lambda rows: _extent(given(rows)), surface.shape, workers)
-        nearest, furthest = min(one[0] for one in extents), max(one[1] for one in extents)
-        there = sum(one[2] for one in extents)
-        if not there:
-            raise InputError(
-                f"sphere_radius = {sphere_radius:g} is not possible; it must reach the middle of a cell."
-            )
+        nearest, furthest, carriers = _extent(unscaled, workers)
     mean = mean_pressure if load is None else load / grid.area
     if mean is not None and hardness is not None:
-        most = hardness * (there / surface.size)
+        most = hardness * (carriers / surface.size)
         if mean > most * (1.0 + ROUNDING):
             name, area = ("mean_pressure", 1.0) if load is None else ("load", grid.area)
             raise InputError(
@@ -119,8 +113,21 @@ def solve_contact(
             "contact when the plane reaches the mean plane, so it must be negative."
         )
     response = cell / modulus if modulus else 1.0 / stiffness if stiffness else 0.0
-    task = Task.scaled(
-        given, (nearest, furthest), mean, approach, hardness, response=response, edge=edge, threads=workers
+    # Heights may be next to nothing beside the displacements, or all the same.
+    pushed = max(0.0, (mean or 0.0) * response if approach is None else approach - nearest)
+    length = max(furthest - nearest, pushed) or 1.0
+    pressure = length / response if response else hardness
+    assert pressure is not None
+    task = Task(
+        unscaled=unscaled,
+        length=length,
+        pressure=pressure,
+        mean=None if mean is None else mean / pressure,
+        approach=None if approach is None else approach / length,
+        cap=math.inf if hardness is None else hardness / pressure,
+        response=float(response > 0.0),
+        edge=edge,
+        threads=workers,
     )
     check_memory(surface.shape, device, edge)
     with (
@@ -128,11 +135,8 @@ def solve_contact(
         giving_back(executor),
     ):
         try:
-            found = solve_half_space(task, executor, tolerance) if edge else solve_cells(task, executor)
-            contact, carried = _contact_of(
-                task, found, executor, cell=cell, hardness=hardness, tolerance=tolerance
-            )
-            del found
+            solve = partial(solve_half_space, tolerance=tolerance) if edge else solve_cells
+            contact, carried = _contact_of(task, solve(task, executor), executor, hardness, tolerance)
         except ConvergenceError as error:
             raise ConvergenceError(
                 f"solve_contact failed: with {task.length:.6g} for a mm and {task.pressure:.6g} for a MPa, "
@@ -140,7 +144,7 @@ def solve_contact(
             ) from error
     if sphere_radius is not None and _touches_edge(contact.pressure):
         warnings.warn(
-            f"the contact with the sphere reaches the edge of heights, of the shape {(nx, ny)}, beyond "
+            f"the contact with the sphere reaches the edge of heights, of the shape {surface.shape}, beyond "
             "which nothing carries; a larger array is needed for the whole contact.",
             stacklevel=2,
         )
@@ -151,74 +155,80 @@ def solve_contact(
     return contact
 
 
-def _extent(gap: FloatArray) -> tuple[float, float, int]:
-    """Smallest and largest gap where there is a surface, and how many cells those are."""
-    there = surface_of(gap)
-    return (float(there.min()), float(there.max()), there.size) if there.size else (math.inf, -math.inf, 0)
+def _extent(gap: Gap, threads: int) -> tuple[float, float, int]:
+    """Return the smallest and largest gap under the sphere, and the number of cells there."""
+
+    def extent(rows: slice) -> tuple[float, float, int]:
+        heights = surface_of(gap(rows))
+        return heights.min(initial=math.inf), heights.max(initial=-math.inf), heights.size
+
+    lows, highs, counts = zip(*each(extent, gap.grid.shape, threads), strict=True)
+    if not sum(counts):
+        raise InputError(
+            f"sphere_radius = {gap.sphere_radius:g} is not possible; it must reach the middle of a cell."
+        )
+    return float(min(lows)), float(max(highs)), sum(counts)
 
 
 def _touches_edge(pressure: FloatArray) -> bool:
-    """Whether a cell at the rim of the array carries a pressure."""
+    """Tell whether a cell at the rim of the array carries a pressure."""
     return bool(pressure[[0, -1]].any() or pressure[:, [0, -1]].any())
 
 
 def _contact_of(
-    task: Task,
-    found: Found,
-    executor: Executor,
-    *,
-    cell: float,
-    hardness: float | None,
-    tolerance: float,
+    task: Task, solution: Solution, executor: Executor, hardness: float | None, tolerance: float
 ) -> tuple[ArrayContact, float]:
-    """A solved task in the caller's units, certified, and the sum of its pressures. May raise."""
-    certificate = found.certificate or _certify(task, found, tolerance)
+    """Return a solved task in the caller's units, certified, and the sum of its pressures. May raise."""
+    certificate = solution.certificate or _certify(task, solution, executor, tolerance)
     if certificate.fault:
         raise ConvergenceError(f"the pressure cannot be certified: {certificate.fault}.")
-    here = isinstance(found.pressure, np.ndarray)
-    pressure = np.empty(task.shape)
-    left = task.gap if here else np.empty(task.shape)
+    here = isinstance(solution.pressure, np.ndarray)
+    pressure, cell = np.empty(task.shape), task.unscaled.grid.cell
+    gap_after = task.gap if here else np.empty(task.shape)
 
     def take(rows: slice, p: FloatArray, displaced: FloatArray) -> float:
-        gap = left[rows] if here else task.gap_of(rows)
-        np.add(gap, displaced, out=left[rows])
-        left[rows] -= found.approach
-        left[rows] *= task.length
+        gap = gap_after[rows] if here else task.gap_of(rows)
+        np.add(gap, displaced, out=gap_after[rows])
+        gap_after[rows] -= solution.approach
+        gap_after[rows] *= task.length
         np.multiply(p, task.pressure, out=pressure[rows])
         if hardness is not None:
             np.minimum(pressure[rows], hardness, out=pressure[rows])
             pressure[rows][p >= task.cap] = hardness
         return float(pressure[rows].sum())
 
+    fields = [solution.pressure, solution.displacement]
     if here:
-        sums = each(
-            lambda rows: take(rows, found.pressure[rows], found.displacement[rows]), task.shape, task.threads
-        )
+        sums = each(lambda rows: take(rows, *(field[rows] for field in fields)), task.shape, task.threads)
     else:
-        fields = [found.pressure, found.displacement]
         pitches = [executor.vectors * LANES if f.dtype is Cells else task.shape[1] for f in fields]
         sums = download(executor, fields, take, pitches)
     contact = ArrayContact(
         pressure=pressure,
-        gap=left,
-        approach=found.approach * task.length,
+        gap=gap_after,
+        approach=solution.approach * task.length,
         cell=cell,
         hardness=hardness,
         certificate=certificate.scaled(length=task.length, pressure=task.pressure, area=cell**2),
-        evaluations=found.evaluations,
+        evaluations=solution.evaluations,
     )
     return contact, sum(sums)
 
 
-def _certify(task: Task, found: Found, tolerance: float) -> Certificate:
-    yielded = abs(found.approach) + float(found.pressure.mean())
+def _certify(task: Task, solution: Solution, executor: Executor, tolerance: float) -> Certificate:
+    """Certify a solution of springs, of a bearing area or of a window."""
+    yielded = abs(solution.approach) + float(solution.pressure.mean())
     scale = task.rms or yielded
-    asked = None if task.mean is None else np.full(1, task.mean * task.gap.size)
-    return certify(
-        [cells_of(found.pressure, task.gap, found.displacement, task.cap)],
-        approaches=np.full(1, found.approach),
-        asked=asked,
-        scale=np.full(1, scale),
-        allowed=np.full(1, max(tolerance * scale, SearchRules.rounding * yielded, found.allowed)),
-        cell_area=1.0,
+    proof = Proof(
+        executor,
+        pressure=executor.field(solution.pressure),
+        gap=gap_field(task.gap, executor),
+        displacement=executor.field(solution.displacement),
+        cap=task.cap,
+    )
+    return proof.at(
+        approach=solution.approach,
+        load=None if task.mean is None else task.mean * task.gap.size,
+        scale=scale,
+        allowed=max(tolerance * scale, SearchRules.rounding * yielded, solution.allowed),
     )

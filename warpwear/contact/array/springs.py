@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from warpwear.contact.array.task import ROUNDING, Found, Task, gap_field
+from warpwear.contact.array.task import ROUNDING, Solution, Task, gap_field
 from warpwear.contact.balance import RIGID, Balance
 from warpwear.contact.search import LoadSearch
 from warpwear.engine.executor import Executor
@@ -13,7 +13,7 @@ from warpwear.kernels.bearing import TIE
 SPARE = 2.0
 
 
-def solve_cells(task: Task, executor: Executor) -> Found:
+def solve_cells(task: Task, executor: Executor) -> Solution:
     """Solve with springs, or the bearing area: to rounding."""
     gap, stiffest = gap_field(task.gap, executor), 1.0 if task.response else RIGID
     load = (task.mean or 0.0) * task.gap.size
@@ -28,13 +28,13 @@ def solve_cells(task: Task, executor: Executor) -> Found:
         tolerance=None if task.response else ROUNDING * load,
     )
     if task.approach is None:
-        found = search.solve()
+        balance = search.solve()
     else:
         # Where nothing yields a cell at the very approach is touched.
         width, tied = (0.0, 0.0) if task.response else (TIE, task.cap)
-        found = Balance(task.approach, 0.0, task.cap, 0.0, width, tied, evaluations=1)
-    pressure = search.pressures(found._replace(cap=task.cap)).copy()
-    approach = found.approach
+        balance = Balance(task.approach, 0.0, task.cap, 0.0, width, tied, evaluations=1)
+    pressure = search.pressures(balance._replace(cap=task.cap)).copy()
+    approach = balance.approach
     if task.approach is None and not task.response:  # the lowest of those that touch these cells
         approach = float(task.gap[pressure > 0.0].max())
-    return Found(pressure, pressure * task.response, approach, found.evaluations)
+    return Solution(pressure, pressure * task.response, approach, balance.evaluations)

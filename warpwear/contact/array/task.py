@@ -1,4 +1,4 @@
-"""What the solvers of an array's contact are asked, and what they answer.
+"""The solvers of an array's contact get tasks and return solutions.
 
 They work on cells of width 1 that a unit of pressure displaces by a unit of length, so that none of their
 thresholds is a length or a pressure of the caller's: see `Task`.
@@ -7,23 +7,25 @@ thresholds is a length or a pressure of the caller's: see `Task`.
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from warpwear.contact.certificate import TOGETHER, Certificate
+from warpwear.contact.certificate import Certificate
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.staging import each
 from warpwear.grid import FloatArray, Grid, blocks_of_rows
 from warpwear.kernels.cells import PADDING
 from warpwear.surfaces.sphere import sag
 
+#: Cells looked at together, which stay in the cache of a core.
+TOGETHER = 2**16
 #: Relative rounding of a load: it may exceed as much what the hardness carries.
 ROUNDING = 1.0e-12
 
 
 class Gap(NamedTuple):
-    """The gap before contact in the caller's units, from the heights' mean plane, block by block of rows."""
+    """A gap before contact is made in the caller's units, from the heights' mean plane, by blocks of rows."""
 
     heights: FloatArray
     middle: float  # of the mean plane
@@ -31,94 +33,56 @@ class Gap(NamedTuple):
     sphere_radius: float | None
 
     def __call__(self, rows: slice, out: FloatArray | None = None) -> FloatArray:
-        """The gap in some rows, infinite beyond the sphere's edge. out: where it is to be laid."""
+        """Return the gap in some rows, infinite beyond the sphere's edge. out: where it is to be laid."""
         gap = np.subtract(self.middle, self.heights[rows], out=out)
         if self.sphere_radius is not None:
             gap += sag(self.grid.x[rows], self.grid.y, radius=self.sphere_radius)
         return gap
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Task:
-    """A contact in units in which its cells are 1 wide and a unit of pressure displaces by a unit of length.
+    """A contact has units in which its cells are 1 wide and a unit of pressure displaces by a unit of length.
 
     length: the caller's lengths over those here, of the order of what heights and displacements span.
     pressure: the caller's pressures over those here, so that E* or the stiffness is 1 here, or the hardness
     where there is neither.
     """
 
-    given: Gap
+    unscaled: Gap
+    length: float
+    pressure: float
     mean: float | None  # pressure; None at an approach
     approach: float | None
     cap: float
     response: float  # displacement under a unit of pressure: 1, or 0 for the bearing area
     edge: str | None  # boundary of the half-space; None: the cells do not feel each other
-    length: float
-    pressure: float
     threads: int
-
-    @classmethod
-    def scaled(
-        cls,
-        given: Gap,
-        extent: tuple[float, float],
-        mean: float | None,
-        approach: float | None,
-        hardness: float | None,
-        *,
-        response: float,
-        edge: str | None,
-        threads: int,
-    ) -> Self:
-        """Scale what is in the caller's units.
-
-        extent: smallest and largest gap. response: displacement under a unit of pressure.
-        """
-        # Heights may be next to nothing beside the displacements, or all the same.
-        pushed = max(0.0, (mean or 0.0) * response if approach is None else approach - extent[0])
-        length = max(extent[1] - extent[0], pushed) or 1.0
-        pressure = length / response if response else hardness
-        assert pressure is not None
-        return cls(
-            given,
-            None if mean is None else mean / pressure,
-            None if approach is None else approach / length,
-            math.inf if hardness is None else hardness / pressure,
-            float(response > 0.0),
-            edge,
-            length,
-            pressure,
-            threads,
-        )
 
     @property
     def shape(self) -> tuple[int, int]:
-        """The cells of all fields along both axes."""
-        return self.given.grid.shape
+        """Return the number of cells of all fields along both axes."""
+        return self.unscaled.grid.shape
 
     def gap_of(self, rows: slice, out: FloatArray | None = None) -> FloatArray:
-        """The gap in some rows, infinite beyond the sphere's edge. out: where it is to be laid."""
-        gap = self.given(rows, out)
+        """Return the gap in some rows, infinite beyond the sphere's edge. out: where it is to be laid."""
+        gap = self.unscaled(rows, out)
         return np.divide(gap, self.length, out=gap)
 
     @cached_property
     def gap(self) -> FloatArray:
-        """The gap of all cells, shape (nx, ny)."""
-        made = np.empty(self.shape)
-
-        def fill(rows: slice) -> None:
-            self.gap_of(rows, made[rows])
-
-        each(fill, self.shape, self.threads)
-        return made
+        """Return the gap of all cells, shape (nx, ny)."""
+        gap = np.empty(self.shape)
+        each(lambda rows: self.gap_of(rows, gap[rows]), self.shape, self.threads)
+        return gap
 
     @cached_property
     def rms(self) -> float:
-        """The rms height of the gap."""
+        """Return the rms height of the gap."""
         return rms_of(self.gap)
 
 
-class Found(NamedTuple):
+class Solution(NamedTuple):
     """A solved task, in its units. Its fields are arrays of NumPy, or of Warp on a GPU."""
 
     pressure: Any
@@ -130,25 +94,24 @@ class Found(NamedTuple):
 
 
 def surface_of(gap: FloatArray) -> FloatArray:
-    """The gap where there is a surface; the array itself where there is one everywhere."""
+    """Return the gap where there is a surface; the array itself where there is one everywhere."""
     return gap if math.isfinite(gap.max()) else gap[np.isfinite(gap)]
 
 
 def rms_of(gap: FloatArray) -> float:
-    """The rms height of a gap where there is a surface, block by block of rows; 0 of a flat, to the digit."""
-    blocks = blocks_of_rows(len(gap), values=gap.shape[1], together=TOGETHER)
-    there = [surface_of(gap[rows]) for rows in blocks]
-    there = [block for block in there if block.size]
-    if max((block.max() for block in there), default=0.0) == min(
-        (block.min() for block in there), default=0.0
-    ):
+    """Return the rms height of a gap where there is a surface, block by block; 0 of a flat, to the digit."""
+    blocks = [
+        surface_of(gap[rows]) for rows in blocks_of_rows(len(gap), values=gap.shape[1], together=TOGETHER)
+    ]
+    blocks = [block for block in blocks if block.size]
+    if not blocks or max(block.max() for block in blocks) == min(block.min() for block in blocks):
         return 0.0
-    count = sum(block.size for block in there)
-    mean = sum(block.sum() for block in there) / count
-    return math.sqrt(sum(float(np.square(block - mean).sum()) for block in there) / count)
+    count = sum(block.size for block in blocks)
+    mean = sum(block.sum() for block in blocks) / count
+    return math.sqrt(sum(float(np.square(block - mean).sum()) for block in blocks) / count)
 
 
 def gap_field(gap: FloatArray, executor: Executor) -> Field:
-    """A field of a gap, with no surface beyond the sphere's edge and in the padding."""
+    """Make a field of a gap, with no surface beyond the sphere's edge and in the padding."""
     values = gap if math.isfinite(gap.max()) else np.minimum(gap, PADDING)
     return executor.field(values, padding=PADDING)

@@ -24,7 +24,6 @@ class HalfSpaceContact:
     gradient_field: Field  # gap after deformation and wear, from the mean planes [mm]
     executor: Executor
     cells: int  # of the surface
-    scale: FloatArray  # that violations count over, of each part [mm]
     allowed: FloatArray  # violation that may be left, of each part [mm]
     certificate: Certificate | None = None
 

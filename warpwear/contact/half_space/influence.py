@@ -13,12 +13,11 @@ import warp as wp
 
 from warpwear import lazy
 from warpwear.contact.half_space.filters import filter_of
-from warpwear.contact.half_space.transforms import Filter, arrays_of
+from warpwear.contact.half_space.transforms import Filter, array_module
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.program import Program
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid, IntArray
-from warpwear.kernels.half_space import extension
 
 fft = lazy.module("scipy.fft")
 
@@ -44,8 +43,6 @@ class Operator(ABC):
     of_one_grid = False
     #: Whether that repeats beyond the edges of the grid.
     wraps = False
-    #: Weights with which next neighbours extend what the inverse is given; none where it is not extended.
-    of_neighbours: Any = None
 
     def __init__(self, executor: Executor, shape: tuple[int, int], near_shape: tuple[int, int]) -> None:
         self._executor = executor
@@ -152,7 +149,7 @@ class Influence(Operator):
         super().__init__(executor, grid.shape if self.wraps else padded_shape(grid), grid.shape)
         self.cells = grid.cells
         self.shortest_response = shortest_response(grid.cell, modulus)
-        with arrays_of(executor) as (xp, _):
+        with array_module(executor) as xp:
             near = periodic_spectrum(grid, modulus, xp, rows=grid.nx // 2 + 1)
             if not self.wraps:
                 # The mean that a periodic surface leaves out: that of a uniform pressure, about.
@@ -201,7 +198,7 @@ class Influence(Operator):
         self._compliance = compliance
         for line, rows in ((self.line, self.far_shape[0]), (self.near_line, self._executor.grid.nx)):
             write(line, self._line(rows, *compliance))
-        write(self.neighbours, np.array(self.weights(own, streak, window), dtype=np.float32))
+        write(self.neighbours, self._weights(*compliance))
         if self._along is not None:
             write(self._along, self._along_x)
 
@@ -236,28 +233,22 @@ class Influence(Operator):
     @cached_property
     def _coefficients(self) -> FloatArray:
         """Displacement without compliances by distance in cells; it is even in both directions."""
-        with arrays_of(self._executor) as (xp, _):
+        with array_module(self._executor) as xp:
             table = self.elastic if xp is np else self.elastic.get()
         shape = self.far_shape
         quarter = fft.irfft(table, n=shape[1], axis=1)[:, : shape[1] // 2 + 1]
         return np.ascontiguousarray(fft.irfft(quarter, n=shape[0], axis=0)[: shape[0] // 2 + 1])
 
-    def weights(self, own: float, streak: float, window: int | None) -> extension.Weights:
+    def _weights(self, own: float, streak: float, window: int) -> FloatArray:
         """Weights of neighbours along x, along y and across corners, with which a cell needs no pressure.
 
-        They are coefficients of the inverse under compliances, as of `set_compliance`, over that of the cell
-        itself, by few modes.
+        They are coefficients of the inverse under compliances over that of the cell itself, by few modes.
         """
-        line = self._line(self._executor.grid.nx, own, streak, self._within(window))
+        line = self._line(self._executor.grid.nx, own, streak, window)
         response = self._few + line[self._few_lines, np.newaxis]
         inverse = np.divide(1.0, response, out=np.zeros_like(response), where=response > 0.0)
         sums = self._sums @ inverse.ravel()
-        return extension.Weights(*(-sums[1:] / sums[0]))
-
-    @property
-    def of_neighbours(self) -> extension.Weights | None:
-        """The `weights` of the compliances as they are set."""
-        return None if self._compliance is None else self.weights(*self._compliance)
+        return np.asarray(-sums[1:] / sums[0], dtype=np.float32)
 
     def _mean_of(self, rows: int, window: int) -> FloatArray:
         """The spectrum of S S, which is that of its coefficients, of `rows` modes."""

@@ -21,12 +21,14 @@ import numpy as np
 import warp as wp
 
 from warpwear.contact.balance import TOLERANCE
+from warpwear.contact.certificate import LOAD_TOLERANCE, Certificate, Proof
 from warpwear.contact.half_space.influence import Operator
 from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.numbers import Mirror
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.kernels.cells import LANES, NONE
-from warpwear.kernels.half_space import decisions, extension, few, passes, solve
+from warpwear.kernels.half_space import active_set, decisions, passes, solve
 from warpwear.kernels.half_space.solve import Flag, Request
 
 #: Stands for no cap: kernels compare with it.
@@ -76,6 +78,10 @@ class SearchRules:
     few: int = 256
     #: Gap or overlap of a cell that may change sides then, over the largest violation of complementarity.
     near: float = 0.25
+    #: Restarts after a failed certificate.
+    renewals: int = 3
+    #: Load that a certified pressure may miss, relatively.
+    certified_load: float = LOAD_TOLERANCE
 
 
 class Search:
@@ -137,46 +143,74 @@ class Search:
         if self._extends:
             self._solve.neighbours = operator.neighbours
         self._room: Any = room_for_few(self._few, device) if self._few else None
-        #: Where the host sees numbers and groups; on a CPU in place.
-        self._host = [
-            array if on_cpu else wp.zeros_like(array, device="cpu", pinned=True)
-            for array in (self._solve.numbers, self._solve.groups)
-        ]
-        self._seen = [array.numpy() for array in self._host]
+        self._proof = Proof(
+            executor,
+            pressure=fields["pressure"],
+            gap=fields["gap"],
+            displacement=fields["response"],
+            cap=hardness,
+            fractions=fractions,
+            groups=groups,
+            visited=operator.visited,
+        )
+        self._inputs = Mirror(self._solve.request, self._solve.loads)
+        self._mirror = Mirror(self._solve.numbers, self._solve.groups, self._proof.arguments.groups)
         self._slots = slots
+        #: Ranges of slots for the threads, as of `Program.launch`.
+        self._chunks = None if operator.chunks is None else lambda: operator.chunks or [(0, slots)]
         self._program = self._say()
 
-    def run(self, request: Mapping[Request, float], loads: FloatArray) -> int:
+    def run(self, request: Mapping[Request, float], loads: FloatArray, then: Program | None = None) -> int:
         """Search; returns how it ended, by the numbers of `kernels.half_space.solve`.
 
-        loads: Σ p of each group [MPa]; at approaches those [mm].
+        loads: Σ p of each group [MPa]; at approaches those [mm]. then: what follows before the host looks.
         """
-        executor = self._executor
-        executor.put(self._solve.loads, np.resize(loads, self._solve.loads.shape))
         values = np.array([request.get(name, 0.0) for name in Request])
-        executor.put(self._solve.request, values)
-        self._replay()
-        if self.numbers["status"] == solve.NEEDS_COEFFICIENTS:
+        loads = np.resize(loads, self._solve.loads.shape)
+        self._inputs.write(values, loads)
+        self._program.run()
+        if self._few and self._solve.numbers.numpy()["status"][0] == solve.NEEDS_COEFFICIENTS:
             self._take_coefficients()
             values[Request.RESUMES] = 1.0
-            executor.put(self._solve.request, values)
-            self._replay()
+            self._inputs.write(values, loads)
+            self._program.run()
+        if then is not None:
+            then.run()
+        numbers, groups, proven = self._mirror.read()
+        visited = 1 if len(groups) == 1 else self._operator.rows_visited
+        self.numbers, self.groups, self._proven = numbers[0], groups[:visited], proven[:visited]
         return int(self.numbers["status"])
 
-    def _replay(self) -> None:
-        """Run the program, and take what the search knows then."""
-        self._program.run()
-        arrays = self._solve.numbers, self._solve.groups
-        for array, host in zip(arrays, self._host, strict=True):
-            if array is not host:
-                wp.copy(host, array)
-        wp.synchronize_device(self._executor.device)
-        self.numbers, groups = self._seen[0][0], self._seen[1]
-        self.groups = groups[: 1 if len(groups) == 1 else self._operator.rows_visited]
+    @property
+    def gradient(self) -> Field:
+        """Gap after deformation and wear, from the mean planes [mm]."""
+        return self._solve.fields.gradient
+
+    @property
+    def reached(self) -> dict[str, Field]:
+        """What kernels know of approach and certificate: members of `kernels.half_space.windows.Reach`."""
+        return {"groups": self._solve.groups, "proven": self._proof.arguments.groups}
+
+    def certificate(self) -> Certificate:
+        """What the pressure is worth that was found last, and was to be certified."""
+        return Certificate.of(self._proven, cell_area=self._executor.grid.cell_area)
 
     def _say(self) -> Program:
-        """Say the search: how it starts, and an iteration, which is made until a decision ends it."""
-        program, search = Program(self._executor), self._solve
+        """Say the search, and what follows where its pressure is to be certified."""
+        program, search, proof = Program(self._executor), self._solve, self._proof
+        program.decide(decisions.begin, search)
+        with program.loop(self._flag(Flag.SOLVING)):
+            self._search(program)
+            program.decide(decisions.conclude, search, proof.arguments)
+            with program.branch(self._flag(Flag.CERTIFIES)):
+                self._respond(program, "pressure", single=False)
+                proof.add_to(program, self._chunks)
+                program.decide(decisions.accept, search, proof.arguments)
+        return program
+
+    def _search(self, program: Program) -> None:
+        """Say how a search starts, and an iteration, which is made until a decision ends it."""
+        search = self._solve
         program.decide(decisions.start, search)
         with program.branch(self._flag(Flag.STARTS)):
             for _ in range(2):  # about 0, then about the mean
@@ -200,7 +234,6 @@ class Search:
                 with self._only_if(program, Flag.STEPS, bool(self._few)):
                     self._step(program)
             self._judge(program)
-        return program
 
     def _judge(self, program: Program) -> None:
         """Go along the step that was decided on, and judge what that leaves."""
@@ -259,34 +292,34 @@ class Search:
         self._pass(program, passes.scatter)
         program.decide(decisions.judge_scatter, search)
         if self._tiled:
-            blocks = -(-self._executor.grid.nx // extension.ROWS)
+            blocks = -(-self._executor.grid.nx // passes.ROWS)
             with program.branch(self._flag(Flag.EXTENDS)):
-                program.launch(extension.extend, search, slots=blocks)
+                program.launch(passes.extend, search, slots=blocks)
             with program.branch(self._flag(Flag.EXTENDS_NOT)):
                 self._pass(program, passes.residual)
             self._operator.say_inverse(program, trial, trial)
             with program.branch(self._flag(Flag.EXTENDS)):
-                program.launch(extension.gather, search, slots=blocks)
+                program.launch(passes.gather, search, slots=blocks)
             return
         self._pass(program, passes.residual)
         for numbers in ((0, 1), (2, 3, 4)):
             with program.branch(self._flag(Flag.EXTENDS)):
                 for number in numbers:
-                    self._pass(program, extension.extend_once, number)
+                    self._pass(program, passes.extend_once, number)
             if numbers[0] == 0:
                 self._operator.say_inverse(program, trial, trial)
 
     def _move_few(self, program: Program) -> None:
         """Move the few cells whose place between the bounds is open at once, exactly."""
         search = self._solve
-        self._pass(program, few.count_open, self._room)
-        program.decide(few.place_open, search, self._room)
+        self._pass(program, active_set.count_open, self._room)
+        program.decide(active_set.place_open, search, self._room)
         with program.branch(self._flag(Flag.AIMED_AT_FEW)):
-            self._pass(program, few.list_open, self._room)
-            program.decide(few.aim_few, search, self._room)
+            self._pass(program, active_set.list_open, self._room)
+            program.decide(active_set.aim_few, search, self._room)
         with program.branch(self._flag(Flag.AIMED_AT_FEW)):
             self._respond_to_step(program)
-            program.decide(few.go_few, search)
+            program.decide(active_set.go_few, search)
 
     def _flag(self, flag: Flag) -> Field:
         return self._solve.flags[flag : flag + 1]
@@ -296,9 +329,7 @@ class Search:
         self._operator.say_response(program, getattr(fields, field), fields.response, single=single)
 
     def _pass(self, program: Program, kernel: Any, *more: Any) -> None:
-        operator = self._operator
-        chunks = None if operator.chunks is None else lambda: operator.chunks or [(0, self._slots)]
-        program.launch(kernel, self._solve, *more, slots=self._slots, chunks=chunks)
+        program.launch(kernel, self._solve, *more, slots=self._slots, chunks=self._chunks)
 
     def _kernel_rules(self, groups: int) -> Any:
         """The rules as kernels take them."""
@@ -326,4 +357,4 @@ def room_for_few(most: int, device: Any) -> Any:
     numbers |= dict.fromkeys(("equations", "factor"), most * (most + 2))
     arrays = {name: wp.zeros(size, dtype=wp.int32, device=device) for name, size in integers.items()}
     arrays |= {name: wp.zeros(size, dtype=wp.float64, device=device) for name, size in numbers.items()}
-    return arguments(solve.Few, **arrays, elastic=wp.zeros((0, 0), dtype=wp.float64, device=device))
+    return arguments(solve.ActiveSet, **arrays, elastic=wp.zeros((0, 0), dtype=wp.float64, device=device))

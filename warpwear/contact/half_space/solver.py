@@ -4,18 +4,19 @@ The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approac
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
 
-from warpwear.contact.certificate import TOGETHER, TOGETHER_ON_GPU, Certificate, cells_of, certify
-from warpwear.contact.half_space import nested
+from warpwear.contact.half_space import coarse_start
 from warpwear.contact.half_space.contact import HalfSpaceContact, residual_of, worst_of
 from warpwear.contact.half_space.influence import Influence, Operator
-from warpwear.contact.half_space.search import NO_CAP, Search, SearchRules
-from warpwear.contact.half_space.transforms import arrays_of, release
+from warpwear.contact.half_space.search import Search, SearchRules
+from warpwear.contact.half_space.transforms import release
 from warpwear.engine.executor import Executor, Field
+from warpwear.engine.program import Program
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray
 from warpwear.kernels.half_space.solve import CONVERGED, UNBALANCED, Request
@@ -25,8 +26,6 @@ TOLERANCE = SearchRules.tolerance
 MAX_ITERATIONS = SearchRules.iterations
 #: Tolerance from which single precision may be enough for a whole search.
 LOOSE = 1.0e-5
-#: Times that a search goes on from its own result where that cannot be certified.
-RENEWALS = 3
 
 #: Own, streak and window, as of `influence.Operator.set_compliance`.
 Compliances = tuple[float, float, int | None]
@@ -60,8 +59,6 @@ class BoundedPressure:
         self._influence = influence
         names = "pressure", "gradient", "trial", "step", "response"
         self._fields = {name: executor.zeros() for name in names}
-        #: Of the hardness, that cells bear in the last solve.
-        self._fractions: Field | None = None
         self._search: Search | None = None
         #: Gap, cap fractions and groups that the search is said for.
         self._said: tuple[Any, ...] = ()
@@ -96,6 +93,7 @@ class BoundedPressure:
         streak_window: int | None = None,
         parts: Field | None = None,
         certified: bool | None = True,
+        then: Callable[[Search], Program] | None = None,
     ) -> HalfSpaceContact:
         """Solve the contact at a mean pressure [MPa] or at an approach [mm].
 
@@ -105,7 +103,8 @@ class BoundedPressure:
         bodies for an implicit step of wear. streak_compliance: K ΔL of a body that the other slides over,
         under pressures averaged along x, see `Influence`. streak_window: cells of that mean; None: the whole
         line. parts: of the hardness, 0 < part ≤ 1, that cells bear; None: all of it. certified: whether to
-        certify the pressure, for one more pair of transforms; None: if it is found from nothing.
+        certify the pressure, for one more pair of transforms; None: if it is found from nothing. then: the
+        program that follows a search before the host looks.
 
         Raises InputError for a load that the hardness cannot carry, ConvergenceError where the tolerance is
         not met.
@@ -114,25 +113,26 @@ class BoundedPressure:
         compliances = compliance, streak_compliance, streak_window
         certified = not self._started if certified is None else certified
         transforms = 0 if self._started else self._start(gap, mean_pressure, approach, compliances, parts)
-        self._fractions = parts
         search = self._search_for(gap, parts, groups=isinstance(mean_pressure, np.ndarray))
         self._influence.set_compliance(*compliances)
-        iterations = 0
-        for renewal in range(1 + RENEWALS):
-            rough = self._rules.tolerance >= LOOSE and not renewal
-            contact = self._searched(search, loads, approach, compliance, rough)
-            iterations, transforms = iterations + contact.iterations, transforms + contact.transforms
-            contact = replace(contact, iterations=iterations, transforms=transforms)
-            if not certified:
-                return contact
-            certificate = self.certificate_of(gap, contact, loads, compliances)
-            if not certificate.fault:
-                return replace(contact, certificate=certificate)
-            # What the search added up has drifted: it goes on from the gradient made anew.
+        request = {
+            Request.RESPONSE: self._influence.shortest_response + compliance,
+            Request.AT_LOAD: loads is not None,
+            Request.ANEW: not self._started,
+            Request.ROUGH: self._rules.tolerance >= LOOSE,
+            Request.CERTIFIED: certified,
+        }
         self._started = False
-        raise ConvergenceError(
-            f"the pressure of the half-space contact cannot be certified: {certificate.fault}."
-        )
+        status = search.run(request, np.full(1, approach) if loads is None else loads, then and then(search))
+        contact = self._contact_of(search, status, loads)
+        if certified:
+            contact = replace(contact, certificate=search.certificate())
+        if contact.certificate and contact.certificate.fault:
+            raise ConvergenceError(
+                f"the pressure of the half-space contact cannot be certified: {contact.certificate.fault}."
+            )
+        self._started = True
+        return replace(contact, transforms=contact.transforms + transforms)
 
     def _start(
         self,
@@ -144,34 +144,6 @@ class BoundedPressure:
     ) -> int:
         """Find a first pressure, where there is a way to; the pairs of transforms that it took."""
         return 0
-
-    def certificate_of(
-        self,
-        gap: Field,
-        contact: HalfSpaceContact,
-        loads: FloatArray | None,
-        compliances: Compliances,
-    ) -> Certificate:
-        """Certify the pressure field as it stands, at the approaches of a contact. It does not change.
-
-        loads: Σ p of each group [MPa]; None at an approach. compliances: as of the solve of the contact.
-        """
-        executor, cap = self._executor, self._hardness if self._hardness < NO_CAP else math.inf
-        self._influence.set_compliance(*compliances)
-        self._influence.respond(self._fields["pressure"], self._fields["response"])
-        terms = {"approaches": contact.approaches, "scale": contact.scale, "allowed": contact.allowed}
-        with arrays_of(executor) as (xp, view):
-            visited = self._influence.rows_visited
-            p, g, u = view(self._fields["pressure"]), view(gap), view(self._fields["response"])
-            fractions = None if self._fractions is None else view(self._fractions)
-            together = TOGETHER if xp is np else TOGETHER_ON_GPU
-            one = contact.approaches.size == 1
-            rows = [slice(visited)] if one else [slice(n, n + 1) for n in range(visited)]
-            groups = [
-                cells_of(p[r], g[r], u[r], cap, None if fractions is None else fractions[r], together)
-                for r in rows
-            ]
-            return certify(groups, asked=loads, cell_area=executor.grid.cell_area, xp=xp, **terms)
 
     def displacement(self) -> Field:
         """Displacement under the pressure that was certified last [mm]; lost in a solve."""
@@ -194,19 +166,8 @@ class BoundedPressure:
             self._said = said
         return self._search
 
-    def _searched(
-        self, search: Search, loads: FloatArray | None, approach: float | None, compliance: float, rough: bool
-    ) -> HalfSpaceContact:
-        """Search as `solve` says. rough: begin in single precision."""
-        response = self._influence.shortest_response + compliance
-        request = {
-            Request.RESPONSE: response,
-            Request.AT_LOAD: loads is not None,
-            Request.ANEW: not self._started,
-            Request.ROUGH: rough,
-        }
-        self._started = False
-        status = search.run(request, np.full(1, approach) if loads is None else loads)
+    def _contact_of(self, search: Search, status: int, loads: FloatArray | None) -> HalfSpaceContact:
+        """Sum up what a search has left. Raises ConvergenceError where it has not come to its end."""
         groups, numbers = search.groups, search.numbers
         if status == UNBALANCED:
             raise ConvergenceError(
@@ -219,20 +180,18 @@ class BoundedPressure:
                 f"complementarity is violated by {groups['violation'].max():.3g} mm, "
                 f"{violation:.3g} of the rms height (allowed {self._rules.tolerance:g})."
             )
-        self._started = True
         return HalfSpaceContact(
             approaches=groups["level"].copy(),
             mean_pressure=float(groups["total"].sum()) / self._influence.cells,
             violation=worst_of(groups["violation"], groups["scale"]),
             load_residual=residual_of(groups["total"], loads),
             cells_in_contact=round(float(groups["touching"].sum())),
-            iterations=int(numbers["iteration"]),
-            transforms=int(numbers["transforms"]),
+            iterations=int(numbers["before"] + numbers["iteration"]),
+            transforms=int(numbers["transforms_before"] + numbers["transforms"]),
             pressure_field=self._fields["pressure"],
             gradient_field=self._fields["gradient"],
             executor=self._executor,
             cells=self._influence.cells,
-            scale=groups["scale"].copy(),
             allowed=groups["allowed"].copy(),
         )
 
@@ -283,13 +242,13 @@ class HalfSpace(BoundedPressure):
     ) -> int:
         """Start from the contact on cells twice as wide, of whose transforms four count as one."""
         fine = self._executor
-        if not nested.pays(fine):
+        if not coarse_start.is_worth_it(fine):
             return 0
         if self._wide is None or (self._wide_fields[1] is None) != (parts is None):
             self._wide = HalfSpace(
-                Executor(nested.wider(fine.grid), device=str(fine.device), threads=fine.threads),
-                tolerance=nested.TOLERANCE,
-                max_iterations=nested.MAX_ITERATIONS,
+                Executor(coarse_start.coarse_grid(fine.grid), device=str(fine.device), threads=fine.threads),
+                tolerance=coarse_start.TOLERANCE,
+                max_iterations=coarse_start.MAX_ITERATIONS,
                 **self._like,
             )
             of_wide = self._wide._executor
@@ -300,20 +259,20 @@ class HalfSpace(BoundedPressure):
         wide.forget()
         try:
             contact = wide.solve(
-                nested.gather(fine, gap, on, wide_gap),
+                coarse_start.restrict(fine, gap, on, wide_gap),
                 mean_pressure=mean_pressure,
                 approach=approach,
                 compliance=own,
                 streak_compliance=streak,
                 streak_window=None if window is None else max(window // 2, 1),
-                parts=None if parts is None else nested.gather(fine, parts, on, wide_parts),
+                parts=None if parts is None else coarse_start.restrict(fine, parts, on, wide_parts),
                 certified=False,
             )
         except (ConvergenceError, InputError):
             return 0
-        nested.spread(on, contact.pressure_field, fine, self.pressure_field)
+        coarse_start.prolong(on, contact.pressure_field, fine, self.pressure_field)
         self._started, transforms = True, -(-contact.transforms // 4)
-        if nested.is_short(fine):
+        if coarse_start.memory_is_short(fine):
             self._wide, self._wide_fields = None, (None, None)
             del wide, on, contact, wide_gap, wide_parts
             release(fine.device)

@@ -4,7 +4,7 @@ import gc
 import math
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Self
@@ -85,18 +85,14 @@ def lying(place: Any, shape: tuple[int, ...], dtype: Any, device: Any, *, start:
 
 
 @contextmanager
-def arrays_of(executor: Executor) -> Iterator[tuple[Any, Callable[[Field], Any]]]:
-    """NumPy, or CuPy in the stream of Warp's device; and what sees a field with it, shape (rows, ny)."""
+def array_module(executor: Executor) -> Iterator[Any]:
+    """NumPy, or CuPy in the stream of Warp's device."""
     if executor.device.is_cpu:
-        yield np, executor.to_numpy
+        yield np
         return
     cupy = load_cupy(executor.device)
-
-    def view(field: Field) -> Any:
-        return cupy.asarray(field).reshape(field.shape[0], -1)[:, : executor.grid.ny]
-
     with cupy.cuda.Device(executor.device.ordinal), stream_of(cupy.cuda, executor.device):
-        yield cupy, view
+        yield cupy
 
 
 def load_cupy(device: Any) -> Any:

@@ -6,22 +6,26 @@ is therefore that of the whole grid, and its cost follows the contact.
 """
 
 import math
-from collections.abc import Sequence
+import operator
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar, Self
+from functools import partial
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import warp as wp
 
 from warpwear import lazy
 from warpwear.contact.half_space.contact import HalfSpaceContact
+from warpwear.contact.half_space.search import Search
 from warpwear.contact.half_space.solver import TOLERANCE, HalfSpace
-from warpwear.engine.executor import Executor, Field
-from warpwear.engine.program import Program
+from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.numbers import Mirror
+from warpwear.engine.program import Program, launch_once
 from warpwear.engine.state import Columns
 from warpwear.grid import Grid
 from warpwear.kernels.cells import LANES, Cells
-from warpwear.kernels.half_space.extents import extents
+from warpwear.kernels.half_space import windows
 
 fft = lazy.module("scipy.fft")
 
@@ -87,21 +91,11 @@ class Window:
         """What a field of the whole grid holds there, seen where it lies."""
         return field[self.first_row : self.end_row, self.first : self.end]
 
-    def take(self, field: Field, part: Field) -> None:
-        """Copy what a field of the whole grid holds there."""
-        rows, vectors = slice(self.first_row, self.end_row), slice(self.first, self.end)
-        if field.device.is_cpu:  # Warp's own views and copies take five times as long
-            part.numpy()[:] = field.numpy()[rows, vectors]
-        else:
-            wp.copy(part, field[rows, vectors])
-
-    def give(self, part: Field, field: Field) -> None:
-        """Copy a part to where it lies in a field of the whole grid."""
-        rows, vectors = slice(self.first_row, self.end_row), slice(self.first, self.end)
-        if field.device.is_cpu:
-            field.numpy()[rows, vectors] = part.numpy()
-        else:
-            wp.copy(field[rows, vectors], part)
+    def give(self, executor: Executor, part: Field, field: Field) -> None:
+        """Copy a part, of an executor, to where it lies in a field of the whole grid."""
+        first = wp.array([self.first_row, self.first], dtype=wp.int32, device=executor.device)
+        transfer = arguments(windows.Transfer, field=part, target=field, first=first)
+        launch_once(executor, windows.give, transfer)
 
     def grid(self, whole: Grid) -> Grid:
         columns = min(self.end * LANES, whole.ny) - self.first * LANES
@@ -128,13 +122,45 @@ def _quick(first: int, last: int, size: int) -> tuple[int, int]:
     return begin, begin + length if begin + length <= size - LANES else size
 
 
-@dataclass
 class OnWindow:
-    """A solver on the grid of a window, and its fields there."""
+    """A solver on the grid of a window, its fields there, and the programs before and after it."""
 
-    solver: HalfSpace
-    gap: Field
-    fractions: Field | None = None  # of the hardness, that cells bear
+    def __init__(self, whole: Executor, grid: Grid, **law: Any) -> None:
+        device, threads = str(whole.device), whole.threads
+        self._whole, self._part = whole, Executor(grid, device=device, threads=threads, fields_needed=0.0)
+        self.solver = HalfSpace(self._part, **law)
+        self.gap = self._part.zeros()
+        self.fractions: Field | None = None  # of the hardness, that cells bear
+        #: Row and vector of the whole grid where it begins.
+        self.first = wp.zeros(2, dtype=wp.int32, device=whole.device)
+        self._programs: dict[Any, tuple[tuple[Any, ...], Program]] = {}
+
+    def take(self, gap: Field, pressure: Field, fractions: Field | None) -> None:
+        """Copy what fields of the whole grid hold there."""
+        pairs = [(gap, self.gap), (pressure, self.solver.pressure_field)]
+        if fractions is not None:
+            self.fractions = self._part.zeros() if self.fractions is None else self.fractions
+            pairs.append((fractions, self.fractions))
+
+        def say(program: Program) -> None:
+            for field, part in pairs:
+                self.say_copy(program, windows.take, field, part)
+
+        self.program(windows.take, say, *(field for field, _ in pairs)).run()
+
+    def say_copy(self, program: Program, kernel: Any, field: Field, target: Field) -> None:
+        """Add to a program: copy a field to one there, or the other way."""
+        transfer = arguments(windows.Transfer, field=field, target=target, first=self.first)
+        slots = self._part.slots_of(self._part.grid.nx)
+        program.launch(kernel, transfer, slots=slots, chunks=self._part.equal_chunks(slots))
+
+    def program(self, name: Any, say: Callable[[Program], None], *about: Any) -> Program:
+        """A program of the whole grid's executor, which is said once about the same things."""
+        last = self._programs.get(name)
+        if last is None or len(last[0]) != len(about) or any(map(operator.is_not, last[0], about)):
+            last = self._programs[name] = about, Program(self._whole)
+            say(last[1])
+        return last[1]
 
 
 class WindowedHalfSpace:
@@ -155,15 +181,14 @@ class WindowedHalfSpace:
         hardness: float = math.inf,
         tolerance: float = TOLERANCE,
     ) -> None:
-        self._executor, self._modulus, self._boundary = executor, modulus, boundary
-        self._hardness, self._tolerance = hardness, tolerance
+        self._executor, self._boundary, self._hardness = executor, boundary, hardness
+        self._law = {"modulus": modulus, "boundary": boundary, "hardness": hardness, "tolerance": tolerance}
         self._pressure = executor.zeros()
         self._gradient = executor.zeros()
         device, slots = executor.device, executor.slots_of(executor.grid.nx)
         #: Of the cells below a level of the gap that was looked at last.
         self._extents = wp.zeros((4, slots), dtype=wp.float64, device=device)
-        self._level = wp.zeros(1, dtype=wp.float64, device=device)
-        self._looked_at, self._look = None, Program(executor)
+        self._mirror = Mirror(self._extents)
         self._started = False  # whether there is a pressure to start from
         self._window: Window | None = None  # to look at first
         self._written: Window | None = None  # that the fields are of
@@ -238,17 +263,13 @@ class WindowedHalfSpace:
             window, here = self._window, self._here
             assert window is not None
             assert here is not None
-            solver = here.solver
-            if parts is not None:
-                here.fractions = wp.zeros_like(here.gap) if here.fractions is None else here.fractions
-                window.take(parts, here.fractions)
-            window.take(gap, here.gap)
-            window.take(self._pressure, solver.pressure_field)
+            here.take(gap, self._pressure, parts)
+            self._clear_beside(window)
             if self._started:
-                solver.go_on()
+                here.solver.go_on()
             else:
-                solver.forget()
-            contact = solver.solve(
+                here.solver.forget()
+            contact = here.solver.solve(
                 here.gap,
                 mean_pressure=load / window.grid(whole).area,
                 compliance=compliance,
@@ -256,20 +277,17 @@ class WindowedHalfSpace:
                 streak_window=streak_window,
                 parts=None if parts is None else here.fractions,
                 certified=certified,
+                then=partial(self._after, here, gap),
             )
             self._started = True
-            self._clear_beside(window)
-            window.give(contact.pressure_field, self._pressure)
             transforms, iterations = transforms + contact.transforms, iterations + contact.iterations
-            # Beyond the window no cell may count in the certificate either.
-            level = contact.certificate.level if contact.certificate else contact.approach
-            reached = self._below(gap, max(contact.approach, level))
+            first_row, last_row, first, last = self._mirror.read()[0].max(axis=1).tolist()
+            reached = [round(-first_row), round(last_row), round(-first), round(last)]
             if self._boundary == "periodic" or window.holds(reached):
                 break
             # Too few cells give too large an approach: what lies below it holds the contact of them all.
-            del solver, here, contact  # and their memory, before others take theirs
+            del here, contact  # and their memory, before others take theirs
             self._look_at(Window.around(reached, whole, rows=rows))
-        window.give(contact.gradient_field, self._gradient)
         fitting = Window.around(reached, whole, rows=rows)
         if self._boundary == "free" and fitting.area <= SMALLER * window.area and carries(fitting):
             self._look_at(fitting)
@@ -283,6 +301,22 @@ class WindowedHalfSpace:
             executor=self._executor,
             cells=whole.cells,
         )
+
+    def _after(self, here: OnWindow, gap: Field, search: Search) -> Program:
+        """What follows a search: its fields on the whole grid, and the extents of what the contact reaches.
+
+        Beyond the window no cell may count in the certificate either.
+        """
+
+        executor = self._executor
+        fields = {"gap": gap, "columns": executor.grid.ny, "extents": self._extents}
+
+        def say(program: Program) -> None:
+            here.say_copy(program, windows.give, here.solver.pressure_field, self._pressure)
+            here.say_copy(program, windows.give, search.gradient, self._gradient)
+            program.launch(windows.extents, arguments(windows.Reach, **fields, **search.reached))
+
+        return here.program(windows.extents, say, gap, search)
 
     def _clear_beside(self, window: Window) -> None:
         """Leave no pressure, and no gradient, of the last window where that was another."""
@@ -298,21 +332,10 @@ class WindowedHalfSpace:
             self._here, most = None, MOST_CELLS_STORED if grid.cells <= MOST_CELLS_STORED else 0
             stored = {at: here for at, here in self._stored.items() if at.cells <= most}
             self._stored = dict([*stored.items()][-MOST_STORED + 1 :])
-            self._here = self._stored[grid] = stored.get(grid) or self._solver_on(grid)
+            self._here = self._stored[grid] = stored.get(grid) or OnWindow(self._executor, grid, **self._law)
         self._window = window
-
-    def _solver_on(self, grid: Grid) -> OnWindow:
-        """A solver on a grid, and fields of it."""
-        executor = self._executor
-        part = Executor(grid, device=str(executor.device), threads=executor.threads, fields_needed=0.0)
-        solver = HalfSpace(
-            part,
-            modulus=self._modulus,
-            boundary=self._boundary,
-            hardness=self._hardness,
-            tolerance=self._tolerance,
-        )
-        return OnWindow(solver, part.zeros())
+        assert self._here is not None
+        self._executor.put(self._here.first, [window.first_row, window.first])
 
     @property
     def _everything(self) -> Window:
@@ -331,14 +354,3 @@ class WindowedHalfSpace:
             if hardness * window.grid(grid).area >= CAPACITY * load:
                 return window
         return everything
-
-    def _below(self, gap: Field, level: float) -> list[int]:
-        """First and last row, first and last column of the cells that do not exceed a level [mm]."""
-        executor = self._executor
-        if self._looked_at is not gap:
-            self._looked_at, self._look = gap, Program(executor)
-            self._look.launch(extents, executor.grid.ny, self._level, gap, self._extents)
-        executor.put(self._level, level)
-        self._look.run()
-        first_row, last_row, first, last = self._extents.numpy().max(axis=1).tolist()
-        return [round(-first_row), round(last_row), round(-first), round(last)]

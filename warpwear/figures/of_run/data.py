@@ -323,7 +323,7 @@ def _smooth_shares(smooth: SmoothContact, result: ResultFile, rows: Sequence[int
     study, slid = result.study, 0.0
     loads: dict[int, FloatArray] = {}
     for row, increment in enumerate(result.history["increment"][: max(rows) + 1]):
-        removal = sum(law.removal(slid, float(increment)) for law in study.wear_laws)
+        removal = sum(law.wear_per_pressure(slid, float(increment)) for law in study.wear_laws)
         pressure = smooth.press(foundation=study.bulk_stiffness(), removal=removal)
         slid += float(increment)
         if row in rows:

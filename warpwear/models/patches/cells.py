@@ -9,15 +9,15 @@ from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.kernels import patches as kernels
 from warpwear.kernels.cells import TILE_VECTORS
-from warpwear.laws.film import Film
 from warpwear.laws.patches import Patches
+from warpwear.laws.task import ContactTask
 from warpwear.models.film import BareCells
 
 
 def unworn(
     patches: Patches, heights: FloatArray, executor: Executor, *, curvature: float
 ) -> tuple[Field, Arguments]:
-    """Gap of the fine cells before any wear [mm], and where the patches lie, with the lowest of their tiles.
+    """Return the gap of the fine cells before any wear [mm], and where the patches lie.
 
     executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
     """
@@ -46,33 +46,21 @@ def unworn(
 
 
 class PatchContact:
-    """The gap of every fine cell on a capped foundation, patch by patch: the micro law of two scales.
+    """The micro law of two scales gives every fine cell a gap on a capped foundation, patch by patch.
 
-    executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain. film: on
-    bodies of which sphere and disc lose these fractions of what is worn.
+    executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
     """
 
     STATE: ClassVar = {"gap": Field, "film": BareCells}
 
-    def __init__(
-        self,
-        patches: Patches,
-        heights: FloatArray,
-        executor: Executor,
-        *,
-        curvature: float,
-        film: Film | None = None,
-        fractions: tuple[float, float] = (0.5, 0.5),
-    ) -> None:
-        self._executor = executor
-        self.initial, layout = unworn(patches, heights, executor, curvature=curvature)
+    def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
+        self.initial, layout = unworn(patches, heights, executor, curvature=task.curvature)
         self.gap: Field = wp.clone(self.initial)
         #: Lowest gap of each patch before any wear [mm]: below that approach it carries nothing.
         self.lowest: FloatArray = layout.lowest.numpy().min(axis=1)
         #: Worn by both bodies [mm], where a film asks for it.
-        self._worn = executor.zeros(None if film else 0)
-        self._measured: Program | None = None
-        self.film = BareCells.of_both(film, executor, self._worn, fractions)
+        worn = executor.zeros(None if task.film else 0)
+        self.film = BareCells.of_both(task.film, executor, worn, task.wear_fractions)
         parts = None if self.film is None else self.film.parts
         self.surfaces = arguments(
             kernels.Surfaces,
@@ -83,22 +71,18 @@ class PatchContact:
             parts=executor.zeros(0) if parts is None else parts,
             trial=wp.zeros((3, patches.count), dtype=wp.float64, device=executor.device),
         )
+        self._measure_wear = Program(executor)
+        if self.film:
+            self._measure_wear.launch(kernels.worn, self.surfaces, worn, slots=patches.count)
 
     def look(self, distance: float) -> None:
         """See which cells are bare of film as a step begins at a sliding distance [mm]."""
-        if self.film is not None:
-            self._measure_wear()
+        if self.film:
+            self._measure_wear.run()
             self.film.look(distance)
 
     def rub(self, distance: float) -> None:
         """Note what a step that ends at a sliding distance [mm] has worn."""
-        if self.film is not None:
-            self._measure_wear()
+        if self.film:
+            self._measure_wear.run()
             self.film.rub(distance)
-
-    def _measure_wear(self) -> None:
-        if self._measured is None:
-            self._measured = Program(self._executor)
-            slots = self.gap.shape[0]
-            self._measured.launch(kernels.worn, self.surfaces, self._worn, slots=slots)
-        self._measured.run()

@@ -46,7 +46,7 @@ OF_BOTH = {"worn": "wear_sphere"}
 
 
 class HalfSpacePatches(Model):
-    """Contact and wear of a two-scale study with contact.law = "half-space".
+    """Patches touch and wear in a two-scale study with contact.law = "half-space".
 
     A step finds the pressure with which it ends (implicit Archard), from the last one's pressure. Only
     patches that the approach may reach are visited: they lie in the order of their lowest points before any
@@ -88,10 +88,8 @@ class HalfSpacePatches(Model):
         self.worn = executor.zeros()  # by both bodies [mm]
         self._film = BareCells.of_both(task.film, executor, self.worn, task.wear_fractions)
         self._parts = None if self._film is None else self._film.parts
-        there = (executor.to_numpy(self.gap) < PADDING).sum(axis=1)
         #: Cells where there is a surface, summed over the patches up to each.
-        self._cells = np.cumsum(there)
-        self._bodies = arguments(Bodies, sphere=self.gap, wear_sphere=self.worn)
+        self._cells = np.cumsum((executor.to_numpy(self.gap) < PADDING).sum(axis=1))
         assert task.modulus is not None  # checked with the study
         self._influence = PatchInfluence(executor, self.patches, modulus=task.modulus, boundary=task.boundary)
         self._solver = BoundedPressure(executor, self._influence, hardness=task.hardness)
@@ -99,13 +97,11 @@ class HalfSpacePatches(Model):
         self.visited = 0
         #: Largest approach so far [mm].
         self._reached = float(of_patches.min())
-        executor.load(wear_from_pressure.gaps)
-        rows, device = executor.grid.nx, executor.device
+        executor.load(wear_from_pressure.wear)
         self._sums, self._maxima = (
-            wp.zeros((len(lines), rows), dtype=wp.float64, device=device)
+            wp.zeros((len(lines), executor.grid.nx), dtype=wp.float64, device=executor.device)
             for lines in (PressureSum, PressureMost)
         )
-        self._of_rows = arguments(OfRows)
         self._slides = Numbers(Slide, executor.device, written=False, window=1)
         self._worn_by: Field = None
 
@@ -115,32 +111,32 @@ class HalfSpacePatches(Model):
         Raises ConvergenceError when the contact cannot be solved.
         """
         removals = self._ledger.removals(0.0, increment)
-        start = self._ledger.row["distance"]
-        if self._film is not None:
+        start, certified = self._ledger.row["distance"], self.certified or None
+        if self._film:
             self._film.look(start)
         if self._smooth is None:
             self._influence.set_bulk(1.0 / self._ledger.foundation)
-            contact = self._share(sum(removals), certified=self.certified or None)
+            contact = self._share(sum(removals), certified=certified)
             approach = contact.approach
         else:
-            contact = self._press(self._smooth, sum(removals), certified=self.certified or None)
+            contact = self._press(self._smooth, sum(removals), certified=certified)
             approach = self._smooth.approach
         pressure = self.patches.on_domain(contact.pressure) if with_pressure else None
-        # The scatter is summed about a value near the mean.
-        reference = self._ledger.row["pressure_mean"]
-        worn = self._wear(contact, sum(removals), reference, approach)
-        if self._film is not None:
+        worn = self._wear(contact, sum(removals), approach)
+        if self._film:
             worn = replace(worn, bare=self._film.under(contact.pressure_field, self.visited))
             self._film.rub(start + increment)
-        made = self._ledger.enter(worn, increment, removals, pressure)
-        made.row.update(columns_of(contact.certificate))
-        return made
+        step = self._ledger.enter(worn, increment, removals, pressure)
+        step.row.update(columns_of(contact.certificate))
+        return step
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
-        """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
-        gap, worn = (self._executor.to_numpy(field) for field in (self.gap, self.worn))
-        bare = None if self._film is None else self._executor.to_numpy(self._film.bare)
-        return self._ledger.snapshot(step, distance, self.patches, gap=gap, worn=worn, bare=bare)
+        """Return the fields after the last step, which was asked for its pressure, at its distance [mm]."""
+        read, film = self._executor.to_numpy, self._film
+        bare = read(film.bare) if film else None
+        return self._ledger.snapshot(
+            step, distance, self.patches, gap=read(self.gap), worn=read(self.worn), bare=bare
+        )
 
     def _press(self, smooth: SmoothContact, removal: float, *, certified: bool | None) -> HalfSpaceContact:
         """Solve the contact by loads that a smooth one prescribes. removal: K ΔL of both bodies [mm³/N]."""
@@ -181,41 +177,49 @@ class HalfSpacePatches(Model):
                 return replace(contact, transforms=transforms)
 
     def _below(self, approach: float) -> int:
-        """How many patches had their lowest point below an approach or at it before any wear [mm]."""
+        """Count the patches that had their lowest point below an approach or at it before any wear [mm]."""
         return int(np.searchsorted(self.lowest, approach, side="right"))
 
-    def _wear(self, contact: HalfSpaceContact, removal: float, reference: float, approach: float) -> Worn:
+    def _wear(self, contact: HalfSpaceContact, removal: float, approach: float) -> Worn:
         """Wear both bodies by the pressure of the contact; sums are in the order of the macro cells."""
-        self._slides.set(rows=self.visited, of_sphere=removal, reference=reference)
+        # The scatter is summed about a value near the mean.
+        reference, visited = self._ledger.row["pressure_mean"], self.visited
+        self._slides.set(rows=visited, of_sphere=removal, reference=reference)
         if self._worn_by is not contact.pressure_field:
-            self._wearing, self._worn_by = self._say_wear(contact), contact.pressure_field
+            self._wearing, self._worn_by = self._wear_program(contact), contact.pressure_field
         self._wearing.run()
-        table = self._sums.numpy()[:, : self.visited]
-        largest = self._maxima.numpy()[:, : self.visited].max(axis=1)
+        table, maxima = (numbers.numpy()[:, :visited] for numbers in (self._sums, self._maxima))
         sums = {name: np.zeros(self.patches.count) for name in PATCH_SUMS}
         for name, values in sums.items():
-            values[self._order[: self.visited]] = table[PressureSum[OF_BOTH.get(name, name).upper()]]
-        most = {name: float(largest[PressureMost[OF_BOTH.get(name, name).upper()]]) for name in PATCH_MAXIMA}
+            values[self._order[:visited]] = table[PressureSum[OF_BOTH.get(name, name).upper()]]
+        most = {
+            name: float(maxima[PressureMost[OF_BOTH.get(name, name).upper()]].max()) for name in PATCH_MAXIMA
+        }
         return self._ledger.worn(
             sums, most, approach=(approach, 0.0), reference=reference, evaluations=contact.transforms
         )
 
-    def _say_wear(self, contact: HalfSpaceContact) -> Program:
-        """Say how bodies wear by the pressure that the solver leaves."""
-        pressure = contact.pressure_field
+    def _wear_program(self, contact: HalfSpaceContact) -> Program:
+        """Make the program by which bodies wear under the pressure that the solver leaves."""
         pressed = arguments(
             Pressed,
-            pressure=pressure,
-            means=pressure,
+            pressure=contact.pressure_field,
+            means=contact.pressure_field,
             gradient=contact.gradient_field,
             cap=min(self.task.hardness, NO_CAP),
         )
         if self._parts is not None:
             pressed.parts = self._parts
         program = Program(self._executor)
-        tables = self._of_rows, self._sums, self._maxima
-        slides, count = self._slides.array, self.patches.count
+        tables = arguments(OfRows), self._sums, self._maxima
+        bodies = arguments(Bodies, sphere=self.gap, wear_sphere=self.worn)
         program.launch(
-            wear_from_pressure.wear, slides, self._layout, pressed, self._bodies, *tables, slots=count
+            wear_from_pressure.wear,
+            self._slides.array,
+            self._layout,
+            pressed,
+            bodies,
+            *tables,
+            slots=self.patches.count,
         )
         return program

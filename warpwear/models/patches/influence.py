@@ -1,4 +1,4 @@
-"""What pressures do to patches that are half-spaces of their own: the operator of all of them at once."""
+"""Displace patches that are half-spaces of their own: the operator of all of them at once."""
 
 from functools import cached_property
 
@@ -67,7 +67,7 @@ class PatchInfluence(Operator):
         self.chunks = self._executor.split_rows(np.full(patches, self._executor.grid.ny))
 
     def set_bulk(self, flexibility: float) -> None:
-        """1/K_N of the spring behind every patch [mm³/N]; it yields to the patch's mean pressure."""
+        """Set 1/K_N of the spring behind every patch [mm³/N]; it yields to the patch's mean pressure."""
         if flexibility and self._is_free:
             raise InputError("a free patch contains its mean displacement; a bulk would count it twice.")
         if flexibility != self._bulk:

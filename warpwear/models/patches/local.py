@@ -19,7 +19,7 @@ from warpwear.kernels import patches as passes
 from warpwear.kernels.cells import EXTENTS, PATCH_MAXIMA, PATCH_SUMS
 from warpwear.kernels.two_scale import pressing
 from warpwear.kernels.two_scale import steps as kernels
-from warpwear.laws.archard import removals_of
+from warpwear.laws.archard import wear_in_steps
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.models.model import Model
@@ -35,7 +35,7 @@ LONGEST_BLOCK, MOST_NUMBERS = 64, 2**20
 
 
 class TwoScaleModel(Model):
-    """Contact and wear of one task. Patches share the load by one approach, or as a smooth contact says.
+    """Patches touch and wear in one task: they share the load by one approach, or as a smooth contact says.
 
     Approaches and gaps count from the mean planes, so that the worn mean height of a patch, which closes the
     loop back to the macro contact, is part of its gap.
@@ -55,14 +55,7 @@ class TwoScaleModel(Model):
         self.task, self.patches = task, patches
         self._executor = executor
         executor.foresee([passes.wear, *([pressing.judge] if task.prescribed_loads else [])])
-        self.contact = PatchContact(
-            patches,
-            heights,
-            executor,
-            curvature=task.curvature,
-            film=task.film,
-            fractions=task.wear_fractions,
-        )
+        self.contact = PatchContact(task, patches, heights, executor)
         self._ledger = PatchLedger(task, patches)
         self.book = self._ledger.book
         self._smooth = SmoothContact(task, patches, executor) if task.prescribed_loads else None
@@ -72,13 +65,13 @@ class TwoScaleModel(Model):
         )
         self._foresight = PatchForesight(executor)
         self.longest_block = max(1, min(LONGEST_BLOCK, MOST_NUMBERS // patches.count))
-        count, device = patches.count, executor.device
+        count, device, rows = patches.count, executor.device, self.longest_block
         tables = {
             "sums": (len(PATCH_SUMS), count),
             "maxima": (len(PATCH_MAXIMA), count),
-            "rows": (self.longest_block, len(kernels.HEADER) + len(PATCH_SUMS) + len(PATCH_MAXIMA)),
-            "loads": (self.longest_block, count),
-            "areas": (self.longest_block, count),
+            "rows": (rows, len(kernels.HEADER) + len(PATCH_SUMS) + len(PATCH_MAXIMA)),
+            "loads": (rows, count),
+            "areas": (rows, count),
         }
         zeros = {name: wp.zeros(shape, dtype=wp.float64, device=device) for name, shape in tables.items()}
         self._books = arguments(kernels.Books, ahead=self.contact.surfaces.trial, **zeros)
@@ -112,7 +105,8 @@ class TwoScaleModel(Model):
             self._say_find(self._many)
             with self._many.branch(flags.balanced):
                 self._say_wear(self._many)
-        self._pressed: tuple[Field, Program] | None = None
+        self._pressure: Field = None
+        self._press_program = Program(executor)
 
     def _say_find(self, program: Program) -> None:
         """Add the search for the approaches of a step to a program."""
@@ -123,18 +117,18 @@ class TwoScaleModel(Model):
             self._pass(program, passes.carried, self._steps, curves, self.contact.surfaces)
 
         if smooth is None:
-            program.decide(passes.begin, *state)
+            program.decide(kernels.begin, *state)
             self.sharing.say(program, evaluate)
             return
         program.decide(pressing.begin, *state, smooth.smooth, smooth.brackets)
         smooth.say(program, self.sharing, evaluate)
 
     def _say_wear(self, program: Program) -> None:
-        """Add the wear of a step whose approaches are found to a program."""
+        """Add the wear of a step whose approaches are solved to a program."""
         state = self._steps, self.sharing.curves, self._foresight.courses
-        program.decide(passes.foresee, *state)
+        program.decide(kernels.foresee, *state)
         self._pass(program, passes.wear, *state, self.contact.surfaces, self._books)
-        program.decide(passes.end, *state, self._books)
+        program.decide(kernels.end, *state, self._books)
 
     def _pass(self, program: Program, kernel: object, *inputs: object) -> None:
         """Add a pass over all patches to a program."""
@@ -142,11 +136,11 @@ class TwoScaleModel(Model):
 
     @property
     def in_blocks(self) -> bool:
-        """Whether the device makes the next steps by itself."""
+        """Tell whether the device takes the next steps by itself."""
         return self.contact.film is None
 
     def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
-        """Steps made on the device in one go, or in a few where the contact grows to where that is told."""
+        """Yield steps that the device takes in one go, or in a few where the contact grows to the edge."""
         done = 0
         while done < len(increments):
             left = increments[done:]
@@ -173,20 +167,19 @@ class TwoScaleModel(Model):
         self._find.run()
         if not self.sharing.is_balanced:
             raise self._failure()
-        pressed = self._press() if with_pressure or film is not None else None
-        bare = None if film is None else film.under(pressed)
-        pressure = None
-        if with_pressure:
-            pressure = self.patches.on_domain(self._executor.to_numpy(pressed))
+        field = self._press() if with_pressure or film else None
+        bare = film.under(field) if film else None
+        pressure = self.patches.on_domain(self._executor.to_numpy(field)) if with_pressure else None
         self._wear.run()
         self.contact.rub(distance + increment)
         worn = replace(next(self._results(1)), bare=bare)
         return self._ledger.enter(worn, increment, removals[0], pressure)
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
-        """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
-        gap, initial = (self._executor.to_numpy(f) for f in (self.contact.gap, self.contact.initial))
-        bare = None if self.contact.film is None else self._executor.to_numpy(self.contact.film.bare)
+        """Return the fields after the last step, which was asked for its pressure, at its distance [mm]."""
+        read, film = self._executor.to_numpy, self.contact.film
+        gap, initial = read(self.contact.gap), read(self.contact.initial)
+        bare = read(film.bare) if film else None
         return self._ledger.snapshot(step, distance, self.patches, gap=gap, worn=gap - initial, bare=bare)
 
     def _begin(self, increments: Sequence[float], then: float | None) -> list[tuple[float, float]]:
@@ -196,7 +189,7 @@ class TwoScaleModel(Model):
         """
         task, row = self.task, self._ledger.row
         known = [*increments, *([] if then is None else [then])]
-        removals = removals_of(task.wear, row["distance"], known)
+        removals = wear_in_steps(task.wear, row["distance"], known)
         flexibility = 1.0 / self._ledger.foundation
         plan = self._steps.plan.numpy()
         plan[:, 0] = -1.0  # where no step follows
@@ -205,25 +198,23 @@ class TwoScaleModel(Model):
             plan[number] = removal, stiffness, flexibility
         if not self._executor.device.is_cpu:
             self._steps.plan.assign(plan)
-        extents = {name: self._ledger.most[name] for name in EXTENTS}
-        self._now.set(mean=row["pressure_mean"], number=0, steps=len(increments), **extents)
+        extents = [self._ledger.most[name] for name in EXTENTS]
+        self._now.set(mean=row["pressure_mean"], number=0, steps=len(increments), extents=extents)
         self.sharing.flags.stepping.fill_(1)
         self._chunks = self._executor.split_rows(self._work)
         return removals
 
     def _press(self) -> Field:
-        """The pressure of every cell at the approaches that are found [MPa]."""
-        if self._pressed is None:
-            field, program = self._executor.zeros(), Program(self._executor)
-            inputs = self._steps, self.sharing.curves, self.contact.surfaces
-            self._pass(program, passes.pressures, *inputs, field)
-            self._pressed = field, program
-        field, program = self._pressed
-        program.run()
-        return field
+        """Return the pressure of every cell at the solved approaches [MPa]."""
+        if self._pressure is None:
+            self._pressure = self._executor.zeros()
+            inputs = self._steps, self.sharing.curves, self.contact.surfaces, self._pressure
+            self._pass(self._press_program, passes.pressures, *inputs)
+        self._press_program.run()
+        return self._pressure
 
     def _results(self, count: int) -> Iterator[Worn]:
-        """What the first steps of the plan have left."""
+        """Yield what the first steps of the plan have left."""
         books = self._books
         rows, loads, areas = (table.numpy()[:count] for table in (books.rows, books.loads, books.areas))
         touched = books.sums.numpy()[PATCH_SUMS.index("touched")]
@@ -235,5 +226,5 @@ class TwoScaleModel(Model):
             yield Worn(total, most, load, area, (base, offset), reference, int(evaluations))
 
     def _failure(self) -> Exception:
-        """What is wrong with a step that could not be made."""
+        """Return the error for a step that has no solution."""
         return self.sharing.failure() if self._smooth is None else self._smooth.failure(self.sharing)

@@ -1,4 +1,4 @@
-"""How patches share a load, as a part of a program: each at an approach of its own, joined by springs.
+"""Share a load among patches, as a part of a program: each at an approach of its own, joined by springs.
 
 A patch k carries the mean pressure p_k(u_k) at its approach u_k. Behind it is a spring of stiffness K_N
 [N/mm³], the bulk, so that all patches have
@@ -21,7 +21,6 @@ from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
-from warpwear.kernels import patches
 from warpwear.kernels.two_scale import curves, sharing
 
 
@@ -51,8 +50,8 @@ class LoadSharing:
             base=self.base,
             offset=self.offset,
             answer=self.answer,
-            low=of_patches(3),
-            high=of_patches(3),
+            low=wp.zeros(self.count, dtype=curves.End, device=device),
+            high=wp.zeros(self.count, dtype=curves.End, device=device),
             room=of_patches(curves.LINES),
         )
         self.load = arguments(
@@ -77,30 +76,20 @@ class LoadSharing:
         with program.loop(flags.searching):
             with program.branch(flags.unanswered):
                 evaluate()
-            program.decide(patches.judge, self.load, self.curves, self.search.array, flags)
-
-    @property
-    def trial(self) -> tuple[Field, Field]:
-        """Base and offset of the approach of every patch [mm]."""
-        return self.base, self.offset
+            program.decide(sharing.judge, self.load, self.curves, self.search.array, flags)
 
     @property
     def is_balanced(self) -> bool:
-        """Whether the last search has ended well."""
+        """Tell whether the last search has ended well."""
         return bool(self.flags.balanced.numpy()[0])
 
     @property
-    def common(self) -> tuple[float, float]:
-        """Approach of the bodies, base and offset [mm]."""
-        return self.search["common_base"], self.search["common"]
-
-    @property
     def approaches(self) -> FloatArray:
-        """u_k of every patch [mm]. Of one without pressure it is δ or lower."""
+        """Return u_k of every patch [mm]; of one without pressure it is δ or lower."""
         return np.asarray(self.base.numpy() + self.offset.numpy())
 
     def failure(self) -> ConvergenceError:
-        """What is wrong with a search that has not ended well."""
+        """Return the error for a search that has not ended well."""
         s, load = self.search, self.load.load
         return ConvergenceError(
             f"the load shares of {self.count} patches did not converge in {s['evaluations']} evaluations: "

@@ -21,7 +21,7 @@ from warpwear.surfaces.sphere import sag
 
 
 class SmoothContact:
-    """A Winkler foundation of smooth bodies on the macro cells, capped at the hardness, with its own wear.
+    """Smooth bodies are a Winkler foundation on the macro cells, capped at the hardness, and wear.
 
     Uncapped it would ask more of the first patches than all their cells carry at the hardness. Its gap is the
     mean over each patch of the sphere's; patches that reach beyond its rim have none and carry nothing.
@@ -78,16 +78,16 @@ class SmoothContact:
 
     @property
     def approach(self) -> float:
-        """Approach of the smooth bodies [mm]."""
+        """Return the approach of the smooth bodies [mm]."""
         return float(self._approach.numpy()[0])
 
     @property
     def is_balanced(self) -> bool:
-        """Whether the last search has ended well."""
+        """Tell whether the last search has ended well."""
         return bool(self.smooth.balanced.numpy()[0])
 
     def press(self, *, foundation: float, removal: float) -> FloatArray:
-        """Pressures [MPa] that carry the load, then worn by removal [mm³/N] times them, implicitly.
+        """Return pressures [MPa] that carry the load, then worn by removal [mm³/N] times them, implicitly.
 
         They add up to the load to rounding. foundation: K_N [N/mm³]. Raises ConvergenceError.
         """
@@ -98,7 +98,7 @@ class SmoothContact:
         return self.smooth.target.numpy()[0].copy()
 
     def failure(self, sharing: LoadSharing | None = None) -> ConvergenceError:
-        """What is wrong with a search that has not ended well: its own, or that of the patches."""
+        """Return the error for a search that has not ended well: its own, or that of the patches."""
         if sharing is None or not self.is_balanced:
             return ConvergenceError(
                 f"the smooth macro contact did not converge: {self.smooth.left.numpy()[0]:.3g} N of "

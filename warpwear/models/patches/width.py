@@ -1,4 +1,4 @@
-"""Whether patches suit the contact and, where they stand for more than themselves, the roughness."""
+"""Refuse patches that suit neither the contact nor, where they stand for more, the roughness."""
 
 import math
 
@@ -14,7 +14,7 @@ from warpwear.surfaces.spectrum import autocorrelation_length, power_spectrum, s
 CERTAIN = 0.9
 
 
-def refuse_unsuitable(study: "Study", patches: Patches, heights: FloatArray) -> None:
+def refuse_unsuitable(study: Study, patches: Patches, heights: FloatArray) -> None:
     """Refuse macro cells wider than the contact, and samples narrower than the roughness, by InputError.
 
     heights: [mm], over the domain.
@@ -24,8 +24,8 @@ def refuse_unsuitable(study: "Study", patches: Patches, heights: FloatArray) -> 
         _refuse_narrow(patches, heights)
 
 
-def _refuse_wide(study: "Study", heights: FloatArray) -> None:
-    """The contact ends 2 √(a² + 2 R R_p) wide, with a of smooth bodies and the highest peak R_p.
+def _refuse_wide(study: Study, heights: FloatArray) -> None:
+    """Refuse macro cells wider than the contact: 2 √(a² + 2 R R_p), with a of smooth bodies, R_p the peak.
 
     a is that of the worn patch, Hertz's, or that of a load at the hardness.
     """
@@ -44,20 +44,20 @@ def _refuse_wide(study: "Study", heights: FloatArray) -> None:
 
 
 def _refuse_narrow(patches: Patches, heights: FloatArray) -> None:
-    """A patch that does not hold the longest waves sees a part of a hill or valley, not the roughness."""
+    """Refuse patches that do not hold the longest waves: each sees a hill or valley, not the roughness."""
     cell = patches.domain.cell
-    pixel = cell, cell
-    spectrum, correlation = power_spectrum(heights, pixel=pixel), autocorrelation_length(heights, pixel=pixel)
-    found = suggested_roll_off(spectrum, correlation=correlation, resolved=2.0 * cell)
+    spectrum = power_spectrum(heights, pixel=(cell, cell))
+    correlation = autocorrelation_length(heights, pixel=(cell, cell))
+    roll_off = suggested_roll_off(spectrum, correlation=correlation, resolved=2.0 * cell)
     width = patches.side * cell
-    if found.wavelength is None:
+    if roll_off.wavelength is None:
         raise InputError(
             f"patches.width = {1e3 * width:g} µm cannot stand for a macro cell: the roughness has no "
             "roll-off length within the domain; allowed are patches as large as patches.macro_cell."
         )
-    if width < CERTAIN * found.wavelength:
+    if width < CERTAIN * roll_off.wavelength:
         raise InputError(
             f"patches.width = {1e3 * width:g} µm is narrower than the roll-off length of the roughness, "
-            f"about {1e3 * found.wavelength:.4g} µm (from: {found.source}), so it cannot stand for a macro "
-            "cell; allowed are wider patches, or ones as large as patches.macro_cell."
+            f"about {1e3 * roll_off.wavelength:.4g} µm (from: {roll_off.source}), so it cannot stand for a "
+            "macro cell; allowed are wider patches, or ones as large as patches.macro_cell."
         )

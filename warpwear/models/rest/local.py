@@ -22,7 +22,7 @@ from warpwear.history.recorder import Ledger, Step, divided
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import balance, bearing, contact, wear
 from warpwear.kernels.cells import NO_INDEX, WearMost, WearSum, names_of
-from warpwear.laws.archard import removals_of
+from warpwear.laws.archard import wear_in_steps
 from warpwear.laws.task import ContactTask
 from warpwear.models.booking import Found, booked
 from warpwear.models.model import Model
@@ -187,7 +187,7 @@ class OneScaleModel(Model):
     def _tell(self, increments: Sequence[float], then: float | None) -> list[tuple[float, float]]:
         """Tell the device of the next steps, and of the one after them; return K ΔL of sphere and disc."""
         known = [*increments, *([] if then is None else [then])]
-        removals = removals_of(self.task.wear, self._ledger.row["distance"], known)
+        removals = wear_in_steps(self.task.wear, self._ledger.row["distance"], known)
         self._plan.write([(sum(removed), self._stiffness_of(*removed)) for removed in removals])
         self._course.set(step=0, steps=len(increments), known=len(known))
         return removals

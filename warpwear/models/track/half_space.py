@@ -14,7 +14,7 @@ from warpwear.contact.half_space.contact import HalfSpaceContact
 from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.window import WindowedHalfSpace
 from warpwear.engine.executor import Executor, Field, arguments
-from warpwear.engine.numbers import Numbers
+from warpwear.engine.numbers import Mirror, Numbers
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BODIES
@@ -40,7 +40,6 @@ LARGEST_ERROR = 0.02
 #: Real over nominal area from which the last pressure, where it is, is a better start than none.
 KEEPS_PRESSURE = 0.7
 #: Sums over the cells of a part; the others grow, and the last part's are those of the step.
-DISC = {"worn_disc": "wear_disc", "pressed_disc": "pressed_disc"}
 OF_A_PART = ("pressure", "deviation_squared", "contact", "capped")
 
 
@@ -124,6 +123,8 @@ class SlidingHalfSpace:
             name: wp.zeros(disc.shape[0], dtype=wp.float64, device=device)
             for name in ("worn_disc", "pressed_disc")
         }
+        of_film = [] if self.film is None else [self._bare]
+        self._mirror = Mirror(self._sums, self._maxima, *self._of_rows.values(), *of_film)
         self._slides = Numbers(Slide, executor.device, written=False, rows=executor.grid.nx, window=1)
         self._programs: dict[str, tuple[Field, Program]] = {}
         self._goes = wp.zeros(1, dtype=wp.int32, device=device)
@@ -174,7 +175,7 @@ class SlidingHalfSpace:
             weight = of_part / cells
             shift = self.state.row_of(row(done, of_part), periodic=self.periodic)
             start = before["distance"] + increment * (done / cells)
-            removals = self.task.removals(start, increment * weight)
+            removals = self.task.wear_per_pressure(start, increment * weight)
             first, end = columns
             self._slides.set(
                 shift=shift,
@@ -195,7 +196,6 @@ class SlidingHalfSpace:
             pressure = contact.pressure.copy() if with_pressure and last else None
             total, most = self._wear(contact, removals)
             if self.film is not None:
-                total["bare"] = float(self._bare.numpy().sum())
                 columns = int(-most["first_column"]), int(most["last_column"]) + 1  # of all touched so far
                 self._slides.set(first_column=columns[0], end_column=columns[1])
                 self._run("rub", self._say_rub)
@@ -337,10 +337,11 @@ class SlidingHalfSpace:
             reference=self._ledger.row["pressure_mean"],  # the scatter is summed about a value near the mean
         )
         self._run("wear", lambda program: self._say_wear(program, contact), contact.pressure_field)
-        most = dict(zip(MAXIMA, self._maxima.numpy().max(axis=1).tolist(), strict=True))
-        total = dict(zip(names_of(PressureSum), self._sums.numpy().sum(axis=1).tolist(), strict=True))
-        for name, values in self._of_rows.items():
-            total[DISC[name]] = float(values.numpy().sum())
+        sums, maxima, *single = self._mirror.read()
+        most = dict(zip(MAXIMA, maxima.max(axis=1).tolist(), strict=True))
+        total = dict(zip(names_of(PressureSum), sums.sum(axis=1).tolist(), strict=True))
+        names = ("wear_disc", "pressed_disc", "bare")
+        total.update(zip(names, (float(values.sum()) for values in single), strict=self.film is not None))
         return total, most
 
     def _shed(self, total: dict[str, float], most: dict[str, float]) -> None:
@@ -348,9 +349,7 @@ class SlidingHalfSpace:
         pieces, slides = self.pieces, self._slides.array
         assert pieces is not None
         for _ in itertools.count():
-            self._run(
-                "shed", lambda program: pieces.say_shed(program, slides, self._goes, self._of_pieces, 0)
-            )
+            self._run("shed", lambda program: pieces.say_shed(program, slides, self._goes, self._of_pieces))
             if not pieces.drain():
                 break
         pieces.book.end_steps()

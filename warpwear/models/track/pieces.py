@@ -1,6 +1,8 @@
 """Wear in pieces of a contact that slides: what is pending of its bodies, and the pieces that have left."""
 
 import math
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -9,6 +11,7 @@ import warp as wp
 from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
+from warpwear.grid import FloatArray
 from warpwear.history.pieces import PieceBook
 from warpwear.kernels.cells import LANES
 from warpwear.kernels.running_in import pieces as kernels
@@ -17,10 +20,13 @@ from warpwear.kernels.slide import Slide
 from warpwear.laws.pieces import ROUNDS
 from warpwear.laws.pieces import Pieces as PieceLaw
 from warpwear.laws.task import ContactTask
+from warpwear.models.attachment import Attachment, Place
 from warpwear.models.track.bodies import SlidingBodies
 
 #: What a row of the history says of each body.
 OF_BODY = ("pieces", "wear", "pending", "deepest")
+#: Columns of a row of the history.
+COLUMNS = tuple(f"{name}_{body}" for body in BODIES for name in OF_BODY)
 #: Pieces that the table holds at least.
 ROOM = 4096
 
@@ -31,7 +37,7 @@ class Pending:
     fields: height and wear of the body. number: 0 the sphere, whose heights grow as it is worn, 1 the disc.
     """
 
-    STATE: ClassVar = {"pending": Field, "waiting": np.ndarray, "_of_rows": Field}
+    STATE: ClassVar = {"pending": Field, "overflow": np.ndarray, "_of_rows": Field}
 
     def __init__(
         self,
@@ -57,8 +63,8 @@ class Pending:
             wear=_numbers(self._wear),
             pending=_numbers(self.pending),
             sums=wp.zeros(size, dtype=wp.float64, device=device),
-            listed=wp.zeros(size, dtype=wp.int32, device=device),
-            waiting=wp.zeros(size, dtype=wp.int32, device=device),
+            candidates=wp.zeros(size, dtype=wp.int32, device=device),
+            overflow=wp.zeros(size, dtype=wp.int32, device=device),
             peaks=wp.zeros(self.most, dtype=wp.int32, device=device),
             counts=wp.zeros(kernels.COUNTS, dtype=wp.int32, device=device),
             of_rows=self._of_rows,
@@ -69,31 +75,31 @@ class Pending:
         )
         every = Program(executor, records=False)
         whole = Numbers(Slide, executor.device, rows=rows + executor.grid.nx)
-        self._count(int(kernels.HAD_WAITED), 1)
+        self._count(int(kernels.OVERFLOW_BEFORE), 1)
         every.launch(
             shedding.total_rows,
             *(whole.array, footprint, self.body, self._wear, self.pending),
             slots=executor.slots_of(rows),
         )
         every.run()
-        self._count(int(kernels.HAD_WAITED), 0)
+        self._count(int(kernels.OVERFLOW_BEFORE), 0)
         self.body.start = float(self._of_rows.numpy()[1].sum())
 
     @property
-    def waiting(self) -> "np.ndarray[Any, Any]":
+    def overflow(self) -> "np.ndarray[Any, Any]":
         """Cells that are due since the rounds of a step were not enough, by index; may be set."""
-        count = int(self.body.counts.numpy()[int(kernels.WAITING)])
-        cells: np.ndarray[Any, Any] = np.sort(self.body.waiting.numpy()[:count])
+        count = int(self.body.counts.numpy()[int(kernels.OVERFLOW)])
+        cells: np.ndarray[Any, Any] = np.sort(self.body.overflow.numpy()[:count])
         return cells
 
-    @waiting.setter
-    def waiting(self, cells: "np.ndarray[Any, Any]") -> None:
-        host = self.body.waiting.numpy()
+    @overflow.setter
+    def overflow(self, cells: "np.ndarray[Any, Any]") -> None:
+        host = self.body.overflow.numpy()
         host[: cells.size] = cells
-        self.body.waiting.assign(host)
-        self._count(int(kernels.WAITING), cells.size)
+        self.body.overflow.assign(host)
+        self._count(int(kernels.OVERFLOW), cells.size)
 
-    def say_shed(self, program: Program, slides: Field, left: Arguments, line: tuple[Field, int]) -> None:
+    def say_shed(self, program: Program, slides: Field, release: Arguments, line: tuple[Field, int]) -> None:
         """Add to a program that pieces leave which are due, and what the body has lost then.
 
         line: the rows of the history, and the column of the first of `OF_BODY`.
@@ -102,14 +108,14 @@ class Pending:
         few = self._executor.slots_of(self.pending.shape[0]) if self._executor.device.is_cuda else 1
         alone: dict[str, Any] = {"slots": few, "chunks": [(0, few)]}
         footprint, body = self._footprint, self.body
-        program.decide(shedding.begin_rounds, body, left)
-        with program.loop(left.sheds):
+        program.decide(shedding.begin_rounds, body, release)
+        with program.loop(release.sheds):
             program.launch(shedding.sum_up, footprint, body, **alone)
             program.launch(shedding.find_peaks, footprint, body, **alone)
-            program.decide(shedding.begin_cut, footprint, body, left)
-            program.launch(shedding.cut, slides, footprint, body, left, **alone)
-        program.decide(shedding.end_rounds, body, left)
-        with program.branch(left.closes):
+            program.decide(shedding.begin_cut, footprint, body, release)
+            program.launch(shedding.cut, slides, footprint, body, release, **alone)
+        program.decide(shedding.end_rounds, body, release)
+        with program.branch(release.closes):
             program.launch(shedding.close, footprint, body, **alone)
             program.launch(shedding.total_rows, slides, footprint, body, self._wear, self.pending)
             rows, column = line
@@ -121,29 +127,20 @@ class Pending:
         self.body.counts.assign(host)
 
 
-class SlidingPieces:
+class SlidingPieces(Attachment):
     """Pieces of both bodies of a contact that slides or lies still.
 
-    A step of a program is
-
-        with program.branch(pieces.begins):
-            ...
-            pieces.say_begin(program); pieces.say_take(program, ...)
-            ...
-        pieces.say_shed(program, ...)
-        with program.branch(pieces.ends):
-            ...
-
-    as the table of pieces may get full while they leave: `drain` empties it after each replay, and says
-    whether the program is to be run again before its step is done.
+    The table of pieces may get full while they leave: `drain` empties it after each replay, and tells whether
+    the program is to be run again before its step is done.
     """
 
     STATE: ClassVar = {"sphere": Pending, "disc": Pending, "book": PieceBook}
+    columns = COLUMNS
 
     def __init__(self, law: PieceLaw, executor: Executor, bodies: SlidingBodies, *, periodic: bool) -> None:
         cell, device = executor.grid.cell, executor.device
         places, bowl = law.footprint(cell)
-        self.law, self._executor = law, executor
+        self.law, self._executor, self.margin = law, executor, law.margin(cell)
         self._footprint = arguments(
             kernels.Footprint,
             along=wp.array(places[:, 0], dtype=wp.int32, device=device),
@@ -152,7 +149,7 @@ class SlidingPieces:
             needed=float(bowl.sum()),
             reach=law.reach(cell),
             apart=law.apart(cell),
-            margin=law.margin(cell),
+            margin=self.margin,
             rounds=ROUNDS,
         )
         of_sphere, of_disc = (bodies.sphere, bodies.wear_sphere), (bodies.disc, bodies.wear_disc)
@@ -162,8 +159,8 @@ class SlidingPieces:
         self._both = arguments(kernels.Both, footprint=self._footprint, **both)
         self.book = PieceBook()
         room = max(self.sphere.most, self.disc.most, ROOM)
-        self._left = arguments(
-            shedding.Left,
+        self._release = arguments(
+            shedding.Release,
             pieces=wp.zeros((room, shedding.COLUMNS), dtype=wp.float64, device=device),
             **{name: wp.zeros(1, dtype=wp.int32, device=device) for name in ("count", "full")},
             **{name: wp.zeros(1, dtype=wp.int32, device=device) for name in ("sheds", "closes", "ends")},
@@ -184,30 +181,46 @@ class SlidingPieces:
         """What is pending of sphere and disc."""
         return self.sphere, self.disc
 
-    @property
-    def begins(self) -> Field:
-        """Flag of a program: whether a step begins, or goes on in the midst of its pieces."""
-        return self._left.begins
-
-    @property
-    def ends(self) -> Field:
-        """Flag of a program: whether all pieces of a step have left."""
-        return self._left.ends
-
-    @property
-    def margin(self) -> int:
-        """Cells beside one in contact that a piece may reach."""
-        return int(self._footprint.margin)
-
     def beside(self, columns: tuple[int, int]) -> tuple[int, int]:
         """First column of those given, and the one after the last, where pieces of them may lie too."""
         first, end = columns
         return max(first - self.margin, 0), min(end + self.margin, self._executor.grid.ny)
 
+    def at_beginning(self, program: Program) -> AbstractContextManager[None]:
+        """Enclose what is done once in a step: a program may go on in the midst of its pieces."""
+        return program.branch(self._release.begins)
+
+    def at_end(self, program: Program) -> AbstractContextManager[None]:
+        """Enclose what follows when all pieces of a step have left."""
+        return program.branch(self._release.ends)
+
+    def before_search(self, program: Program, place: Place) -> None:
+        """Say that a step begins."""
+        self.say_begin(program)
+
+    def before_wear(self, program: Program, place: Place) -> None:
+        """Say that the wear of the tiles listed becomes pending."""
+        contact = place.springs, *place.listed, place.of_cells, place.bodies.gap
+        program.launch(kernels.take_tiles, place.slides, self._both, *contact, **self._alone)
+
+    def between(self, program: Program, place: Place) -> None:
+        """Say that the pieces of a step leave."""
+        self.say_shed(program, place.slides, place.steps.stepping, place.steps.history)
+
+    def end_steps(self, count: int) -> None:
+        """Enter into the book that a program has made so many steps."""
+        self.book.end_steps(count)
+
+    def enter(self, columns: Mapping[str, FloatArray], total: dict[str, Any], most: dict[str, Any]) -> None:
+        """Enter what has left each body, what is worn of it and pending."""
+        for body in BODIES:
+            pieces, wear, pending, most[f"wear_{body}"] = (columns[f"{name}_{body}"] for name in OF_BODY)
+            total |= {f"pieces_{body}": pieces, f"wear_{body}": wear, f"pending_{body}": pending}
+
     def say_begin(self, program: Program) -> None:
         """Add to a program that a step begins: what waits since the last one is looked at."""
         for body in self.both:
-            program.launch(kernels.list_waiting, body.body, **self._alone)
+            program.launch(kernels.list_overflow, body.body, **self._alone)
 
     def say_take(self, program: Program, slides: Field, pressure: Field) -> None:
         """Add to a program that the wear by a pressure field [MPa] becomes pending.
@@ -216,35 +229,32 @@ class SlidingPieces:
         """
         program.launch(kernels.take_field, slides, self._both, pressure, **self._alone)
 
-    def say_take_tiles(self, program: Program, slides: Field, *contact: Any) -> None:
-        """Add to a program that the wear of the tiles listed becomes pending, as of `kernels.take_tiles`."""
-        program.launch(kernels.take_tiles, slides, self._both, *contact, **self._alone)
-
-    def say_shed(self, program: Program, slides: Field, goes: Field, rows: Field, column: int) -> None:
+    def say_shed(self, program: Program, slides: Field, goes: Field, rows: Field) -> None:
         """Add to a program that the pieces of a step leave.
 
         goes: flag of the loop over steps, which becomes 0 where the table is full. rows: the history, a row a
-        step, with `OF_BODY` of sphere and disc from a column on.
+        step, whose last columns are `COLUMNS`.
         """
+        column = rows.shape[1] - len(COLUMNS)
         for number, body in enumerate(self.both):
-            body.say_shed(program, slides, self._left, (rows, column + number * len(OF_BODY)))
-        program.decide(shedding.end_step, self.sphere.body, self.disc.body, self._left, goes)
+            body.say_shed(program, slides, self._release, (rows, column + number * len(OF_BODY)))
+        program.decide(shedding.end_step, self.sphere.body, self.disc.body, self._release, goes)
 
     def drain(self) -> bool:
         """Enter the pieces that have left into the book; tell whether the program is to go on in its step."""
-        count = self._left.count.numpy()
+        count = self._release.count.numpy()
         if count[0]:
-            left = self._left.pieces.numpy()[: count[0]]
-            step, body, turn, peak, middle, volume, cells = left.T
+            rows_of_pieces = self._release.pieces.numpy()[: count[0]]
+            step, body, turn, peak, middle, volume, cells = rows_of_pieces.T
             order = np.lexsort((peak, turn, body, step))  # the order of a list is no matter
             area = self._executor.grid.cell_area
             row, column = np.divmod(middle[order].astype(np.int64), self._executor.vectors * LANES)
             diameter = 2.0 * np.sqrt(cells[order] * (area / math.pi))
             self.book.enter(step[order], body[order], (row, column), volume[order] * area, diameter)
-            self._left.count.zero_()
-        goes_on = bool(self._left.full.numpy()[0])
+            self._release.count.zero_()
+        goes_on = bool(self._release.full.numpy()[0])
         if goes_on:
-            self._left.full.zero_()
+            self._release.full.zero_()
         return goes_on
 
     @property

@@ -6,16 +6,21 @@ than a smooth one by a constant. The idea, and a logistic function for the curve
 Letters 70, 2022, doi 10.1007/s11249-022-01602-6); the equations here follow from the balance of volumes.
 """
 
-from typing import ClassVar
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
 
 from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.program import Program
+from warpwear.grid import FloatArray
 from warpwear.kernels.running_in import recession as kernels
 from warpwear.kernels.sliding import Bodies
 from warpwear.laws.bearing_curve import Logistic
+from warpwear.models.attachment import Attachment, Place
 
 
-class Recession:
+class Recession(Attachment):
     """What a logistic bearing curve adds to the steps of a disc that lies still."""
 
     STATE: ClassVar = {"beyond": Field}
@@ -26,12 +31,55 @@ class Recession:
         self._bodies = bodies
         self.beyond = executor.zeros()  # by which the surface stands deeper than its mean worn depth [mm]
 
-    def say_bearing(self, program: Program, laws: Field, sums: Field) -> None:
-        """Add to a program how many cells' area bears in a solved contact: Σ φ over the cells in contact."""
-        bodies = self._bodies
-        program.launch(kernels.borne, laws, self.curve, bodies.sphere, bodies.disc, bodies.wear_disc, sums)
+    def before_wear(self, program: Program, place: Place) -> None:
+        """Say how many cells' area bears in a solved contact: Σ φ over the cells in contact."""
+        heights = self._bodies.sphere, self._bodies.disc, self._bodies.wear_disc
+        program.launch(kernels.borne, place.springs.law, self.curve, *heights, place.tables.bearing)
 
-    def say_recede(self, program: Program) -> None:
-        """Add to a program that the disc recedes, after the mean depth of a step was worn off it."""
+    def after_wear(self, program: Program, place: Place) -> None:
+        """Say that the disc recedes, after the mean depth of a step was worn off it."""
         bodies = self._bodies
         program.launch(kernels.recede, self.curve, bodies.wear_disc, bodies.disc, self.beyond)
+
+    def enter(self, columns: Mapping[str, FloatArray], total: dict[str, Any], most: dict[str, Any]) -> None:
+        """Enter the area that bears."""
+        total["bearing"] = columns["bearing"]
+
+
+class UnequalStiffness(Attachment):
+    """The stiffness 1/c of every cell where what wears it in a step differs from cell to cell.
+
+    factor: of the sliding distance of the disc's cells. recession: by which the disc runs in, if it does.
+    """
+
+    def __init__(
+        self, executor: Executor, bodies: Bodies, factor: Field, recession: Recession | None
+    ) -> None:
+        alike = factor.shape[0] == 1 and recession is None
+        self._executor, self._bodies, self._factor = executor, bodies, factor
+        self._curve = arguments(kernels.Curve) if recession is None else recession.curve
+        self._stiffness = executor.zeros(1 if alike else None)
+
+    def of_cells(self) -> Mapping[str, Field]:
+        """Give the stiffness."""
+        return {"stiffness": self._stiffness}
+
+    def before_search(self, program: Program, place: Place) -> None:
+        """Say how 1/c of every cell follows from what wears it in a step."""
+        self.say(program, place.slides)
+
+    def say(self, program: Program, slides: Field) -> None:
+        """Say it of the step in an array."""
+        program.launch(
+            kernels.stiffness,
+            *(slides, self._curve, self._factor, self._bodies.wear_disc, self._stiffness),
+            slots=self._executor.slots_of(self._stiffness.shape[0]),
+        )
+
+    def softest(self, slides: Field) -> float:
+        """Find the smallest stiffness of a cell in the step in an array [N/mm³]."""
+        program = Program(self._executor, records=False)
+        self.say(program, slides)
+        program.run()
+        values = self._stiffness.numpy()
+        return float(np.min(values[values > 0.0]))

@@ -139,8 +139,8 @@ class Job:
         if self._kept.get("number") != number:
             self._kept.clear()
             self._kept.update(number=number, snapshot=self.result.snapshot(number))
-        found: Snapshot = self._kept["snapshot"]
-        return found
+        snapshot: Snapshot = self._kept["snapshot"]
+        return snapshot
 
     def _heights(self, body: str, number: int) -> FloatArray:
         """Heights of a worn body at the snapshot of a number [mm], that of the track over all its rows."""
@@ -151,8 +151,8 @@ class Job:
             else:
                 lost = snapshot.wear_disc + (0.0 if snapshot.plastic_disc is None else snapshot.plastic_disc)
                 self._kept[body] = self.result.track_heights() - lost
-        found: FloatArray = self._kept[body]
-        return found
+        heights: FloatArray = self._kept[body]
+        return heights
 
     def body(self, name: str, number: int) -> Body:
         """A worn body at the snapshot of a number, reduced to `points`."""
@@ -166,8 +166,8 @@ class Job:
             raise InputError(
                 f"the result's approach at {snapshot.distance:g} mm is {approach:g} mm, which is none"
             )
-        x, y, found = self._reduced(x, {"heights": heights})
-        return Body(name, title, x, y, found["heights"], approach)
+        x, y, fields = self._reduced(x, {"heights": heights})
+        return Body(name, title, x, y, fields["heights"], approach)
 
     def sheet(self, name: str, number: int, *, whole_disc: bool = False) -> Sheet:
         """The fields asked for at the snapshot of a number, reduced to `points`.
@@ -178,20 +178,20 @@ class Job:
         result, snapshot = self.result, self.snapshot(number)
         on_track = name == "track_fields"
         swept = snapshot.row is not None
-        found: dict[str, FloatArray] = {}
+        fields: dict[str, FloatArray] = {}
         for key in self.fields:
             of_track = swept and key in ON_THE_TRACK
             if on_track != of_track and (on_track or whole_disc or key not in OF_THE_TRACK):
                 continue
             if key in snapshot.fields:
                 values = snapshot.fields[key]
-                found[key] = snapshot.beneath(values) if of_track and not on_track else values
+                fields[key] = snapshot.beneath(values) if of_track and not on_track else values
             elif key in HEIGHTS and (key != "height_track" or swept):
-                found[key] = self._heights(key.removeprefix("height_"), number)
-        if "gap" in found:
-            found["gap"] = np.where(found["gap"] > NO_SURFACE, np.nan, found["gap"])
+                fields[key] = self._heights(key.removeprefix("height_"), number)
+        if "gap" in fields:
+            fields["gap"] = np.where(fields["gap"] > NO_SURFACE, np.nan, fields["gap"])
         x = result.track_x if on_track else result.x
-        return Sheet(name, snapshot.distance, *self._reduced(x, found))
+        return Sheet(name, snapshot.distance, *self._reduced(x, fields))
 
     def along(self, number: int) -> float:
         """Where the sphere's apex is along the track [mm]; 0 where the track is not among the bodies."""

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from warpwear import lazy
-from warpwear.results.formats.bodies import WRITABLE, Files, Job
+from warpwear.results import writer
+from warpwear.results.formats.bodies import ON_THE_TRACK, WRITABLE, Files, Job
 from warpwear.results.frames import courses
 from warpwear.version import __version__
 
@@ -32,6 +33,7 @@ def write_netcdf(job: Job, path: Path) -> None:
     """
     result = job.result
     about = courses(result, job.numbers)
+    require_free_space(path, about.nbytes + _field_bytes(job))
     written = datetime.now(UTC).isoformat(timespec="seconds")
     about.attrs["history"] = f"{written}: exported by warpwear {__version__}"
     about.to_netcdf(path, engine="h5netcdf")
@@ -45,6 +47,22 @@ def write_netcdf(job: Job, path: Path) -> None:
                     if at == 0:
                         _declare(file, key, along, values)
                     file.variables[key][at] = values
+
+
+def _field_bytes(job: Job) -> int:
+    """Bound the size of all fields [B], which are packed in the file."""
+    result = job.result
+    long = result.track_x.size if result.study.is_swept else 0
+    rows = (max(long, result.x.size) if name in ON_THE_TRACK else result.x.size for name in job.fields)
+    return 8 * len(job.numbers) * result.y.size * sum(rows)
+
+
+def require_free_space(path: Path, nbytes: int) -> None:
+    """Raise OSError, naming it, unless a new file has room: the library does not survive a full disk."""
+    try:
+        writer.require_free_space(path.parent, nbytes + writer.SPACE_FOR_THE_REST)
+    except OSError as error:
+        raise OSError(error.errno, f"{path.name}: {error.strerror}") from error
 
 
 def _declare(file: Any, name: str, along: str, values: "np.ndarray[Any, Any]") -> None:

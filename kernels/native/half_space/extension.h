@@ -7,7 +7,7 @@
 // extension E is made, E' |q| E is symmetric and positive as |q| is. In single precision, as the transforms
 // between. Symbols as in `search.h`. A GPU makes each iteration in a pass of its own, see
 // `half_space/extension.py`.
-#include "search.h"
+#include "half_space/search.h"
 
 // A GPU makes each iteration in a pass of its own, a cell a thread, between the trial and two fields that lie
 // one after the other in `gathered`.
@@ -98,7 +98,7 @@ struct Neighbours {
 // Cells of a tile and two around it begin with what the fields hold, `begun`, and from it those one further
 // in are made, `within`; eight at a time, after two vectors that end in what lies to the left. Where there is
 // no cell there is nothing.
-template <bool gathers, typename Solve> WARPWEAR_FN void extend(int slot, Solve& solve)
+template <bool gathers, typename Solve> WARPWEAR_FN void extend(int slot, int, Solve& solve)
 {
     const int ahead = 16, rows = solve.fields.pressure.shape[0], columns = solve.columns;
     const bool wraps = solve.wraps == 1;
@@ -151,5 +151,5 @@ template <bool gathers, typename Solve> WARPWEAR_FN void extend(int slot, Solve&
     }
 }
 #else
-template <bool gathers, typename Solve> WARPWEAR_FN void extend(int, Solve&) {}
+template <bool gathers, typename Solve> WARPWEAR_FN void extend(int, int, Solve&) {}
 #endif

@@ -40,13 +40,13 @@ struct SearchRow {
 
 // Visit every cell of a slot. `of_row` takes a row and the group that carries its load, and returns what is
 // done with each of its cells, by their place in the row.
-template <typename Solve, typename OfRow>
+template <typename Row = SearchRow, typename Solve, typename OfRow>
 WARPWEAR_FN void each_cell(const Solve& solve, int slot, int slots, const OfRow& of_row)
 {
     const int rows = solve.visited.data[0], cells = solve.fields.pressure.shape[1] * OF_VECTOR;
     const bool is_one = solve.groups.shape[0] == 1;
     for (int row = slot; row < rows; row += slots) {
-        const auto of_cell = of_row(SearchRow(solve.fields, row), solve.groups.data[is_one ? 0 : row]);
+        const auto of_cell = of_row(Row(solve.fields, row), solve.groups.data[is_one ? 0 : row]);
         for (int i = lane_of_slot(); i < cells; i += width_of_slot()) of_cell(i);
     }
 }
@@ -94,10 +94,7 @@ template <typename Solve> WARPWEAR_FN void moments(int slot, int slots, Solve& s
             lowest = lowest > down ? lowest : down;
         };
     });
-    leave_sum(solve.table, 0, slot, count(cells));
-    leave_sum(solve.table, 1, slot, total(first));
-    leave_sum(solve.table, 2, slot, total(second));
-    leave_most(solve.table, 3, slot, most(lowest));
+    leave_lines(solve.table, slot, 3, {count(cells), total(first), total(second), most(lowest)});
 }
 
 // Trial pressure of springs under the gap's mean; far below zero in the padding. Sums as those of `carried`.
@@ -118,13 +115,12 @@ template <typename Solve> WARPWEAR_FN void springs(int slot, int slots, Solve& s
             between += ((x > zero) & (x < cap)) ? yes : no;
         };
     });
-    leave_sum(solve.table, 0, slot, total(sum));
-    leave_sum(solve.table, 1, slot, count(between));
+    leave_lines(solve.table, slot, 2, {total(sum), count(between)});
 }
 
 // Sums of the trial pressures, shifted and clipped, and of the cells between the bounds. takes: whether they
 // become the pressure.
-template <typename Solve> WARPWEAR_FN void carried(int slot, int slots, Solve& solve, bool takes)
+template <bool takes, typename Solve> WARPWEAR_FN void carried(int slot, int slots, Solve& solve)
 {
     Lanes sum = 0.0;
     Counts between = 0;
@@ -138,8 +134,7 @@ template <typename Solve> WARPWEAR_FN void carried(int slot, int slots, Solve& s
             between += ((q > zero) & (q < cap)) ? yes : no;
         };
     });
-    leave_sum(solve.table, 0, slot, total(sum));
-    leave_sum(solve.table, 1, slot, count(between));
+    leave_lines(solve.table, slot, 2, {total(sum), count(between)});
 }
 
 // Pressures down to caps that may have fallen since they were solved.
@@ -203,12 +198,8 @@ template <typename Solve> WARPWEAR_FN void advance(int slot, int slots, Solve& s
             lowest = lowest > down ? lowest : down;
         };
     });
-    leave_sum(solve.table, 0, slot, total(sum));
-    leave_sum(solve.table, 1, slot, count(touching));
-    leave_sum(solve.table, 2, slot, count(between));
-    leave_sum(solve.table, 3, slot, total(level));
-    leave_most(solve.table, 4, slot, most(highest));
-    leave_most(solve.table, 5, slot, most(lowest));
+    leave_lines(solve.table, slot, 4,
+                {total(sum), count(touching), count(between), total(level), most(highest), most(lowest)});
 }
 
 // t - L on the free cells, 0 elsewhere, in the place of the trial.
@@ -243,8 +234,7 @@ template <typename Solve> WARPWEAR_FN void scatter(int slot, int slots, Solve& s
             if (i + 1 < cells) ends += one != is_between(i + 1);
         }
     }
-    leave_sum(solve.table, 0, slot, inner);
-    leave_sum(solve.table, 1, slot, ends);
+    leave_lines(solve.table, slot, 2, {inner, ends});
 }
 
 // Where a step goes down from a cell: its gradient, or what the preconditioner made of that.
@@ -302,15 +292,9 @@ template <typename Solve> WARPWEAR_FN void products(int slot, int slots, Solve& 
             largest_r = largest_r > of_r ? largest_r : of_r;
         };
     });
-    leave_sum(solve.table, 0, slot, count(free_cells));
-    leave_sum(solve.table, 1, slot, total(sum_z));
-    leave_sum(solve.table, 2, slot, total(sum_r));
-    leave_sum(solve.table, 3, slot, total(sum_y));
-    leave_sum(solve.table, 4, slot, total(zy));
-    leave_sum(solve.table, 5, slot, total(zr));
-    leave_sum(solve.table, 6, slot, total(sr));
-    leave_most(solve.table, 7, slot, most(largest_z));
-    leave_most(solve.table, 8, slot, most(largest_r));
+    leave_lines(solve.table, slot, 7,
+                {count(free_cells), total(sum_z), total(sum_r), total(sum_y), total(zy), total(zr), total(sr),
+                 most(largest_z), most(largest_r)});
 }
 
 // Trial pressure p + length x d, with d = -(z - its mean) + memory x last step on the free cells. Elsewhere
@@ -338,8 +322,7 @@ template <typename Solve> WARPWEAR_FN void direction(int slot, int slots, Solve&
             between += ((x > zero) & (x < cap)) ? yes : no;
         };
     });
-    leave_sum(solve.table, 0, slot, total(sum));
-    leave_sum(solve.table, 1, slot, count(between));
+    leave_lines(solve.table, slot, 2, {total(sum), count(between)});
 }
 
 // Feasible step to the shifted trial. Sum: step x (t - L). Maximum: fraction used of the room to a bound.
@@ -361,8 +344,8 @@ template <typename Solve> WARPWEAR_FN void step(int slot, int slots, Solve& solv
             slope += moves ? s * (row.gradient[i] - level) : zero;
         };
     });
-    leave_sum(solve.table, 0, slot, total(slope));
-    leave_most(solve.table, 1, slot, most(used));
+    leave_each({{total(slope), &wp::index(solve.table, 0, slot), true},
+                {most(used), &wp::index(solve.table, 2, slot), false}});
 }
 
 // Sum of step x response. Maximum: |response|.
@@ -377,6 +360,6 @@ template <typename Solve> WARPWEAR_FN void curvature(int slot, int slots, Solve&
             largest = largest > size ? largest : size;
         };
     });
-    leave_sum(solve.table, 2, slot, total(sum));
-    leave_most(solve.table, 3, slot, most(largest));
+    leave_each({{total(sum), &wp::index(solve.table, 1, slot), true},
+                {most(largest), &wp::index(solve.table, 3, slot), false}});
 }

@@ -5,10 +5,10 @@ pressure is that of all four. A pair of transforms costs a quarter there, and wh
 waves, which decide where load goes, it then need not spend on the fine grid.
 """
 
-from warpwear.contact.half_space.transforms import arrays_of
-from warpwear.engine.executor import Executor, Field
+from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.program import launch_once
 from warpwear.grid import Grid
-from warpwear.kernels.cells import PADDING
+from warpwear.kernels.half_space import windows
 
 #: Cells along each side of a grid from which wide ones pay.
 LEAST_SIDE = 256
@@ -21,11 +21,9 @@ FIELDS_OF_SEARCH = 10.0
 #: Tolerance of the contact on wide cells, as of `solver.BoundedPressure`.
 TOLERANCE = 1.0e-3
 MAX_ITERATIONS = 100
-#: Beyond it there is no surface [mm]: a mean with a cell that has none lies beyond.
-NO_SURFACE = 1.0e-3 * PADDING
 
 
-def pays(executor: Executor) -> bool:
+def is_worth_it(executor: Executor) -> bool:
     """Whether wide cells make a solve shorter, and there is room for them."""
     device, grid = executor.device, executor.grid
     if device.is_cpu:
@@ -33,42 +31,25 @@ def pays(executor: Executor) -> bool:
     return min(grid.shape) >= LEAST_SIDE_ON_GPU and device.free_memory > FIELDS_ON_GPU * 8 * grid.cells
 
 
-def is_short(executor: Executor) -> bool:
+def memory_is_short(executor: Executor) -> bool:
     """Whether the memory of a solver on wide cells is worth more than the time that making it anew takes."""
     device = executor.device
     return device.is_cpu or device.free_memory < FIELDS_OF_SEARCH * 8 * executor.grid.cells
 
 
-def wider(grid: Grid) -> Grid:
+def coarse_grid(grid: Grid) -> Grid:
     """The grid of cells twice as wide; where a number of cells is odd the last one goes over the edge."""
     return Grid(-(-grid.nx // 2), -(-grid.ny // 2), 2.0 * grid.cell)
 
 
-def gather(executor: Executor, field: Field, wide: Executor, field_out: Field) -> Field:
+def restrict(executor: Executor, field: Field, coarse: Executor, target: Field) -> Field:
     """Give a field of wide cells the means of another one; `PADDING` where one of the four cells is that."""
-    nx, ny = executor.grid.shape
-    with arrays_of(executor) as (_, view), arrays_of(wide) as (_, view_wide):
-        values, means = view(field), view_wide(field_out)
-        means[:] = 0.0
-        for first in range(2):
-            for second in range(2):
-                part = values[first::2, second::2]
-                means[: part.shape[0], : part.shape[1]] += part
-        # where a number of cells is odd the last ones go over the edge
-        if nx % 2:
-            means[-1] *= 2.0
-        if ny % 2:
-            means[:, -1] *= 2.0
-        means *= 0.25
-        means[means >= NO_SURFACE] = PADDING
-    return field_out
+    transfer = arguments(windows.Transfer, field=field, target=target, columns=executor.grid.ny)
+    launch_once(coarse, windows.restrict, transfer)
+    return target
 
 
-def spread(wide: Executor, field: Field, executor: Executor, field_out: Field) -> None:
+def prolong(coarse: Executor, field: Field, executor: Executor, target: Field) -> None:
     """Give each cell of a field the value of the wide cell that it lies in."""
-    with arrays_of(executor) as (_, view), arrays_of(wide) as (_, view_wide):
-        values, means = view(field_out), view_wide(field)
-        for first in range(2):
-            for second in range(2):
-                part = values[first::2, second::2]
-                part[:] = means[: part.shape[0], : part.shape[1]]
+    transfer = arguments(windows.Transfer, field=field, target=target, columns=executor.grid.ny)
+    launch_once(executor, windows.prolong, transfer)

@@ -1,35 +1,29 @@
-"""The exact move of the few cells of a half-space contact whose place is open; see `native/few.h`."""
+"""The active-set solve of the last undecided cells of a half-space contact.
+
+`native/half_space/active_set.h` has its arithmetic.
+"""
 
 import warp as wp
 
 from warpwear.kernels.cells import ONE, ZERO
 from warpwear.kernels.half_space.decisions import drifted
-from warpwear.kernels.half_space.solve import TOGETHER, Few, Flag, Solve, most_of_columns, sum_of_columns
+from warpwear.kernels.half_space.solve import TOGETHER, ActiveSet, Flag, Solve, all_lines
+from warpwear.kernels.native_code import native_pass
 from warpwear.kernels.newton import HALF
 
 
-@wp.func_native("open_cells(slot, slots, solve, few, false);")
-def _count_open(slot: wp.int32, slots: wp.int32, solve: Solve, few: Few): ...
-
-
-@wp.kernel(module=TOGETHER)
-def count_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
+@native_pass("open_cells<false>", module=TOGETHER)
+def count_open(solve: Solve, few: ActiveSet):
     """Count the cells whose place between the bounds is open."""
-    _count_open(first_slot + wp.tid() // wp.block_dim(), slots, solve, few)
 
 
-@wp.func_native("open_cells(slot, slots, solve, few, true);")
-def _list_open(slot: wp.int32, slots: wp.int32, solve: Solve, few: Few): ...
-
-
-@wp.kernel(module=TOGETHER)
-def list_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
+@native_pass("open_cells<true>", module=TOGETHER)
+def list_open(solve: Solve, few: ActiveSet):
     """List them; the trial becomes the pressure."""
-    _list_open(first_slot + wp.tid() // wp.block_dim(), slots, solve, few)
 
 
 @wp.kernel(module=TOGETHER)
-def place_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
+def place_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet):
     """Give the open cells of every slot their places in the list; tell whether there are few enough."""
     if wp.tid() == 0:
         place = ZERO
@@ -43,13 +37,13 @@ def place_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
 
 
 @wp.func_native("return move_few(solve, few, count);")
-def move_few(solve: Solve, few: Few, count: wp.int32) -> wp.bool:
+def move_few(solve: Solve, few: ActiveSet, count: wp.int32) -> wp.bool:
     """Move the few open cells in the trial; tell whether there is a way."""
     ...
 
 
 @wp.kernel(module=TOGETHER)
-def aim_few(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
+def aim_few(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet):
     """Make the trial pressure the best one for the few cells that are open."""
     if wp.tid() == 0:
         solve.flags[Flag.AIMED_AT_FEW] = wp.where(move_few(solve, few, few.count[0]), 1, 0)
@@ -61,12 +55,12 @@ def aim_few(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: Few):
 @wp.kernel(module=TOGETHER)
 def go_few(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Take the step of the few whole if it leads down; else a common step follows."""
-    columns = wp.min(solve.visited[0], solve.table.shape[1])
-    slope = sum_of_columns(solve.table, 0, columns)
-    curvature = sum_of_columns(solve.table, 2, columns)
-    largest = most_of_columns(solve.table, 3, columns)
+    lines = all_lines(solve, 2, 4)
     if wp.tid() == 0:
         n = solve.numbers[0]
+        slope = lines[0]
+        curvature = lines[1]
+        largest = lines[3]
         n.transforms = n.transforms + 1
         if curvature > ZERO and -slope > HALF * curvature:
             n.step_drift = solve.rules[0].single_rounding * largest
@@ -80,12 +74,16 @@ def go_few(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 
 
 @wp.func_native("return best_of_few(few, count);")
-def _best_of_few(few: Few, count: wp.int32) -> wp.bool: ...
+def _best_of_few(few: ActiveSet, count: wp.int32) -> wp.bool: ...
 
 
 @wp.kernel(module=TOGETHER)
 def solve_few(
-    first_slot: wp.int32, slots: wp.int32, few: Few, count: wp.int32, solved_out: wp.array(dtype=wp.int32)
+    first_slot: wp.int32,
+    slots: wp.int32,
+    few: ActiveSet,
+    count: wp.int32,
+    solved_out: wp.array(dtype=wp.int32),
 ):
     """Find the best changes of some cells' pressures alone; tell whether there are such."""
     if wp.tid() == 0:

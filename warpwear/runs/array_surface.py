@@ -24,7 +24,7 @@ OF_THE_BODY = ("material", "young", "poisson", "hardness")
 
 
 @dataclass(frozen=True, eq=False)
-class GivenSurface:
+class ArraySurface:
     """An array of heights, and the study that names it."""
 
     study: Study
@@ -42,7 +42,7 @@ class GivenSurface:
             raise InputError(f"out = {folder} holds a run on another surface; {OTHER_FOLDER}.")
 
 
-def take_surface(study: Study, surface: Any, folder: Path | None) -> GivenSurface:
+def take_surface(study: Study, surface: Any, folder: Path | None) -> ArraySurface:
     """The study on heights [mm] of its domain, or of its track, and what it takes them for.
 
     surface: an array of the shape of `study.cells`, (rows, ny) of a swept study's track; or an object with
@@ -77,10 +77,10 @@ def take_surface(study: Study, surface: Any, folder: Path | None) -> GivenSurfac
     reading = Reading(heights, (cell, cell), format="npy", unit="mm", pixel_given=True, unit_given=True)
     prepared = prepare(reading, Preparation(level="none"), name=SURFACE_FILE if folder else NO_FILE)
     details: dict[str, Any] = {"file": Path(path).name, "format": "npy", "unit": "mm", "level": "none"}
-    details["operations"] = list(prepared.operations)
+    details["operations"] = prepared.record["operations"]
     if filled is not None:
         details["filled_percent"] = 100.0 * float(filled.mean())
-    return GivenSurface(
+    return ArraySurface(
         _on_file(study, path),
         Measured(levelled=prepared.heights, pixel=(cell, cell), filled=filled, details=details),
         heights,

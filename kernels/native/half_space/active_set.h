@@ -5,13 +5,13 @@
 // those near enough to change sides. The pressure that is best for them, while all others stay, solves a
 // small dense problem, to which conjugate steps take one transform after another. On a CPU alone: what one
 // thread of a GPU takes for it is more than the steps that it saves.
-#include "search.h"
+#include "half_space/search.h"
 
 #if !defined(__CUDA_ARCH__)
 // Count the open cells of a slot, or list them from the place that the table tells. Listed, the trial becomes
 // the pressure, which the open cells then leave.
-template <typename Solve, typename Few>
-WARPWEAR_FN void open_cells(int slot, int slots, Solve& solve, const Few& few, bool lists)
+template <bool lists, typename Solve, typename Few>
+WARPWEAR_FN void open_cells(int slot, int slots, Solve& solve, const Few& few)
 {
     const double near = solve.numbers.data[0].near;
     int place = lists ? (int)wp::index(solve.table, 1, slot) : 0, cells = 0;
@@ -177,6 +177,8 @@ template <typename Solve, typename Few> WARPWEAR_FN bool move_few(Solve& solve, 
 }
 #else
 template <typename Few> WARPWEAR_FN bool best_of_few(const Few&, int) { return false; }
-template <typename Solve, typename Few> WARPWEAR_FN void open_cells(int, int, Solve&, const Few&, bool) {}
+template <bool lists, typename Solve, typename Few> WARPWEAR_FN void open_cells(int, int, Solve&, const Few&)
+{
+}
 template <typename Solve, typename Few> WARPWEAR_FN bool move_few(Solve&, const Few&, int) { return false; }
 #endif

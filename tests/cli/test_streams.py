@@ -1,0 +1,46 @@
+"""Standard streams that are closed or lose their reader, and studies that begin with a byte-order mark."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from warpwear import Study
+
+ROOT = Path(__file__).parents[2]
+QUICK = "--set grid.cell=30um --set sliding.distance=0.01mm --no-plots"
+
+
+def shell(command: str, folder: Path) -> "subprocess.CompletedProcess[str]":
+    line = f"{sys.executable} -m warpwear {command}"
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    return subprocess.run(
+        ["bash", "-o", "pipefail", "-c", line],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-", "<&- >&- 2>&-"])
+def test_closed_streams_stop_nothing(closed: str, tmp_path: Path) -> None:
+    done = shell(f"run v3-fine {QUICK} --out out {closed}", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "Traceback" not in done.stderr
+    assert (tmp_path / "out" / "result.h5").is_file()
+
+
+def test_a_run_outlives_the_reader_of_its_messages(tmp_path: Path) -> None:
+    done = shell(f"run v3-fine {QUICK} --out out 2>&1 | head -0", tmp_path)
+    assert "Traceback" not in done.stderr
+    assert (tmp_path / "out" / "result.h5").is_file()
+
+
+def test_a_byte_order_mark_is_no_part_of_a_study(tmp_path: Path) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text("\ufeff" + Study.load("v3-fine").to_toml(), encoding="utf-8")
+    assert Study.load(path) == Study.load("v3-fine")

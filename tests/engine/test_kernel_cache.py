@@ -1,0 +1,51 @@
+"""Compiled kernels are kept by Warp; damaged ones are compiled anew."""
+
+import errno
+from pathlib import Path
+from typing import Any
+
+import pytest
+import warp as wp
+from fuzzing import check_sentence
+
+from warpwear import InputError
+from warpwear.engine import kernel_cache
+from warpwear.engine.device import find_device
+from warpwear.kernels import contact
+
+
+@pytest.fixture
+def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
+    find_device("cpu")
+    monkeypatch.setattr(wp.config, "kernel_cache_dir", str(tmp_path))
+    return wp.get_module(contact.__name__)
+
+
+def test_a_cache_that_cannot_be_written_is_a_sentence(module: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: Any, **__: Any) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(wp, "load_module", full)
+    load = kernel_cache.begin_to_load(module, wp.get_device("cpu"))
+    with pytest.raises(InputError, match=r"Warp cannot keep compiled kernels in .*: No space left") as error:
+        load()
+    check_sentence(error.value)
+
+
+def test_files_that_warp_cannot_load_are_compiled_anew(
+    module: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    device = wp.get_device("cpu")
+    folder = tmp_path / module.get_module_identifier(1)
+    folder.mkdir()
+    (folder / "damaged.o").write_bytes(b"")
+    there: list[bool] = []
+
+    def load(*_: Any, **__: Any) -> None:
+        there.append(folder.exists())
+        if folder.exists():
+            raise RuntimeError("no object file")
+
+    monkeypatch.setattr(wp, "load_module", load)
+    kernel_cache.begin_to_load(module, device)()
+    assert there == [True, False]

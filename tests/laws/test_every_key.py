@@ -1,0 +1,248 @@
+"""Every key of [wear] and [friction] in all that needs the laws.
+
+It changes the result as in the run, or is refused in one sentence.
+"""
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+import pytest
+
+import warpwear
+from warpwear import InputError, Result, Study
+from warpwear.calibration.energy import calibrate_energy
+from warpwear.calibration.friction_command import calibrate_friction
+from warpwear.comparison.gather import gather
+from warpwear.inference.data import Data, Measured
+from warpwear.inference.infer import _check_unknowns
+from warpwear.inference.model import Model
+from warpwear.inference.runs import make_runs, needs_runs
+from warpwear.inference.unknowns import unknowns_of
+from warpwear.laws import archard
+from warpwear.laws.friction import FITTED, KEYS
+from warpwear.page.content import words_of
+from warpwear.results.summary import course
+from warpwear.study.contact import Friction, Wear
+from warpwear.study.keys import declarations, section_in
+from warpwear.sweeps.run_one import Task, run_one
+
+#: The smooth ball at rest on coarse cells, and a rough one: a run of them takes a moment.
+SMOOTH = {
+    "stepping.scheme": "implicit",
+    "grid.cell": "20 um",
+    "sliding.distance": "60 mm",
+    "output.snapshots": [],
+}
+SMOOTH |= {"stepping.increment": "0.5 mm"}
+ROUGH = {"grid.cell": "10 um", "sliding.distance": "6 mm", "output.snapshots": []}
+EXPONENTIAL = {"wear.law": "exponential", "wear.decay": "0.02 1/mm"}
+RUNNING_IN = {
+    "wear.law": "running-in",
+    "wear.running_in": "20 mm",
+    "wear.initial_sphere": "4e-3 mm^3/N/m",
+    "wear.initial_disc": "4e-3 mm^3/N/m",
+}
+PIECES = {"wear.particle": "60 um", "wear.particle_thickness": "0.2 um", "wear.pending_start": "uniform"}
+RUNS_IN = {"friction.initial_ratio": 3.0, "friction.running_in": "20 mm"}
+FILM = {
+    "friction.shear_strength": "172 MPa",
+    "friction.film.thickness": "60 nm",
+    "friction.film.shear_strength": "40 MPa",
+}
+
+
+TRACK = {"sliding.kinematics": "swept", "sliding.stroke": "0.9 mm", "sliding.shift": 7, "grid.cell": "20 um"}
+TRACK |= {"grid.extent": "0.62 mm", "sphere.radius": "1 mm"}
+
+
+@dataclass(frozen=True)
+class Case:
+    """A key has another value in a study that uses it.
+
+    base: keys of that study; beside: keys that change too. refused: who refuses it -> part of the sentence.
+    """
+
+    value: Any
+    base: dict[str, Any] = field(default_factory=dict)
+    preset: str = "v1"
+    beside: dict[str, Any] = field(default_factory=dict)
+    refused: dict[str, str] = field(default_factory=dict)
+
+
+TWO_STRENGTHS = {"calibrate friction": "which needs the shear strengths themselves: allowed is"}
+NOT_GIVEN = {"inference": "friction.shear_strength is neither given nor unknown"}
+CASES = {
+    "wear.sphere": Case("4e-4 mm^3/N/m"),
+    "wear.disc": Case("4e-4 mm^3/N/m"),
+    "wear.law": Case("exponential", beside={"wear.decay": "0.02 1/mm"}),
+    "wear.decay": Case("0.1 1/mm", EXPONENTIAL),
+    "wear.running_in": Case("5 mm", RUNNING_IN),
+    "wear.initial_sphere": Case("1e-4 mm^3/N/m", RUNNING_IN),
+    "wear.initial_disc": Case("1e-4 mm^3/N/m", RUNNING_IN),
+    "wear.distance_factor": Case("radial"),
+    "wear.particle": Case("100 um", PIECES, "v3-fine"),
+    "wear.particle_thickness": Case("0.5 um", PIECES, "v3-fine"),
+    "wear.dust_fraction": Case(0.5, PIECES, "v3-fine"),
+    "wear.pending_start": Case("zero", PIECES, "v3-fine"),
+    "wear.pending_seed": Case(3, PIECES, "v3-fine"),
+    "friction.shear_strength": Case("5 MPa"),
+    "friction.coefficient": Case(0.4, {"friction.coefficient": 0.6}, refused=NOT_GIVEN),
+    "friction.calibrate": Case("initial", {"friction.coefficient": 0.6}, refused=NOT_GIVEN),
+    "friction.ploughing": Case(0.1),
+    "friction.initial_ratio": Case(1.5, RUNS_IN),
+    "friction.running_in": Case("100 mm", RUNS_IN),
+    "friction.area": Case("nominal", preset="v3-fine"),
+    "friction.junction_growth": Case(
+        9.0, {"friction.shear_strength": "172 MPa"}, "v3-fine", refused=TWO_STRENGTHS
+    ),
+    "friction.film.thickness": Case("200 nm", FILM, "v3-fine", refused=TWO_STRENGTHS),
+    "friction.film.shear_strength": Case("80 MPa", FILM, "v3-fine", refused=TWO_STRENGTHS),
+    "friction.film.bodies": Case("disc", FILM, "v3-fine", refused=TWO_STRENGTHS),
+    "friction.film.regrowth": Case("0.5 mm", FILM | TRACK, "v3-fine", refused=TWO_STRENGTHS),
+}
+#: Words of a comparison for keys whose values are made of others too.
+CALLED = {f"wear.{body}": f"wear coefficient of the {body}" for body in ("sphere", "disc")}
+
+
+def keys() -> list[str]:
+    """Names of the keys of [wear] and [friction], from the study's model."""
+    found = declarations(Wear, "wear.") | declarations(Friction, "friction.")
+    return [key for key, declared in found.items() if section_in(declared.field.annotation) is None]
+
+
+def test_every_key_has_a_case() -> None:
+    assert sorted(CASES) == sorted(keys())
+    numbers = {f"friction.{key}" for key in KEYS} | {f"wear.{key}" for key in archard.KEYS}
+    assert numbers <= set(CASES), "a number of a law without a key"
+    assert {*get_args(Wear.model_fields["law"].annotation)} == {*archard.WEAR_LAWS}, "a law without a value"
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A case's runs, before and after: studies, folders, histories and summaries."""
+
+    key: str
+    case: Case
+    studies: tuple[Study, Study]
+    folders: tuple[Path, Path]
+    results: tuple[Result, Result]
+
+
+@pytest.fixture(scope="module")
+def run_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Study], Path]:
+    """Make the run of a study once."""
+    folder, made = tmp_path_factory.mktemp("runs"), dict[str, Path]()
+
+    def make(study: Study) -> Path:
+        text = study.to_toml()
+        if text not in made:
+            made[text] = folder / f"run-{len(made)}"
+            warpwear.run(study, out=made[text], plots=False, device="cpu").close()
+        return made[text]
+
+    return make
+
+
+@pytest.fixture(params=CASES)
+def pair(request: pytest.FixtureRequest, run_of: Callable[[Study], Path]) -> Any:
+    """The runs of a case, open."""
+    key, case = request.param, CASES[request.param]
+    first = Study.load(case.preset).replace((SMOOTH if case.preset == "v1" else ROUGH) | case.base)
+    studies = first, first.replace({key: case.value, **case.beside})
+    folders = tuple(map(run_of, studies))
+    with Result.open(folders[0]) as before, Result.open(folders[1]) as after:
+        yield Pair(key, case, studies, folders, (before, after))
+
+
+def refusal(pair: Pair, consumer: str, call: Callable[[], Any]) -> bool:
+    """Tell whether the case is refused here, as it is declared; with one sentence that names the key."""
+    if consumer not in pair.case.refused:
+        return False
+    with pytest.raises(InputError, match=pair.case.refused[consumer]) as error:
+        call()
+    assert "\n" not in str(error.value)
+    return True
+
+
+def test_a_key_changes_the_run_and_what_is_said_of_it(pair: Pair) -> None:
+    """Run, page, LaTeX, row of a sweep and comparison."""
+    before, after = (result.history for result in pair.results)
+    same = len(before["cof"]) == len(after["cof"])
+    assert not same or any(not np.array_equal(before[name], after[name]) for name in before)
+    words = [words_of(study, run.summary) for study, run in zip(pair.studies, pair.results, strict=True)]
+    for part in ("methods", "latex", "summary", "table"):
+        if part != "methods" or pair.key.removeprefix("friction.") in KEYS:
+            assert words[0][part] != words[1][part], part
+    rows = [
+        run_one(Task(s.to_toml(), str(f), "cpu")) for s, f in zip(pair.studies, pair.folders, strict=True)
+    ]
+    assert rows[0].ends != rows[1].ends
+    assert all(math.isfinite(row.ends["shear_strength [MPa]"]) for row in rows)
+    notes = "\n".join(gather(pair.folders, []).notes)
+    assert f"the runs differ in {CALLED.get(pair.key, pair.key)} (" in notes
+
+
+def test_a_key_changes_an_inference_as_it_changes_the_run(pair: Pair, tmp_path: Path) -> None:
+    """A model of the changed study computes what its run came to."""
+    study, history = pair.studies[1], pair.results[1].history
+    distance, cof = course(pair.results[1], "cof")  # along a track the means of its passes
+    like = Data(points=(Measured("cof", 0.6, 0.02, study.sliding.total),))
+    asked = {"friction.ploughing": "uniform 0 .. 0.5"}
+    if refusal(pair, "inference", lambda: _check_unknowns(study, unknowns_of(study, asked), like)):
+        return
+    places = np.linspace(0, distance.size - 1, 5).astype(int)[1:]
+    computed = []
+    for number, one in enumerate(pair.studies):
+        unknowns = tuple(unknowns_of(one, asked))
+        runs = make_runs(one, unknowns, samples=None, seed=0, out=tmp_path / str(number), device="cpu")
+        model = Model(one, unknowns, runs)
+        values = {"friction.ploughing": np.array([one.friction.ploughing])}
+        volumes = [model.value(values, f"volume_{body}")[0][0] for body in ("sphere", "disc")]
+        computed.append(np.array([*model.cof(values, distance[places])[0], *volumes]))
+    volumes = [history[f"wear_volume_{body}"][-1] for body in ("sphere", "disc")]
+    np.testing.assert_allclose(computed[1], [*cof[places], *volumes], rtol=0.06)
+    assert not np.array_equal(*computed)
+
+
+def test_a_key_is_no_unknown_that_nothing_follows_from(pair: Pair, tmp_path: Path) -> None:
+    """It needs runs of its own, or moves what is computed, or is refused."""
+    study = pair.studies[0]
+    sentence = ""
+    try:
+        unknown = unknowns_of(study, {pair.key: None})[0]
+        _check_unknowns(study, [unknown], Data())
+    except InputError as error:
+        sentence = str(error)
+    if sentence:
+        assert pair.key in sentence
+        return
+    if needs_runs(study, pair.key, scaled=True):
+        assert pair.key.removeprefix("friction.") not in FITTED
+        return
+    runs = make_runs(study, (unknown,), samples=None, seed=0, out=tmp_path, device="cpu")
+    model = Model(study, (unknown,), runs)
+    values = {pair.key: unknown.values(np.array([-1.0, 1.0]))}
+    cof = model.cof(values | {"friction.shear_strength": np.array([4.0, 4.0])} | values, np.array([3.0, 5.0]))
+    assert np.abs(cof[1] - cof[0]).min() > 1e-6
+
+
+def test_a_key_changes_a_calibration_as_it_changes_the_run(pair: Pair) -> None:
+    """The strength that is told makes the run's friction what was measured; energies follow the run."""
+    study, history, lap = pair.studies[1], pair.results[1].history, pair.studies[1].lap
+    energies = [json.loads(calibrate_energy(result=f, as_json=True))["energy_J"] for f in pair.folders]
+    assert energies[0] != energies[1]
+    how = {"result": pair.folders[1], "cof": 0.7, "as_json": True}
+    if refusal(pair, "calibrate friction", lambda: calibrate_friction(**how)):
+        return
+    area = study.friction.area
+    told = json.loads(calibrate_friction(**how))["areas"][area]
+    for when, place in (("initial", 0), ("end", -1)):
+        strength = f"{told[f'shear_strength_{when}_MPa']!r} MPa"
+        law = study.replace({"friction.shear_strength": strength}).friction.law
+        cof = law.coefficient(history, load=study.contact.load, finished=True, lap=lap)
+        assert math.isclose(cof[place], 0.7, rel_tol=1e-5), when

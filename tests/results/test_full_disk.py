@@ -1,0 +1,53 @@
+"""NetCDF on a disk that is too small: a sentence that names the file, and no crash of the process."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import warpwear
+from warpwear import Study
+
+ROOT = Path(__file__).parents[2]
+#: Mounts disks of some sizes [KiB], and writes on each.
+CODE = """
+import subprocess, sys
+import warpwear
+from warpwear.cli import main as cli
+out, disk = sys.argv[1:]
+for size in (64, 256, 512, 1024, 1500, 2200, 3000):
+    subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}k", "none", disk], check=True)
+    try:
+        cli.main(["export", out, "--format", "netcdf", "--out", disk + "/there"])
+    except SystemExit as ended:
+        print(size, ended.code, flush=True)
+    subprocess.run(["umount", disk], check=True)
+"""
+
+
+@pytest.mark.skipif(shutil.which("unshare") is None, reason="no name space of mounts can be had")
+def test_netcdf_on_a_full_disk(tmp_path: Path) -> None:
+    pytest.importorskip("h5netcdf")
+    small = {"grid.cell": "5 um", "grid.extent": "1 mm", "sliding.distance": "0.1 mm"}
+    study = Study.load("v3-fine").replace({**small, "output.snapshots": ["0.05 mm"]})
+    warpwear.run(study, out=tmp_path / "out", plots=False).close()
+    (tmp_path / "disk").mkdir()
+    done = subprocess.run(
+        ["unshare", "-rm", sys.executable, "-c", CODE, str(tmp_path / "out"), str(tmp_path / "disk")],
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if "unshare" in done.stderr:
+        pytest.skip("no file system of our own can be mounted here")
+    assert done.returncode == 0, done.stderr
+    codes = dict(line.split() for line in done.stdout.splitlines() if line[:1].isdecimal())
+    assert set(codes.values()) == {"2"}
+    sentences = [line for line in done.stderr.splitlines() if line.startswith("warpwear: ")]
+    assert len(sentences) == len(codes)
+    assert all(line.startswith("warpwear: out = ") for line in sentences)
+    assert any("cannot be written: result.nc: " in line and "MiB are needed" in line for line in sentences)

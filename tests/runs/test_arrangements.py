@@ -1,0 +1,32 @@
+"""Arrangements: each that is named has what makes its runs, and studies ask for the right one."""
+
+import pytest
+
+from warpwear.history import arrangements
+from warpwear.history.arrangements import ARRANGEMENTS, name_of
+from warpwear.runs.arrangements import Maker
+from warpwear.study.study import Study
+
+
+def test_each_arrangement_has_what_makes_its_runs() -> None:
+    missing = ARRANGEMENTS.keys() - Maker.REGISTERED.keys()
+    assert not missing, f"warpwear/runs/arrangements.py has no class for {sorted(missing)}"
+
+
+def test_an_arrangement_needs_a_name() -> None:
+    with pytest.raises(KeyError, match=r"'fretting' is not one of warpwear\.history\.arrangements"):
+        type("Fretting", (Maker,), {}, name="fretting")
+
+
+@pytest.mark.parametrize(
+    ("preset", "name"), [("v1", "rest"), ("v3", "rest"), ("two-scale", "patches"), ("track", "track")]
+)
+def test_a_study_asks_for_one(preset: str, name: str) -> None:
+    assert name_of(Study.load(preset)) == name
+
+
+def test_an_arrangement_refuses_a_law_that_it_does_not_take(monkeypatch: pytest.MonkeyPatch) -> None:
+    only_local = arrangements.Arrangement("runs at rest", lambda study: True, laws=("half-space",))
+    monkeypatch.setitem(arrangements.ARRANGEMENTS, "rest", only_local)
+    with pytest.raises(ValueError, match=r"^runs at rest do not take contact\.law = 'local'$"):
+        name_of(Study.load("v3"))

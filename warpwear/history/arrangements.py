@@ -1,0 +1,34 @@
+"""The arrangements of bodies that a run may have: what each is called, and which studies ask for it.
+
+`warpwear.runs.arrangements` makes their models. Quantities that only runs of one have name it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from warpwear.study.study import Study
+
+
+@dataclass(frozen=True)
+class Arrangement:
+    """One arrangement of the bodies."""
+
+    called: str  # runs of it, in words
+    serves: Callable[[Study], bool]
+    laws: tuple[str, ...] = ("local", "half-space")  # contact.law that it takes
+
+
+#: The first that serves a study is the study's.
+ARRANGEMENTS = {
+    "track": Arrangement("runs over a track", lambda study: study.is_swept),
+    "patches": Arrangement("runs with patches", lambda study: study.study.model == "two-scale"),
+    "rest": Arrangement("runs at rest", lambda study: True),
+}
+
+
+def name_of(study: Study) -> str:
+    """Name the arrangement that a study asks for. Raises ValueError for a law that it does not take."""
+    name = next(name for name, one in ARRANGEMENTS.items() if one.serves(study))
+    if study.contact.law not in ARRANGEMENTS[name].laws:
+        raise ValueError(f"{ARRANGEMENTS[name].called} do not take contact.law = {study.contact.law!r}")
+    return name

@@ -1,0 +1,30 @@
+"""The coefficient of friction that an experiment measured over the distance slid."""
+
+from dataclasses import dataclass
+
+from warpwear.grid import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """A measured coefficient of friction depends on the distance slid."""
+
+    name: str  # of the file, without its ending
+    distance: FloatArray  # [mm], rising, shape (points,)
+    cof: FloatArray  # shape (points,)
+    notes: tuple[str, ...] = ()  # what was assumed and done, each a sentence
+    cycles: FloatArray | None = None  # number of each point's cycle, from 1, where a raw record was averaged
+    warnings: tuple[str, ...] = ()  # what makes the whole doubtful, each a sentence
+
+    @property
+    def final_cof(self) -> float:
+        """Return the mean coefficient over the last tenth of the distance."""
+        return mean_of_last_tenth(self.distance, self.cof)
+
+
+def mean_of_last_tenth(distance: FloatArray, values: FloatArray) -> float:
+    """Return the mean of the values in the last tenth of the distance: the end of a course that scatters.
+
+    distance [mm], rising, and values have the same shape (points,).
+    """
+    return float(values[distance >= 0.9 * distance[-1]].mean())

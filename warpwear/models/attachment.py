@@ -1,0 +1,74 @@
+"""What a study may add to the steps of a contact: each addition says its part of a program, and books it."""
+
+from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext
+from typing import Any, ClassVar, NamedTuple
+
+from warpwear.engine.executor import Arguments, Field
+from warpwear.engine.program import Program
+from warpwear.grid import FloatArray
+
+
+class Place(NamedTuple):
+    """What the passes of a step work on, as kernels take it."""
+
+    slides: Field  # a `Slide` in an array
+    springs: Arguments  # of the search for the load
+    listed: tuple[Field, Field]  # the list of tiles, and how many each row has
+    of_cells: Arguments
+    bodies: Arguments
+    tables: Arguments
+    steps: Arguments  # their history and flags
+
+
+class Attachment:
+    """An optional part of a step: a contact asks all that it has, in their order.
+
+    A step is a search, the wear of both bodies where it has found a balance, and a row of the history.
+    """
+
+    #: Columns beside those touched that it may change.
+    margin = 0
+    #: Its own columns of the history, after those of every contact.
+    columns: ClassVar[tuple[str, ...]] = ()
+
+    def of_cells(self) -> Mapping[str, Field]:
+        """Give what cells have one each of, by the names of `OfCells`."""
+        return {}
+
+    def beside(self, columns: tuple[int, int]) -> tuple[int, int]:
+        """First column of those that it may change beside these, and the one after the last."""
+        return columns
+
+    def at_beginning(self, program: Program) -> AbstractContextManager[None]:
+        """Enclose what is done once in a step up to its wear, where it may stop a step on its way."""
+        return nullcontext()
+
+    def before_search(self, program: Program, place: Place) -> None:
+        """Say what comes before the search."""
+
+    def before_wear(self, program: Program, place: Place) -> None:
+        """Say what comes between a balance and the wear by it."""
+
+    def after_wear(self, program: Program, place: Place) -> None:
+        """Say what follows the wear."""
+
+    def between(self, program: Program, place: Place) -> None:
+        """Say what comes between the wear and the row of the history, and may stop the step."""
+
+    def at_end(self, program: Program) -> AbstractContextManager[None]:
+        """Enclose the row of the history, and what follows it."""
+        return nullcontext()
+
+    def after_step(self, program: Program, place: Place) -> None:
+        """Say what follows the row of the history."""
+
+    def drain(self) -> bool:
+        """Take over what a program has left; tell whether it stopped on its way and is to be run again."""
+        return False
+
+    def end_steps(self, count: int) -> None:
+        """Take note that a program has made so many steps."""
+
+    def enter(self, columns: Mapping[str, FloatArray], total: dict[str, Any], most: dict[str, Any]) -> None:
+        """Enter among the sums and maxima of steps what the columns of their history say of it."""

@@ -1,0 +1,127 @@
+"""The programs of a contact that slides: of many steps in a row, and of one before and after its balance."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from typing import Literal, cast
+
+from warpwear.contact.search import LoadSearch
+from warpwear.engine.executor import SMALL, Arguments, Executor
+from warpwear.engine.program import Program
+from warpwear.engine.tiles import Tiles
+from warpwear.kernels import sliding, sliding_steps
+from warpwear.laws.task import ContactTask
+from warpwear.models.attachment import Attachment, Place
+from warpwear.models.track.tiles import SlidingTiles
+
+
+class StepPrograms:
+    """Says the programs of steps, each when it is first asked for.
+
+    place: what they work on, but for the springs of a search. of_tiles: what is kept of every tile.
+    attachments: what a study adds, in the order in which they are asked. highest: finds the largest gap
+    before any wear [mm].
+    """
+
+    def __init__(
+        self,
+        executor: Executor,
+        task: ContactTask,
+        tiles: SlidingTiles,
+        place: Place,
+        of_tiles: Arguments,
+        attachments: Sequence[Attachment],
+        *,
+        highest: Callable[[], float],
+    ) -> None:
+        self._executor, self._task, self._tiles, self._highest = executor, task, tiles, highest
+        self._place, self._of_tiles, self._attachments = place, of_tiles, attachments
+        #: Searches by whether the cells are rigid; programs by that too, and whether threads share them.
+        self._searches: dict[bool, LoadSearch] = {}
+        self._said: dict[tuple[str, bool, bool], Program] = {}
+
+    def search(self, *, rigid: bool) -> LoadSearch:
+        """Return the search of steps whose cells are rigid or not."""
+        if rigid not in self._searches:
+            task, of_cells = self._task, self._place.of_cells
+            if rigid and not math.isfinite(task.hardness):
+                raise ValueError("a contact without compliance needs a hardness")
+            search = LoadSearch(
+                self._executor,
+                self._place.bodies.gap,
+                cast(Tiles, self._tiles),
+                load=task.load,
+                hardness=task.hardness,
+                stiffness=None if rigid else of_cells.stiffness,
+                parts=of_cells.parts,
+                tolerance=task.load_tolerance if rigid else None,
+            )
+            if rigid:
+                search.springs.highest = self._highest()
+            self._searches[rigid] = search
+        return self._searches[rigid]
+
+    def program(self, name: Literal["steps", "search", "wear"], *, rigid: bool) -> Program:
+        """Return the program of many steps, or of one before or after its balance, of rigid cells or not."""
+        steps, shares = self._place.steps, self._executor.is_shared and self._tiles.cells > SMALL
+        steps.is_rigid = int(rigid)  # each time: a program is recorded when first run
+        if (name, rigid, shares) not in self._said:
+            search = self.search(rigid=rigid)
+            program = self._said[name, rigid, shares] = Program(self._executor, shares=shares)
+            if name == "steps":
+                program.decide(sliding_steps.begin, steps)
+                with program.loop(steps.stepping):
+                    self._say_search(program, search)
+                    self._say_wear(program, search)
+            elif name == "search":
+                self._say_search(program, search)
+            else:
+                self._say_wear(program, search)
+        return self._said[name, rigid, shares]
+
+    def _say_search(self, program: Program, search: LoadSearch) -> None:
+        """Say how a step begins: what its cells are like, which can touch, and the balance."""
+        place = self._place._replace(springs=search.springs)
+        with self._each(one.at_beginning(program) for one in self._attachments):
+            program.decide(sliding_steps.begin_search, search.springs, place.steps)
+            for one in self._attachments:
+                one.before_search(program, place)
+            search.add_to(program)
+            self._tiles.add_to(program)
+            program.decide(sliding_steps.end_search, search.springs, place.steps)
+
+    def _say_wear(self, program: Program, search: LoadSearch) -> None:
+        """Say how a step ends: the wear of both bodies, what follows it, and its row."""
+        place, tiles = self._place._replace(springs=search.springs), self._tiles
+        slides, springs, listed, of_cells, bodies, tables, steps = (
+            *(place.slides, place.springs, place.listed, place.of_cells),
+            *(place.bodies, place.tables, place.steps),
+        )
+        with (
+            self._each(one.at_beginning(program) for one in self._attachments),
+            program.branch(steps.solved),
+        ):
+            for one in self._attachments:
+                one.before_wear(program, place)
+            program.launch(
+                sliding.wear_step,
+                *(*listed, slides, springs, of_cells, bodies, self._of_tiles, tables),
+                chunks=lambda: tiles.chunks,
+            )
+            for one in self._attachments:
+                one.after_wear(program, place)
+        for one in self._attachments:
+            one.between(program, place)
+        with self._each(one.at_end(program) for one in self._attachments):
+            program.decide(sliding_steps.record, springs, steps, tables, self._of_tiles.rows)
+            for one in self._attachments:
+                one.after_step(program, place)
+
+    @staticmethod
+    @contextmanager
+    def _each(blocks: Iterator[AbstractContextManager[None]]) -> Iterator[None]:
+        """Enter blocks of a program one within another."""
+        with ExitStack() as stack:
+            for block in blocks:
+                stack.enter_context(block)
+            yield

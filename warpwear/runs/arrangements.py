@@ -1,0 +1,214 @@
+"""What a run of each arrangement is made of: its model, its memory, and what its executor and heights cover.
+
+A new one is a name of `warpwear.history.arrangements` and a class here, which registers itself.
+"""
+
+import math
+from dataclasses import asdict, dataclass, replace
+from typing import Any, ClassVar
+
+from warpwear import lazy
+from warpwear.engine.device import free_memory
+from warpwear.engine.executor import FIELDS_NEEDED, Executor
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.history.arrangements import ARRANGEMENTS, name_of
+from warpwear.history.pieces import PieceBook
+from warpwear.history.recorder_patches import PatchBook, bytes_of_book
+from warpwear.laws.bearing_curve import Logistic
+from warpwear.laws.patches import Patches
+from warpwear.laws.task import ContactTask
+from warpwear.laws.track import Track
+from warpwear.models.model import Model
+from warpwear.runs.plan import plan_of
+from warpwear.study.study import Study
+from warpwear.study.surface import bearing_curve_of
+from warpwear.surfaces.base import BoolArray
+
+# The models, each with its kernels, of which a run needs one: reading them all takes longer than a short run.
+models_rest = lazy.module("warpwear.models.rest.local")
+models_track = lazy.module("warpwear.models.track.model")
+models_two_scale = lazy.module("warpwear.models.patches.local")
+models_patches = lazy.module("warpwear.models.patches.half_space")
+width = lazy.module("warpwear.models.patches.width")
+
+#: Fields at the peak of a run on the half-space, by its boundary, and more on a GPU, whose transforms copy.
+HALF_SPACE_FIELDS, GPU_FIELDS = {"periodic": 16.0, "free": 22.0}, 12.0
+#: More where the disc slides: a mean along x, and what it takes to follow the disc.
+SLIDING_FIELDS = 3.0
+#: More with a film: what is bare and its caps; and of each body whose film forms anew.
+FILM_FIELDS, HEALING_FIELDS = 2.0, 3.0
+#: More of each body that wears in pieces: what is pending, its sums, and lists of cells.
+PIECES_FIELDS = 2.5
+
+
+@dataclass(frozen=True)
+class PreparedModel:
+    """A model, and what it was made of."""
+
+    model: Model
+    heights: FloatArray  # of the unworn disc [mm], shape (nx, ny), or of the track, (rows, ny)
+    record: dict[str, Any]  # of the surface, for the result
+    book: PatchBook | None = None  # of the patches that the model has
+    pieces: PieceBook | None = None  # in which its bodies have worn
+    filled: BoolArray | None = None  # what was not measured of the disc, as its heights; None: all was
+
+
+class Maker:
+    """Makes runs of one arrangement, and by default those of a disc that lies still."""
+
+    REGISTERED: ClassVar[dict[str, "Maker"]] = {}
+
+    def __init_subclass__(cls, *, name: str) -> None:
+        """Register an arrangement. Raises KeyError for one that `ARRANGEMENTS` does not have."""
+        if name not in ARRANGEMENTS:
+            raise KeyError(f"{name!r} is not one of warpwear.history.arrangements: {', '.join(ARRANGEMENTS)}")
+        cls.REGISTERED[name] = cls()
+
+    def executor(self, study: Study, *, device: str, threads: int | None) -> Executor:
+        """Make what the kernels are launched on. Raises InputError as `Executor` does."""
+        fields = self.fields(study, device=device)
+        return Executor(study.cells, device=device, threads=threads, fields_needed=fields)
+
+    def fields(self, study: Study, *, device: str) -> float:
+        """Estimate the fields of the grid's size at the peak of a run."""
+        fields, bodies = FIELDS_NEEDED + PIECES_FIELDS * study.wear.sheds, self.rows_of_bodies(study)
+        if study.contact.law == "half-space":
+            fields += HALF_SPACE_FIELDS[study.boundary] + GPU_FIELDS * (device != "cpu") - FIELDS_NEEDED
+        if study.film is not None:
+            fields += FILM_FIELDS + HEALING_FIELDS * bodies * math.isfinite(study.film.regrowth)
+        return fields
+
+    def rows_of_bodies(self, study: Study) -> float:
+        """Rows of both bodies over those of the grid."""
+        return 2.0
+
+    def track(self, study: Study) -> Track | None:
+        """Return the track whose rows the disc's heights are of; None: they are of the grid's."""
+        return None
+
+    def model(
+        self, study: Study, heights: FloatArray, executor: Executor, record: dict[str, Any]
+    ) -> PreparedModel:
+        """Make the model; it may add to the surface's record. Raises InputError for heights it cannot use."""
+        raise NotImplementedError
+
+
+class AtRest(Maker, name="rest"):
+    """A ball that stays on the same cells."""
+
+    def fields(self, study: Study, *, device: str) -> float:
+        """Estimate more where cells differ: by a track's model, a radial factor, and the stiffness."""
+        differs = not study.contact_task.is_uniform or study.wear.law == "bearing-curve"
+        return super().fields(study, device=device) + (SLIDING_FIELDS + 2.0) * differs
+
+    def model(
+        self, study: Study, heights: FloatArray, executor: Executor, record: dict[str, Any]
+    ) -> PreparedModel:
+        """Make a model of one grid."""
+        curve = bearing_curve_of(study) if study.wear.law == "bearing-curve" else None
+        if curve is not None:
+            record["bearing_curve"] = asdict(curve)
+        model = model_at_rest(study.contact_task, heights, executor, bearing_curve=curve)
+        return PreparedModel(model, heights, record, pieces=getattr(model, "pieces", None))
+
+
+class OnTrack(Maker, name="track"):
+    """A ball that slides over a track."""
+
+    def executor(self, study: Study, *, device: str, threads: int | None) -> Executor:
+        """Make it where host and device hold the track."""
+        _check_memory(study, study.track.rows, self.fields(study, device=device), device)
+        return Executor(study.cells, device=device, threads=threads)
+
+    def fields(self, study: Study, *, device: str) -> float:
+        """Estimate more of the disc's size: heights, wear, dents, what is pending; and of the way."""
+        of_disc = models_track.DISC_FIELDS + (study.sliding.plastic == "keep")
+        of_disc += PIECES_FIELDS * study.wear.sheds
+        fields = super().fields(study, device=device) + SLIDING_FIELDS * (study.contact.law == "half-space")
+        return float(fields + of_disc * study.track.rows / study.cells.nx)
+
+    def rows_of_bodies(self, study: Study) -> float:
+        """Count the disc's rows."""
+        return study.track.rows / study.cells.nx + 1.0
+
+    def track(self, study: Study) -> Track | None:
+        """Return the study's track."""
+        return study.track
+
+    def model(
+        self, study: Study, heights: FloatArray, executor: Executor, record: dict[str, Any]
+    ) -> PreparedModel:
+        """Make a model of the whole track."""
+        model = models_track.SweptModel(study.contact_task, study.track, heights, executor)
+        return PreparedModel(model, heights, record, pieces=model.pieces)
+
+
+class OfPatches(AtRest, name="patches"):
+    """A ball on patches that share the load."""
+
+    def executor(self, study: Study, *, device: str, threads: int | None) -> Executor:
+        """Make it on the grid of the patches, where the host holds their history too."""
+        patches, fields = study.patch_layout, self.fields(study, device=device)
+        _check_memory_of_book(study, patches, device)
+        return Executor(patches.grid, device=device, threads=threads, fields_needed=fields)
+
+    def model(
+        self, study: Study, heights: FloatArray, executor: Executor, record: dict[str, Any]
+    ) -> PreparedModel:
+        """Make a model of all patches."""
+        patches, task = study.patch_layout, study.contact_task
+        width.refuse_unsuitable(study, patches, heights)
+        of_law = models_patches.HalfSpacePatches if task.half_space else models_two_scale.TwoScaleModel
+        model = of_law(task, patches, heights, executor)
+        return PreparedModel(model, heights, record, book=model.book)
+
+
+def arrangement_of(study: Study) -> Maker:
+    """Find what makes the runs of a study."""
+    return Maker.REGISTERED[name_of(study)]
+
+
+def model_at_rest(
+    task: ContactTask, heights: FloatArray, executor: Executor, *, bearing_curve: Logistic | None = None
+) -> Model:
+    """The model of one grid that lies still. Laws of cell by cell are those of a track that does not move.
+
+    heights: of the disc over its mean plane [mm], shape (nx, ny). bearing_curve: of a roughness that the grid
+    does not resolve.
+    """
+    if task.is_uniform and not task.half_space and bearing_curve is None and task.pieces is None:
+        return models_rest.OneScaleModel(task, heights, executor)
+    # The asperities spring back: a dent that stays would be pressed anew in each step.
+    task = replace(task, keeps_dents=False)
+    track = Track.at_rest(executor.grid)
+    return models_track.SweptModel(task, track, heights, executor, bearing_curve=bearing_curve)
+
+
+def _check_memory(study: Study, rows: int, fields: float, device: str) -> None:
+    """Raises InputError for a track that the host or the device does not hold."""
+    needed = 8.0 * fields * study.cells.cells
+    whole = study.sliding.track == "full"
+    instead = "a representative track, such as sliding.track = '3.2 mm', or " if whole else ""
+    for place, free in free_memory(device).items():
+        if needed > free:
+            raise InputError(
+                f"sliding.track = {study.sliding.track!r} makes a disc of {rows} × {study.cells.ny} cells, "
+                f"which takes {needed / 2**30:.1f} GiB of memory; {place} has {free / 2**30:.1f} GiB free, "
+                f"so {instead}larger cells are needed."
+            )
+
+
+def _check_memory_of_book(study: Study, patches: Patches, device: str) -> None:
+    """Raises InputError for a history of patches that the host does not hold beside the fields."""
+    steps = len(plan_of(study))
+    tables = bytes_of_book(steps, patches.count)
+    fields = 8.0 * FIELDS_NEEDED * patches.grid.cells * (device == "cpu")
+    free = free_memory(device)["the host"]
+    if fields <= free < fields + tables:  # fields that are too many are told by their cells
+        raise InputError(
+            f"patches.macro_cell = {1e3 * study.patches.macro_cell:g} µm makes {patches.count} patches, "
+            f"whose loads and areas over {steps} steps take {tables / 2**30:.1f} GiB of memory beside "
+            f"{fields / 2**30:.1f} GiB of fields; the host has {free / 2**30:.1f} GiB free, so a larger "
+            "patches.macro_cell is needed."
+        )
