@@ -84,7 +84,10 @@ def page_of(template: str, content: Mapping[str, Any], pictures: Mapping[str, by
     sections = [_section(section) for section in content["sections"]]
     figures = {name: figure for section in content["sections"] for name, figure in section.figures.items()}
     turned = {n: f for n, f in figures.items() if any(isinstance(panel, Bodies) for panel in f.panels)}
-    pictures = {**pictures, **{name: style.bytes_of(paint(figure), dpi=DPI) for name, figure in turned.items()}}
+    pictures = {
+        **pictures,
+        **{name: style.bytes_of(paint(figure), dpi=DPI) for name, figure in turned.items()},
+    }
     plots = [plot for section in sections for plot in section["plots"]]
     seen: set[str] = set()
     for plot in plots:
