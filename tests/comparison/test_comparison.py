@@ -273,7 +273,8 @@ def test_gaps_of_a_measured_course_are_told_or_refused(runs: Path, tmp_path: Pat
 def test_both_courses_are_drawn_over_their_mean_in_the_last_tenth(runs: Path, measured: Path) -> None:
     read = gather([runs / "a"], [measured])
     right = FIGURES["cof"](read).panels[1]
-    assert isinstance(right, Chart) and "last tenth" in right.note
+    assert isinstance(right, Chart)
+    assert "last tenth" in right.note
     assert len(right.lines) == 2
     for line in right.lines:
         assert isinstance(line, Line)

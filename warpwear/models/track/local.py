@@ -12,7 +12,6 @@ from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.engine.tiles import NO_LIMIT
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import BODIES
 from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import balance, bearing, sliding, sliding_steps
 from warpwear.kernels.cells import NO_INDEX, PADDING, TrackMost, TrackSum, names_of

@@ -13,6 +13,7 @@ from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.pieces import PieceBook
+from warpwear.history.quantities import BODIES
 from warpwear.kernels.cells import LANES
 from warpwear.kernels.running_in import pieces as kernels
 from warpwear.kernels.running_in import shedding
