@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from cases_sweeps import ROOT, Here, small
 from fuzzing import check_sentence
-from test_sweep import ROOT, Here, small
 
 import warpwear
 from warpwear import InputError

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_sweep import Here, small
+from cases_sweeps import Here, small
 
 import warpwear
 from warpwear import InputError, Result, Study

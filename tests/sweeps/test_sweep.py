@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases_sweeps import ROOT, SMALL, Here, small
 
 import warpwear
 from warpwear import InputError, Study
@@ -32,23 +33,7 @@ from warpwear.sweeps.run_one import Row, run_one
 from warpwear.sweeps.sweep import make_runs, share_runs
 from warpwear.sweeps.table import SweepResult
 
-ROOT = Path(__file__).parents[2]
-#: A rough contact that takes a tenth of a second.
-SMALL = {"grid.cell": "10 um", "grid.extent": "1 mm", "sliding.distance": "3 mm", "output.snapshots": []}
 VARY = {"contact.load": ["4 N", "8 N"], "disc.synthetic.seed": "1:3"}
-
-
-class Here(Executor):
-    """An executor that calls at once, in this thread."""
-
-    def submit(self, function: Any, /, *arguments: Any, **named: Any) -> "Future[Any]":
-        future: Future[Any] = Future()
-        future.set_result(function(*arguments))
-        return future
-
-
-def small(**changes: Any) -> Study:
-    return Study.load("v3-fine").replace({**SMALL, **changes})
 
 
 @pytest.fixture(scope="module")
