@@ -21,6 +21,7 @@ from warpwear.result import Result
 from warpwear.results import manifest
 from warpwear.results.file import FILE_NAME, MAGIC, OWN_SURFACE, SURFACE_FILE
 from warpwear.results.seal import HEADER, sealing
+from warpwear.results.summary import summarise
 from warpwear.results.tables import write_summary, write_tables
 from warpwear.results.writer import ResultWriter
 from warpwear.runs import folder as run_folder
@@ -274,12 +275,11 @@ def _writer_of(
 
 def _leave(result: Result, loop: StepLoop, work: Path | None, painter: "Painter | None") -> None:
     """Write the tables into the work folder and order the figures that need them, and the page."""
-    if work:
-        write_tables(work, loop.study, result)
+    rows = write_tables(work, result) if work else None
     if loop.finished and painter is not None and painter.draws:
         painter.order(result.plot)
-        if work:
-            painter.order_page(manifest.PAGE, pages.content_of(result, result.plot), pages.MAKER)
+        if rows is not None:
+            painter.order_page(manifest.PAGE, pages.content_of(result, rows, result.plot), pages.MAKER)
 
 
 def _draw(result: Result, at_hand: dict[int, Snapshot], options: RunOptions, painter: "Painter") -> None:
@@ -297,7 +297,7 @@ def _draw(result: Result, at_hand: dict[int, Snapshot], options: RunOptions, pai
 
 def _page_of(result: Result, paths: list[Path]) -> bytes:
     """Make the page of a run whose figures are drawn. paths: of these."""
-    content = pages.content_of(result, result.plot)
+    content = pages.content_of(result, summarise(result), result.plot)
     names = pages.statics(content)
     page: bytes = pages.made_here(content, {p.stem: p.read_bytes() for p in paths if p.stem in names})
     return page
