@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, TypeAlias
 
 from warpwear.history.quantities import printed
 from warpwear.laws.archard import said
@@ -10,6 +10,7 @@ from warpwear.page.words import disc_of, motion_of, slider_of, source_of
 from warpwear.results.report import shown
 from warpwear.study.study import Study
 
+Line: TypeAlias = tuple[str, str, str]  # quantity, value and unit
 #: Signs that LaTeX takes for commands, and others that its fonts may lack -> what to write.
 LATEX = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "µ": r"$\mu$"}
 LATEX |= {sign: f"\\{sign}" for sign in "{}$&#%_"} | {"×": r"$\times$", "±": r"$\pm$", "−": "--", "–": "--"}
@@ -72,9 +73,7 @@ def _friction_law(study: Study) -> str:
     return f"; {sentence}" if sentence else ""
 
 
-def table_of(
-    curvature: float, s: dict[str, Any], answers: Iterable[dict[str, str]]
-) -> list[tuple[str, str, str]]:
+def table_of(curvature: float, s: dict[str, Any], answers: Iterable[dict[str, str]]) -> list[Line]:
     """List quantity, value and unit of what went in and what came out. curvature: of the sphere [1/mm]."""
     hardness, unit = s["hardness_MPa"], printed("mm^3/N/m")
     return [
@@ -95,7 +94,7 @@ def to_latex(text: str) -> str:
     return POWER.sub(lambda match: rf"${match[1]} \cdot 10^{{{int(match[2])}}}$", written)
 
 
-def latex_of(study: Study, methods: str, table: Iterable[tuple[str, str, str]]) -> str:
+def latex_of(study: Study, methods: str, table: Iterable[Line]) -> str:
     """Write methods and table as LaTeX, with the laws of wear and friction between them."""
     rows = ["  " + " & ".join(map(to_latex, row)) + r" \\" for row in table]
     lines = [

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from warpwear.contact.balance import TOLERANCE
 from warpwear.history.end_values import ENDS, value_in
@@ -13,6 +13,7 @@ from warpwear.study.keys import declarations, value_of
 from warpwear.study.study import Study
 from warpwear.study.text import readable
 
+Lines: TypeAlias = list[dict[str, Any]]  # of a table, name of a column -> value
 #: What checks allow: part of a volume off Archard's, and of the area by the length of steps.
 CONSERVED, STEPS = 1e-10, 0.02
 APPROACH = "from the mean planes; below zero only peaks reach across"
@@ -149,9 +150,7 @@ def source_of(s: dict[str, Any]) -> str:
     return "assumed" if "friction.shear_strength" in s["assumptions"] else "given by the study"
 
 
-def trust_of(
-    study: Study, s: dict[str, Any], assumptions: list[dict[str, Any]], checks: list[dict[str, Any]]
-) -> list[str]:
+def trust_of(study: Study, s: dict[str, Any], assumptions: Lines, checks: Lines) -> list[str]:
     """Say what speaks for the numbers and what against them, in a few sentences."""
     good = all(row["good"] for row in checks)
     cells = s["area_mm2"]["contact"] / study.cells.cell_area
@@ -198,7 +197,7 @@ def _count(number: int, what: str) -> str:
     return f"{number or 'No'} {what}{'s' * (number != 1)}"
 
 
-def assumptions_of(study: Study, s: dict[str, Any]) -> list[dict[str, Any]]:
+def assumptions_of(study: Study, s: dict[str, Any]) -> Lines:
     """List each assumed key: value, meaning, source, what another value would change, heaviest first."""
     declared, values = declarations(type(study)), study.model_dump(exclude={"assumed"})
     resolved, numbers = study.resolved, numbers_of(study, s)
@@ -212,7 +211,7 @@ def assumptions_of(study: Study, s: dict[str, Any]) -> list[dict[str, Any]]:
     return sorted(rows, key=lambda row: row["weight"])
 
 
-def checks_of(study: Study, s: dict[str, Any]) -> list[dict[str, Any]]:
+def checks_of(study: Study, s: dict[str, Any]) -> Lines:
     """List residuals and conservation, and whether each is within its limit."""
     balance = max(study.load_tolerance if study.uses_bearing_area else 0.0, TOLERANCE * s["load_N"])
     residual = s["load_residual_N"]["largest"]

@@ -1,7 +1,7 @@
 """What a run leaves beside its HDF5 file: the study, the history and the summary as text."""
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -35,13 +35,14 @@ def write_tables(folder: Path, result: ResultFile) -> list[Row]:
     with phase("evolution"):
         evolution = surface_evolution(result)
     _write_table(folder / "surface.csv", EVOLUTION, evolution.table)
-    return write_summary(folder, result)
+    rows = summarise(result)
+    write_summary(folder, rows)
+    return rows
 
 
-def write_summary(folder: Path, result: ResultFile) -> list[Row]:
-    """Write summary.json into a folder, at once in place of an older one; return the rows it is made of."""
-    path, rows = folder / "summary.json", summarise(result)
+def write_summary(folder: Path, rows: Iterable[Row]) -> None:
+    """Write summary.json into a folder, at once in place of an older one. rows: as of `summarise`."""
+    path = folder / "summary.json"
     new = path.with_suffix(".new")
     new.write_text(f"{to_json(record(rows))}\n", encoding="utf-8")
     new.replace(path)
-    return rows
