@@ -117,7 +117,7 @@ def straight_line(runs: Runs, numbers: Numbers) -> Figure:
     ):
         values = history[f"area_{area}"]
         fit: FloatArray = np.polyval(np.polyfit(distance, values, 1), distance)
-        lines = [
+        lines: list[Line | Level] = [
             Line(distance, values, label, Look(colour, width=2.0)),
             Line(distance, fit, "straight line", Look(describe.HARDNESS, "dot")),
         ]
