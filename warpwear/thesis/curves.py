@@ -116,7 +116,7 @@ def straight_line(runs: Runs, numbers: Numbers) -> Figure:
         ("touched", "touched", describe.TOUCHED, "area ever touched"),
     ):
         values = history[f"area_{area}"]
-        fit: FloatArray = np.polyval(np.polyfit(distance, values, 1), distance)
+        fit = np.polyval(np.polyfit(distance, values, 1), distance).astype(np.float64)
         lines: list[Line | Level] = [
             Line(distance, values, label, Look(colour, width=2.0)),
             Line(distance, fit, "straight line", Look(describe.HARDNESS, "dot")),
