@@ -174,7 +174,7 @@ def test_a_key_changes_the_run_and_what_is_said_of_it(pair: Pair) -> None:
     before, after = (result.history for result in pair.results)
     same = len(before["cof"]) == len(after["cof"])
     assert not same or any(not np.array_equal(before[name], after[name]) for name in before)
-    words = [words_of(study, run.summary) for study, run in zip(pair.studies, pair.results, strict=True)]
+    words = [words_of(study, summarise(run)) for study, run in zip(pair.studies, pair.results, strict=True)]
     for part in ("methods", "latex", "summary", "table"):
         if part != "methods" or pair.key.removeprefix("friction.") in KEYS:
             assert words[0][part] != words[1][part], part
