@@ -1,5 +1,6 @@
 """What was measured: courses of friction, single values of it, volumes, the scar, with uncertainties."""
 
+import itertools
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -39,6 +40,12 @@ _NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
 _WRITTEN = re.compile(rf"\s*{_NUMBER}\s*(?:\+-|±)\s*{_NUMBER}\s*(.*?)\s*(?:\bat\s+(\S.*?))?\s*")
 
 
+def unit_of(kind: str) -> str:
+    """Return the unit of a measured value as people write it; empty for a coefficient."""
+    unit = KINDS[kind][0]
+    return SHOWN.get(unit, unit)
+
+
 @dataclass(frozen=True)
 class Measured:
     """A value with its standard uncertainty; at: sliding distance [mm] of a coefficient, else None."""
@@ -51,8 +58,7 @@ class Measured:
     @property
     def unit(self) -> str:
         """The unit as people write it; empty for a coefficient."""
-        unit = KINDS[self.kind][0]
-        return SHOWN.get(unit, unit)
+        return unit_of(self.kind)
 
     @property
     def text(self) -> str:
@@ -93,6 +99,12 @@ class Data:
         return np.concatenate(
             [*(course.cof for course in self.courses), [point.value for point in self.points]]
         )
+
+    @cached_property
+    def rows(self) -> list[slice]:
+        """Rows of each course in `distance`."""
+        ends = np.cumsum([0, *(course.distance.size for course in self.courses)]).tolist()
+        return [slice(*pair) for pair in itertools.pairwise(ends)]
 
     @property
     def kinds(self) -> set[str]:

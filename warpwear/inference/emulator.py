@@ -38,8 +38,8 @@ class GaussianProcess:
         inputs = self.places.shape[1]
         bounds = [LENGTHS] * inputs + [NUGGETS]
         starts = [np.append(np.full(inputs, math.log(length)), math.log(1e-4)) for length in STARTS]
-        found = [optimize.minimize(self._misfit, start, bounds=bounds, method="L-BFGS-B") for start in starts]
-        self._logs = min(found, key=lambda fit: float(fit.fun)).x
+        fits = [optimize.minimize(self._misfit, start, bounds=bounds, method="L-BFGS-B") for start in starts]
+        self._logs = min(fits, key=lambda fit: float(fit.fun)).x
         self._solve(self._logs)
         self.lengths, self.nugget = np.exp(self._logs[:-1]), math.exp(self._logs[-1])
 
@@ -121,14 +121,13 @@ class Emulator:
         freedom = max(len(scaled) - 1 - count, 1)
         self.scatter = np.sqrt(np.sum((varying - weights @ self.shapes) ** 2, axis=0) / freedom)
         self._processes = [GaussianProcess(self.places, column) for column in weights.T]
-        found = [process.left_out for process in self._processes]
-        errors = np.column_stack([errors for errors, _ in found])
-        self._wider = np.array([max(1.0, float(np.mean(e**2 / v))) for e, v in found])
-        predicted = self.mean + (weights - errors) @ self.shapes
-        if self.logarithmic:
-            self.error = float(np.sqrt(np.mean((predicted - scaled) ** 2)))
-        else:
-            self.error = float(np.sqrt(np.mean((predicted - scaled) ** 2)) / np.abs(scaled).max())
+        errors, variances = (
+            np.array(part) for part in zip(*(p.left_out for p in self._processes), strict=True)
+        )
+        self._wider = np.maximum(1.0, np.mean(errors**2 / variances, axis=1))
+        predicted = self.mean + (weights - errors.T) @ self.shapes
+        size = 1.0 if self.logarithmic else float(np.abs(scaled).max())
+        self.error = float(np.sqrt(np.mean((predicted - scaled) ** 2))) / size
 
     def weights(self, places: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Weights of the shapes and their variances at places (n, inputs), both (n, shapes)."""
@@ -151,9 +150,8 @@ class Emulator:
     @cached_property
     def _numbers(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Length scales (shapes, inputs), nuggets (shapes, 1), trends (shapes, terms), scales (shapes, 1)."""
-        found = self._processes
-        lengths, trends = (np.array([getattr(p, name) for p in found]) for name in ("lengths", "trend"))
-        nuggets, scales = (np.array([[getattr(p, name)] for p in found]) for name in ("nugget", "scale"))
+        numbers = [(p.lengths, [p.nugget], p.trend, [p.scale]) for p in self._processes]
+        lengths, nuggets, trends, scales = (np.array(some) for some in zip(*numbers, strict=True))
         return lengths, nuggets, trends, scales
 
 

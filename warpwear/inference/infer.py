@@ -9,7 +9,7 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.inference.data import KINDS, SHOWN, Data, data_of
+from warpwear.inference.data import Data, data_of, unit_of
 from warpwear.inference.identify import identify
 from warpwear.inference.likelihood import Posterior
 from warpwear.inference.model import Model, columns_for
@@ -139,26 +139,19 @@ def check_priors(posterior: Posterior, *, seed: int) -> None:
         _within(measured.text, measured.value, mean, float(room), measured.kind)
     if posterior.data.distance.size:
         cof = posterior.model.cof(values, posterior.data.distance)
-        start = 0
-        for course in posterior.data.courses:
-            rows = slice(start, start + course.distance.size)
+        for course, rows in zip(posterior.data.courses, posterior.data.rows, strict=True):
             level = float(course.cof.mean())
-            _within(
-                f"{course.name}: mean coefficient of friction {level:.3g}",
-                level,
-                cof[:, rows].mean(axis=1),
-                COF_FAR,
-                "cof",
-            )
-            start = rows.stop
-        for place, point in enumerate(posterior.data.points, start):
-            _within(point.text, point.value, cof[:, place], FAR * point.error, "cof")
+            text = f"{course.name}: mean coefficient of friction {level:.3g}"
+            _within(text, level, cof[:, rows].mean(axis=1), COF_FAR, "cof")
+        for point, column in zip(reversed(posterior.data.points), reversed(cof.T), strict=False):
+            _within(point.text, point.value, column, FAR * point.error, "cof")
 
 
 def _within(what: str, value: float, computed: FloatArray, room: float, kind: str) -> None:
+    """Raise InputError for a measured value that is farther than `room` from all computed ones."""
     low, high = float(computed.min()), float(computed.max())
     if not low - room <= value <= high + room:
-        unit = f" {SHOWN.get(KINDS[kind][0], KINDS[kind][0])}".rstrip()
+        unit = f" {unit_of(kind)}".rstrip()
         raise InputError(
             f"the priors exclude the data: over all of them the study computes {low:.3g} to {high:.3g}{unit}"
             f", and measured is {what}; wider or other priors are needed"

@@ -1,5 +1,4 @@
-"""How likely measurements are, for many values of the unknowns at once, what is linear integrated in closed
-form.
+"""How likely measurements are, for many values of the unknowns at once; what is linear is integrated.
 
 Residuals of a course of friction go together: r_{i+1} = r_i e^(−ΔL/ℓ) + noise, the first order autoregression
 of any spacing (Ornstein and Uhlenbeck). Repeated tests differ in their level too. What an emulator does not
@@ -8,7 +7,6 @@ identity). Areas of whole cells scatter on their own from point to point: with t
 by the innovations of Kalman's filter.
 """
 
-import itertools
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -71,38 +69,33 @@ class Posterior:
         return {u.key: u.values(z[:, place]) for place, u in enumerate(self.sampled)}
 
     def log_density(self, z: FloatArray) -> FloatArray:
-        """Logarithm of the density of standard normal numbers (samples, sampled), but for a constant; −inf
-        beyond.
-        """
-        found = -0.5 * np.sum(z**2, axis=1)
+        """Logarithm of the density of standard normal numbers (samples, sampled), but for a constant."""
         with np.errstate(all="ignore"):
-            found = found + self.log_likelihood(z)
-        return np.where(np.isfinite(found), found, -np.inf)
+            density = -0.5 * np.sum(z**2, axis=1) + self.log_likelihood(z)
+        return np.where(np.isfinite(density), density, -np.inf)
 
     def log_likelihood(self, z: FloatArray) -> FloatArray:
         """Logarithm of the likelihood, (samples,)."""
         values = self.values(z)
         known = self._with_linear(values, len(z))
-        found = np.where(self.model.allowed(known), 0.0, -np.inf)
+        logs = np.where(self.model.allowed(known), 0.0, -np.inf)
         for measured in self.data.values:
             mean, variance = self.model.value(known, measured.kind)
             variance = variance + measured.error**2
-            found = found - 0.5 * ((measured.value - mean) ** 2 / variance + np.log(variance))
+            logs = logs - 0.5 * ((measured.value - mean) ** 2 / variance + np.log(variance))
         if self.data.distance.size:
             residual, columns, logarithm = self._whitened(known)
-            found = found - logarithm - 0.5 * np.einsum("sn,sn->s", residual, residual)
+            logs = logs - logarithm - 0.5 * np.einsum("sn,sn->s", residual, residual)
             if columns.shape[1]:
                 inner, right = _products(columns, residual)
                 solved = np.linalg.solve(inner, right)
-                found += 0.5 * (np.sum(right * solved, axis=(1, 2)) - np.linalg.slogdet(inner)[1])
-        return np.asarray(found)
+                logs += 0.5 * (np.sum(right * solved, axis=(1, 2)) - np.linalg.slogdet(inner)[1])
+        return np.asarray(logs)
 
     def complete(
         self, z: FloatArray, random: np.random.Generator
     ) -> tuple[dict[str, FloatArray], FloatArray]:
-        """Draw what is linear beside sampled numbers; return all values, and z of all unknowns (samples,
-        unknowns).
-        """
+        """Draw what is linear beside sampled numbers; return all values, and z of (samples, unknowns)."""
         values = self.values(z)
         drawn = np.zeros((len(z), 0))
         if self.linear:
@@ -140,9 +133,7 @@ class Posterior:
         return stacked[:, 0], stacked[:, 1:], logarithm
 
     def whiten(self, values: dict[str, FloatArray], slopes: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return slopes of the coefficients (samples, unknowns, points), and what they share, with unit
-        noise.
-        """
+        """Return slopes of the coefficients (samples, unknowns, points), and what they share, at noise 1."""
         friction = self.model.friction(values, self.data.distance)
         stacked = np.concatenate([slopes, self._shared(values, friction.errors)], axis=1)
         self._divide(values, stacked, friction.scatter)
@@ -153,15 +144,15 @@ class Posterior:
         if "noise.repeat" not in values:
             return errors
         levels = np.zeros((len(errors), len(self.data.courses), errors.shape[2]))
-        for place, rows in enumerate(self._rows):
+        for place, rows in enumerate(self.data.rows):
             levels[:, place, rows] = values["noise.repeat"][:, None]
         return np.concatenate([errors, levels], axis=1)
 
     def _divide(self, values: dict[str, FloatArray], stacked: FloatArray, scatter: FloatArray) -> FloatArray:
-        """Give lines (samples, lines, points) unit noise, in place; return the logarithm of what divided
-        them, (samples,).
+        """Give lines (samples, lines, points) unit noise, in place.
 
-        scatter: of each point on its own, (samples, points).
+        Returns the logarithm of what divided them, (samples,). scatter: of each point on its own, (samples,
+        points).
         """
         count = self._gaps.size
         errors = np.hypot([point.error for point in self.data.points], scatter[:, count:])
@@ -171,12 +162,12 @@ class Posterior:
             return np.asarray(alone)
         rows = stacked[..., :count]
         gaps = np.minimum(self._gaps / values["noise.length"][:, None], INDEPENDENT)
-        kept = np.exp(-gaps)
-        left = values["noise.deviation"][:, None] * np.sqrt(np.maximum(1.0 - kept**2, 1e-15))
+        memory = np.exp(-gaps)
+        left = values["noise.deviation"][:, None] * np.sqrt(np.maximum(1.0 - memory**2, 1e-15))
         if scatter.any():
-            left = _innovations(rows, kept, left**2, scatter[:, :count] ** 2)
+            left = _innovations(rows, memory, left**2, scatter[:, :count] ** 2)
         else:
-            rows[..., 1:] -= kept[:, None, 1:] * rows[..., :-1]
+            rows[..., 1:] -= memory[:, None, 1:] * rows[..., :-1]
             rows /= left[:, None]
         return np.asarray(np.sum(np.log(left), axis=1) + alone)
 
@@ -186,30 +177,24 @@ class Posterior:
         gaps = [np.diff(course.distance, prepend=-np.inf) for course in self.data.courses]
         return np.concatenate([np.zeros(0), *gaps])
 
-    @cached_property
-    def _rows(self) -> list[slice]:
-        """Rows of each course."""
-        ends = np.cumsum([0, *(course.distance.size for course in self.data.courses)])
-        return [slice(int(start), int(end)) for start, end in itertools.pairwise(ends)]
 
-
-def _innovations(rows: FloatArray, kept: FloatArray, fresh: FloatArray, alone: FloatArray) -> FloatArray:
+def _innovations(rows: FloatArray, memory: FloatArray, fresh: FloatArray, alone: FloatArray) -> FloatArray:
     """Turn rows (samples, lines, points) into Kalman's innovations of unit variance, in place.
 
-    An autoregression keeps a part of the point before, `kept`, and gets a variance `fresh`, both (samples,
+    An autoregression keeps a part of the point before, `memory`, and gets a variance `fresh`, both (samples,
     points); every point has the variance `alone` besides. Returns what divided the rows, (samples, points).
     """
-    square = np.empty_like(kept)
-    gain = np.empty_like(kept)
-    variance = np.zeros(len(kept))
-    for place in range(kept.shape[1]):
-        variance = kept[:, place] ** 2 * variance + fresh[:, place]
+    square = np.empty_like(memory)
+    gain = np.empty_like(memory)
+    variance = np.zeros(len(memory))
+    for place in range(memory.shape[1]):
+        variance = memory[:, place] ** 2 * variance + fresh[:, place]
         square[:, place] = variance + alone[:, place]
         gain[:, place] = variance / square[:, place]
         variance = gain[:, place] * alone[:, place]
     by_point = np.ascontiguousarray(rows.transpose(2, 0, 1))
     expected = np.zeros(by_point.shape[1:])
-    keeps, gains = kept.T[..., None], gain.T[..., None]
+    keeps, gains = memory.T[..., None], gain.T[..., None]
     for place, row in enumerate(by_point):
         if place:
             expected += gains[place - 1] * by_point[place - 1]
@@ -228,29 +213,23 @@ def _products(lines: FloatArray, residual: FloatArray) -> tuple[FloatArray, Floa
 def simulate(
     model: Model, values: dict[str, FloatArray], like: Data, random: np.random.Generator
 ) -> tuple[FloatArray, list[FloatArray]]:
-    """Draw what a test would measure: coefficients (samples, points) and one array (samples,) a value of
-    `like`.
-    """
+    """Draw what a test would measure: coefficients (samples, points), and (samples,) a value of `like`."""
     samples = len(next(iter(values.values())))
     cof = model.cof(values, like.distance) if like.distance.size else np.zeros((samples, 0))
     if "noise.deviation" in values:
-        start = 0
-        for course in like.courses:
+        for course, rows in zip(like.courses, like.rows, strict=True):
             noise = random.standard_normal((samples, course.distance.size))
-            kept = np.exp(-np.diff(course.distance) / values["noise.length"][:, None])
+            memory = np.exp(-np.diff(course.distance) / values["noise.length"][:, None])
             for place in range(1, course.distance.size):
-                before = kept[:, place - 1]
+                before = memory[:, place - 1]
                 noise[:, place] = before * noise[:, place - 1] + np.sqrt(1.0 - before**2) * noise[:, place]
             level = values.get("noise.repeat", np.zeros(samples)) * random.standard_normal(samples)
-            cof[:, start : start + course.distance.size] += (
-                values["noise.deviation"][:, None] * noise + level[:, None]
-            )
-            start += course.distance.size
+            cof[:, rows] += values["noise.deviation"][:, None] * noise + level[:, None]
     if like.points:
         errors = np.array([point.error for point in like.points])
         cof[:, -len(like.points) :] += errors * random.standard_normal((samples, len(like.points)))
-    found = []
+    drawn = []
     for measured in like.values:
         mean, variance = model.value(values, measured.kind)
-        found.append(mean + np.sqrt(variance + measured.error**2) * random.standard_normal(samples))
-    return cof, found
+        drawn.append(mean + np.sqrt(variance + measured.error**2) * random.standard_normal(samples))
+    return cof, drawn

@@ -31,8 +31,7 @@ KEPT = 4000
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """Samples of standard normal numbers that follow a posterior, z (samples, unknowns), and how good they
-    are.
+    """Samples of standard normal numbers that follow a posterior, z (samples, unknowns), and how good.
 
     steps: of an ensemble; time: the longest autocorrelation time, in steps; r_hat: the largest split-R̂;
     effective: number of independent samples.
@@ -76,8 +75,8 @@ def sample(log_density: Callable[[FloatArray], FloatArray], unknowns: int, *, se
             "narrower priors or more data are needed."
         )
     flat = chains.reshape(-1, unknowns)
-    kept = random.choice(len(flat), min(KEPT, len(flat)), replace=False)
-    return Samples(flat[kept], steps, time, r_hat, len(flat) / max(time, 1.0))
+    chosen = random.choice(len(flat), min(KEPT, len(flat)), replace=False)
+    return Samples(flat[chosen], steps, time, r_hat, len(flat) / max(time, 1.0))
 
 
 def split_r(chains: FloatArray) -> FloatArray:
@@ -105,9 +104,9 @@ def _ensemble(
             "the priors hardly allow what the study can compute: narrower or other priors are needed"
         )
     moves = [(emcee.moves.KDEMove(), 0.6), (emcee.moves.DEMove(), 0.3), (emcee.moves.DESnookerMove(), 0.1)]
-    made = emcee.EnsembleSampler(walkers, unknowns, log_density, vectorize=True, moves=moves)
+    ensemble = emcee.EnsembleSampler(walkers, unknowns, log_density, vectorize=True, moves=moves)
     legacy = np.random.MT19937(int(random.integers(2**31))).state
-    return made, emcee.State(drawn[best], log_prob=density[best], random_state=legacy)
+    return ensemble, emcee.State(drawn[best], log_prob=density[best], random_state=legacy)
 
 
 def _time(chain: FloatArray) -> FloatArray:

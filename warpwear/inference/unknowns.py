@@ -7,7 +7,6 @@ the variance of z after the data says what they taught.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.inference.data import Data
-from warpwear.study.contact import ArchardCoefficient
+from warpwear.study.contact import ArchardCoefficient, value_in
 from warpwear.study.keys import key_of, no_such_key
 from warpwear.study.study import Study
 from warpwear.study.units import Number, Quantity, Range, parse
@@ -186,7 +185,7 @@ def _inside(annotation: Any) -> list[Any]:
 
 def _value(study: Study, key: str) -> float | None:
     """Return the study's number of a key in its unit, None where it has none."""
-    value: Any = reduce(lambda part, name: getattr(part, name, None), key.split("."), study)
+    value = value_in(study, key)
     if isinstance(value, ArchardCoefficient):
         return 1.0e3 * value.resolved(study.wear_hardness) if value.dimensionless else value.value
     return float(value) if isinstance(value, int | float) and math.isfinite(value) else None

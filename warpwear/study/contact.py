@@ -257,7 +257,7 @@ class Friction(Section):
 
     def law_with(self, values: Mapping[str, Any] = UNCHANGED) -> FrictionLaw:
         """Return the law of friction. values: as of `Wear.laws`."""
-        own = {key: _value(self, key) for key in KEYS}
+        own = {key: value_in(self, key) for key in KEYS}
         return FrictionLaw({key: values.get(f"friction.{key}", value) for key, value in own.items()})
 
     @property
@@ -312,8 +312,8 @@ class Friction(Section):
             )
 
 
-def _value(section: Any, key: str) -> Any:
-    """Return the value of a dotted key; None where a section on the way is not there."""
+def value_in(section: Any, key: str) -> Any:
+    """Return the value of a dotted key of a study or a section; None where a section is not there."""
     for name in key.split("."):
         section = getattr(section, name, None)
     return section
