@@ -44,9 +44,9 @@ class Dissipation:
     pressures: dict[str, float]
 
     def __post_init__(self) -> None:
-        options.check_positive("distance", self.distance, "mm")
-        options.check_positive("load", self.load, "N")
-        options.check_positive("energy", self.energy, "J")
+        options.check_positive("mm", distance=self.distance)
+        options.check_positive("N", load=self.load)
+        options.check_positive("J", energy=self.energy)
 
     @property
     def cof(self) -> float:
@@ -55,7 +55,7 @@ class Dissipation:
 
     def at(self, speed: float) -> AtSpeed:
         """Find what depends on the speed [mm/s], which the energy does not. Raises InputError."""
-        options.check_positive("speed", speed, "mm/s")
+        options.check_positive("mm/s", speed=speed)
         return AtSpeed(
             speed=speed,
             time=self.distance / speed,

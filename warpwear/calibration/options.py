@@ -12,10 +12,14 @@ COF = Range(most=3.0)
 PLOUGHING = Range(or_equal=True, most=3.0)
 
 
-def check_positive(name: str, value: float, unit: str) -> None:
-    """Raise InputError for a value that is not positive, or too large."""
-    if not 0.0 < value <= LARGEST:
-        raise InputError(f"{name} is {value:g} {unit}: allowed is any positive number up to {LARGEST:g}")
+def check_positive(unit: str, **values: float) -> None:
+    """Raise InputError for a value in the unit that is not positive, or too large."""
+    for name, value in values.items():
+        if not 0.0 < value <= LARGEST:
+            called = name.replace("_", " ")
+            raise InputError(
+                f"{called} is {value:g} {unit}: allowed is any positive number up to {LARGEST:g}"
+            )
 
 
 def number(option: str, value: float, allowed: Range) -> float:

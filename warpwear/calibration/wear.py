@@ -97,27 +97,26 @@ def wear_coefficient(
 
     InputError for a load, a distance, a hardness or a volume that is not positive, and for no volume.
     """
-    check_positive("load", load, "N")
-    check_positive("distance", distance, "mm")
-    if hardness is not None:
-        check_positive("hardness", hardness, "MPa")
+    check_positive("N", load=load)
+    check_positive("mm", distance=distance)
+    check_positive("MPa", **({} if hardness is None else {"hardness": hardness}))
     if not volumes:
         raise InputError("volumes is empty: a wear coefficient needs one or more")
     for worn in volumes:
-        check_positive("worn volume", worn.volume, "mm³")
-    found = WearCalibration(volumes=tuple(volumes), load=load, distance=distance, hardness=hardness)
-    for value in found.values:
+        check_positive("mm³", worn_volume=worn.volume)
+    wear = WearCalibration(volumes=tuple(volumes), load=load, distance=distance, hardness=hardness)
+    for value in wear.values:
         if not 1.0 / LARGEST < value < LARGEST:
             raise InputError(
                 f"load {load:g} N and distance {distance:g} mm make a wear coefficient of {value:g} mm²/N: "
                 f"allowed is {1.0 / LARGEST:g} to {LARGEST:g}"
             )
-    return found
+    return wear
 
 
 def volume_given(volume: float, *, error: float | None = None) -> WornVolume:
     """Take a volume [mm³] as it was measured elsewhere, with its standard uncertainty [mm³] or None."""
-    check_positive("volume", volume, "mm³")
+    check_positive("mm³", volume=volume)
     return WornVolume(volume=volume, measured=f"volume {volume:.6g} mm³", **_uncertainty(error, 1.0))
 
 
@@ -135,24 +134,24 @@ def cap(
     that wears with its plate): it is given beside. InputError for a scar wider than the ball.
     """
     other = first if second is None else second
-    for name, length in (("diameter", first), ("diameter", other), ("radius", radius)):
-        check_positive(name, length, "mm")
-    found = cap_of_diagonals(first, other, radius=radius)
+    check_positive("mm", diameter=first)
+    check_positive("mm", diameter=other, radius=radius)
+    scar = cap_of_diagonals(first, other, radius=radius)
     source = "as given"
     if error is None and other != first:
         error, source = 0.5 * abs(first - other), "half the difference of the two diameters"
     diameters = f"{first:.5g} mm" if second is None else f"{first:.5g} and {second:.5g} mm"
-    flat = radius * radius - found.rim * found.rim
+    flat = radius * radius - scar.rim * scar.rim
     if error is not None and flat <= 0.0:
         raise InputError(f"a scar as wide as the ball, {2 * radius:g} mm, has no finite uncertainty")
-    slope = 0.5 * math.pi * found.rim**3 / math.sqrt(flat) if error is not None else 0.0
+    slope = 0.5 * math.pi * scar.rim**3 / math.sqrt(flat) if error is not None else 0.0
     short, long = sorted((first, other))
     return WornVolume(
-        volume=found.volume,
+        volume=scar.volume,
         **_uncertainty(error, slope, source=source),
-        approximate=math.pi * (2.0 * found.rim) ** 4 / (64.0 * radius),
+        approximate=math.pi * (2.0 * scar.rim) ** 4 / (64.0 * radius),
         bulging=math.pi * short**3 * long / (64.0 * radius) if long > LONGER * short else None,
-        depth=found.height,
+        depth=scar.height,
         measured=f"diameter {diameters}",
     )
 
@@ -166,9 +165,7 @@ def circular_track(
     uncertainty of the width, by dA/dd = d²/(2 √(4r² − d²)). InputError for a track wider than the ball, or
     than the circle it runs on.
     """
-    check_positive("width", width, "mm")
-    check_positive("radius", radius, "mm")
-    check_positive("track radius", track_radius, "mm")
+    check_positive("mm", width=width, radius=radius, track_radius=track_radius)
     if width >= 2.0 * radius:
         raise InputError(
             f"width is {width:g} mm: allowed is less than the ball's diameter, {2 * radius:g} mm"
@@ -194,8 +191,8 @@ def groove(section: float, *, length: float, error: float | None = None) -> Worn
 
     error: standard uncertainty of the section [mm²]. The ends, where the ball turns, are not in it.
     """
-    check_positive("section", section, "mm²")
-    check_positive("length", length, "mm")
+    check_positive("mm²", section=section)
+    check_positive("mm", length=length)
     return WornVolume(
         volume=section * length,
         **_uncertainty(error, length),
@@ -218,8 +215,8 @@ def diameter_of_cap(volume: float, *, radius: float) -> float:
 
     InputError for more than half the ball: its scar would shrink again.
     """
-    check_positive("volume", volume, "mm³")
-    check_positive("radius", radius, "mm")
+    check_positive("mm³", volume=volume)
+    check_positive("mm", radius=radius)
     if volume > 2.0 / 3.0 * math.pi * radius**3 * (1.0 + 1e-12):
         raise InputError(f"volume is {volume:g} mm³: allowed is up to half the ball of radius {radius:g} mm")
     low, high = 0.0, radius  # of the height

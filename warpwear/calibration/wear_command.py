@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from warpwear.calibration import options as given
+from warpwear.calibration import options as command_options
 from warpwear.calibration.wear import (
     WearCalibration,
     WornVolume,
@@ -27,12 +27,13 @@ from warpwear.surfaces.worn.ball import find_worn_ball
 class Source:
     """A kind of measurement.
 
-    relation: how a volume follows from it; worn: the body, where that is certain; needs, may_have: options of
-    the lengths that it must and can be given with.
+    relation: how a volume follows from it; worn: the body, where that is certain; unit: of what is measured;
+    needs, may_have: options of the lengths that it must and can be given with.
     """
 
     relation: str
     worn: str | None = None
+    unit: str = "mm"
     needs: tuple[str, ...] = ()
     may_have: tuple[str, ...] = ()
 
@@ -42,11 +43,11 @@ _SEGMENT = "width of a circular track; an unworn ball's circular section"
 _TRACK = "topography of the track; mean net section × length"
 _BALL = "topography of the ball; lost below the sphere through what is unworn"
 SOURCES = {
-    "--volume": Source("a measured volume"),
-    "--diagonals": Source(_CAP, "sphere", ("--radius",)),
-    "--scar": Source("diameter of the worn patch; flat cap", "sphere", ("--radius",)),
-    "--width": Source(_SEGMENT, "disc", ("--radius", "--track-radius")),
-    "--section": Source("cross-section of a groove × length", "disc", may_have=("--length",)),
+    "--volume": Source("a measured volume", unit="mm^3"),
+    "--diagonals": Source(_CAP, "sphere", needs=("--radius",)),
+    "--scar": Source("diameter of the worn patch; flat cap", "sphere", needs=("--radius",)),
+    "--width": Source(_SEGMENT, "disc", needs=("--radius", "--track-radius")),
+    "--section": Source("cross-section of a groove × length", "disc", "mm^2", may_have=("--length",)),
     "--track": Source(_TRACK, "disc", may_have=("--length", "--track-width")),
     "--ball": Source(_BALL, "sphere", may_have=("--radius",)),
 }
@@ -64,64 +65,37 @@ STANDARDS = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
-class WearOptions:
-    """Options of `warpwear calibrate wear`: quantities are text with a unit, None for those not given.
+#: Options by their names on the command line -> texts with a unit, None where not given; a source's by test.
+Options = Mapping[str, Any]
+Preparation = Mapping[str, str | None]
 
-    volume to ball: the sources, one of them with a value a test. preparation: keys of [disc], as text, for a
-    measured file.
+
+def calibrate_wear(options: Options, *, preparation: Preparation, as_json: bool) -> str:
+    """Find a wear coefficient: the text for people, or JSON. Raises InputError.
+
+    preparation: keys of [disc], as text, for a measured file.
     """
-
-    volume: tuple[str, ...] = ()
-    diagonals: tuple[tuple[str, str], ...] = ()
-    scar: tuple[str, ...] = ()
-    width: tuple[str, ...] = ()
-    section: tuple[str, ...] = ()
-    track: tuple[Path, ...] = ()
-    ball: tuple[Path, ...] = ()
-    radius: str | None = None
-    diameter: str | None = None
-    track_radius: str | None = None
-    track_width: str | None = None
-    length: str | None = None
-    uncertainty: str | None = None
-    standard: str | None = None
-    load: str | None = None
-    distance: str | None = None
-    passes: int | None = None
-    stroke: str | None = None
-    hardness: str | None = None
-    as_json: bool = False
-    preparation: Mapping[str, str | None] = field(default_factory=dict)
-
-    def __getitem__(self, option: str) -> Any:
-        """The value of an option by its name on the command line, such as --track-width."""
-        return getattr(self, option.removeprefix("--").replace("-", "_"))
-
-
-def calibrate_wear(options: WearOptions) -> str:
-    """Find a wear coefficient: the text for people, or JSON. Raises InputError."""
-    if options.diameter is not None:
-        if options.radius is not None:
+    if options["--diameter"] is not None:
+        if options["--radius"] is not None:
             raise InputError("--radius and --diameter exclude each other: both say how large the ball is")
-        options = replace(options, radius=f"{0.5 * quantity('--diameter', options.diameter, 'mm')!r} mm")
-    source = _source(options)
-    _check(source, options)
-    load = given.load_of(options.load)
-    distance = given.distance_of(options.distance, options.passes, options.stroke)
+        radius = 0.5 * quantity("--diameter", options["--diameter"], "mm")
+        options = {**options, "--radius": f"{radius!r} mm"}
+    source, standard = _source(options), options["--standard"]
+    _check(source, options, preparation)
+    load = command_options.load_of(options["--load"])
+    distance = command_options.distance_of(options["--distance"], options["--passes"], options["--stroke"])
     lengths = _lengths(source, options)
-    volumes = [_volume(source, value, lengths, options) for value in options[source]]
-    hardness = optional("--hardness", options.hardness, "MPa")
-    found = wear_coefficient(volumes, load=load, distance=distance, hardness=hardness)
-    relation = SOURCES[source].relation if options.standard is None else STANDARDS[options.standard][1]
-    rows = wear_rows(found, relation=relation, worn=SOURCES[source].worn)
-    if options.as_json:
+    volumes = [_volume(source, value, lengths, options, preparation) for value in options[source]]
+    hardness = optional("--hardness", options["--hardness"], "MPa")
+    wear = wear_coefficient(volumes, load=load, distance=distance, hardness=hardness)
+    relation = SOURCES[source].relation if standard is None else STANDARDS[standard][1]
+    rows = wear_rows(wear, relation=relation, worn=SOURCES[source].worn)
+    if as_json:
         return to_json(record(rows))
-    work = 1e-3 * found.load * found.distance
-    return "\n".join([f"wear coefficient K = V/(F L), F L = {work:.5g} N·m", *lines(rows)])
+    return "\n".join([f"wear coefficient K = V/(F L), F L = {1e-3 * load * distance:.5g} N·m", *lines(rows)])
 
 
-def _source(options: WearOptions) -> str:
+def _source(options: Options) -> str:
     """Name the one source that was given. Raises InputError for none and for several."""
     names = [name for name in SOURCES if options[name]]
     if len(names) == 1:
@@ -131,9 +105,9 @@ def _source(options: WearOptions) -> str:
     raise InputError(f"what was measured is missing: one of {', '.join(SOURCES)}")
 
 
-def _check(source: str, options: WearOptions) -> None:
+def _check(source: str, options: Options, preparation: Preparation) -> None:
     """Raise InputError for options that do not go with the source."""
-    standard, kind = options.standard, SOURCES[source]
+    standard, kind = options["--standard"], SOURCES[source]
     if standard is not None and source not in STANDARDS[standard][0]:
         raise InputError(
             f"--standard {standard} is for {' or '.join(STANDARDS[standard][0])}, not for {source}"
@@ -145,27 +119,27 @@ def _check(source: str, options: WearOptions) -> None:
         if options[name] is not None and name not in kind.needs + kind.may_have:
             allowed = ", ".join(kind.needs + kind.may_have) or "no length"
             raise InputError(f"{name} is not for {source}: allowed with it is {allowed}")
-    prepared = [name.replace("_", "-") for name, value in options.preparation.items() if value is not None]
+    prepared = [name.replace("_", "-") for name, value in preparation.items() if value is not None]
     if source not in TOPOGRAPHIES and prepared:
         raise InputError(f"--{prepared[0]} is not for {source}: it prepares a measured file")
-    if source in TOPOGRAPHIES and options.uncertainty is not None:
+    if source in TOPOGRAPHIES and options["--uncertainty"] is not None:
         raise InputError(f"--uncertainty is not for {source}: a topography brings its own standard error")
     if source == "--ball" and "level" in prepared:
         raise InputError("--level is not for --ball: its form is the sphere through what is unworn")
-    if source not in GROOVES and options.stroke is not None and options.passes is None:
+    if source not in GROOVES and options["--stroke"] is not None and options["--passes"] is None:
         raise InputError("--stroke needs --passes")
 
 
-def _lengths(source: str, options: WearOptions) -> dict[str, float | None]:
+def _lengths(source: str, options: Options) -> dict[str, float | None]:
     """Turn the lengths into mm: option -> length; a groove is as long as the stroke unless told otherwise."""
     texts = {name: options[name] for name in LENGTHS}
-    if source in GROOVES and options.length is None:
-        if options.stroke is None:
+    if source in GROOVES and options["--length"] is None:
+        if options["--stroke"] is None:
             raise InputError(f"{source} needs --length, that of the whole track, such as '30 mm'")
-        texts["--length"] = options.stroke
+        texts["--length"] = options["--stroke"]
     lengths = {name: optional(name, text, "mm") for name, text in texts.items()}
-    if options.standard == "g133-flat" and options.stroke is not None:
-        stroke, length = quantity("--stroke", options.stroke, "mm"), lengths["--length"] or 0.0
+    if options["--standard"] == "g133-flat" and options["--stroke"] is not None:
+        stroke, length = quantity("--stroke", options["--stroke"], "mm"), lengths["--length"] or 0.0
         if not math.isclose(length, stroke, rel_tol=1e-9):
             raise InputError(
                 f"--length is {length:g} mm and --stroke {stroke:g} mm: --standard g133-flat takes the mean "
@@ -174,118 +148,114 @@ def _lengths(source: str, options: WearOptions) -> dict[str, float | None]:
     return lengths
 
 
-def _volume(source: str, value: Any, lengths: dict[str, float | None], options: WearOptions) -> WornVolume:
+def _volume(
+    source: str, value: Any, lengths: dict[str, float | None], options: Options, preparation: Preparation
+) -> WornVolume:
     """Find the volume of one test. value: of the source's option; lengths [mm]. Raises InputError."""
     radius, length = lengths["--radius"] or 0.0, lengths["--length"] or 0.0
+    if source == "--track":
+        return _of_track(value, preparation, length=length, width=lengths["--track-width"])
+    if source == "--ball":
+        return _of_ball(value, preparation, radius=lengths["--radius"])
+    unit = SOURCES[source].unit
+    error = command_options.uncertainty(options["--uncertainty"], unit)
+    sizes = [quantity(source, v, unit) for v in (value if source == "--diagonals" else (value,))]
     match source:
         case "--volume":
-            error = given.uncertainty(options.uncertainty, "mm^3")
-            return volume_given(quantity(source, value, "mm^3"), error=error)
+            return volume_given(*sizes, error=error)
         case "--section":
-            error = given.uncertainty(options.uncertainty, "mm^2")
-            return groove(quantity(source, value, "mm^2"), length=length, error=error)
-        case "--track":
-            return _of_track(value, options.preparation, length=length, width=lengths["--track-width"])
-        case "--ball":
-            return _of_ball(value, options.preparation, radius=lengths["--radius"])
-    error = given.uncertainty(options.uncertainty, "mm")
-    if source == "--width":
-        width, track = quantity(source, value, "mm"), lengths["--track-radius"] or 0.0
-        return circular_track(width, radius=radius, track_radius=track, error=error)
-    across = [quantity(source, v, "mm") for v in ((value,) if source == "--scar" else value)]
-    if max(across) > 2.0 * radius:
+            return groove(*sizes, length=length, error=error)
+        case "--width":
+            track = lengths["--track-radius"] or 0.0
+            return circular_track(*sizes, radius=radius, track_radius=track, error=error)
+    if max(sizes) > 2.0 * radius:
         raise InputError(
-            f"{source} has {max(across):g} mm: allowed is up to the ball's diameter, {2 * radius:g} mm"
+            f"{source} has {max(sizes):g} mm: allowed is up to the ball's diameter, {2 * radius:g} mm"
         )
-    return cap(*across, radius=radius, error=error)
+    return cap(*sizes, radius=radius, error=error)
 
 
-def _of_track(
-    file: Path, preparation: Mapping[str, str | None], *, length: float, width: float | None
-) -> WornVolume:
+def _of_track(file: Path, preparation: Preparation, *, length: float, width: float | None) -> WornVolume:
     """Find the volume of a track of a length [mm] from a topography of it, or of a piece of it.
 
     width: of the track [mm], None to find it. Raises InputError.
     """
     surface = read_surface(file, {**preparation, "level": "none"})
-    found, degree = track_in(surface, level=preparation.get("level"), width=width)
-    if length < found.length * (1.0 - 1e-9):
+    track, degree = track_in(surface, level=preparation.get("level"), width=width)
+    if length < track.length * (1.0 - 1e-9):
         raise InputError(
-            f"--length is {length:g} mm: allowed is at least the piece in {file}, {found.length:g} mm"
+            f"--length is {length:g} mm: allowed is at least the piece in {file}, {track.length:g} mm"
         )
-    section = f"section {1e6 * found.net.mean():.5g} ± {1e6 * found.net_error:.2g} µm² × {length:g} mm"
-    source = "what the same sum finds on unworn surface"
-    if found.length < 0.9 * length:
-        source += f", and how sections scatter along the measured {found.length:.4g} mm"
-    volume, error = found.volume(length)
-    measured = f"{section}, degree {degree} beside it"
-    return _of_topography(file, volume, error, depth=found.depth, measured=measured, source=source)
+    section = f"section {1e6 * track.net.mean():.5g} ± {1e6 * track.net_error:.2g} µm² × {length:g} mm"
+    scatter = f", and how sections scatter along the measured {track.length:.4g} mm"
+    volume, error = track.volume(length)
+    measured, more = f"{section}, degree {degree} beside it", scatter * (track.length < 0.9 * length)
+    return _of_topography(file, volume, error, depth=track.depth, measured=measured, more=more)
 
 
-def _of_ball(file: Path, preparation: Mapping[str, str | None], *, radius: float | None) -> WornVolume:
+def _of_ball(file: Path, preparation: Preparation, *, radius: float | None) -> WornVolume:
     """Find what a ball lost, from its topography. radius [mm], None to fit it. Raises InputError."""
     surface = read_surface(file, {**preparation, "level": "none"})
-    found = find_worn_ball(surface.measured, pixel=surface.pixel, radius=radius)
-    sphere = f"a radius of {found.sphere.radius:.5g} mm ({'fitted' if radius is None else 'given'})"
-    measured = f"patch {found.along:.4g} × {found.across:.4g} mm on {sphere}"
-    source = "what the same sum finds on unworn surface"
-    volume, error = found.volume, found.volume_error
-    return _of_topography(file, volume, error, depth=found.depth, measured=measured, source=source)
+    ball = find_worn_ball(surface.measured, pixel=surface.pixel, radius=radius)
+    sphere = f"a radius of {ball.sphere.radius:.5g} mm ({'fitted' if radius is None else 'given'})"
+    measured = f"patch {ball.along:.4g} × {ball.across:.4g} mm on {sphere}"
+    return _of_topography(file, ball.volume, ball.volume_error, depth=ball.depth, measured=measured)
 
 
 def _of_topography(
-    file: Path, volume: float, error: float, *, depth: float, measured: str, source: str
+    file: Path, volume: float, error: float, *, depth: float, measured: str, more: str = ""
 ) -> WornVolume:
-    """Make a worn volume [mm³] of what a file holds. depth [mm]. Raises InputError where nothing was lost."""
+    """Make a worn volume [mm³] of what a file holds. Raises InputError where nothing was lost.
+
+    depth [mm]. more: what else the error is from.
+    """
     if volume <= 0.0:
         raise InputError(
             f"{file} has lost no volume: {volume:.3g} ± {error:.2g} mm³; a wear coefficient needs a loss"
         )
-    measured = f"{file}: {measured}"
+    source, measured = f"what the same sum finds on unworn surface{more}", f"{file}: {measured}"
     return WornVolume(volume=volume, error=error, error_from=source, depth=depth, measured=measured)
 
 
-def wear_rows(found: WearCalibration, *, relation: str, worn: str | None) -> list[Row]:
-    """Declare a wear coefficient. relation: how the volumes were found; worn: the body, if it is told."""
-    count, deviation, known = len(found.volumes), found.deviation, found.uncertainty
-    told = "; its uncertainty is unknown"
-    if known is not None:
-        told = f"(standard {'error' if count > 1 else 'uncertainty'}, {known / found.mean:.2g} of K)"
-    scatter = by_hardness = ""
+def wear_rows(wear: WearCalibration, *, relation: str, worn: str | None) -> list[Row]:
+    """Declare a wear coefficient. relation: how the volumes were found; worn: the body, if it is certain."""
+    count, deviation, error = len(wear.volumes), wear.deviation, wear.uncertainty
+    note, scatter, by_hardness = "; its uncertainty is unknown", "", ""
+    if error is not None:
+        note = f"(standard {'error' if count > 1 else 'uncertainty'}, {error / wear.mean:.2g} of K)"
     if deviation is not None:
-        scatter = f"standard deviation of {count} tests ({deviation / found.mean:.2g} of the mean)"
-    if found.hardness:
-        by_hardness = f"dimensionless, with the hardness {found.hardness:g} MPa (V = k F L/H)"
-    spread, k = _times(1e3, deviation), found.dimensionless
-    in_study = f'[wear] {worn or "sphere or disc"} = "{scientific(1e3 * found.mean)} mm^3/N/m"'
+        scatter = f"standard deviation of {count} tests ({deviation / wear.mean:.2g} of the mean)"
+    if wear.hardness:
+        by_hardness = f"dimensionless, with the hardness {wear.hardness:g} MPa (V = k F L/H)"
+    spread, k = _times(1e3, deviation), wear.dimensionless
+    in_study = f'[wear] {worn or "sphere or disc"} = "{scientific(1e3 * wear.mean)} mm^3/N/m"'
     return [
         Row("from", "relation", relation),
         Row("", "worn", worn),
-        Row("load F", "load_N", found.load, digits=6),
-        Row("distance L", "distance_mm", found.distance, digits=6),
-        _k("K", 1e3 * found.mean, _times(1e3, known), note=told),
-        Row("  or", "wear_coefficient_per_Pa", 1e-6 * found.mean, scientific=True),
-        Row("", "hardness_MPa", found.hardness),
+        Row("load F", "load_N", wear.load, digits=6),
+        Row("distance L", "distance_mm", wear.distance, digits=6),
+        _k("K", wear.mean, error, note=note),
+        Row("  or", "wear_coefficient_per_Pa", 1e-6 * wear.mean, scientific=True),
+        Row("", "hardness_MPa", wear.hardness),
         Row("  or", "wear_coefficient_dimensionless", k, note=by_hardness, scientific=True),
         Row("", "count", count),
         Row("scatter", "standard_deviation_mm3_per_Nm", spread, digits=2, note=scatter, scientific=True),
-        Row("", "standard_error_mm3_per_Nm", _times(1e3, found.standard_error)),
+        Row("", "standard_error_mm3_per_Nm", _times(1e3, wear.standard_error)),
         Row("", "uses", "exact"),
         Row("in a study", "", in_study),
-        Row("", "tests", [_test_rows(found, test) for test in range(count)]),
+        Row("", "tests", [_test_rows(wear, test) for test in range(count)]),
     ]
 
 
-def _test_rows(found: WearCalibration, test: int) -> list[Row]:
+def _test_rows(wear: WearCalibration, test: int) -> list[Row]:
     """Declare one of the tests."""
-    worn, value, error = found.volumes[test], found.values[test], found.errors[test]
-    small, bulging, note, worn_too = None, None, "", ""
-    if worn.approximate is not None:
-        small = 1e3 * (worn.approximate * (1.0 / (found.load * found.distance)))
+    worn, note, worn_too = wear.volumes[test], "", ""
+    per_work = 1.0 / (wear.load * wear.distance)
+    small, bulging = (_times(1e3, _times(per_work, v)) for v in (worn.approximate, worn.bulging))
+    if small is not None and worn.approximate is not None:
         change = f"{worn.approximate / worn.volume - 1.0:+.2%}"
         note = f"for a small scar: K {scientific(small)}, {change}; not used, K is of the exact volume"
-    if worn.bulging is not None:
-        bulging = 1e3 * (worn.bulging * (1.0 / (found.load * found.distance)))
+    if bulging is not None:
         worn_too = (
             f"by π d₁³ d₂/(64 R): K {scientific(bulging)}, if the longer diameter d₂ lies across sliding: "
             "the scar is then no cap"
@@ -298,7 +268,7 @@ def _test_rows(found: WearCalibration, test: int) -> list[Row]:
         Row("  volume", "volume_mm3", worn.volume, digits=5, error=("volume_uncertainty_mm3", worn.error)),
         Row("  uncertainty", "uncertainty_from", worn.error_from),
         Row("  approximation", "volume_by_approximation_mm3", worn.approximate, digits=5, note=note),
-        _k("  K", 1e3 * value, _times(1e3, error)),
+        _k("  K", wear.values[test], wear.errors[test]),
         Row("", "by_approximation_mm3_per_Nm", small),
         Row("  disc worn, too", "volume_of_bulging_scar_mm3", worn.bulging, digits=5, note=worn_too),
         Row("", "of_bulging_scar_mm3_per_Nm", bulging),
@@ -307,9 +277,9 @@ def _test_rows(found: WearCalibration, test: int) -> list[Row]:
 
 
 def _k(label: str, value: float, error: float | None, *, note: str = "") -> Row:
-    """Declare a wear coefficient [mm³/(N·m)] and its standard uncertainty."""
-    key, uncertainty = "wear_coefficient_mm3_per_Nm", ("uncertainty_mm3_per_Nm", error)
-    return Row(label, key, value, error=uncertainty, note=note, scientific=True)
+    """Declare a wear coefficient and its standard uncertainty [mm²/N]."""
+    key, uncertainty = "wear_coefficient_mm3_per_Nm", ("uncertainty_mm3_per_Nm", _times(1e3, error))
+    return Row(label, key, 1e3 * value, error=uncertainty, note=note, scientific=True)
 
 
 def _times(factor: float, value: float | None) -> float | None:

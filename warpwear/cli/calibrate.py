@@ -81,8 +81,9 @@ def wear(**options: Any) -> None:
     warpwear calibrate wear --diagonals "0.80 mm" "0.82 mm" --radius "3 mm" \\
         --load "8 N" --distance "2400 mm"
     """
-    asked = wear_command.WearOptions(preparation=prepared(options), **options)
-    click.echo(wear_command.calibrate_wear(asked))
+    preparation, as_json = prepared(options), options.pop("as_json")
+    by_name = {f"--{name.replace('_', '-')}": value for name, value in options.items()}
+    click.echo(wear_command.calibrate_wear(by_name, preparation=preparation, as_json=as_json))
 
 
 @calibrate.command()
