@@ -28,6 +28,18 @@ class AtSpeed:
     power_end: float
     pv: dict[str, float]
 
+    @property
+    def rows(self) -> list[Row]:
+        """What depends on the speed, declared for a report."""
+        return [
+            Row("speed", "speed_mm_per_min", 60.0 * self.speed, digits=5),
+            Row("time", "", self.time / 60.0, digits=5, unit="min"),
+            Row("", "time_s", self.time),
+            Row("mean power", "power_mean_W", self.power),
+            Row("power at the end", "power_end_W", self.power_end),
+            Row("PV", "pv_MPa_m_per_s", self.pv),
+        ]
+
 
 @dataclass(frozen=True, kw_only=True)
 class Dissipation:
@@ -52,6 +64,20 @@ class Dissipation:
     def cof(self) -> float:
         """Coefficient of friction, mean over the distance."""
         return 1e3 * self.energy / (self.load * self.distance)
+
+    @property
+    def rows(self) -> list[Row]:
+        """What holds at every speed, declared for a report."""
+        cof = [Row("mean over the distance", "cof_mean", self.cof), Row("end", "cof_end", self.cof_end)]
+        rate = "the energy is the same at every speed; only time, power and PV change with it"
+        return [
+            Row("distance", "distance_mm", self.distance, digits=6),
+            Row("load", "load_N", self.load, digits=6),
+            Row("coefficient", "", cof),
+            Row("mean pressure", "pressure_MPa", self.pressures, note="at the end"),
+            Row("", "rate_independent", True),
+            Row("rate-independent", "", rate),
+        ]
 
     def at(self, speed: float) -> AtSpeed:
         """Find what depends on the speed [mm/s], which the energy does not. Raises InputError."""
@@ -94,26 +120,25 @@ def calibrate_energy(
     texts = speed or tuple(f"{s.value:g} {s.unit}" for s in usual_speeds)
     speeds = [quantity("--speed", text, "mm/s") for text in texts]
     if result is not None:
-        given = {"--load": load, "--distance": distance, "--cof": cof, "--area": area}
-        refuse(given, "and --result exclude each other: the run has its own")
-        found, source = _of_run(result)
+        beside = {"--load": load, "--distance": distance, "--cof": cof, "--area": area}
+        refuse(beside, "and --result exclude each other: the run has its own")
+        work, source = _of_run(result)
     else:
-        force = options.load_of(load)
-        slid = options.distance_of(distance, None, None)
+        force, slid = options.load_of(load), options.distance_of(distance, None, None)
         if cof is None:
             raise InputError("--cof is missing: the coefficient of friction, such as 0.6, or --result")
         mu = options.number("--cof", cof, options.COF)
         size = optional("--area", area, "mm^2")
         pressures = {} if size is None else {"given": force / size}
-        work = 1e-3 * mu * force * slid
-        found = Dissipation(energy=work, distance=slid, load=force, cof_end=mu, pressures=pressures)
+        energy = 1e-3 * mu * force * slid
+        work = Dissipation(energy=energy, distance=slid, load=force, cof_end=mu, pressures=pressures)
         source = f"a constant coefficient of {mu:g}"
-    energy = Row("", "energy_J", found.energy, digits=5)
-    rows = [Row("source", "source", source), energy, *_rows(found)]
-    at_speeds = [_at_speed(found.at(speed)) for speed in speeds]
+    in_joule = Row("", "energy_J", work.energy, digits=5)
+    rows = [Row("source", "source", source), in_joule, *work.rows]
+    at_speeds = [work.at(speed).rows for speed in speeds]
     if as_json:
         return to_json(record([*rows, Row("", "speeds", at_speeds)]))
-    title = f"dissipated energy ∫ μ F dL = {energy.text}"
+    title = f"dissipated energy ∫ μ F dL = {in_joule.text}"
     return "\n".join([title, *lines(rows), *table(at_speeds)])
 
 
@@ -129,37 +154,11 @@ def _of_run(folder: Path) -> tuple[Dissipation, str]:
             f"{folder} has no coefficient of friction: it was interrupted before its τ0 was fixed"
         )
     load = float(history["load"][-1])
-    found = Dissipation(
+    work = Dissipation(
         energy=friction_work(history["distance"], cof * history["load"]),
         distance=slid,
         load=load,
         cof_end=float(cof[-1]),
         pressures={name: load / float(history[f"area_{name}"][-1]) for name in ("nominal", "contact")},
     )
-    return found, f"the run {folder}, {'whole' if finished else 'interrupted'}"
-
-
-def _rows(found: Dissipation) -> list[Row]:
-    """Declare what holds at every speed."""
-    cof = [Row("mean over the distance", "cof_mean", found.cof), Row("end", "cof_end", found.cof_end)]
-    rate = "the energy is the same at every speed; only time, power and PV change with it"
-    return [
-        Row("distance", "distance_mm", found.distance, digits=6),
-        Row("load", "load_N", found.load, digits=6),
-        Row("coefficient", "", cof),
-        Row("mean pressure", "pressure_MPa", found.pressures, note="at the end"),
-        Row("", "rate_independent", True),
-        Row("rate-independent", "", rate),
-    ]
-
-
-def _at_speed(found: AtSpeed) -> list[Row]:
-    """Declare what depends on the speed."""
-    return [
-        Row("speed", "speed_mm_per_min", 60.0 * found.speed, digits=5),
-        Row("time", "", found.time / 60.0, digits=5, unit="min"),
-        Row("", "time_s", found.time),
-        Row("mean power", "power_mean_W", found.power),
-        Row("power at the end", "power_end_W", found.power_end),
-        Row("PV", "pv_MPa_m_per_s", found.pv),
-    ]
+    return work, f"the run {folder}, {'whole' if finished else 'interrupted'}"

@@ -60,28 +60,28 @@ class FrictionFit(ShearFit):
     @property
     def doubts(self) -> tuple[str, ...]:
         """Sentences that say why not to trust the fit; none where nothing speaks against it."""
-        found = []
+        lines = []
         if self.condition > POOR:
-            found.append(
+            lines.append(
                 f"the areas vary by {self.area_variation:.2g} of their mean only (condition index "
                 f"{self.condition:.0f}, above {POOR:.0f}): τ0 and μ_p are poorly told apart"
             )
         if self.ploughing < 0.0:
-            found.append(
+            lines.append(
                 f"μ_p is negative{_within(self.ploughing, self.ploughing_error)}, which no ploughing is: the "
                 "coefficient grows faster than in proportion to this area; the fit with μ_p = 0 is given too"
             )
         if self.shear_strength < 0.0:
-            found.append(
+            lines.append(
                 f"τ0 is negative{_within(self.shear_strength, self.shear_strength_error)}: a coefficient "
                 "that falls while this area grows follows no constant shear strength of it"
             )
         if self.effective_points < 10.0 and self.points >= 20 and self.rms > ROUNDING:
-            found.append(
+            lines.append(
                 f"the residuals go together over long distances ({self.effective_points:.2g} independent of "
                 f"{self.points} points): the curve has another shape than the area's"
             )
-        return tuple(found)
+        return tuple(lines)
 
 
 def fit_friction(

@@ -83,8 +83,10 @@ def _of_area(area: str, load: str, cof: float, ploughing: float) -> tuple[list[R
     size, force = quantity("--area", area, "mm^2"), quantity("--load", load, "N")
     tau = (cof - ploughing) * force / size
     if not 0.0 < tau < math.inf:
-        made = f"--area {area} and --load {load} make a shear strength of {tau:g} MPa"
-        raise InputError(f"{made}: allowed is any positive number")
+        raise InputError(
+            f"--area {area} and --load {load} make a shear strength of {tau:g} MPa: allowed is any positive "
+            "number"
+        )
     strength = Row("", "shear_strength_MPa", tau)
     study = Row("in a study", "", f'[friction] shear_strength = "{strength.text}"')
     rows = [*_given(force, cof, ploughing), Row("area A", "area_mm2", size, digits=6), strength, study]
@@ -113,11 +115,10 @@ def _of_run(
     ploughing = study.friction.ploughing if ploughing is None else ploughing
     law = _law(study, folder, coefficient=cof, ploughing=ploughing)
     taus = law.calibrations(history, load=load, hardness=study.indentation_hardness, lap=lap)
-    slid = float(history["distance"][-1])
     sizes: dict[str, list[Row]] = {}
     for name in AREAS if area is None else (area,):
-        size = history[f"area_{name}"]
-        start, end = (friction.mean_over(history, size, when, lap) for when in friction.WHEN)
+        columns = history, history[f"area_{name}"]
+        start, end = (friction.mean_over(*columns, when, lap) for when in friction.WHEN)
         sizes[name] = [
             Row("area", "", WORDS[name]),
             Row("at the start", "area_initial_mm2", start),
@@ -129,7 +130,7 @@ def _of_run(
     head = [
         Row("", "result", str(folder)),
         Row("", "finished", finished),
-        Row("distance", "distance_mm", slid, digits=6, note=ended),
+        Row("distance", "distance_mm", float(history["distance"][-1]), digits=6, note=ended),
         *_given(load, cof, ploughing),
     ]
     hardness = Row("from the hardness, H/(3√3):", "shear_strength_from_hardness_MPa", taus.get("hardness"))
