@@ -59,3 +59,10 @@ def test_priors_that_exclude_the_data_are_refused() -> None:
     posterior = posterior_of(smooth_study(), {"friction.shear_strength": "uniform 2 .. 3 MPa"}, course)
     with pytest.raises(InputError, match="the priors exclude the data"):
         check_priors(posterior, seed=0)
+
+
+def test_a_coefficient_without_a_unit_has_a_prior_about_its_k() -> None:
+    study = smooth_study(**{"wear.sphere": 9.4e-4, "contact.hardness": "590 MPa"})
+    (unknown,) = unknowns_of(study, {"wear.sphere": None})
+    middle = float(unknown.values(np.zeros(1))[0])
+    assert middle == pytest.approx(1e3 * 9.4e-4 / 590.0)

@@ -81,7 +81,7 @@ def _name(area: str | None) -> str | None:
 def _of_area(area: str, load: str, cof: float, ploughing: float) -> tuple[list[Row], list[str]]:
     """Declare τ0 from an area and a load given as text. Raises InputError."""
     size, force = quantity("--area", area, "mm^2"), quantity("--load", load, "N")
-    tau = (cof - ploughing) * force / size
+    tau = friction.fitted_strength(cof, ploughing, load=force, area=size)
     if not 0.0 < tau < math.inf:
         raise InputError(
             f"--area {area} and --load {load} make a shear strength of {tau:g} MPa: allowed is any positive "

@@ -1,5 +1,4 @@
-"""A Gaussian process between the runs of a design: courses by their principal components, with their
-variance.
+"""A Gaussian process between the runs of a design: courses by principal components, with their variance.
 
 The mean is linear in the inputs, the covariance Matérn's with ν = 5/2 and a length for each input; both after
 Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sections 2.7, 4.2 and 5.4.
@@ -57,8 +56,10 @@ class GaussianProcess:
 
     @property
     def factors(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return what predicts: R⁻¹ of the covariance R Rᵀ of the runs (runs, runs), R⁻¹ times the basis
-        (runs, terms), C of the trend's covariance C Cᵀ (terms, terms), and R⁻¹ times the values (runs,).
+        """Return what predicts: R⁻¹, R⁻¹ times the basis, C, and R⁻¹ times the values.
+
+        R Rᵀ is the covariance of the runs, (runs, runs), C Cᵀ that of the trend, (terms, terms). The second
+        has the shape (runs, terms), the last (runs,).
         """
         count = self.values.size
         whitened = np.column_stack([np.eye(count), self._basis, self.values])
@@ -84,6 +85,7 @@ class GaussianProcess:
         return -0.5 * (freedom * math.log(self.scale) + float(determinants))
 
     def _misfit(self, logs: FloatArray) -> float:
+        """Return minus the logarithm of the likelihood; very much where the covariance has no root."""
         try:
             return -self._solve(logs)
         except np.linalg.LinAlgError:

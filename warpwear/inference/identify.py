@@ -31,9 +31,7 @@ STRONG = 0.8
 
 @dataclass(frozen=True)
 class Indistinct:
-    """Unknowns that the data cannot tell apart; known: what they tell instead, with its uncertainty, in
-    words.
-    """
+    """Unknowns that the data cannot tell apart. known: in words, what they tell instead."""
 
     keys: tuple[str, ...]
     known: str

@@ -192,6 +192,7 @@ def _check_unknowns(study: Study, unknowns: Sequence[Unknown], data: Data) -> No
 
 @contextmanager
 def _folder(out: str | Path | None) -> Iterator[Path]:
+    """Open the folder of the runs: `out`, or one that goes away. Raises InputError."""
     if out is not None:
         folder = Path(out)
         empty = not folder.exists() or (folder.is_dir() and not any(folder.iterdir()))

@@ -64,6 +64,7 @@ def candidates_of(study: Study, texts: Sequence[str], *, cheap: bool) -> list[Ca
 
 
 def _candidate(text: str) -> Candidate:
+    """Read one candidate. Raises InputError."""
     changes: dict[str, Any] = {}
     repeats = 1
     for part in text.split(","):
@@ -117,6 +118,7 @@ def _relative(column: FloatArray) -> float:
 
 
 def _place(posterior: Posterior, target: str) -> int:
+    """Return the place of an unknown among those of the model. Raises InputError."""
     keys = [unknown.key for unknown in posterior.model.unknowns]
     if target not in keys:
         raise InputError(

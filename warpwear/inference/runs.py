@@ -125,8 +125,10 @@ def make_runs(
     device: str,
     roughness: bool = False,
 ) -> Runs:
-    """Make the runs. samples: of a design, by default 8 an unknown that needs runs, and 16 at least, as a
-    power of two. out: folder that keeps them.
+    """Make the runs that an inference stands on.
+
+    samples: of a design, by default 8 an unknown that needs runs, and 16 at least, as a power of two. out:
+    folder that keeps them.
 
     Raises InputError where a run fails: outside of what the runs cover nothing can be said.
     """

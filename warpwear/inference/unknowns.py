@@ -204,6 +204,7 @@ def _about(key: str, value: float | None, unit: str) -> Distribution:
 
 
 def _read(text: str, key: str) -> Distribution:
+    """Read a prior. Raises InputError."""
     try:
         return distribution(text, key)
     except InputError as error:

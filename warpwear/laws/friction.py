@@ -126,12 +126,12 @@ class FrictionLaw:
 
         load: F [N]. finished: whether the history is whole. lap: what is slid in a pass over a track [mm].
         """
-        values = self.values
-        if values[STRENGTH] is not None:
-            return values[STRENGTH]
-        if values["calibrate"] == "end" and not finished:
+        when = self.values["calibrate"]
+        if self.values[STRENGTH] is not None:
+            return self.values[STRENGTH]
+        if when == "end" and not finished:
             return math.nan
-        return self.strength_for(history, values["calibrate"], area=self.area, load=load, lap=lap)
+        return self.strength_for(history, when, area=self.area, load=load, lap=lap)
 
     def strength_for(
         self, history: Mapping[str, FloatArray], when: When, *, area: str, load: float, lap: float | None
@@ -142,7 +142,7 @@ class FrictionLaw:
         with the place on a track. A0 contains `factor`.
         """
         sheared = mean_over(history, history[f"area_{area}"] * self.factor(history), when, lap)
-        return float((self.values["coefficient"] - self.values[PLOUGHING]) * load / sheared)
+        return fitted_strength(self.values["coefficient"], self.values[PLOUGHING], load=load, area=sheared)
 
     def calibrations(
         self, history: Mapping[str, FloatArray], *, load: float, hardness: float, lap: float | None = None
@@ -159,8 +159,12 @@ class FrictionLaw:
             for area in AREAS
             for when in WHEN
         }
-        from_hardness = {"hardness": junction_strength(hardness)} if math.isfinite(hardness) else {}
-        return strengths | from_hardness
+        return strengths | ({"hardness": junction_strength(hardness)} if math.isfinite(hardness) else {})
+
+
+def fitted_strength(coefficient: float, ploughing: float, *, load: float, area: float) -> float:
+    """Return τ0 = (μ0 − μ_p) F / A [MPa] (thesis eq 4.19)."""
+    return (coefficient - ploughing) * load / area
 
 
 def mean_over(history: Mapping[str, FloatArray], values: FloatArray, when: When, lap: float | None) -> float:
