@@ -85,7 +85,7 @@ LIMITS: tuple[tuple[Callable[[Study], bool], str], ...] = (
         "kind of area asks for another strength; they differ by a factor of a hundred and more.",
     ),
     (
-        lambda s: s.friction.running_in is not None or s.friction.ploughing > 0.0,
+        lambda s: bool(s.friction.law.said),
         "A shear strength that runs in, and an offset for ploughing, are empirical fits.",
     ),
     (
