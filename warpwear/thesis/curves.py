@@ -6,7 +6,6 @@ import numpy as np
 
 from warpwear.figures import describe
 from warpwear.figures.describe import ACROSS, DISTANCE, Axis, Bars, Figure, Level, Line, Look
-from warpwear.grid import FloatArray
 from warpwear.thesis.figures import (
     EXPERIMENT,
     LOOKS,
