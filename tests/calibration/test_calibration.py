@@ -132,9 +132,9 @@ def test_the_numbers_of_the_thesis():
     worn = patch()
     assert 1e3 * worn.by_cap.mean == pytest.approx(3.5e-4, abs=0.05e-4)
     assert 1e3 * worn.by_ellipsoid.mean == pytest.approx(9.35e-4, abs=0.005e-4)
-    assert worn.asked_small == pytest.approx(1.025, abs=5e-4)
-    assert worn.asked == pytest.approx(1.022, abs=5e-4)
-    assert k_of(cap(worn.asked, radius=3.0)) == pytest.approx(9.4e-4, rel=1e-12)
+    assert worn.needed_small == pytest.approx(1.025, abs=5e-4)
+    assert worn.needed == pytest.approx(1.022, abs=5e-4)
+    assert k_of(cap(worn.needed, radius=3.0)) == pytest.approx(9.4e-4, rel=1e-12)
 
 
 def test_the_printed_test_agrees_with_itself():

@@ -73,7 +73,7 @@ def test_a_wrong_course_ends_in_one_sentence(tmp_path: Path, text: str, sentence
         ({"wear.sphere": "normal 1 +- 0.1"}, "needs its unit"),
         ({"wear.sphere": "between 1 and 2"}, "the prior of 'wear.sphere' = 'between 1 and 2'"),
         ({"wear.sphere": "uniform -1e-4 .. 1e-3 mm^3/N/m"}, "goes beyond what is allowed: from 0"),
-        ({"friction.initial_ratio": "uniform 0.1 .. 1"}, "need each other"),
+        ({"friction.initial_ratio": "uniform 0.1 .. 1"}, "needs friction.running_in"),
         (
             {"wear.decay": "uniform 0.1 .. 1 1/m"},
             "wear.decay .* does not apply to wear.law = 'archard'; allowed",

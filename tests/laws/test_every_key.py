@@ -26,7 +26,7 @@ from warpwear.inference.unknowns import unknowns_of
 from warpwear.laws import archard
 from warpwear.laws.friction import FITTED, KEYS
 from warpwear.page.content import words_of
-from warpwear.results.summary import course
+from warpwear.results.summary import course, summarise
 from warpwear.study.contact import Friction, Wear
 from warpwear.study.keys import declarations, section_in
 from warpwear.sweeps.run_one import Task, run_one
@@ -74,7 +74,7 @@ class Case:
     refused: dict[str, str] = field(default_factory=dict)
 
 
-TWO_STRENGTHS = {"calibrate friction": "which needs the shear strengths themselves: allowed is"}
+TWO_STRENGTHS = {"calibrate friction": "which needs friction.shear_strength itself; allowed is"}
 NOT_GIVEN = {"inference": "friction.shear_strength is neither given nor unknown"}
 CASES = {
     "wear.sphere": Case("4e-4 mm^3/N/m"),
@@ -174,7 +174,7 @@ def test_a_key_changes_the_run_and_what_is_said_of_it(pair: Pair) -> None:
     before, after = (result.history for result in pair.results)
     same = len(before["cof"]) == len(after["cof"])
     assert not same or any(not np.array_equal(before[name], after[name]) for name in before)
-    words = [words_of(study, run.summary) for study, run in zip(pair.studies, pair.results, strict=True)]
+    words = [words_of(study, summarise(run)) for study, run in zip(pair.studies, pair.results, strict=True)]
     for part in ("methods", "latex", "summary", "table"):
         if part != "methods" or pair.key.removeprefix("friction.") in KEYS:
             assert words[0][part] != words[1][part], part

@@ -74,7 +74,7 @@ def flat_on_flat(**changes: str) -> Study:
 
 def test_a_rough_disc_recedes_by_its_bearing_curve(device: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Volumes stay K F L, a flat sinks by the closed form and ends deeper by a constant."""
-    monkeypatch.setattr("warpwear.runs.make.bearing_curve_of", lambda study: CURVE)
+    monkeypatch.setattr("warpwear.runs.arrangements.bearing_curve_of", lambda study: CURVE)
     result = run(flat_on_flat(), device=device, plots=False)
     history = result.history
     assert any("share of the cells that bears" in warning for warning in result.record["warnings"])
@@ -90,7 +90,7 @@ def test_a_rough_disc_recedes_by_its_bearing_curve(device: str, monkeypatch: pyt
 
 
 def test_the_gap_after_a_step_is_the_closed_form(device: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("warpwear.runs.make.bearing_curve_of", lambda study: CURVE)
+    monkeypatch.setattr("warpwear.runs.arrangements.bearing_curve_of", lambda study: CURVE)
     result = run(flat_on_flat(), device=device, plots=False)
     end = result.snapshot(-1)
     assert_allclose(end.gap, closed_form(end.wear_disc), rtol=1e-12)
@@ -128,7 +128,7 @@ def test_where_the_bearing_curve_does_not_apply(changes: dict[str, str], message
 
 def test_the_area_is_the_share_that_bears(device: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """φ at the depth before each step, over a square millimetre of cells in contact."""
-    monkeypatch.setattr("warpwear.runs.make.bearing_curve_of", lambda study: CURVE)
+    monkeypatch.setattr("warpwear.runs.arrangements.bearing_curve_of", lambda study: CURVE)
     history = run(flat_on_flat(), device=device, plots=False).history
     before = closed_form(np.append(0.0, 1e-6 * F * history["distance"][:-1]))
     share = 1.0 / (1.0 + np.exp(-(before - CURVE.middle) / CURVE.scale))

@@ -38,10 +38,10 @@ Arguments = Any  # an instance of a wp.struct
 
 def arguments(kind: Any, **members: Any) -> Arguments:
     """Make an instance of a wp.struct. Launches see what changes in it later, recordings do not."""
-    made = kind()
+    instance = kind()
     for name, value in members.items():
-        setattr(made, name, value)
-    return made
+        setattr(instance, name, value)
+    return instance
 
 
 class Executor:

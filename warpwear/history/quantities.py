@@ -45,7 +45,7 @@ class Quantity:
 
     Where people see it: label names it alone, short beside others of its family, whose name stands at the
     axis. Its values times factor are in shown_unit. log: whether an axis of values over decades is
-    logarithmic. colour: a name of `warpwear.figures.style`; dash: how its line is drawn.
+    logarithmic. colour: a name of `warpwear.figures.describe`; dash: how its line is drawn.
     entry: keys of its end value in a run's summary, with dots between them.
     """
 

@@ -22,6 +22,7 @@ from warpwear.figures.describe import (
     Line,
     Look,
     Map,
+    Panel,
     Scale,
     Text,
 )
@@ -62,7 +63,7 @@ def surface_figure(report: SurfaceReport) -> Figure:
     surface = report.surface
     slopes = Line(1e3 * report.cut_offs, report.slopes, look=Look(DISC))
     slope = Chart("Slope", Axis("S-filter, µm", "log"), Axis("rms gradient Sdq, –", low=0.0), [slopes])
-    above = [
+    above: list[Panel] = [
         _map_of_heights(surface.levelled, surface.size, surface.filled),
         Text(list(_numbers(record(report.rows)))),
         Empty(),
@@ -139,10 +140,10 @@ def track_figure(track: Track, *, filled: BoolArray | None = None) -> Figure:
         parts.append(
             Line(y, profile, label, Look(colour, "", alpha=0.35), ends, 0.0 * y + 0.0 * ends, hatch=hatch)
         )
-    across = [Line(y, profile, "mean profile", Look(DISC)), *parts, Level(0.0, look=ZERO)]
+    across: list[Line | Level] = [Line(y, profile, "mean profile", Look(DISC)), *parts, Level(0.0, look=ZERO)]
     x = (np.arange(nx) + 0.5) * track.length / nx - 0.5 * track.length
     net = 1e6 * track.net
-    along = [
+    along: list[Line | Level] = [
         Line(x, net, "each section", Look(DISC, width=0.6)),
         Level(float(net.mean()), "mean", Look(NEUTRAL, "dash", 1.0)),
     ]
@@ -163,7 +164,7 @@ def ball_figure(ball: WornBall, *, size: Pair, filled: BoolArray | None = None) 
     x, y = places((nx, ny), (size[0] / nx, size[1] / ny))
     rows, columns = np.nonzero(ball.patch)
     i, j = round(float(rows.mean())), round(float(columns.mean()))
-    lines = [
+    lines: list[Line | Level] = [
         Line(x, 1e3 * ball.lost[:, j], "along sliding, x", Look(SPHERE)),
         Line(y, 1e3 * ball.lost[i, :], "across, y", Look(DISC, "dash")),
         Level(0.0, look=ZERO),
@@ -187,10 +188,8 @@ def scar_figure(scar: Patch, *, filled: BoolArray | None = None) -> Figure:
     scale = Scale("depth lost, µm", -max(piled, 0.05 * high), high, colours="depths", beyond="both")
     regions = ((scar.patch, Look(width=0.8)), (scar.patch | scar.rim, Look(NEUTRAL, "dash", 0.8)))
     y, depth, error = profile.y, 1e3 * profile.depth, 1e3 * profile.band
-    lines = [
-        Line(
-            profile.y, depth, "± one standard error", Look(DISC, "", alpha=0.3), depth - error, depth + error
-        ),
+    lines: list[Line | Level] = [
+        Line(y, depth, "± one standard error", Look(DISC, "", alpha=0.3), depth - error, depth + error),
         Line(y, depth, "mean profile", Look(DISC, width=0.9)),
         Level(0.0, look=ZERO),
     ]

@@ -36,9 +36,7 @@ CONDITIONS: dict[str, Callable[[Study], bool]] = {
     "loads of a smooth contact": lambda study: study.patches.coupling == "load",
     "friction fitted": lambda study: study.friction.fitted is not None,
     "friction not fitted": lambda study: study.friction.fitted is None,
-    "empirical friction": lambda study: (
-        study.friction.running_in is not None or study.friction.ploughing > 0.0
-    ),
+    "empirical friction": lambda study: bool(study.friction.law.said),
     "wear in pieces": lambda study: study.wear.sheds,
 }
 

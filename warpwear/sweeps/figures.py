@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -84,7 +85,7 @@ def courses(
         Line(e.distance, e.cof, in_legend(e.name), look_of_measured(number))
         for number, e in enumerate(experiments)
     ]
-    charts = []
+    charts: list[Chart] = []
     for quantity in quantities:
         lines = [
             Course(label, look, result.distance, result.courses(quantity.name)[runs], name)
@@ -107,8 +108,8 @@ def scatter(result: SweepResult, quantity: Quantity, varied: dict[str, tuple[Flo
     for key in keys:
         values, unit = varied[key]
         name = _axis_of(names[key], unit)
-        scale = "auto" if np.nanmin(values) > 0.0 else "linear"
-        along = Axis(name, scale, wide=WIDE_DISTANCE, integer=is_label(key))
+        along = Axis(name, wide=WIDE_DISTANCE, integer=is_label(key))
+        along = replace(along, scale="auto") if np.nanmin(values) > 0.0 else along
         line = Line(values, ends, look=look)
         charts.append(Chart(f"Over {names[key]}", along, Axis(_at_the_end(quantity), low=least), [line]))
     return Figure(charts, columns=min(2, len(keys)))
@@ -118,13 +119,14 @@ def heat_map(result: SweepResult, quantity: Quantity, keys: dict[str, tuple[Floa
     """The mean end value for each pair of values of two keys."""
     names = [short_names(result.plan.keys)[key] for key in keys]
     (x, _), (y, _) = keys.values()
-    axes = [_axis_of(name, unit) for name, (_, unit) in zip(names, keys.values(), strict=True)]
+    labels = [_axis_of(name, unit) for name, (_, unit) in zip(names, keys.values(), strict=True)]
     xs, ys, ends = np.unique(x), np.unique(y), quantity.scaled(result.ends(quantity.name))
     means = np.array([[_mean(ends[(x == a) & (y == b)]) for b in ys] for a in xs])
     unit = _at_the_end(quantity)
     title = f"{unit[:1].upper()}{unit[1:]}, over {' and '.join(names)}"
     across, down = ([f"{value:.4g}" for value in values] for values in (xs, ys))
-    return Figure([Grid(title, across, down, means, *axes, unit)], width=1.3 * COLUMN)
+    grid = Grid(title, across, down, means, x=labels[0], y=labels[1], unit=unit)
+    return Figure([grid], width=1.3 * COLUMN)
 
 
 def tornado(result: SweepResult, quantities: Sequence[Quantity]) -> Figure:

@@ -6,7 +6,6 @@ import numpy as np
 
 from warpwear.figures import describe
 from warpwear.figures.describe import ACROSS, DISTANCE, Axis, Bars, Figure, Level, Line, Look
-from warpwear.grid import FloatArray
 from warpwear.thesis.figures import (
     EXPERIMENT,
     LOOKS,
@@ -116,8 +115,8 @@ def straight_line(runs: Runs, numbers: Numbers) -> Figure:
         ("touched", "touched", describe.TOUCHED, "area ever touched"),
     ):
         values = history[f"area_{area}"]
-        fit: FloatArray = np.polyval(np.polyfit(distance, values, 1), distance)
-        lines = [
+        fit = np.polyval(np.polyfit(distance, values, 1), distance).astype(np.float64)
+        lines: list[Line | Level] = [
             Line(distance, values, label, Look(colour, width=2.0)),
             Line(distance, fit, "straight line", Look(describe.HARDNESS, "dot")),
         ]

@@ -16,7 +16,7 @@ class HalfSpaceContact:
     approaches: FloatArray  # rigid, from the mean planes: of all cells, or row by row [mm]
     mean_pressure: float  # [MPa]
     violation: float  # largest violation of complementarity, over the rms height
-    load_residual: float  # mean pressure over the one asked for, − 1, furthest from 0; 0 at an approach
+    load_residual: float  # mean pressure over the prescribed one, − 1, furthest from 0; 0 at an approach
     cells_in_contact: int  # with p > 0
     iterations: int
     transforms: int  # pairs of Fourier transforms of the search; a certificate takes one more
@@ -48,11 +48,11 @@ class HalfSpaceContact:
         return np.asarray(self.executor.to_numpy(self.gradient_field) - self.approach)
 
 
-def residual_of(total: FloatArray, asked: FloatArray | None) -> float:
+def residual_of(total: FloatArray, loads: FloatArray | None) -> float:
     """Return the relative residual of the load, of the part where it is furthest from 0; 0 at an approach."""
-    if asked is None:
+    if loads is None:
         return 0.0
-    over = np.divide(total, asked, out=1.0 + total, where=asked > 0.0) - 1.0
+    over = np.divide(total, loads, out=1.0 + total, where=loads > 0.0) - 1.0
     return float(over[np.argmax(np.abs(over))])
 
 

@@ -96,9 +96,9 @@ class Convolution(Filter):
         plan = arguments(fourier.Plan, divides=divides, **self._plan)
         scratch, modes = self.memory
 
-        def launch(kernel: Any, *given: Any) -> None:
+        def launch(kernel: Any, *arrays: Any) -> None:
             chunks = [(slot, slot + 1) for slot in range(self._slots)]
-            program.launch(kernel[self._kind], plan, self._turns, *given, slots=self._slots, chunks=chunks)
+            program.launch(kernel[self._kind], plan, self._turns, *arrays, slots=self._slots, chunks=chunks)
 
         if self._grids.count > 1:
             launch(fourier.convolve, self._table, line, field_in, scratch, modes, field_out)

@@ -51,14 +51,14 @@ class PaddedFilter(Filter):
         half = 0
         if isinstance(within, PaddedFilter):
             assert shape == (grids.rows, grids.columns)  # of no padding to stay zero
-            places = within.made, within.waves
+            places = within.padded_out, within.waves
             half = -(-math.prod(modes) * wp.types.type_size_in_bytes(real) // ALIGNED) * ALIGNED
         if self._is_plain:
             padded = (0, 0, 0)
         #: Before and after; between, by modes: real and imaginary parts in turn.
-        self.given: Field = lying(places[0], padded, real, device)
+        self.padded_in: Field = lying(places[0], padded, real, device)
         self.waves: Field = lying(places[1], modes, real, device)
-        self.made: Field = lying(places[1], padded, real, device, start=half)
+        self.padded_out: Field = lying(places[1], padded, real, device, start=half)
 
     @property
     def _is_plain(self) -> bool:
@@ -75,11 +75,11 @@ class PaddedFilter(Filter):
         members = {name: getattr(grids, name) for name in ("visited", "rows", "columns", "stride")}
         around = arguments(fourier.Around, divides=divides, scale=self.scale, **members)
 
-        def launch(kernel: Any, rows: int, *given: Any) -> None:
+        def launch(kernel: Any, rows: int, *arrays: Any) -> None:
             slots = executor.slots_of(grids.count * rows)
-            program.launch(kernel[self._kind], around, *given, slots=slots)
+            program.launch(kernel[self._kind], around, *arrays, slots=slots)
 
-        place_in, place_out = (field_in, field_out) if self._is_plain else (self.given, self.made)
+        place_in, place_out = (field_in, field_out) if self._is_plain else (self.padded_in, self.padded_out)
         if not self._is_plain:
             launch(fourier.pad, grids.rows, field_in, place_in)
         program.call(self.forward(place_in))

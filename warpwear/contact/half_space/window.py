@@ -93,7 +93,7 @@ class Window:
 
     def give(self, executor: Executor, part: Field, field: Field) -> None:
         """Copy a part, of an executor, to where it lies in a field of the whole grid."""
-        first = wp.array([self.first_row, self.first], dtype=wp.int32, device=executor.device)
+        first: Field = wp.array([self.first_row, self.first], dtype=wp.int32, device=executor.device)
         transfer = arguments(windows.Transfer, field=part, target=field, first=first)
         launch_once(executor, windows.give, transfer)
 

@@ -102,7 +102,8 @@ def bare_fraction(data: FigureData) -> Figure:
         label = f"{fit.plateau:.2g} (1 − e^(−(L − {fit.start:.3g} mm)/{fit.length:.3g} mm))"
         lines.append(Line(places, fit.at(places), label, Look(dash="dash")))
     part = Axis(BY_NAME["bare_fraction"].axis, low=0.0, high=1.0)
-    return Figure([Chart("Bare of film", Axis(describe.DISTANCE, low=0.0), part, lines)], legend=1)
+    chart = Chart("Bare of film", Axis(describe.DISTANCE, low=0.0), part, lines)
+    return Figure([chart], legend=0 if isinstance(fit, str) else 1)
 
 
 @words.figure(words.NO_COURSE, essential=True)

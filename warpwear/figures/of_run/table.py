@@ -16,7 +16,7 @@ from warpwear.errors import InputError
 from warpwear.figures import describe
 from warpwear.figures.of_run import fields, history, shape, snapshots, track
 from warpwear.figures.of_run.data import FigureData
-from warpwear.figures.of_run.words import FIGURES, caption_of, first_of
+from warpwear.figures.of_run.words import FIGURES, Entry, first_of
 from warpwear.results.file import ResultFile
 from warpwear.results.manifest import add_figure
 
@@ -29,8 +29,6 @@ colours = lazy.module("matplotlib.colors")
 
 #: What declares the figures of a run; importing them fills `FIGURES`.
 DECLARED_IN = (history, fields, shape, snapshots, track)
-
-
 #: The file of captions beside figures, and its first line, by which it is known as ours.
 CAPTIONS, HEAD = "captions.md", "# Captions of the figures, by warpwear"
 #: Figures that are drawn by default.
@@ -82,9 +80,7 @@ class Plotter:
 
     def reason(self, name: str) -> str | None:
         """Say in a sentence why the run has no such figure; None if it has. Unknown names: InputError."""
-        if name not in FIGURES:
-            raise InputError(_unknown(name))
-        return first_of(FIGURES[name].reasons, self.data)
+        return first_of(_entry(name).reasons, self.data)
 
     @property
     def left_out(self) -> dict[str, str]:
@@ -119,10 +115,8 @@ class Plotter:
 
         Raises InputError for an unknown name.
         """
-        if name not in FIGURES:
-            raise InputError(_unknown(name))
         with self.data:
-            return caption_of(name, self.data)
+            return _entry(name).caption_of(self.data)
 
     def save_captions(self, folder: Path) -> None:
         """Write captions.md, of the figures that lie in the folder; a file of others is left alone."""
@@ -163,8 +157,7 @@ class Plotter:
         """Raise InputError for a name or a format that is not known, before anything is drawn."""
         style.check_format(file_format)
         for name in names:
-            if name not in FIGURES:
-                raise InputError(_unknown(name))
+            _entry(name)
 
 
 def _check_overlay(name: str, figure: describe.Figure, ax: Any, color: Any) -> None:
@@ -181,6 +174,13 @@ def _check_overlay(name: str, figure: describe.Figure, ax: Any, color: Any) -> N
         )
     if color is not None and not colours.is_color_like(color):
         raise InputError(f"color = {color!r} is not a colour of matplotlib, such as 'C1' or '#D55E00'")
+
+
+def _entry(name: str) -> Entry:
+    """Find a figure. Raises InputError for an unknown name."""
+    if name not in FIGURES:
+        raise InputError(_unknown(name))
+    return FIGURES[name]
 
 
 def _unknown(name: str) -> str:

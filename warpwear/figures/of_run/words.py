@@ -142,6 +142,10 @@ class Entry(NamedTuple):
         """What the figure shows of any run."""
         return self.template.format_map(defaultdict(str, OF_ANY_RUN)).strip()
 
+    def caption_of(self, data: FigureData) -> str:
+        """Return what stands below it, of a run; the law of contact is said at the end."""
+        return (self.template + " {law}").format_map(Fields(data))
+
 
 #: Figures of a run by name.
 FIGURES: dict[str, Entry] = {}
@@ -157,11 +161,6 @@ def figure(*reasons: Reason, essential: bool = False) -> Callable[[Declare], Dec
         return declare
 
     return enter
-
-
-def caption_of(name: str, data: FigureData) -> str:
-    """Return what stands below a figure of a run; the law of contact is said at the end."""
-    return (FIGURES[name].template + " {law}").format_map(Fields(data))
 
 
 class Fields:

@@ -167,7 +167,7 @@ class SlidingHalfSpace:
         highest, removal, columns = 0.0, (0.0, 0.0), self.state.columns
         static = math.nan
         certificates: list[Certificate | None] = []
-        asked = self._static is not None and self._steps_done % self.task.static_area_every == 0
+        solves_static = self._static is not None and self._steps_done % self.task.static_area_every == 0
         if self.pieces is not None:
             self._run("begin", self.pieces.say_begin)
         while done < cells:
@@ -190,7 +190,7 @@ class SlidingHalfSpace:
                 increment * weight, removals, certified=True if self.certified and last else None
             )
             certificates.append(contact.certificate)
-            if asked and not parts:
+            if solves_static and not parts:
                 static = self._static_area()
             done, parts, transforms = done + of_part, parts + 1, transforms + contact.transforms
             pressure = contact.pressure.copy() if with_pressure and last else None
@@ -353,8 +353,8 @@ class SlidingHalfSpace:
             if not pieces.drain():
                 break
         pieces.book.end_steps()
-        for body, found in zip(BODIES, self._of_pieces.numpy().reshape(2, -1).tolist(), strict=True):
-            total[f"pieces_{body}"], total[f"wear_{body}"], total[f"pending_{body}"], deepest = found
+        for body, sums in zip(BODIES, self._of_pieces.numpy().reshape(2, -1).tolist(), strict=True):
+            total[f"pieces_{body}"], total[f"wear_{body}"], total[f"pending_{body}"], deepest = sums
             most[f"wear_{body}"] = deepest
 
     def cells_passing(self, increment: float) -> int:
