@@ -1,4 +1,4 @@
-"""The field type of all kernels.
+"""All kernels get fields of one type.
 
 A field of nx × ny cells is stored as `wp.array2d(dtype=Cells)` of shape (nx, ceil(ny / 8)): eight
 neighbouring cells along axis 1 in one vector, because a compiler turns loops over a vector's lanes into SIMD
@@ -52,7 +52,7 @@ class WearMost(IntEnum):
 
 
 class TrackSum(IntEnum):
-    """Sums of a step that wears two bodies; other sums are kept a tile and a row."""
+    """Names the sums of a step that wears two bodies; other sums are kept a tile and a row."""
 
     PRESSURE = 0
     DEVIATION_SQUARED = 1
@@ -63,7 +63,7 @@ class TrackSum(IntEnum):
 
 
 class TrackMost(IntEnum):
-    """Maxima likewise."""
+    """Names the maxima of a step that wears two bodies."""
 
     PRESSURE = 0
     WEAR_SPHERE = 1
@@ -73,7 +73,7 @@ class TrackMost(IntEnum):
 
 
 class PressureSum(IntEnum):
-    """Sums of a step that wears two bodies by a stored pressure."""
+    """Names the sums of a step that wears two bodies by a stored pressure."""
 
     PRESSURE = 0
     DEVIATION_SQUARED = 1
@@ -84,7 +84,7 @@ class PressureSum(IntEnum):
 
 
 class PressureMost(IntEnum):
-    """Maxima likewise."""
+    """Names the maxima of a step that wears two bodies by a stored pressure."""
 
     PRESSURE = 0
     WEAR_SPHERE = 1
@@ -96,7 +96,7 @@ class PressureMost(IntEnum):
 
 
 def names_of(rows: type[IntEnum]) -> tuple[str, ...]:
-    """Names of the rows of a table."""
+    """Return the names of the rows of a table."""
     return tuple(row.name.lower() for row in rows)
 
 
@@ -121,7 +121,7 @@ class Layout:
 
 @wp.func
 def sum_of(v: Cells):
-    """Sum of the lanes."""
+    """Add up the lanes."""
     total = ZERO
     for j in range(LANES):
         total += v[j]
@@ -139,7 +139,7 @@ def lowest_of(v: Cells):
 
 @wp.func
 def largest_of(v: Cells):
-    """Largest of the lanes, pair by pair."""
+    """Find the largest of the lanes, pair by pair."""
     return wp.max(
         wp.max(wp.max(v[0], v[1]), wp.max(v[2], v[3])),
         wp.max(wp.max(v[4], v[5]), wp.max(v[6], v[7])),

@@ -1,4 +1,4 @@
-"""Gap of a sphere over a disc, and pressure of a cell.
+"""A sphere over a disc leaves a gap, and a cell of it bears a pressure.
 
 A trial approach is given as base + offset. One ulp of an approach of 0.07 mm changes the load of a worn
 contact by more than 1e-12 of it; `base − gap` is exact near contact, so the offset adds the missing digits.

@@ -101,7 +101,7 @@ def back(
     spectrum_in: wp.array3d(dtype=Any),
     field_out: wp.array2d(dtype=Cells),
 ):
-    """Cells of the rows from their modes."""
+    """Compute the cells of the rows from their modes."""
 
 
 @of_both("convolve_grids")
@@ -137,7 +137,7 @@ def pad(grids: Around, field_in: wp.array2d(dtype=Cells), padded_out: wp.array3d
 
 @of_both("crop_rows")
 def crop(grids: Around, padded_in: wp.array3d(dtype=Any), field_out: wp.array2d(dtype=Cells)):
-    """The way back."""
+    """Copy the fields out of their padding."""
 
 
 @of_both("multiply_modes")

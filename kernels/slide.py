@@ -29,6 +29,6 @@ class Slide:
 
 @wp.func
 def beneath(row: wp.int32, shift: wp.int32, rows: wp.int32):
-    """The disc's row under a row of the sphere; 0 ≤ shift < rows."""
+    """Return the disc's row under a row of the sphere; 0 ≤ shift < rows."""
     displaced = row + shift
     return wp.where(displaced < rows, displaced, displaced - rows)

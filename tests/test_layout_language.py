@@ -21,7 +21,7 @@ VERBS = """
     accept add agree aim allow annotate append apply arrive ask bear become begin belong bend bring
     build bulge calibrate call cancel carry certify change check choose claim clear clip close collect
     combine come compare compile complete compress compute contain continue convert convolve cover
-    create decide declare delete depend describe die differ displace dissipate divide download draw drop
+    create decide declare delete depend describe die differ displace dissipate divide do download draw drop
     ensure enter estimate evaluate examine exceed exclude exist expect explain extend fail fall feel
     fetch find flatten fold follow foresee forget format free freeze gather generate get give go grow
     guard handle hang happen hatch hide hold imply include infer insert integrate interpolate interrupt

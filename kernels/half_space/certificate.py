@@ -64,7 +64,7 @@ class ProofFields:
 
 @wp.struct
 class Proof:
-    """A certificate in the making."""
+    """Holds a certificate while it is made."""
 
     columns: wp.int32  # of the grid, without padding
     fields: ProofFields

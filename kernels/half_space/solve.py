@@ -206,7 +206,7 @@ class Solve:
 
 @wp.func_native("return lane_of_slot();")
 def lane() -> wp.int32:
-    """Number of a thread in its slot."""
+    """Return the number of a thread in its slot."""
     ...
 
 

@@ -60,5 +60,5 @@ def bare_under_pressure(
     pressure_in: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
 ):
-    """Bare cells among those with a pressure, of the rows visited."""
+    """Count bare cells among those with a pressure, of the rows visited."""
     ...

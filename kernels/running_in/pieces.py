@@ -62,7 +62,7 @@ class Body:
 
 @wp.struct
 class Both:
-    """Both bodies of a contact."""
+    """Holds both bodies of a contact."""
 
     footprint: Footprint
     sphere: Body

@@ -22,7 +22,7 @@ RIGID = wp.constant(wp.float64(1.0e300))
 
 @wp.struct
 class Curve:
-    """A logistic bearing area curve φ(z)."""
+    """Describes a logistic bearing area curve φ(z)."""
 
     middle: wp.float64  # m [mm]
     scale: wp.float64  # s [mm]

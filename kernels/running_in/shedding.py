@@ -186,7 +186,7 @@ def sum_up(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Bo
 
 @wp.kernel(module=TOGETHER)
 def find_peaks(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Body):
-    """The peaks among the cells listed."""
+    """Find the peaks among the cells listed."""
     for n in range(first_slot * wp.block_dim() + wp.tid(), body.counts[CANDIDATES], slots * wp.block_dim()):
         find_peak(body.candidates[n], footprint, body)
 

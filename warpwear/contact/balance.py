@@ -32,7 +32,7 @@ class Balance(NamedTuple):
 
 
 def stiffness_of(compliance: float) -> float:
-    """1/c [N/mm³] of a compliance [mm³/N], `RIGID` at most."""
+    """Return 1/c [N/mm³] of a compliance c [mm³/N], `RIGID` at most."""
     return min(1.0 / compliance, RIGID) if compliance else RIGID
 
 

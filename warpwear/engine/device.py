@@ -101,6 +101,6 @@ def usable_cores() -> int:
 
 
 def gpu_count() -> int:
-    """The number of GPUs of CUDA here."""
+    """Return the number of GPUs of CUDA here."""
     find_device("cpu")
     return int(wp.get_cuda_device_count())

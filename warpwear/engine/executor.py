@@ -121,7 +121,7 @@ class Executor:
             future.result()
 
     def split_rows(self, cells: Any) -> list[tuple[int, int]]:
-        """Ranges of slots for the threads, with about as many cells each. cells: of each row visited."""
+        """Return ranges of slots for the threads, of about as many cells each. cells: of each row visited."""
         rows = len(cells)
         if not self.device.is_cpu:
             return [(0, rows)]
@@ -156,7 +156,7 @@ class Executor:
         return wp.array(vectors, dtype=Cells, device=self.device, copy=not self.device.is_cpu)
 
     def to_numpy(self, field: Field) -> FloatArray:
-        """The values of a field, shape (nx, ny); on a CPU a view of its memory."""
+        """Return the values of a field, shape (nx, ny); on a CPU a view of its memory."""
         values: FloatArray = field.numpy().reshape(field.shape[0], -1)[:, : self.grid.ny]
         return values
 

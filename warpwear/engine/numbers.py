@@ -26,7 +26,7 @@ class Table:
             wp.copy(self.array, host, count=host.size)
 
     def read(self, rows: int) -> FloatArray:
-        """The first rows; on a CPU a view."""
+        """Return the first rows; on a CPU a view."""
         if self._host is not None:
             return self._host[:rows]
         values: FloatArray = self.array[:rows].numpy() if rows else np.zeros((0, self.array.shape[1]))
@@ -61,7 +61,7 @@ class Numbers:
 
     @property
     def values(self) -> dict[str, Any]:
-        """All of them by name, of a struct of plain numbers."""
+        """Return all members by name, of a struct of plain numbers."""
         host = self._read()
         return {name: host[name][0].item() for name in host.dtype.names}
 

@@ -30,7 +30,7 @@ Chunks = Sequence[tuple[int, int]]
 
 
 class Node(Protocol):
-    """A part of a program."""
+    """A part of a program runs at once, or is added to a recording."""
 
     @property
     def is_recordable(self) -> bool:
@@ -123,7 +123,7 @@ class Call:
 
 
 class Block:
-    """Parts of a program, one after another, under a flag of the device or under none.
+    """Runs parts of a program, one after another, under a flag of the device or under none.
 
     flag: array of one number, 0 for no. repeats: whether it is asked again after the last of them.
     """

@@ -1,4 +1,4 @@
-"""Arrays of the host by blocks of rows, on every core, and their way to a field of a GPU and back.
+"""Arrays of the host are read by blocks of rows, on every core, and brought to a field of a GPU and back.
 
 A billion cells pass a GPU in a hundredth of a second and a core of the host in one, or in four where their
 memory is new; so nothing here is done by one core, and nothing is laid down on the way but in buffers.

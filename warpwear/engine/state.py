@@ -133,13 +133,13 @@ def _alike(saved: Any, before: np.ndarray, path: str) -> Any:
 
 
 def _members(kind: Any) -> dict[str, Any]:
-    """Types of the members of a dataclass or named tuple, by name."""
+    """Return the types of the members of a dataclass or named tuple, by name."""
     if is_dataclass(kind):
         return {field.name: field.type for field in fields(kind)}
     return dict(getattr(kind, "__annotations__", {})) if hasattr(kind, "_fields") else {}
 
 
 def _columns(part: Any, host: np.ndarray) -> np.ndarray:
-    """The columns of a field that its part names."""
+    """Return the columns of a field that its part names."""
     first, last = part.columns
     return host.reshape(host.shape[0], -1)[:, first:last]

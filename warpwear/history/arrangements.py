@@ -11,7 +11,7 @@ from warpwear.study.study import Study
 
 @dataclass(frozen=True)
 class Arrangement:
-    """One arrangement of the bodies."""
+    """Describes one arrangement of the bodies."""
 
     called: str  # runs of it, in words
     serves: Callable[[Study], bool]

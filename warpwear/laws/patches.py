@@ -41,12 +41,12 @@ class Patches:
 
     @property
     def count(self) -> int:
-        """Number of patches."""
+        """Return the number of patches."""
         return int(self.first_row.size)
 
     @property
     def across(self) -> int:
-        """Number of macro cells along a side of the domain."""
+        """Return the number of macro cells along a side of the domain."""
         return self.domain.nx // self.pitch
 
     @property
@@ -81,7 +81,7 @@ class Patches:
 
     @property
     def centres(self) -> tuple[FloatArray, FloatArray]:
-        """Centres of the macro cells along x and y [mm], each of shape (across,)."""
+        """Return the centres of the macro cells along x and y [mm], each of shape (across,)."""
         grid = Grid(self.across, self.across, self.pitch * self.domain.cell)
         return grid.x, grid.y
 

@@ -67,7 +67,7 @@ class ContactTask:
 
     @property
     def least_hardness(self) -> float:
-        """The smallest cap of a cell [MPa]."""
+        """Return the smallest cap of a cell [MPa]."""
         film = self.film
         return self.hardness if film is None else self.hardness * min(film.part_filmed, film.part_bare)
 

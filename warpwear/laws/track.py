@@ -57,7 +57,7 @@ class Track:
 
     @property
     def rows(self) -> int:
-        """Number of rows of the disc."""
+        """Return the number of rows of the disc."""
         return self.cells if self.periodic else self.cells + self.window
 
     @property
@@ -72,7 +72,7 @@ class Track:
 
     @property
     def x(self) -> FloatArray:
-        """Centres of the disc's rows [mm], shape (rows,), 0 = the middle of the stroke."""
+        """Return the centres of the disc's rows [mm], shape (rows,), 0 = the middle of the stroke."""
         centres: FloatArray = (np.arange(self.rows, dtype=np.float64) - 0.5 * (self.rows - 1)) * self.cell
         return centres
 

@@ -66,7 +66,7 @@ class Model(ABC):
                 block = []
 
     def _given(self, increments: Sequence[float], then: float | None) -> Iterator[Step]:
-        """The steps of a block, one by one."""
-        made = self.block(increments, then)
+        """Yield the steps of a block, one by one."""
+        steps = self.block(increments, then)
         for self.steps_in_flight in reversed(range(len(increments))):
-            yield next(made)
+            yield next(steps)

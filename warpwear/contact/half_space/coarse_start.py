@@ -1,4 +1,4 @@
-"""A first pressure for a contact of many cells: that of the contact on cells twice as wide, solved roughly.
+"""A contact of many cells begins with the pressure on cells twice as wide, which is solved roughly.
 
 The gap of a wide cell is the mean of its four, so that the long waves are those of the fine grid, and its
 pressure is that of all four. A pair of transforms costs a quarter there, and what a search spends on the long

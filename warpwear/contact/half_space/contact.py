@@ -34,12 +34,12 @@ class HalfSpaceContact:
 
     @property
     def pressure(self) -> FloatArray:
-        """[MPa], shape (nx, ny)."""
+        """Return the pressure [MPa], shape (nx, ny)."""
         return self.executor.to_numpy(self.pressure_field)
 
     @property
     def area_fraction(self) -> float:
-        """Contact area over the nominal one."""
+        """Return the contact area over the nominal one."""
         return self.cells_in_contact / self.cells
 
     @property

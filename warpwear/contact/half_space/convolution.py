@@ -140,19 +140,19 @@ def _turns(length: int, stages: list[int]) -> FloatArray:
 
 
 def _waves(radix: int) -> FloatArray:
-    """Cosines and sines of numbers 1 … p//2 of a prime, two modes at a time, of which an even number."""
+    """Return cosines and sines of numbers 1 … p//2 of a prime, for an even number of modes, two at a time."""
     numbers, modes = np.arange(1, radix // 2 + 1), np.arange(1, radix // 2 + radix // 2 % 2 + 1)
     angles = 2.0 * math.pi / radix * (np.outer(numbers, modes) % radix)
     return _pairs(angles.reshape(numbers.size, -1, 2).swapaxes(0, 1))
 
 
 def _pairs(angle: Any) -> FloatArray:
-    """Cosine and sine of each angle."""
+    """Return the cosine and the sine of each angle."""
     return np.stack([np.cos(angle), np.sin(angle)], axis=-1).ravel()
 
 
 def _in_groups(table: FloatArray, columns: IntArray, lines: int, kind: Any) -> Any:
-    """Rows 0 … n//2 of an even table, by groups of columns."""
+    """Return rows 0 … n//2 of an even table, by groups of columns."""
     rows = table.shape[0]
     grouped = np.empty((columns.size // lines, rows, lines), dtype=kind)
     for first in range(0, rows, TOGETHER):
@@ -162,6 +162,6 @@ def _in_groups(table: FloatArray, columns: IntArray, lines: int, kind: Any) -> A
 
 
 def _array(values: Any, kind: Any) -> Any:
-    """An array of a CPU."""
+    """Return values as an array of a CPU."""
     values = np.ascontiguousarray(values, dtype=kind)
     return wp.array(values, dtype=wp.dtype_from_numpy(kind), device="cpu", copy=False)

@@ -134,7 +134,7 @@ class ScipyFilter(PaddedFilter):
 
     @property
     def _modes(self) -> Any:
-        """The modes as complex numbers, shape (grids, n, m//2 + 1)."""
+        """Return the modes as complex numbers, shape (grids, n, m//2 + 1)."""
         return self.waves.numpy().view(np.complex64 if self._kind is np.float32 else np.complex128)
 
     @staticmethod
@@ -152,7 +152,7 @@ class ScipyFilter(PaddedFilter):
         return _blocks(self._visited * self.shape[0], length)
 
     def _columns(self) -> list[Any]:
-        """Blocks of columns of one grid, or of several grids as a whole."""
+        """Return blocks of columns of one grid, or of several grids as a whole."""
         modes = self.shape[1] // 2 + 1
         if self._grids.count == 1:
             return [np.s_[:, :, block] for block in _blocks(modes, COLUMNS)]
@@ -171,7 +171,7 @@ class ScipyFilter(PaddedFilter):
 
 
 class CupyFilter(PaddedFilter):
-    """On a GPU, by plans of CuPy in the stream of Warp's device, all grids at once."""
+    """Transforms all grids at once on a GPU, by plans of CuPy in the stream of Warp's device."""
 
     def __init__(self, executor: Executor, grids: Grids, *where: Any, **options: Any) -> None:
         super().__init__(executor, grids, *where, **options)

@@ -28,7 +28,7 @@ Box = tuple[int, int, int, int]
 
 
 class Operator(ABC):
-    """A symmetric operator on the fields of an executor, and an approximate inverse, as filters of waves.
+    """Displaces the fields of an executor symmetrically, and inverts that about, as filters of waves.
 
     Tables of the waves are made once. What compliances add to them is a line of numbers by row, in arrays
     that programs read when they run.
@@ -65,7 +65,7 @@ class Operator(ABC):
         return int(self.visited.numpy()[0])
 
     def coefficients(self) -> tuple[Any, Any]:
-        """Coefficients by distance, of an operator of one grid."""
+        """Return the coefficients by distance, of an operator of one grid."""
         raise NotImplementedError
 
     @abstractmethod
@@ -109,11 +109,11 @@ class Operator(ABC):
         self._near.say(program, field_in, self.near_line, field_out, divides=True)
 
     def respond(self, pressure: Field, displacement: Field) -> None:
-        """Displacement [mm] under a pressure [MPa], compliances included, at once."""
+        """Compute the displacement [mm] under a pressure [MPa], compliances included, at once."""
         self._run(pressure, displacement, inverse=False)
 
     def invert(self, displacement: Field, pressure: Field) -> None:
-        """About the pressure [MPa] of a displacement [mm], at once."""
+        """Compute about the pressure [MPa] of a displacement [mm], at once."""
         self._run(displacement, pressure, inverse=True)
 
     def _run(self, field_in: Field, field_out: Field, *, inverse: bool) -> None:
@@ -127,7 +127,7 @@ class Operator(ABC):
 
 
 class Influence(Operator):
-    """The operator G + c + streak of one grid and boundary, and an approximate inverse.
+    """Applies the operator G + c + streak of one grid and boundary, and an approximate inverse.
 
     modulus: E* of both bodies together [MPa]. boundary: "periodic" (the mean displacement is left out, since
     it has no limit: gaps count from the mean planes) or "free" (nothing outside the grid; the displacement is
@@ -213,7 +213,7 @@ class Influence(Operator):
         return own + streak * self._mean_of(rows, window)[: rows // 2 + 1]
 
     def coefficients(self) -> tuple[Any, Any]:
-        """Displacement under a unit pressure on a cell [mm/MPa], as arrays of the device.
+        """Return the displacement under a unit pressure on a cell [mm/MPa], as arrays of the device.
 
         By distance in cells along both axes without compliances, which is even in both directions; and what
         compliances add to it in a column, by distance along x, which programs heed when they change.
@@ -323,7 +323,7 @@ def periodic_spectrum(grid: Grid, modulus: float, xp: Any = np, *, rows: int | N
 
 
 def shortest_response(cell: float, modulus: float) -> float:
-    """Displacement under a pressure that alternates from cell to cell [mm/MPa]."""
+    """Return the displacement under a pressure that alternates from cell to cell [mm/MPa]."""
     return 2.0 * cell / (math.pi * modulus)
 
 
@@ -334,7 +334,7 @@ def padded_shape(grid: Grid) -> tuple[int, int]:
 
 
 def free_quarter(grid: Grid, modulus: float, shape: tuple[int, int]) -> FloatArray:
-    """Response of the modes on an even shape [mm/MPa]: (shape[0]//2 + 1, shape[1]//2 + 1), a quarter of all.
+    """Return modes' responses on an even shape [mm/MPa]: (shape[0]//2 + 1, shape[1]//2 + 1), a quarter of all.
 
     The coefficients are even in both directions: a cosine transform of a quarter of them is their spectrum.
     """
@@ -343,7 +343,7 @@ def free_quarter(grid: Grid, modulus: float, shape: tuple[int, int]) -> FloatArr
 
 
 def free_coefficients(cell: float, modulus: float, rows: int, columns: int) -> FloatArray:
-    """Displacement at a cell's centre under a unit pressure on another [mm/MPa], by distance in cells.
+    """Return displacements at a cell's centre under unit pressures on others [mm/MPa], by distance in cells.
 
     Four corner terms, x ln(y + r) + y ln(x + r), over π E* (Johnson eq 3.25). Shape (rows, columns).
     """

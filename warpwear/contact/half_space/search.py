@@ -85,7 +85,7 @@ class SearchRules:
 
 
 class Search:
-    """The search for a pressure under one operator, on one gap.
+    """Searches for a pressure under one operator, on one gap.
 
     gap: from the mean planes [mm]. fractions: of the hardness, that cells bear; None: all of it. groups: 1,
     all rows together, or as many as the executor has rows, each of which has a load of its own. tiled:

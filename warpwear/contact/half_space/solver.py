@@ -1,4 +1,4 @@
-"""The elastic–plastic half-space: contact of two bodies whose surfaces deform together, 0 ≤ p ≤ H.
+"""Two bodies in contact whose surfaces deform together are one elastic–plastic half-space, 0 ≤ p ≤ H.
 
 The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approach; see `search`.
 """

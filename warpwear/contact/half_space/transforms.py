@@ -38,7 +38,7 @@ class Grids:
 
     @classmethod
     def whole(cls, executor: Executor) -> Self:
-        """The grid of an executor."""
+        """Return the grid of an executor."""
         grid = executor.grid
         return cls(1, grid.nx, grid.ny, executor.vectors * LANES, _visited(executor, 1))
 
@@ -86,7 +86,7 @@ def lying(place: Any, shape: tuple[int, ...], dtype: Any, device: Any, *, start:
 
 @contextmanager
 def array_module(executor: Executor) -> Iterator[Any]:
-    """NumPy, or CuPy in the stream of Warp's device."""
+    """Lend NumPy, or CuPy in the stream of Warp's device."""
     if executor.device.is_cpu:
         yield np
         return

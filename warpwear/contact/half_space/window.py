@@ -44,7 +44,7 @@ MOST_CELLS_STORED = 2**18
 
 @dataclass(frozen=True)
 class Window:
-    """Rows first_row … end_row − 1 and vectors first … end − 1 of a field."""
+    """A window holds rows first_row … end_row − 1 and vectors first … end − 1 of a field."""
 
     first_row: int
     end_row: int
@@ -69,12 +69,12 @@ class Window:
 
     @property
     def area(self) -> int:
-        """In vectors."""
+        """Return the area in vectors."""
         return (self.end_row - self.first_row) * (self.end - self.first)
 
     @property
     def box(self) -> tuple[int, int, int, int]:
-        """First and last row, first and last column."""
+        """Return the first and last row, and the first and last column."""
         return self.first_row, self.end_row - 1, self.first * LANES, self.end * LANES - 1
 
     def holds(self, box: Sequence[int]) -> bool:
@@ -123,7 +123,7 @@ def _quick(first: int, last: int, size: int) -> tuple[int, int]:
 
 
 class OnWindow:
-    """A solver on the grid of a window, its fields there, and the programs before and after it."""
+    """Holds a solver on the grid of a window, its fields there, and the programs before and after it."""
 
     def __init__(self, whole: Executor, grid: Grid, **law: Any) -> None:
         device, threads = str(whole.device), whole.threads
@@ -339,7 +339,7 @@ class WindowedHalfSpace:
 
     @property
     def _everything(self) -> Window:
-        """The whole grid."""
+        """Return the window that is the whole grid."""
         grid = self._executor.grid
         return Window.around((0, grid.nx - 1, 0, grid.ny - 1), grid)
 
