@@ -334,7 +334,7 @@ def padded_shape(grid: Grid) -> tuple[int, int]:
 
 
 def free_quarter(grid: Grid, modulus: float, shape: tuple[int, int]) -> FloatArray:
-    """Return modes' responses on an even shape [mm/MPa]: (shape[0]//2 + 1, shape[1]//2 + 1), a quarter of all.
+    """Return responses of modes on an even shape [mm/MPa], a quarter: (shape[0]//2 + 1, shape[1]//2 + 1).
 
     The coefficients are even in both directions: a cosine transform of a quarter of them is their spectrum.
     """

@@ -8,8 +8,7 @@ Tribol. Int. 40, 574 added the cap, Vollebregt 2014, J. Comput. Phys. 257, 333 t
 Groups of rows with loads of their own have levels and shifts of their own, and the length and the memory of a
 step in common: together they are one problem, whose matrix has a block for each.
 
-The passes are in `kernels.half_space.passes`, the decisions, which hold the rules, in
-`kernels.half_space.decisions`.
+The passes are in `kernels.half_space.passes`, the rules in `decisions` and `steps` beside it.
 """
 
 from collections.abc import Mapping
@@ -28,7 +27,7 @@ from warpwear.engine.numbers import Mirror
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.kernels.cells import LANES, NONE
-from warpwear.kernels.half_space import active_set, decisions, passes, solve
+from warpwear.kernels.half_space import active_set, decisions, passes, solve, steps
 from warpwear.kernels.half_space.solve import Flag, Request
 
 #: Stands for no cap: kernels compare with it.
@@ -39,7 +38,7 @@ LEAST_SINGLE = 2**14
 
 @dataclass(frozen=True)
 class SearchRules:
-    """The rules of a search; those of `kernels.half_space.decisions` go by them."""
+    """The rules of a search; the decisions of `kernels.half_space` go by them."""
 
     #: Where a smaller fraction of the cells in contact is below the cap, |q| is no guide: steps then follow
     #: the plain gradient.
@@ -85,7 +84,7 @@ class SearchRules:
 
 
 class Search:
-    """Searches for a pressure under one operator, on one gap.
+    """Looks for a pressure under one operator, on one gap.
 
     gap: from the mean planes [mm]. fractions: of the hardness, that cells bear; None: all of it. groups: 1,
     all rows together, or as many as the executor has rows, each of which has a load of its own. tiled:
@@ -263,12 +262,12 @@ class Search:
         with program.branch(self._flag(Flag.PRECONDITIONS)):
             self._precondition(program)
         self._pass(program, passes.products)
-        program.decide(decisions.aim, search)
+        program.decide(steps.aim, search)
         with program.branch(self._flag(Flag.DESCENDS)):
             self._pass(program, passes.direction)
             self._balance(program)
             self._respond_to_step(program)
-            program.decide(decisions.go, search)
+            program.decide(steps.go, search)
 
     def _balance(self, program: Program) -> None:
         """Shift the trial, whose sums were left, until it carries the load."""
@@ -290,7 +289,7 @@ class Search:
             self._operator.say_inverse(program, trial, trial)
             return
         self._pass(program, passes.scatter)
-        program.decide(decisions.judge_scatter, search)
+        program.decide(steps.judge_scatter, search)
         if self._tiled:
             blocks = -(-self._executor.grid.nx // passes.ROWS)
             with program.branch(self._flag(Flag.EXTENDS)):
