@@ -13,7 +13,7 @@ from warpwear.kernels.cells import EXTENTS
 class Found(NamedTuple):
     """Hold what was found of the steps that were made: of each quantity an array."""
 
-    count: int
+    steps: int
     balance: Any  # a Balance of arrays
     reference: FloatArray  # that the scatter of the pressure counts from [MPa]
     total: dict[str, Any]
