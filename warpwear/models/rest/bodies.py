@@ -26,7 +26,7 @@ class RestingBodies:
 
     @classmethod
     def of(cls, task: ContactTask, executor: Executor, heights: FloatArray) -> Self:
-        """Unworn, of a sphere over the heights of a disc [mm], shape (nx, ny)."""
+        """Return unworn bodies: a sphere over the heights of a disc [mm], shape (nx, ny)."""
         grid = executor.grid
         made = cls(executor.zeros(), executor.zeros(), task.wear_fractions)
         place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), task.curvature]

@@ -1,4 +1,4 @@
-"""One grid: a sphere wearing with a disc, smooth on a foundation (macro) or with every asperity (micro).
+"""A sphere wears with a disc on one grid, smooth on a foundation (macro) or with every asperity (micro).
 
 Every cell has the same stiffness, and both bodies wear in one proportion. Other laws, of cell by cell, are
 those of a track on which the disc does not move.

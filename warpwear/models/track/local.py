@@ -1,4 +1,4 @@
-"""One grid in motion: a disc displaced by whole cells under a wearing sphere, step by step."""
+"""A disc moves by whole cells under a wearing sphere, step by step, on one grid."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar
