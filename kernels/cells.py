@@ -30,7 +30,7 @@ TileSums = wp.types.vector(2, wp.float64)
 
 
 class WearSum(IntEnum):
-    """Sums that one gap is worn with: rows of a table of partial results, one column a slot."""
+    """Names the sums that one gap is worn with: rows of a table of partial results, one column a slot."""
 
     PRESSURE = 0
     DEVIATION_SQUARED = 1
@@ -41,7 +41,7 @@ class WearSum(IntEnum):
 
 
 class WearMost(IntEnum):
-    """Maxima likewise, over the tiles visited. Lowest indices are stored negated."""
+    """Names the maxima over the tiles visited. Lowest indices are stored negated."""
 
     PRESSURE = 0
     WORN = 1
@@ -111,7 +111,7 @@ wp.set_module_options({"enable_backward": False})
 
 @wp.struct
 class Layout:
-    """How patches lie in their field."""
+    """Tells how patches lie in their field."""
 
     vectors: wp.int32  # of a line of a patch
     first_row: wp.array(dtype=wp.int32)  # of the domain's cells, where a patch begins
@@ -130,7 +130,7 @@ def sum_of(v: Cells):
 
 @wp.func
 def lowest_of(v: Cells):
-    """Smallest of the lanes, pair by pair: one after another it takes twice as long."""
+    """Return the smallest of the lanes, pair by pair: one after another it takes twice as long."""
     return wp.min(
         wp.min(wp.min(v[0], v[1]), wp.min(v[2], v[3])),
         wp.min(wp.min(v[4], v[5]), wp.min(v[6], v[7])),
@@ -148,5 +148,5 @@ def largest_of(v: Cells):
 
 @wp.func
 def of_row(values: wp.array(dtype=wp.float64), row: wp.int32):
-    """The value of a row, or the one value that all rows share."""
+    """Return the value of a row, or the one value that all rows share."""
     return values[wp.min(row, values.shape[0] - 1)]

@@ -36,7 +36,7 @@ DIGITS = wp.constant(wp.float64(1.0e3))
 
 @wp.struct
 class Bracket:
-    """A search: its trial offset, the bracket of the solution, and how far it is."""
+    """Holds a search: its trial offset, the bracket of the solution, and how far it is."""
 
     offset: wp.float64
     low: wp.float64
@@ -49,7 +49,7 @@ class Bracket:
 
 @wp.func
 def bracket_at(offset: wp.float64, reach: wp.float64):
-    """A search that begins at an offset, with steps of a length at first; of 0 the shortest."""
+    """Return a search that begins at an offset, with steps of a length at first; of 0 the shortest."""
     b = Bracket()
     b.offset = offset
     b.low = -NONE

@@ -7,7 +7,7 @@ wp.set_module_options({"enable_backward": False})
 
 @wp.struct
 class Slide:
-    """A step, or a part of one; passes read it from an array of one."""
+    """Describes a step, or a part of one; passes read it from an array of one."""
 
     number: wp.int32  # of the step in its replay
     rows: wp.int32  # of cells that are visited

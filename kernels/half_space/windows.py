@@ -13,7 +13,7 @@ from warpwear.kernels.native_code import native_pass
 
 @wp.struct
 class Transfer:
-    """A field, and the one of another grid that it goes to."""
+    """Holds a field, and the one of another grid that it goes to."""
 
     field: wp.array2d(dtype=Cells)
     target: wp.array2d(dtype=Cells)
@@ -23,7 +23,7 @@ class Transfer:
 
 @wp.struct
 class Reach:
-    """What a contact reaches: its cells below its approach, and the level of its certificate."""
+    """Tells what a contact reaches: its cells below its approach, and the level of its certificate."""
 
     gap: wp.array2d(dtype=Cells)
     columns: wp.int32

@@ -19,7 +19,7 @@ wp.set_module_options(native_code.options("film.h", "wear_from_pressure.h"), mod
 
 @wp.struct
 class Coat:
-    """The film of one body, field by field; fields of no rows where there is none, or it never forms anew."""
+    """Holds one body's film by fields; these have no rows where there is none, or it never forms anew."""
 
     wear: wp.array2d(dtype=Cells)  # of the body, from its unworn surface [mm]
     whole: wp.array2d(dtype=Cells)  # that wear, when the film was last whole [mm]
@@ -29,7 +29,7 @@ class Coat:
 
 @wp.struct
 class Films:
-    """The films of both bodies, and what they make of the cells of the contact."""
+    """Holds the films of both bodies, and what they make of the cells of the contact."""
 
     sphere: Coat
     disc: Coat

@@ -102,7 +102,7 @@ class LoadSearch:
         )
 
     def pressures(self, at: Balance | None = None) -> FloatArray:
-        """The pressure of every cell [MPa], shape (nx, ny). at: a balance; None: the one that was found."""
+        """Return the pressure of every cell [MPa], shape (nx, ny). at: a balance; None: the one found."""
         field = self._executor.zeros()
         if at is not None:
             law = self.law.numpy()

@@ -14,7 +14,7 @@ from warpwear.grid import Grid
 
 @contextmanager
 def report_out_of_memory(grid: Grid) -> Iterator[None]:
-    """InputError, naming the grid, where the memory of the host or of a GPU runs out all the same."""
+    """Raise InputError, naming the grid, where the memory of the host or of a GPU runs out all the same."""
     try:
         yield
     except (MemoryError, RuntimeError) as error:
@@ -30,7 +30,7 @@ def report_out_of_memory(grid: Grid) -> Iterator[None]:
 
 
 def find_device(name: str) -> Any:
-    """Warp's device of this name. Raises InputError, naming those that are there."""
+    """Return Warp's device of this name. Raises InputError, naming those that are there."""
     if wp.config.log_level == wp.LOG_INFO:  # no greeting on a user's terminal, unless one was asked for
         wp.config.log_level = wp.LOG_ERROR
     try:
@@ -47,7 +47,7 @@ def find_device(name: str) -> Any:
 
 
 def free_memory(device: str) -> dict[str, int]:
-    """Memory that is free on the host and on a device [B], by what a sentence calls them.
+    """Return the memory that is free on the host and on a device [B], by what a sentence calls them.
 
     Raises InputError for a device that is not there.
     """
@@ -95,7 +95,7 @@ def check_threads(threads: int | None) -> int:
 
 
 def usable_cores() -> int:
-    """The number of cores that this process may use."""
+    """Return the number of cores that this process may use."""
     process = psutil.Process()
     return len(process.cpu_affinity()) if hasattr(process, "cpu_affinity") else psutil.cpu_count() or 1
 

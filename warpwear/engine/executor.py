@@ -100,15 +100,15 @@ class Executor:
 
     @property
     def is_shared(self) -> bool:
-        """Whether passes over many cells are shared among threads."""
+        """Tell whether passes over many cells are shared among threads."""
         return self._pool is not None
 
     def slots_of(self, rows: int) -> int:
-        """Slots of a pass over rows: on a CPU one each, on a GPU of as many rows each as the others."""
+        """Return the slots of a pass over rows: on a CPU one each, on a GPU of equally many rows each."""
         return rows if self.device.is_cpu else -(-rows // -(-rows // MOST_SLOTS_CUDA))
 
     def equal_chunks(self, slots: int) -> list[tuple[int, int]]:
-        """Ranges of slots for the threads, of passes over whole rows."""
+        """Return ranges of slots for the threads, of passes over whole rows."""
         if not self.device.is_cpu:
             return [(0, slots)]
         return self.split_rows(np.full(slots, -(-self.grid.cells // slots)))

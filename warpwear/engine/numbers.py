@@ -11,7 +11,7 @@ from warpwear.grid import FloatArray
 
 
 class Table:
-    """A table of numbers that kernels read or write, rows × columns, and the host by rows."""
+    """Holds a table of numbers, rows × columns, that kernels read or write, and the host by rows."""
 
     def __init__(self, rows: int, columns: int, device: Any) -> None:
         self.array: Field = wp.zeros((rows, columns), dtype=wp.float64, device=device)
@@ -34,7 +34,7 @@ class Table:
 
 
 class Numbers:
-    """An instance of a struct in an array of one, which kernels read and, by default, write.
+    """Holds an instance of a struct in an array of one, which kernels read and, by default, write.
 
     On a CPU the host writes into the memory of the array, on a GPU it copies it. written: whether kernels
     write it; else a GPU's need not be read.
@@ -79,7 +79,7 @@ class Numbers:
 
 
 class Mirror:
-    """Arrays of a device as the host sees them: on a CPU in place, of a GPU as last read or written."""
+    """Shows arrays of a device as the host sees them: on a CPU in place, of a GPU as last read or written."""
 
     def __init__(self, *arrays: Field) -> None:
         self._pairs = [

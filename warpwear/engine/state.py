@@ -31,7 +31,7 @@ class Part(Protocol):
 
 
 def save(part: Part) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """Arrays by dotted name, and numbers as JSON keeps them: all that `restore` needs.
+    """Return arrays by dotted name, and numbers as JSON keeps them: all that `restore` needs.
 
     Arrays of a CPU are views, which the next step changes.
     """
@@ -94,7 +94,7 @@ def _restore(part: Any, path: str, arrays: Mapping[str, np.ndarray], numbers: Ma
 
 
 def _take(kind: Any, before: Any, saved: Any, path: str, arrays: Mapping[str, np.ndarray]) -> Any:
-    """A value of some kind; the one before, where that was changed in place."""
+    """Return a value of some kind; the one before, where that was changed in place."""
     if hasattr(before, "STATE"):
         _restore(before, f"{path}.", arrays, saved)
         return before
@@ -126,7 +126,7 @@ def _take(kind: Any, before: Any, saved: Any, path: str, arrays: Mapping[str, np
 
 
 def _alike(saved: Any, before: np.ndarray, path: str) -> Any:
-    """An array that can take the place of another. Raises ValueError."""
+    """Return an array that can take the place of another. Raises ValueError."""
     if getattr(saved, "shape", None) != before.shape or saved.dtype != before.dtype:
         raise ValueError(f"{path} is no array of {before.dtype} of the shape {before.shape}")
     return saved

@@ -66,7 +66,7 @@ class Quantity:
     entry: str = ""
 
     def applies_to(self, study: Study) -> bool:
-        """Whether a run of the study has it."""
+        """Tell whether a run of the study has the quantity."""
         return self.only is None or ONLY[self.only][1](study)
 
     @property
@@ -283,5 +283,5 @@ UNITS = {quantity.name: quantity.units for quantity in QUANTITIES}
 
 
 def columns_of(study: Study) -> tuple[Quantity, ...]:
-    """The columns of the history that a run of the study has."""
+    """Return the columns of the history that a run of the study has."""
     return tuple(quantity for quantity in per("step") if quantity.applies_to(study))

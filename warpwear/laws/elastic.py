@@ -45,7 +45,7 @@ class Hertz:
 
     @property
     def peak_pressure(self) -> float:
-        """Pressure in the middle [MPa], 3/2 of the mean."""
+        """Return the pressure in the middle [MPa], 3/2 of the mean."""
         return 1.5 * self.load / self.area
 
     @property
@@ -97,7 +97,7 @@ class SpectralMoments:
 
     @property
     def rms_slope(self) -> float:
-        """Root mean square h' of the surface's gradient [-]."""
+        """Return the root mean square h' of the surface's gradient [-]."""
         return math.sqrt(2.0 * self.m2)
 
 

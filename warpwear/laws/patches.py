@@ -51,32 +51,32 @@ class Patches:
 
     @property
     def cover_everything(self) -> bool:
-        """True where the patches tile the domain."""
+        """Tell whether the patches tile the domain."""
         return self.side == self.pitch
 
     @property
     def uncovered(self) -> int:
-        """Number of cells of the domain that belong to no patch."""
+        """Return the number of cells of the domain that belong to no patch."""
         return self.domain.cells - self.count * self.side**2
 
     @property
     def weight(self) -> float:
-        """The area that a patch stands for over its own."""
+        """Return the area that a patch stands for over its own."""
         return (self.pitch / self.side) ** 2
 
     @property
     def area(self) -> float:
-        """The area that a patch stands for [mm²], which is its macro cell's."""
+        """Return the area that a patch stands for [mm²], which is its macro cell's."""
         return float(self.pitch * self.domain.cell) ** 2
 
     @property
     def vectors(self) -> int:
-        """Number of vectors of `LANES` cells that hold a line of a patch."""
+        """Return the number of vectors of `LANES` cells that hold a line of a patch."""
         return -(-self.side // LANES)
 
     @property
     def grid(self) -> Grid:
-        """The grid of the cells as they are stored: one row a patch, padding included."""
+        """Return the grid of the cells as they are stored: one row a patch, padding included."""
         return Grid(self.count, self.side * self.vectors * LANES, self.domain.cell)
 
     @property

@@ -47,12 +47,12 @@ class Track:
 
     @classmethod
     def at_rest(cls, grid: Grid) -> Self:
-        """The track of a disc that lies still under the sphere's domain, a grid."""
+        """Return the track of a disc that lies still under the sphere's domain, a grid."""
         return cls(0, 0, grid.cell, window=grid.nx, stroke=0.0, periodic=False, reverses=False)
 
     @property
     def moves(self) -> bool:
-        """Whether the disc moves under the sphere."""
+        """Tell whether the disc moves under the sphere."""
         return self.cells > 0
 
     @property
@@ -62,12 +62,12 @@ class Track:
 
     @property
     def track_fraction(self) -> float:
-        """The part of the test's sliding distance that a disc of this length slides; 1 for a whole stroke."""
+        """Return the part of the sliding distance that a disc of this length slides; 1: a whole stroke."""
         return self.cells * self.cell / self.stroke if self.periodic else 1.0
 
     @property
     def steps_of_pass(self) -> int:
-        """Number of steps in a pass."""
+        """Return the number of steps in a pass."""
         return -(-self.cells // self.shift)
 
     @property

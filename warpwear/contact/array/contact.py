@@ -11,7 +11,7 @@ from warpwear.grid import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class ArrayContact:
-    """A solved contact of an array of heights. Units are the caller's; fields have the shape of the heights.
+    """Holds a solved contact of an array of heights. Units are the caller's; fields have the heights' shape.
 
     approach: how far the plane, or the sphere's apex, lies below the heights' mean plane; negative while it
     lies above. gap: distance between the bodies after elastic deformation; 0 under a pressure below the

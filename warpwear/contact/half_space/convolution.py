@@ -22,7 +22,7 @@ TOGETHER = 64
 
 
 def radices_of(length: int) -> list[int]:
-    """Stages of a transform of a length; empty where it has larger primes."""
+    """Return the stages of a transform of a length; empty where it has larger primes."""
     stages = []
     for radix in (*SMALL_RADICES, *range(7, LARGEST_PRIME + 1, 2)):
         while length % radix == 0:
@@ -32,7 +32,7 @@ def radices_of(length: int) -> list[int]:
 
 
 def fits(shape: tuple[int, int]) -> bool:
-    """Whether fields padded to a shape can be convolved here."""
+    """Tell whether fields padded to a shape can be convolved here."""
     return bool(radices_of(shape[0])) and bool(radices_of(_numbers(shape[1])))
 
 
@@ -109,18 +109,18 @@ class Convolution(Filter):
 
 
 def _numbers(columns: int) -> int:
-    """Complex numbers as which a row is transformed."""
+    """Return the complex numbers as which a row is transformed."""
     return columns if columns % 2 else columns // 2
 
 
 def _stages(length: int, filled: int) -> list[int]:
-    """Stages of a transform of a length, of which the first numbers are filled; −2 leaves out zeros."""
+    """Return the stages of a transform, of which the first numbers are filled; −2 leaves out zeros."""
     halved = length % 2 == 0 and filled <= length // 2
     return [-2, *radices_of(length // 2)] if halved else radices_of(length)
 
 
 def _order(length: int, stages: list[int]) -> IntArray:
-    """Mode that lies in each place after a transform."""
+    """Return the mode that lies in each place after a transform."""
     if not stages:
         return np.zeros(1, dtype=np.int64)
     radix, rest = abs(stages[0]), stages[1:]
@@ -129,7 +129,7 @@ def _order(length: int, stages: list[int]) -> IntArray:
 
 
 def _turns(length: int, stages: list[int]) -> FloatArray:
-    """Factors between the stages of a transform, and waves of large primes, one stage after another."""
+    """Return the factors between a transform's stages, and waves of large primes, stage after stage."""
     turns, size = [np.empty(0)], length
     for radix in (abs(stage) for stage in stages):
         turns.append(_pairs(-2.0 * math.pi / size * np.outer(np.arange(size // radix), np.arange(1, radix))))

@@ -61,7 +61,7 @@ class Operator(ABC):
 
     @property
     def rows_visited(self) -> int:
-        """How many rows of the fields it is about, the first ones."""
+        """Return how many rows of the fields the operator is about, the first ones."""
         return int(self.visited.numpy()[0])
 
     def coefficients(self) -> tuple[Any, Any]:
@@ -80,17 +80,17 @@ class Operator(ABC):
     @property
     @abstractmethod
     def _far(self) -> Filter:
-        """What makes the response, in double precision."""
+        """Return what makes the response, in double precision."""
 
     @property
     @abstractmethod
     def _far_single(self) -> Filter:
-        """What makes it in single precision, where that is quicker."""
+        """Return what makes the response in single precision, where that is quicker."""
 
     @property
     @abstractmethod
     def _near(self) -> Filter:
-        """What makes the inverse, by a table of what it divides by."""
+        """Return what makes the inverse, by a table of what it divides by."""
 
     def say_response(
         self, program: Program, field_in: Field, field_out: Field, *, single: bool = False
@@ -207,7 +207,7 @@ class Influence(Operator):
         return rows if window is None else min(window, rows)
 
     def _line(self, rows: int, own: float, streak: float, window: int) -> FloatArray:
-        """What compliances add to the modes of rows, up to the middle."""
+        """Return what compliances add to the modes of rows, up to the middle."""
         if streak == 0.0:
             return np.full(rows // 2 + 1, own)
         return own + streak * self._mean_of(rows, window)[: rows // 2 + 1]
@@ -232,7 +232,7 @@ class Influence(Operator):
 
     @cached_property
     def _coefficients(self) -> FloatArray:
-        """Displacement without compliances by distance in cells; it is even in both directions."""
+        """Return the displacement without compliances by distance in cells; it is even in both directions."""
         with array_module(self._executor) as xp:
             table = self.elastic if xp is np else self.elastic.get()
         shape = self.far_shape
@@ -240,7 +240,7 @@ class Influence(Operator):
         return np.ascontiguousarray(fft.irfft(quarter, n=shape[0], axis=0)[: shape[0] // 2 + 1])
 
     def _weights(self, own: float, streak: float, window: int) -> FloatArray:
-        """Weights of neighbours along x, along y and across corners, with which a cell needs no pressure.
+        """Return weights of neighbours along x, y and across corners, by which a cell needs no pressure.
 
         They are coefficients of the inverse under compliances over that of the cell itself, by few modes.
         """
@@ -251,7 +251,7 @@ class Influence(Operator):
         return np.asarray(-sums[1:] / sums[0], dtype=np.float32)
 
     def _mean_of(self, rows: int, window: int) -> FloatArray:
-        """The spectrum of S S, which is that of its coefficients, of `rows` modes."""
+        """Return the spectrum of S S, which is that of its coefficients, of `rows` modes."""
         if (rows, window) not in self._means:
             distance = np.minimum(np.arange(rows), rows - np.arange(rows))
             if window == self._executor.grid.nx:
@@ -264,7 +264,7 @@ class Influence(Operator):
 
 
 def _sums(shape: tuple[int, int], along: IntArray, across: IntArray) -> FloatArray:
-    """What adds modes up to coefficients, a row each: of a cell itself, along x, along y, across a corner.
+    """Return what adds modes up to coefficients, a row each: of a cell, along x, along y, across a corner.
 
     along, across: the modes; of those of columns half is there, without the other side of first and last.
     """
@@ -284,7 +284,7 @@ def write(array: Any, values: FloatArray) -> None:
 
 
 def displace(executor: Executor, pressure: Field, displacement: Field, *, modulus: float, box: Box) -> None:
-    """Displacement [mm] of all cells of a free half-space under pressures [MPa] in a box of them, in float64.
+    """Return displacements [mm] of all cells of a free half-space by pressures [MPa] in a box, in float64.
 
     The convolution is padded no further than cells of the box and of the grid lie apart.
     """
@@ -296,7 +296,7 @@ def displace(executor: Executor, pressure: Field, displacement: Field, *, modulu
 
 
 def apart_shape(grid: Grid, box: Box) -> tuple[int, int]:
-    """An even shape on which the convolution of a box with the grid does not wrap, quick to transform.
+    """Return an even shape on which the convolution of a box with the grid does not wrap, quick to transform.
 
     Two cells are no further apart than half of it, so that they feel each other one way round only.
     """
@@ -309,7 +309,7 @@ def apart_shape(grid: Grid, box: Box) -> tuple[int, int]:
 
 
 def periodic_spectrum(grid: Grid, modulus: float, xp: Any = np, *, rows: int | None = None) -> Any:
-    """2/(E*|q|) of the modes of a real transform [mm/MPa], shape (nx, ny//2 + 1), 0 for the mean.
+    """Return 2/(E*|q|) of the modes of a real transform [mm/MPa], shape (nx, ny//2 + 1), 0 for the mean.
 
     rows: of modes, the first ones; by default all. xp: NumPy, or CuPy: a billion modes take NumPy longer than
     their contact takes a GPU.
@@ -328,7 +328,7 @@ def shortest_response(cell: float, modulus: float) -> float:
 
 
 def padded_shape(grid: Grid) -> tuple[int, int]:
-    """An even shape on which the convolution of the grid does not wrap, quick to transform."""
+    """Return an even shape on which the convolution of the grid does not wrap, quick to transform."""
     along, across = (2 * fft.next_fast_len(size, real=True) for size in grid.shape)
     return along, across
 
@@ -351,7 +351,7 @@ def free_coefficients(cell: float, modulus: float, rows: int, columns: int) -> F
     x, y = corners_x, corners_y.T
 
     def by_hyperbolic_sine(factor: Any, over: Any, under: Any) -> FloatArray:
-        """Terms by inverse hyperbolic sines: the logarithms differ by what cancels between the corners."""
+        """Return terms by inverse hyperbolic sines: logarithms differ by what cancels between corners."""
         term = over / np.abs(under)
         np.arcsinh(term, out=term)
         term *= factor

@@ -38,7 +38,7 @@ LEAST_SINGLE = 2**14
 
 @dataclass(frozen=True)
 class SearchRules:
-    """The rules of a search; the decisions of `kernels.half_space` go by them."""
+    """Holds the rules of a search; the decisions of `kernels.half_space` go by them."""
 
     #: Where a smaller fraction of the cells in contact is below the cap, |q| is no guide: steps then follow
     #: the plain gradient.
@@ -182,16 +182,16 @@ class Search:
 
     @property
     def gradient(self) -> Field:
-        """Gap after deformation and wear, from the mean planes [mm]."""
+        """Return the gap after deformation and wear, from the mean planes [mm]."""
         return self._solve.fields.gradient
 
     @property
     def reached(self) -> dict[str, Field]:
-        """What kernels know of approach and certificate: members of `kernels.half_space.windows.Reach`."""
+        """Return what kernels know of approach and certificate, by `kernels.half_space.windows.Reach`."""
         return {"groups": self._solve.groups, "proven": self._proof.arguments.groups}
 
     def certificate(self) -> Certificate:
-        """What the pressure is worth that was found last, and was to be certified."""
+        """Return what the pressure is worth that was found last, and was to be certified."""
         return Certificate.of(self._proven, cell_area=self._executor.grid.cell_area)
 
     def _say(self) -> Program:
@@ -331,7 +331,7 @@ class Search:
         program.launch(kernel, self._solve, *more, slots=self._slots, chunks=self._chunks)
 
     def _kernel_rules(self, groups: int) -> Any:
-        """The rules as kernels take them."""
+        """Return the rules as kernels take them."""
         rules = dict(vars(self._rules)) | {"few": self._few, "tiled": int(self._tiled)}
         rules["single_rounding"] *= self._single
         cells = self._operator.cells / (self._executor.grid.nx if groups > 1 else 1)
@@ -349,7 +349,7 @@ class Search:
 
 
 def room_for_few(most: int, device: Any) -> Any:
-    """Room for the cells that are moved at once, without coefficients yet."""
+    """Return room for the cells that are moved at once, without coefficients yet."""
     integers = dict.fromkeys(("row", "column", "side", "next", "free", "order"), most) | {"count": 1}
     numbers = dict.fromkeys(("slope", "low", "high", "change", "rest", "along"), most)
     numbers |= {"pair": 2 * most, "matrix": most**2}

@@ -24,7 +24,7 @@ ALIGNED = 256
 
 @dataclass(frozen=True)
 class Grids:
-    """Grids of one size that lie one after another in a field.
+    """Describes grids of one size that lie one after another in a field.
 
     visited: how many of them are filtered, the first ones; an array of one number. stride: numbers from one
     row to the next.
@@ -44,7 +44,7 @@ class Grids:
 
     @classmethod
     def squares(cls, executor: Executor, side: int) -> Self:
-        """Squares of which each is a row of the executor's fields."""
+        """Return squares of which each is a row of the executor's fields."""
         count = executor.grid.nx
         return cls(count, side, side, executor.vectors * LANES // side, _visited(executor, count))
 
@@ -75,7 +75,7 @@ def _visited(executor: Executor, count: int) -> Any:
 
 
 def lying(place: Any, shape: tuple[int, ...], dtype: Any, device: Any, *, start: int = 0) -> Any:
-    """An array in the memory of another, from a byte on; of its own where there is none, or too little."""
+    """Return an array in another's memory, from a byte on; in its own where that is too little or none."""
     size = math.prod(shape) * wp.types.type_size_in_bytes(dtype)
     if place is None or start + size > place.capacity:
         return wp.zeros(shape, dtype=dtype, device=device)
@@ -96,7 +96,7 @@ def array_module(executor: Executor) -> Iterator[Any]:
 
 
 def load_cupy(device: Any) -> Any:
-    """CuPy, for a device of Warp's. Raises InputError where it is not installed."""
+    """Return CuPy, for a device of Warp's. Raises InputError where it is not installed."""
     try:
         return lazy.load("cupy")
     except ImportError as error:
@@ -121,7 +121,7 @@ def release(device: Any) -> None:
 
 
 def stream_of(cuda: Any, device: Any) -> Any:
-    """The stream of Warp's device for CuPy, which leaves it to Warp."""
+    """Return the stream of Warp's device for CuPy, which leaves it to Warp."""
     if hasattr(cuda.Stream, "from_external"):  # since 14.0, which deprecates the other
         return cuda.Stream.from_external(device.stream)
     return cuda.ExternalStream(device.stream.cuda_stream, device.ordinal)
