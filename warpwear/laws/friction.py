@@ -178,7 +178,7 @@ def mean_over(history: Mapping[str, FloatArray], values: FloatArray, when: When,
 def within(
     history: Mapping[str, FloatArray], when: When, lap: float | None
 ) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
-    """Mark the steps of the first or the last lap [mm] slid, without a lap the first or the last step."""
+    """The steps of the first or the last lap [mm] slid; the first or the last step without a lap."""
     distance = history["distance"]
     if lap is None or distance[-1] == 0.0:
         inside = np.zeros(distance.size, dtype=bool)
