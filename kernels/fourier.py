@@ -1,4 +1,4 @@
-"""Convolutions of fields: on a CPU by transforms of its own, on any device around those of a library.
+"""Fields are convolved on a CPU by transforms of its own, on any device around those of a library.
 
 The C++ is in `native/fourier.h`, which says how modes lie. Kernels of transforms are of single and of double
 precision, by kind of number.

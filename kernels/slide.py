@@ -1,4 +1,4 @@
-"""A step of a pair of bodies, one of which may be displaced: what changes from one to the next."""
+"""A slide tells what changes from step to step of a pair of bodies, one of which may be displaced."""
 
 import warp as wp
 

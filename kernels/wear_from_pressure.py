@@ -1,4 +1,4 @@
-"""Archard wear of both bodies by a stored pressure: of a grid at rest, on a track, and of patches.
+"""A stored pressure wears both bodies by Archard's law: of a grid at rest, on a track, and of patches.
 
 While a disc moves under the sphere, its asperities and the pressure move with it during a step. A cell of the
 disc is worn by its own pressure, one of the sphere by the mean of those that pass over it along x.

@@ -1,4 +1,4 @@
-"""The active-set solve of the last undecided cells of a half-space contact.
+"""The last undecided cells of a half-space contact are solved by their active set.
 
 `native/half_space/active_set.h` has its arithmetic.
 """

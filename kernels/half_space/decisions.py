@@ -1,4 +1,4 @@
-"""What follows from a pass of a search of the half-space solver: where it begins, goes on and ends.
+"""Decisions after passes of the half-space search say where it begins, goes on and ends.
 
 These are rules of `contact.half_space.search`; `steps` has those of how far it goes. Every decision is one
 slot. Symbols as in `native/half_space/search.h`.

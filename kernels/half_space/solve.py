@@ -1,4 +1,4 @@
-"""What a search of the half-space solver knows: its rules, its fields, and the numbers of its groups of rows.
+"""A search of the half-space solver knows its rules, its fields, and the numbers of its groups of rows.
 
 A group carries one load at one approach: all rows together, or each row for itself.
 """

@@ -1,4 +1,4 @@
-"""How a search of the half-space solver makes its next trial, and how far it goes along the step to it.
+"""A search of the half-space solver makes its next trial, and goes some way along the step to it.
 
 These are rules of `contact.half_space.search`; `decisions` has the others. Symbols as in
 `native/half_space/search.h`.

@@ -1,4 +1,4 @@
-"""What moves fields between the grid of a search and others: a larger grid, and cells twice as wide.
+"""Fields move between the grid of a search and others: a larger grid, and cells twice as wide.
 
 The loops over cells are in `native/half_space/windows.h`.
 """

@@ -1,4 +1,4 @@
-"""Which cells of a contact are bare of film, and what that does to their caps.
+"""Cells of a contact are bare of film where it wore, and that changes their caps.
 
 A body's cell has lost its film where more than the film's thickness was worn off it since the film was last
 whole. A cell of the contact is bare where that holds of every body that carries one. Fields are those of the

@@ -1,4 +1,4 @@
-"""The search for the approaches at which patches share a load: one decision after each pass over the cells.
+"""A search finds the approaches at which patches share a load, by a decision after each pass over the cells.
 
 A patch k carries the mean pressure p_k at its approach u_k; behind it is a spring, so that all have
 

@@ -1,4 +1,4 @@
-"""The certificate of a pressure: what it violates, and how far its energy can lie above the least.
+"""A certificate tells what a pressure violates, and how far its energy can lie above the least.
 
 It is reckoned from the pressure that is returned and the gap which that leaves, made anew, by passes and
 decisions of the device. Nothing that the search believes goes into it but the approach.

@@ -1,4 +1,4 @@
-"""The load balance of cells that do not feel each other, as a part of a program."""
+"""The load of cells that do not feel each other is balanced as a part of a program."""
 
 from typing import Any
 

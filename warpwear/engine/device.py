@@ -1,4 +1,4 @@
-"""The device that a run asks for: whether it is there, how many threads, and whether its memory will do."""
+"""A run asks for a device: it is there or not, has so many threads, and its memory will do or not."""
 
 import os
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Where kernels run: a device, its threads, and the storage of fields. Programs launch on it, see `program`.
+"""Kernels run on a device, by its threads, over fields that it stores. Programs launch there, see `program`.
 
 A pass works on slots, one slot a row of cells on a CPU and a block of threads on a GPU; each slot writes its
 own column of the table of partial results, so that no result depends on the number of threads. On a CPU a

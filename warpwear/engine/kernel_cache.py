@@ -1,4 +1,4 @@
-"""Compiled kernels, which Warp keeps from one process to the next by what they are compiled from."""
+"""Warp keeps compiled kernels from one process to the next, by what they are compiled from."""
 
 import shutil
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Numbers that kernels change, seen by the host by their names."""
+"""The host sees numbers that kernels change by their names."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar

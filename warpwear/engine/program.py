@@ -1,4 +1,4 @@
-"""A program of a device: passes over cells, decisions, loops and branches, said once and replayed many times.
+"""A device's program has passes over cells, decisions, loops and branches, said once and replayed often.
 
     program = Program(executor)
     with program.loop(searching):           # while searching[0] is not 0

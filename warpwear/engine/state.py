@@ -1,4 +1,4 @@
-"""What steps change of a model: declared once by each of its parts, saved and restored bit for bit.
+"""Each part of a model declares once what steps change of it, which is saved and restored bit for bit.
 
 A part is an object with a `STATE`, which names the attributes that steps change, with their types:
 

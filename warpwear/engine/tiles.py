@@ -1,4 +1,4 @@
-"""The list of tiles that a contact can reach: what a step has to visit of a field."""
+"""A list holds the tiles that a contact can reach, which a step has to visit of a field."""
 
 import math
 from typing import ClassVar

@@ -1,4 +1,4 @@
-"""The arrangements of bodies that a run may have: what each is called, and which studies ask for it.
+"""A run has one of these arrangements of bodies: each has a name, and studies that ask for it.
 
 `warpwear.runs.arrangements` makes their models. Quantities that only runs of one have name it.
 """

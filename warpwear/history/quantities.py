@@ -1,4 +1,4 @@
-"""Every quantity of a result, declared once: its name, unit, meaning, what has a value of it and its looks.
+"""Every quantity of a result is declared once: name, unit, meaning, what has a value of it, and looks.
 
 The columns of the history, the fields of a snapshot, the tables of patches and of roughness, the headers of
 CSV files, the attributes in HDF5 files, `Result.units`, the axes of figures and the table of the docs

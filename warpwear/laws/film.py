@@ -1,4 +1,4 @@
-"""Films that wear breaks, and junctions that grow: the shear strength of a cell and the cap that it leaves.
+"""Wear breaks films and junctions grow, which sets the shear strength of a cell and the cap that it leaves.
 
 A film keeps the shear strength of a cell low until wear has taken it off; then metal meets metal. A junction
 under shear flows at a smaller pressure and so grows: p² + α τ² = H² (Tabor, Proc. R. Soc. A 251, 1959, 378,

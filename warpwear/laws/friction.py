@@ -1,4 +1,4 @@
-"""Coefficient of friction from an area: shear of junctions, with an offset for ploughing.
+"""A coefficient of friction follows from an area: junctions shear, with an offset for ploughing.
 
 μ = μ_p + τ A / F (thesis eqs 4.18 to 4.20; the offset after eq 2.8). Which area A shears, and when a
 measured coefficient fixes τ, are choices of the study. τ is a constant τ0 times `FACTORS`. With a film τ is

@@ -1,4 +1,4 @@
-"""Roughness that settles in running-in: towards one that the conditions of friction set, whatever it was.
+"""Roughness settles in running-in towards one that the conditions of friction set, whatever it was.
 
 Kragelsky, Dobychin and Kombalov (Friction and Wear: Calculation Methods, Pergamon, 1982) call it the
 equilibrium roughness. What is fitted here is the exponential way there; their formulas are not used.

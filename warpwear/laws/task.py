@@ -1,4 +1,4 @@
-"""The numbers of one contact, which its model, its history and its steps read."""
+"""A task holds the numbers of one contact, which its model, its history and its steps read."""
 
 import math
 from dataclasses import dataclass

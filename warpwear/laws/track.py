@@ -1,4 +1,4 @@
-"""The way of a sphere that slides over a disc by whole cells: where it is at every step, and how far it slid.
+"""A sphere slides over a disc by whole cells: a track tells where it is at every step, and how far it slid.
 
 A step covers up to `shift` cells of the track and is solved once, with the sphere in their middle; the last
 step of a pass is shorter where the shift does not divide the stroke, so that volumes stay exact. A track that

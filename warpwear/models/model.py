@@ -1,4 +1,4 @@
-"""What a run asks of a model: steps along a plan, snapshots of them, and a state to go on from."""
+"""A run asks of a model steps along a plan, snapshots of them, and a state to go on from."""
 
 import itertools
 from abc import ABC, abstractmethod

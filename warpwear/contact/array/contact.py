@@ -1,4 +1,4 @@
-"""What users get of a solved contact of an array of heights."""
+"""Users get this of a solved contact of an array of heights."""
 
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""What a solver of the half-space found."""
+"""A solver of the half-space leaves what it found as one of these."""
 
 from dataclasses import dataclass
 

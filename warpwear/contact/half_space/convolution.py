@@ -1,4 +1,4 @@
-"""Convolutions of fields on a CPU, by the transforms of `kernels.fourier`."""
+"""Fields are convolved on a CPU by the transforms of `kernels.fourier`."""
 
 import math
 from typing import Any

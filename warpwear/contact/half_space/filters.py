@@ -1,4 +1,4 @@
-"""Filters of waves: kernels of a CPU's own, or around the transforms of SciPy, or of CuPy on a GPU."""
+"""Waves are filtered by kernels of a CPU's own, or around the transforms of SciPy, or of CuPy on a GPU."""
 
 import math
 from abc import abstractmethod

@@ -1,4 +1,4 @@
-"""What a pressure does to an elastic half-space, and the inverse that preconditions the solver.
+"""A pressure displaces an elastic half-space, and the inverse of that preconditions the solver.
 
 Displacement and pressure are tied by a convolution, done in Fourier space by `filters`.
 """

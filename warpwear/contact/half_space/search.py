@@ -1,4 +1,4 @@
-"""Projected conjugate gradients for a pressure between bounds that carries a load, as a program of a device.
+"""Projected conjugate gradients find a pressure between bounds that carries a load, as a device's program.
 
 A trial step is clipped to 0 ≤ p ≤ H and shifted to the load, then the minimum along the way to it is taken,
 so that every iterate is feasible, none is worse than the last, and an iteration costs one pair of transforms,

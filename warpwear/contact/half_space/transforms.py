@@ -1,4 +1,4 @@
-"""What filters of waves share: the grids that they filter, memory, and CuPy where fields are on a GPU."""
+"""Filters of waves share the grids that they filter, memory, and CuPy where fields are on a GPU."""
 
 import gc
 import math

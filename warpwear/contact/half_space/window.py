@@ -1,4 +1,4 @@
-"""A contact of half-spaces on the part of a large grid that it can reach.
+"""A contact of half-spaces is solved on the part of a large grid that it can reach.
 
 Pressures displace a free half-space away from the other body everywhere, so that a cell whose gap exceeds the
 approach cannot be in contact. A contact that was solved on a window which holds every cell below its approach
