@@ -264,13 +264,13 @@ def begin(first_slot: wp.int32, slots: wp.int32, springs: Springs, lowest: wp.fl
 
 @wp.func_native("return sum_of_line(table, line, 0, table.shape[1]);")
 def sum_of(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64:
-    """The sum of a line of a table, by all threads of a deciding slot."""
+    """Add up a line of a table, by all threads of a deciding slot."""
     ...
 
 
 @wp.func_native("return most_of_line(table, line, 0, table.shape[1]);")
 def most_of(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64:
-    """The largest of a line of a table likewise."""
+    """Find the largest of a line of a table, by all threads of a deciding slot."""
     ...
 
 
@@ -319,7 +319,7 @@ def pressures_at(
     stiffness: wp.array2d(dtype=Cells),
     parts: wp.array2d(dtype=Cells),
 ):
-    """The pressures of the cells of a vector, at the end of a search; fields as of `carried`."""
+    """Return the pressures of the cells of a vector, at the end of a search; fields as of `carried`."""
     law = springs.law[0]
     g = gap[row, k]
     s = Cells(springs.search[0].stiffness)
@@ -349,7 +349,7 @@ def pressures(
     parts: wp.array2d(dtype=Cells),
     pressure_out: wp.array2d(dtype=Cells),
 ):
-    """The pressures of the cells listed, at the end of a search; fields as of `carried`."""
+    """Store the pressures of the cells listed, at the end of a search; fields as of `carried`."""
     slot = first_slot + wp.tid() // wp.block_dim()
     for row in range(slot, gap.shape[0], slots):
         for n in range(wp.tid() % wp.block_dim(), count[row], wp.block_dim()):

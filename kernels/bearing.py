@@ -99,7 +99,7 @@ def bracketed(
 
 @wp.func
 def counted(springs: Springs, before: Search, law_before: Law, count: wp.float64):
-    """The search after a trial, and the law of the pressures at its end. count: of cells below the trial."""
+    """Return the search after a trial, and the law at its end. count: of cells below the trial."""
     s = before
     law = law_before
     b = s.bracket

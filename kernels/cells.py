@@ -1,4 +1,4 @@
-"""The field type of all kernels.
+"""All kernels get fields of one type.
 
 A field of nx × ny cells is stored as `wp.array2d(dtype=Cells)` of shape (nx, ceil(ny / 8)): eight
 neighbouring cells along axis 1 in one vector, because a compiler turns loops over a vector's lanes into SIMD
@@ -30,7 +30,7 @@ TileSums = wp.types.vector(2, wp.float64)
 
 
 class WearSum(IntEnum):
-    """Sums that one gap is worn with: rows of a table of partial results, one column a slot."""
+    """Names the sums that one gap is worn with: rows of a table of partial results, one column a slot."""
 
     PRESSURE = 0
     DEVIATION_SQUARED = 1
@@ -41,7 +41,7 @@ class WearSum(IntEnum):
 
 
 class WearMost(IntEnum):
-    """Maxima likewise, over the tiles visited. Lowest indices are stored negated."""
+    """Names the maxima over the tiles visited. Lowest indices are stored negated."""
 
     PRESSURE = 0
     WORN = 1
@@ -52,7 +52,7 @@ class WearMost(IntEnum):
 
 
 class TrackSum(IntEnum):
-    """Sums of a step that wears two bodies; other sums are kept a tile and a row."""
+    """Names the sums of a step that wears two bodies; other sums are kept a tile and a row."""
 
     PRESSURE = 0
     DEVIATION_SQUARED = 1
@@ -63,7 +63,7 @@ class TrackSum(IntEnum):
 
 
 class TrackMost(IntEnum):
-    """Maxima likewise."""
+    """Names the maxima of a step that wears two bodies."""
 
     PRESSURE = 0
     WEAR_SPHERE = 1
@@ -73,7 +73,7 @@ class TrackMost(IntEnum):
 
 
 class PressureSum(IntEnum):
-    """Sums of a step that wears two bodies by a stored pressure."""
+    """Names the sums of a step that wears two bodies by a stored pressure."""
 
     PRESSURE = 0
     DEVIATION_SQUARED = 1
@@ -84,7 +84,7 @@ class PressureSum(IntEnum):
 
 
 class PressureMost(IntEnum):
-    """Maxima likewise."""
+    """Names the maxima of a step that wears two bodies by a stored pressure."""
 
     PRESSURE = 0
     WEAR_SPHERE = 1
@@ -96,7 +96,7 @@ class PressureMost(IntEnum):
 
 
 def names_of(rows: type[IntEnum]) -> tuple[str, ...]:
-    """Names of the rows of a table."""
+    """Return the names of the rows of a table."""
     return tuple(row.name.lower() for row in rows)
 
 
@@ -111,7 +111,7 @@ wp.set_module_options({"enable_backward": False})
 
 @wp.struct
 class Layout:
-    """How patches lie in their field."""
+    """Tells how patches lie in their field."""
 
     vectors: wp.int32  # of a line of a patch
     first_row: wp.array(dtype=wp.int32)  # of the domain's cells, where a patch begins
@@ -121,7 +121,7 @@ class Layout:
 
 @wp.func
 def sum_of(v: Cells):
-    """Sum of the lanes."""
+    """Add up the lanes."""
     total = ZERO
     for j in range(LANES):
         total += v[j]
@@ -130,7 +130,7 @@ def sum_of(v: Cells):
 
 @wp.func
 def lowest_of(v: Cells):
-    """Smallest of the lanes, pair by pair: one after another it takes twice as long."""
+    """Return the smallest of the lanes, pair by pair: one after another it takes twice as long."""
     return wp.min(
         wp.min(wp.min(v[0], v[1]), wp.min(v[2], v[3])),
         wp.min(wp.min(v[4], v[5]), wp.min(v[6], v[7])),
@@ -139,7 +139,7 @@ def lowest_of(v: Cells):
 
 @wp.func
 def largest_of(v: Cells):
-    """Largest of the lanes, pair by pair."""
+    """Find the largest of the lanes, pair by pair."""
     return wp.max(
         wp.max(wp.max(v[0], v[1]), wp.max(v[2], v[3])),
         wp.max(wp.max(v[4], v[5]), wp.max(v[6], v[7])),
@@ -148,5 +148,5 @@ def largest_of(v: Cells):
 
 @wp.func
 def of_row(values: wp.array(dtype=wp.float64), row: wp.int32):
-    """The value of a row, or the one value that all rows share."""
+    """Return the value of a row, or the one value that all rows share."""
     return values[wp.min(row, values.shape[0] - 1)]

@@ -1,4 +1,4 @@
-"""Gap of a sphere over a disc, and pressure of a cell.
+"""A sphere over a disc leaves a gap, and a cell of it bears a pressure.
 
 A trial approach is given as base + offset. One ulp of an approach of 0.07 mm changes the load of a worn
 contact by more than 1e-12 of it; `base − gap` is exact near contact, so the offset adds the missing digits.
@@ -14,7 +14,7 @@ wp.set_module_options(native_code.options("law.h"))
 
 @wp.struct
 class Law:
-    """What the pressure of a cell follows from, beside its gap and stiffness."""
+    """Holds what the pressure of a cell follows from, beside its gap and stiffness."""
 
     base: wp.float64  # approach = base + offset [mm]
     offset: wp.float64
@@ -25,13 +25,13 @@ class Law:
 
 @wp.func_native("return pressure_by(law, gap, stiffness);")
 def pressure_of(law: Law, gap: wp.float64, stiffness: wp.float64) -> wp.float64:
-    """Capped foundation; cells tied with the approach (overlap within ± tie_width) share one pressure."""
+    """Return a capped foundation's pressure; cells tied with the approach (within ± tie_width) share one."""
     ...
 
 
 @wp.func
 def sag(x: wp.float64, y: wp.float64, curvature: wp.float64):
-    """Height of the sphere over its apex. Written so that neither a small r nor a flat loses digits."""
+    """Return the height of the sphere over its apex, so that neither a small r nor a flat loses digits."""
     r2 = x * x + y * y
     under_root = ONE - r2 * curvature * curvature
     return wp.where(under_root > ZERO, r2 * curvature / (ONE + wp.sqrt(wp.max(under_root, ZERO))), ABSENT)
@@ -50,7 +50,7 @@ def gap(
     gap_out: wp.array2d(dtype=Cells),
     unworn_out: wp.array2d(dtype=Cells),
 ):
-    """Gap of the unworn bodies from the mean planes, twice: sag − roughness of the disc."""
+    """Store the gap of the unworn bodies from the mean planes, twice: sag − roughness of the disc."""
     slot = first_slot + wp.tid() // wp.block_dim()
     for row in range(slot, gap_out.shape[0], slots):
         x = x_first + wp.float64(row) * cell

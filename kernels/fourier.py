@@ -1,4 +1,4 @@
-"""Convolutions of fields: on a CPU by transforms of its own, on any device around those of a library.
+"""Fields are convolved on a CPU by transforms of its own, on any device around those of a library.
 
 The C++ is in `native/fourier.h`, which says how modes lie. Kernels of transforms are of single and of double
 precision, by kind of number.
@@ -53,7 +53,7 @@ def _of_kind(declared: Callable[..., None], kind: Any) -> Callable[..., None]:
 
 @wp.struct
 class Plan:
-    """A convolution of grids that lie one after another, by the order of its modes."""
+    """Describes a convolution of grids that lie one after another, by the order of its modes."""
 
     visited: wp.array(dtype=wp.int32)  # grids that are convolved, the first ones; one number
     rows: wp.int32  # of a grid
@@ -78,7 +78,7 @@ def forward(
     scratch_out: wp.array2d(dtype=Any),
     spectrum_out: wp.array3d(dtype=Any),
 ):
-    """Modes of the rows. turns: cosines and sines, first those that part modes of rows, then of stages."""
+    """Compute modes of rows. turns: cosines and sines, first of what parts modes of rows, then of stages."""
 
 
 @of_both("across_columns")
@@ -101,7 +101,7 @@ def back(
     spectrum_in: wp.array3d(dtype=Any),
     field_out: wp.array2d(dtype=Cells),
 ):
-    """Cells of the rows from their modes."""
+    """Compute the cells of the rows from their modes."""
 
 
 @of_both("convolve_grids")
@@ -120,7 +120,7 @@ def convolve(
 
 @wp.struct
 class Around:
-    """Grids that lie one after another, and what is done with their modes, around transforms of a library."""
+    """Describes grids that lie one after another, and what is done with their modes between transforms."""
 
     visited: wp.array(dtype=wp.int32)  # grids that are convolved, the first ones; one number
     rows: wp.int32  # of a grid
@@ -132,12 +132,12 @@ class Around:
 
 @of_both("pad_rows")
 def pad(grids: Around, field_in: wp.array2d(dtype=Cells), padded_out: wp.array3d(dtype=Any)):
-    """Cells of grids into padded ones, whose padding stays zero."""
+    """Copy cells of grids into padded ones, whose padding stays zero."""
 
 
 @of_both("crop_rows")
 def crop(grids: Around, padded_in: wp.array3d(dtype=Any), field_out: wp.array2d(dtype=Cells)):
-    """The way back."""
+    """Copy the fields out of their padding."""
 
 
 @of_both("multiply_modes")

@@ -1,4 +1,4 @@
-"""C++ of kernels: headers in `native/`, which stand before the code that Warp makes of a module.
+"""C++ of kernels is headers in `native/`, which stand before the code that Warp makes of a module.
 
 A native function of a module is a line that calls what a header defines. Headers are templates, as the
 structs of a module come after them, and text of the module: a header that changes is compiled anew.

@@ -1,4 +1,4 @@
-"""Newton's search for a load inside a bracket, one trial after another.
+"""Newton's search finds a load inside a bracket, one trial after another.
 
 What carries a load rises with the offset looked for, and piecewise linearly where cells follow springs.
 Newton's step is taken while it stays inside the bracket and the bracket halves at least every second
@@ -36,7 +36,7 @@ DIGITS = wp.constant(wp.float64(1.0e3))
 
 @wp.struct
 class Bracket:
-    """A search: its trial offset, the bracket of the solution, and how far it is."""
+    """Holds a search: its trial offset, the bracket of the solution, and how far it is."""
 
     offset: wp.float64
     low: wp.float64
@@ -49,7 +49,7 @@ class Bracket:
 
 @wp.func
 def bracket_at(offset: wp.float64, reach: wp.float64):
-    """A search that begins at an offset, with steps of a length at first; of 0 the shortest."""
+    """Return a search that begins at an offset, with steps of a length at first; of 0 the shortest."""
     b = Bracket()
     b.offset = offset
     b.low = -NONE
@@ -102,7 +102,7 @@ def next_trial(
     tolerance: wp.float64,
     linear_range: wp.float64,
 ):
-    """The search with its next trial, or at its end, by the force and its slope at the last one.
+    """Return the search with its next trial, or at its end, by the force and its slope at the last one.
 
     tolerance: of the force. linear_range: way as far as which the force is surely a straight line; 0 where
     that is not known.

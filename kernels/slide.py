@@ -1,4 +1,4 @@
-"""A step of a pair of bodies, one of which may be displaced: what changes from one to the next."""
+"""A slide tells what changes from step to step of a pair of bodies, one of which may be displaced."""
 
 import warp as wp
 
@@ -7,7 +7,7 @@ wp.set_module_options({"enable_backward": False})
 
 @wp.struct
 class Slide:
-    """A step, or a part of one; passes read it from an array of one."""
+    """Describes a step, or a part of one; passes read it from an array of one."""
 
     number: wp.int32  # of the step in its replay
     rows: wp.int32  # of cells that are visited
@@ -29,6 +29,6 @@ class Slide:
 
 @wp.func
 def beneath(row: wp.int32, shift: wp.int32, rows: wp.int32):
-    """The disc's row under a row of the sphere; 0 ≤ shift < rows."""
+    """Return the disc's row under a row of the sphere; 0 ≤ shift < rows."""
     displaced = row + shift
     return wp.where(displaced < rows, displaced, displaced - rows)

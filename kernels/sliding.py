@@ -50,7 +50,7 @@ class Bodies:
 
 @wp.struct
 class OfRows:
-    """The sums of `OfTiles` over every row of the sphere and of the disc."""
+    """Holds the sums of `OfTiles` over every row of the sphere and of the disc."""
 
     touched: wp.array(dtype=wp.float64)
     worn_sphere: wp.array(dtype=wp.float64)
@@ -86,7 +86,7 @@ class Bounds:
 
 @wp.struct
 class StepTables:
-    """Tables of partial results of a step, one column a slot."""
+    """Holds tables of partial results of a step, one column a slot."""
 
     sums: wp.array2d(dtype=wp.float64)  # lines of `TrackSum`
     maxima: wp.array2d(dtype=wp.float64)  # lines of `TrackMost`

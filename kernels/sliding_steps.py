@@ -1,4 +1,4 @@
-"""Steps of a sphere and a disc displaced under it, or lying still: their plan, searches and history.
+"""Steps of a sphere on a disc that moves under it, or lies still, have a plan, searches and a history.
 
 A step is a list of tiles, as each displacement has its own, a search for the load balance, see `balance` and
 `bearing`, a pass that wears, see `sliding`, and a row of the history. The search begins at the last approach,

@@ -20,7 +20,7 @@ TWO = wp.constant(wp.float64(2.0))
 
 @wp.struct
 class Listing:
-    """What a list of tiles serves: it holds all with a gap up to its limit."""
+    """Tells what a list of tiles serves: it holds all with a gap up to its limit."""
 
     limit: wp.float64  # [mm]
     asked: wp.float64  # approach that it was asked to serve; to hold enough it may serve more [mm]
@@ -43,7 +43,7 @@ class Tiles:
 
 @wp.func
 def reached(before: Listing, approach: wp.float64, margin: wp.float64):
-    """The list as an approach needs it; a new one reaches a margin beyond.
+    """Return the list as an approach needs it; a new one reaches a margin beyond.
 
     One that reaches much further than that is made anew as well: it costs more than it saves.
     """
@@ -56,7 +56,7 @@ def reached(before: Listing, approach: wp.float64, margin: wp.float64):
 
 @wp.func
 def list_from(before: Listing, lowest: wp.float64):
-    """The list that a first search begins with, from the lowest gap [mm]; any there is, if one was made."""
+    """Return the list that a first search begins with, from the lowest gap [mm]; else the one made before."""
     lists = before
     if lists.is_fixed == 0 and lists.is_fresh == 1:
         lists.limit = lowest
@@ -66,7 +66,7 @@ def list_from(before: Listing, lowest: wp.float64):
 
 @wp.func
 def kept_of(row: wp.int32, t: wp.int32, gap: wp.array2d(dtype=Cells), unworn: wp.array2d(dtype=Cells)):
-    """Number of worn cells of a tile, and the sum of their wear."""
+    """Return the number of worn cells of a tile and the sum of their wear."""
     touched = ZERO
     both = Cells(ZERO)
     for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap.shape[1])):
@@ -81,5 +81,5 @@ def kept_of(row: wp.int32, t: wp.int32, gap: wp.array2d(dtype=Cells), unworn: wp
 def limit_of(
     lowest: wp.array2d(dtype=wp.float64), rows_apart: wp.int32, tiles: wp.int32, limit: wp.float64
 ) -> wp.float64:
-    """The limit up to which so many tiles of a sample of the rows have a cell."""
+    """Return the limit up to which so many tiles of a sample of the rows have a cell."""
     ...

@@ -56,7 +56,7 @@ class Increment:
 
 @wp.struct
 class Tables:
-    """Tables of partial results, one column a slot."""
+    """Holds tables of partial results, one column a slot."""
 
     sums: wp.array2d(dtype=wp.float64)  # lines of `WearSum`
     maxima: wp.array2d(dtype=wp.float64)  # lines of `WearMost`

@@ -1,4 +1,4 @@
-"""Archard wear of both bodies by a stored pressure: of a grid at rest, on a track, and of patches.
+"""A stored pressure wears both bodies by Archard's law: of a grid at rest, on a track, and of patches.
 
 While a disc moves under the sphere, its asperities and the pressure move with it during a step. A cell of the
 disc is worn by its own pressure, one of the sphere by the mean of those that pass over it along x.
@@ -19,7 +19,7 @@ wp.set_module_options(native_code.options("film.h", "wear_from_pressure.h"))
 
 @wp.struct
 class Pressed:
-    """What a search leaves of a contact, and the caps of its cells."""
+    """Holds what a search leaves of a contact, and the caps of its cells."""
 
     pressure: wp.array2d(dtype=Cells)  # [MPa]
     means: wp.array2d(dtype=Cells)  # of the pressure along x, see `means`; one row where no disc moves
@@ -45,7 +45,7 @@ def gaps(
     means_in: wp.array2d(dtype=Cells),
     gap_out: wp.array2d(dtype=Cells),
 ):
-    """Gap that a cell of the displaced disc meets on its way through a step.
+    """Return the gap that a cell of the displaced disc meets on its way through a step.
 
     means_in: of the sphere's wear along that way, instead of the wear at its middle.
     """
@@ -62,7 +62,7 @@ def wear(
     sums_out: wp.array2d(dtype=wp.float64),
     maxima_out: wp.array2d(dtype=wp.float64),
 ):
-    """One increment of wear in place: the disc loses K ΔL p, the sphere K ΔL times the mean that passes it.
+    """Wear an increment in place: the disc loses K ΔL p, the sphere K ΔL times the mean that passes it.
 
     Without a disc all wear is the sphere's, whose height is then the gap. A disc that keeps its dents is
     displaced for good by what is beyond the gap after the step. Sums are lines of `PressureSum`, maxima of

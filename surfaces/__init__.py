@@ -1,4 +1,4 @@
-"""Surfaces of warpwear: heights in millimetres at any points, from formulae or measurements."""
+"""Surfaces are heights in millimetres at any points, from formulae or measurements."""
 
 if __name__ != "warpwear.surfaces":
     raise ImportError("import this package as warpwear.surfaces")

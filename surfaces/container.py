@@ -30,7 +30,7 @@ BLOCK = 2**20  # bytes that are unpacked together
 
 @dataclass(frozen=True)
 class Member:
-    """A container lists a measurement.
+    """Describes a measurement that a container lists.
 
     label: its name, with that of its surface where there are several; about: what the list says of it.
     """

@@ -1,4 +1,4 @@
-"""Level and filter measured heights."""
+"""Measured heights are levelled and filtered."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""The active-set solve of the last undecided cells of a half-space contact.
+"""The last undecided cells of a half-space contact are solved by their active set.
 
 `native/half_space/active_set.h` has its arithmetic.
 """
@@ -6,8 +6,8 @@
 import warp as wp
 
 from warpwear.kernels.cells import ONE, ZERO
-from warpwear.kernels.half_space.decisions import drifted
 from warpwear.kernels.half_space.solve import TOGETHER, ActiveSet, Flag, Solve, all_lines
+from warpwear.kernels.half_space.steps import drifted
 from warpwear.kernels.native_code import native_pass
 from warpwear.kernels.newton import HALF
 

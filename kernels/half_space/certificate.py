@@ -33,7 +33,7 @@ LINES = 11
 
 @wp.struct
 class Proven:
-    """What is certified of the cells that share one load and one approach, and what that rests on."""
+    """Holds what is certified of the cells that share one load and one approach, and what that rests on."""
 
     approach: wp.float64  # λ [mm]
     load: wp.float64  # Σ p that was to be carried [MPa]; negative where none was
@@ -53,7 +53,7 @@ class Proven:
 
 @wp.struct
 class ProofFields:
-    """The fields that a certificate looks at."""
+    """Holds the fields that a certificate looks at."""
 
     pressure: wp.array2d(dtype=Cells)  # p [MPa]
     gap: wp.array2d(dtype=Cells)  # [mm]
@@ -64,7 +64,7 @@ class ProofFields:
 
 @wp.struct
 class Proof:
-    """A certificate in the making."""
+    """Holds a certificate while it is made."""
 
     columns: wp.int32  # of the grid, without padding
     fields: ProofFields

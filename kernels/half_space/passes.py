@@ -1,4 +1,4 @@
-"""The passes over all cells of a search of the half-space solver.
+"""A search of the half-space solver makes these passes over all cells.
 
 `native/half_space/search.h` and `extension.h` beside it have their loops.
 """

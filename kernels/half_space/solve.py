@@ -1,4 +1,4 @@
-"""What a search of the half-space solver knows: its rules, its fields, and the numbers of its groups of rows.
+"""A search of the half-space solver knows its rules, its fields, and the numbers of its groups of rows.
 
 A group carries one load at one approach: all rows together, or each row for itself.
 """
@@ -28,7 +28,7 @@ LINES = 9
 
 
 class Request(IntEnum):
-    """What the host asks of a search: places in `Solve.request`."""
+    """Names what the host asks of a search: places in `Solve.request`."""
 
     RESPONSE = 0  # to a pressure that alternates from cell to cell, compliance included [mm/MPa]
     AT_LOAD = 1  # 1 at loads, 0 at approaches
@@ -40,7 +40,7 @@ class Request(IntEnum):
 
 
 class Flag(IntEnum):
-    """What a decision says of what follows: places in `Solve.flags`."""
+    """Names what a decision says of what follows: places in `Solve.flags`."""
 
     STARTS = 0
     ANEW = 1
@@ -63,7 +63,7 @@ class Flag(IntEnum):
 
 @wp.struct
 class Rules:
-    """What a search goes by; see `contact.half_space.search.SearchRules`."""
+    """Holds what a search goes by; see `contact.half_space.search.SearchRules`."""
 
     elastic_fraction: wp.float64
     patience: wp.int32
@@ -91,7 +91,7 @@ class Rules:
 
 @wp.struct
 class Group:
-    """Rows that carry one load at one approach."""
+    """Holds the numbers of rows that carry one load at one approach."""
 
     load: wp.float64  # Σ p that is to be carried [MPa]
     level: wp.float64  # approach λ [mm]
@@ -111,7 +111,7 @@ class Group:
 
 @wp.struct
 class Numbers:
-    """What all groups have in common."""
+    """Holds what all groups have in common."""
 
     response: wp.float64  # to a pressure that alternates from cell to cell [mm/MPa]
     stiffness: wp.float64  # its reciprocal [MPa/mm]
@@ -147,7 +147,7 @@ class Numbers:
 
 @wp.struct
 class Fields:
-    """What a search moves, and the caps; arrays of the executor's fields."""
+    """Holds what a search moves, and the caps; arrays of the executor's fields."""
 
     gap: wp.array2d(dtype=Cells)  # g [mm]
     pressure: wp.array2d(dtype=Cells)  # p [MPa]
@@ -162,7 +162,7 @@ class Fields:
 
 @wp.struct
 class ActiveSet:
-    """The few cells whose place between the bounds is open, and room to move them."""
+    """Lists the few cells whose place between the bounds is open, with room to move them."""
 
     count: wp.array(dtype=wp.int32)  # one number
     row: wp.array(dtype=wp.int32)
@@ -188,7 +188,7 @@ class ActiveSet:
 
 @wp.struct
 class Solve:
-    """A search, and where its passes leave what they find."""
+    """Holds a search, and where its passes leave what they find."""
 
     columns: wp.int32  # of the grid, without padding
     wraps: wp.int32  # 1 where the surface repeats beyond its edges
@@ -206,13 +206,13 @@ class Solve:
 
 @wp.func_native("return lane_of_slot();")
 def lane() -> wp.int32:
-    """Number of a thread in its slot."""
+    """Return the number of a thread in its slot."""
     ...
 
 
 @wp.func_native("return width_of_slot();")
 def width() -> wp.int32:
-    """How many threads a slot has."""
+    """Tell how many threads a slot has."""
     ...
 
 

@@ -1,4 +1,4 @@
-"""What moves fields between the grid of a search and others: a larger grid, and cells twice as wide.
+"""Fields move between the grid of a search and others: a larger grid, and cells twice as wide.
 
 The loops over cells are in `native/half_space/windows.h`.
 """
@@ -13,7 +13,7 @@ from warpwear.kernels.native_code import native_pass
 
 @wp.struct
 class Transfer:
-    """A field, and the one of another grid that it goes to."""
+    """Holds a field, and the one of another grid that it goes to."""
 
     field: wp.array2d(dtype=Cells)
     target: wp.array2d(dtype=Cells)
@@ -23,7 +23,7 @@ class Transfer:
 
 @wp.struct
 class Reach:
-    """What a contact reaches: its cells below its approach, and the level of its certificate."""
+    """Tells what a contact reaches: its cells below its approach, and the level of its certificate."""
 
     gap: wp.array2d(dtype=Cells)
     columns: wp.int32

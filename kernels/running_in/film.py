@@ -1,4 +1,4 @@
-"""Which cells of a contact are bare of film, and what that does to their caps.
+"""Cells of a contact are bare of film where it wore, and that changes their caps.
 
 A body's cell has lost its film where more than the film's thickness was worn off it since the film was last
 whole. A cell of the contact is bare where that holds of every body that carries one. Fields are those of the
@@ -19,7 +19,7 @@ wp.set_module_options(native_code.options("film.h", "wear_from_pressure.h"), mod
 
 @wp.struct
 class Coat:
-    """The film of one body, field by field; fields of no rows where there is none, or it never forms anew."""
+    """Holds one body's film by fields; these have no rows where there is none, or it never forms anew."""
 
     wear: wp.array2d(dtype=Cells)  # of the body, from its unworn surface [mm]
     whole: wp.array2d(dtype=Cells)  # that wear, when the film was last whole [mm]
@@ -29,7 +29,7 @@ class Coat:
 
 @wp.struct
 class Films:
-    """The films of both bodies, and what they make of the cells of the contact."""
+    """Holds the films of both bodies, and what they make of the cells of the contact."""
 
     sphere: Coat
     disc: Coat
@@ -60,5 +60,5 @@ def bare_under_pressure(
     pressure_in: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
 ):
-    """Bare cells among those with a pressure, of the rows visited."""
+    """Count bare cells among those with a pressure, of the rows visited."""
     ...

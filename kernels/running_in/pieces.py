@@ -28,7 +28,7 @@ TAKES, SHEDS, DONE = (wp.constant(wp.int32(n)) for n in range(3))
 
 @wp.struct
 class Footprint:
-    """What is the same for all pieces."""
+    """Holds what is the same for all pieces."""
 
     along: wp.array(dtype=wp.int32)  # offsets of its cells
     across: wp.array(dtype=wp.int32)
@@ -42,7 +42,7 @@ class Footprint:
 
 @wp.struct
 class Body:
-    """One of the bodies, and what is due of it."""
+    """Holds one of the bodies, and what is due of it."""
 
     height: wp.array2d(dtype=wp.float64)  # as worn [mm]
     wear: wp.array2d(dtype=wp.float64)  # [mm]
@@ -62,7 +62,7 @@ class Body:
 
 @wp.struct
 class Both:
-    """Both bodies of a contact."""
+    """Holds both bodies of a contact."""
 
     footprint: Footprint
     sphere: Body
@@ -71,7 +71,7 @@ class Both:
 
 @wp.func
 def row_at(row: wp.int32, body: Body):
-    """A row of a body, also beyond its ends; −1 where there is none."""
+    """Return a row of a body, also beyond its ends; −1 where there is none."""
     rows = body.pending.shape[0]
     if row >= 0 and row < rows:
         return row

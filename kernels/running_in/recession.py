@@ -22,7 +22,7 @@ RIGID = wp.constant(wp.float64(1.0e300))
 
 @wp.struct
 class Curve:
-    """A logistic bearing area curve φ(z)."""
+    """Describes a logistic bearing area curve φ(z)."""
 
     middle: wp.float64  # m [mm]
     scale: wp.float64  # s [mm]
@@ -30,7 +30,7 @@ class Curve:
 
 @wp.func
 def depth_beyond(volume: wp.float64, curve: Curve):
-    """z(v) − v: how much deeper the surface stands than its mean worn depth."""
+    """Return z(v) − v: how much deeper the surface stands than its mean worn depth."""
     q = wp.exp(-curve.middle / curve.scale)
     worn = wp.min(volume / curve.scale, STRAIGHT)
     bent = curve.middle + curve.scale * wp.log(q + (ONE + q) * (wp.exp(worn) - ONE)) - volume
@@ -40,7 +40,7 @@ def depth_beyond(volume: wp.float64, curve: Curve):
 
 @wp.func
 def bearing_ratio(volume: wp.float64, curve: Curve):
-    """The fraction φ of the area that bears where a mean depth v [mm] was worn off."""
+    """Return the fraction φ of the area that bears where a mean depth v [mm] was worn off."""
     z = volume + depth_beyond(volume, curve)
     return ONE / (ONE + wp.exp(-(z - curve.middle) / curve.scale))
 
@@ -55,7 +55,7 @@ def stiffness(
     wear_disc_in: wp.array2d(dtype=Cells),
     stiffness_out: wp.array2d(dtype=Cells),
 ):
-    """1/c of the cells in an implicit step: their own compliance and the wear of both bodies, K ΔL/φ.
+    """Store 1/c of the cells in an implicit step: their own compliance and the wear of both bodies, K ΔL/φ.
 
     factor_in: of the sliding distance of the disc's cells. A curve without a scale bears everywhere; else φ
     is as it is at the step's start.

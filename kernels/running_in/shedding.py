@@ -38,7 +38,7 @@ COLUMNS = 7
 
 @wp.struct
 class Release:
-    """The pieces that have left, and the flags by which a program goes on."""
+    """Holds the pieces that have left, and the flags by which a program goes on."""
 
     pieces: wp.array2d(dtype=wp.float64)
     count: wp.array(dtype=wp.int32)
@@ -51,7 +51,7 @@ class Release:
 
 @wp.func
 def sum_around(cell: wp.int32, anew: wp.int32, footprint: Footprint, body: Body):
-    """What is pending in the footprint around a cell; only where a piece was due, unless anew."""
+    """Sum up what is pending in the footprint of a cell; only where a piece was due, unless anew."""
     if anew == 0 and body.sums[cell] < footprint.needed:
         return
     row = cell // body.pending.shape[1]
@@ -178,7 +178,7 @@ def begin_rounds(first_slot: wp.int32, slots: wp.int32, body: Body, release: Rel
 
 @wp.kernel(module=TOGETHER)
 def sum_up(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Body):
-    """What is pending around the cells listed; after the first round only where a piece was due."""
+    """Sum up what is pending around the cells listed; after the first round only where a piece was due."""
     anew = wp.where(body.counts[ROUND] == 0, 1, 0)
     for n in range(first_slot * wp.block_dim() + wp.tid(), body.counts[CANDIDATES], slots * wp.block_dim()):
         sum_around(body.candidates[n], anew, footprint, body)
@@ -186,7 +186,7 @@ def sum_up(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Bo
 
 @wp.kernel(module=TOGETHER)
 def find_peaks(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Body):
-    """The peaks among the cells listed."""
+    """Find the peaks among the cells listed."""
     for n in range(first_slot * wp.block_dim() + wp.tid(), body.counts[CANDIDATES], slots * wp.block_dim()):
         find_peak(body.candidates[n], footprint, body)
 

@@ -1,1 +1,1 @@
-"""Decisions of a contact of patches: how they share a load, what a smooth contact prescribes, whole steps."""
+"""Patches share a load or carry what a smooth contact prescribes: these are the decisions of their steps."""

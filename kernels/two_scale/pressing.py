@@ -1,4 +1,4 @@
-"""Patches that carry what a smooth contact prescribes: its own balance, and the search of every patch."""
+"""Patches carry what a smooth contact prescribes: it has a balance, and every patch a search."""
 
 import warp as wp
 

@@ -1,4 +1,4 @@
-"""The search for the approaches at which patches share a load: one decision after each pass over the cells.
+"""A search finds the approaches at which patches share a load, by a decision after each pass over the cells.
 
 A patch k carries the mean pressure p_k at its approach u_k; behind it is a spring, so that all have
 
@@ -51,7 +51,7 @@ SEARCHES = wp.constant(wp.int32(8))
 
 @wp.struct
 class Load:
-    """What patches carry together."""
+    """Holds what patches carry together."""
 
     load: wp.float64  # F [N]
     area: wp.float64  # that each stands for [mm²]
@@ -62,7 +62,7 @@ class Load:
 
 @wp.struct
 class Search:
-    """Numbers of a search. Lengths are offsets from its bases [mm]."""
+    """Holds the numbers of a search. Lengths are offsets from its bases [mm]."""
 
     flexibility: wp.float64  # 1/K_N [mm³/N], 0 without a spring
     common_base: wp.float64  # of the bodies' approach δ [mm]
@@ -78,7 +78,7 @@ class Search:
 
 @wp.struct
 class Flags:
-    """What loops and branches of a program go by, one number each."""
+    """Holds what loops and branches of a program go by, one number each."""
 
     searching: wp.array(dtype=wp.int32)
     unanswered: wp.array(dtype=wp.int32)  # whether the patches must be asked at the trial approaches

@@ -23,7 +23,7 @@ QUARTER = wp.constant(wp.float64(math.pi / 4.0))
 
 @wp.struct
 class Now:
-    """The step that is being computed."""
+    """Holds the step that is being computed."""
 
     removal: wp.float64  # K ΔL of both bodies [mm³/N]
     stiffness: wp.float64  # 1/c of the cells [N/mm³]
@@ -38,7 +38,7 @@ class Now:
 
 @wp.struct
 class Memory:
-    """What the next step goes by of those before, one number each; rates are those of the last two steps."""
+    """Holds what the next step goes by of those before, one number each; rates are of the last two steps."""
 
     steps: wp.float64  # made so far
     approach: wp.float64  # of the bodies [mm]
@@ -54,7 +54,7 @@ class Memory:
 
 @wp.struct
 class Steps:
-    """What steps of a contact have in common, their plan, and what lies between them."""
+    """Holds what steps of a contact have in common, their plan, and what lies between them."""
 
     load: Load
     lowest: wp.float64  # of all cells before any wear [mm]
@@ -75,7 +75,7 @@ class Steps:
 
 @wp.struct
 class Courses:
-    """What the next step goes by of every patch, one number each."""
+    """Holds what the next step goes by of every patch, one number each."""
 
     start: wp.array(dtype=wp.float64)  # from which it counts; without pressure it hangs on the bodies [mm]
     deflection: wp.array(dtype=wp.float64)  # of its spring [mm]

@@ -1,1 +1,1 @@
-"""Which approach carries the load: balances of local laws and the elastic-plastic half-space."""
+"""The approach that carries the load is found here, by local laws and on the elastic-plastic half-space."""

@@ -15,7 +15,7 @@ MAX_EVALUATIONS = 400
 
 
 class Balance(NamedTuple):
-    """A solved contact: what `contact.pressure_of` needs, and how well the load is met."""
+    """Holds of a solved contact what `contact.pressure_of` needs, and how well the load is met."""
 
     base: float  # approach = base + offset [mm]
     offset: float  # [mm]
@@ -27,17 +27,17 @@ class Balance(NamedTuple):
 
     @property
     def approach(self) -> float:
-        """Rigid approach from the mean planes [mm]."""
+        """Return the rigid approach from the mean planes [mm]."""
         return self.base + self.offset
 
 
 def stiffness_of(compliance: float) -> float:
-    """1/c [N/mm³] of a compliance [mm³/N], `RIGID` at most."""
+    """Return 1/c [N/mm³] of a compliance c [mm³/N], `RIGID` at most."""
     return min(1.0 / compliance, RIGID) if compliance else RIGID
 
 
 def residual_of(carried: float, load: float, *, approach: float) -> float:
-    """What the pressures that wore carry beyond the load [N]. approach: theirs [mm].
+    """Return what the pressures that wore carry beyond the load [N]. approach: theirs [mm].
 
     Raises ConvergenceError where it is more than a balance and its rounding leave.
     """

@@ -1,4 +1,4 @@
-"""The certificate of a pressure: what it violates, and how far its energy can lie above the least.
+"""A certificate tells what a pressure violates, and how far its energy can lie above the least.
 
 It is reckoned from the pressure that is returned and the gap which that leaves, made anew, by passes and
 decisions of the device. Nothing that the search believes goes into it but the approach.
@@ -25,7 +25,7 @@ LOAD_TOLERANCE = 2.0 * TOLERANCE
 
 @dataclass(frozen=True)
 class Certificate:
-    """What a pressure p between 0 and H is worth that was solved for a load or at an approach λ.
+    """Tells what a pressure p between 0 and H is worth that was solved for a load or at an approach λ.
 
     t is the gap after deformation, from the mean planes, so that t − λ is what lies between the bodies. The
     conditions are t = λ where 0 < p < H, t ≥ λ where p = 0 and t ≤ λ where p = H.
@@ -90,7 +90,7 @@ class Certificate:
 
     @property
     def fault(self) -> str:
-        """What keeps the pressure from being certified, as half a sentence; empty where nothing does."""
+        """Return what keeps the pressure from being certified, as half a sentence, or an empty one."""
         if not self.beyond_bounds <= 0.0:
             return f"a pressure is beyond its bounds by {self.beyond_bounds:.3g} MPa"
         if not abs(self.load_residual) <= LOAD_TOLERANCE:
@@ -180,7 +180,7 @@ class Proof:
 
 
 def columns_of(*certificates: Certificate | None) -> dict[str, float]:
-    """Columns of a step from the certificates of its solves, the worst of them; NaN where there is none."""
+    """Return a step's columns from its solves' certificates, the worst of them; NaN where there is none."""
     there = [certificate for certificate in certificates if certificate is not None]
     return {
         "violation": max((one.violation for one in there), default=math.nan),

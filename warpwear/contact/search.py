@@ -1,4 +1,4 @@
-"""The load balance of cells that do not feel each other, as a part of a program."""
+"""The load of cells that do not feel each other is balanced as a part of a program."""
 
 from typing import Any
 
@@ -102,7 +102,7 @@ class LoadSearch:
         )
 
     def pressures(self, at: Balance | None = None) -> FloatArray:
-        """The pressure of every cell [MPa], shape (nx, ny). at: a balance; None: the one that was found."""
+        """Return the pressure of every cell [MPa], shape (nx, ny). at: a balance; None: the one found."""
         field = self._executor.zeros()
         if at is not None:
             law = self.law.numpy()

@@ -1,1 +1,1 @@
-"""Where kernels run: the device, its threads, its fields and the tiles of a field that are visited."""
+"""Kernels run here: on a device, by its threads, over its fields and those tiles of them that are visited."""

@@ -1,4 +1,4 @@
-"""The device that a run asks for: whether it is there, how many threads, and whether its memory will do."""
+"""A run asks for a device: it is there or not, has so many threads, and its memory will do or not."""
 
 import os
 from collections.abc import Iterator
@@ -14,7 +14,7 @@ from warpwear.grid import Grid
 
 @contextmanager
 def report_out_of_memory(grid: Grid) -> Iterator[None]:
-    """InputError, naming the grid, where the memory of the host or of a GPU runs out all the same."""
+    """Raise InputError, naming the grid, where the memory of the host or of a GPU runs out all the same."""
     try:
         yield
     except (MemoryError, RuntimeError) as error:
@@ -30,7 +30,7 @@ def report_out_of_memory(grid: Grid) -> Iterator[None]:
 
 
 def find_device(name: str) -> Any:
-    """Warp's device of this name. Raises InputError, naming those that are there."""
+    """Return Warp's device of this name. Raises InputError, naming those that are there."""
     if wp.config.log_level == wp.LOG_INFO:  # no greeting on a user's terminal, unless one was asked for
         wp.config.log_level = wp.LOG_ERROR
     try:
@@ -47,7 +47,7 @@ def find_device(name: str) -> Any:
 
 
 def free_memory(device: str) -> dict[str, int]:
-    """Memory that is free on the host and on a device [B], by what a sentence calls them.
+    """Return the memory that is free on the host and on a device [B], by what a sentence calls them.
 
     Raises InputError for a device that is not there.
     """
@@ -95,12 +95,12 @@ def check_threads(threads: int | None) -> int:
 
 
 def usable_cores() -> int:
-    """The number of cores that this process may use."""
+    """Return the number of cores that this process may use."""
     process = psutil.Process()
     return len(process.cpu_affinity()) if hasattr(process, "cpu_affinity") else psutil.cpu_count() or 1
 
 
 def gpu_count() -> int:
-    """The number of GPUs of CUDA here."""
+    """Return the number of GPUs of CUDA here."""
     find_device("cpu")
     return int(wp.get_cuda_device_count())

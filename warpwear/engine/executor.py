@@ -1,4 +1,4 @@
-"""Where kernels run: a device, its threads, and the storage of fields. Programs launch on it, see `program`.
+"""Kernels run on a device, by its threads, over fields that it stores. Programs launch there, see `program`.
 
 A pass works on slots, one slot a row of cells on a CPU and a block of threads on a GPU; each slot writes its
 own column of the table of partial results, so that no result depends on the number of threads. On a CPU a
@@ -100,15 +100,15 @@ class Executor:
 
     @property
     def is_shared(self) -> bool:
-        """Whether passes over many cells are shared among threads."""
+        """Tell whether passes over many cells are shared among threads."""
         return self._pool is not None
 
     def slots_of(self, rows: int) -> int:
-        """Slots of a pass over rows: on a CPU one each, on a GPU of as many rows each as the others."""
+        """Return the slots of a pass over rows: on a CPU one each, on a GPU of equally many rows each."""
         return rows if self.device.is_cpu else -(-rows // -(-rows // MOST_SLOTS_CUDA))
 
     def equal_chunks(self, slots: int) -> list[tuple[int, int]]:
-        """Ranges of slots for the threads, of passes over whole rows."""
+        """Return ranges of slots for the threads, of passes over whole rows."""
         if not self.device.is_cpu:
             return [(0, slots)]
         return self.split_rows(np.full(slots, -(-self.grid.cells // slots)))
@@ -121,7 +121,7 @@ class Executor:
             future.result()
 
     def split_rows(self, cells: Any) -> list[tuple[int, int]]:
-        """Ranges of slots for the threads, with about as many cells each. cells: of each row visited."""
+        """Return ranges of slots for the threads, of about as many cells each. cells: of each row visited."""
         rows = len(cells)
         if not self.device.is_cpu:
             return [(0, rows)]
@@ -156,7 +156,7 @@ class Executor:
         return wp.array(vectors, dtype=Cells, device=self.device, copy=not self.device.is_cpu)
 
     def to_numpy(self, field: Field) -> FloatArray:
-        """The values of a field, shape (nx, ny); on a CPU a view of its memory."""
+        """Return the values of a field, shape (nx, ny); on a CPU a view of its memory."""
         values: FloatArray = field.numpy().reshape(field.shape[0], -1)[:, : self.grid.ny]
         return values
 

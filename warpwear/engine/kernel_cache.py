@@ -1,4 +1,4 @@
-"""Compiled kernels, which Warp keeps from one process to the next by what they are compiled from."""
+"""Warp keeps compiled kernels from one process to the next, by what they are compiled from."""
 
 import shutil
 from collections.abc import Callable
@@ -53,6 +53,6 @@ def _load(module: Any, device: Any) -> None:
 
 
 def _folder(module: Any, device: Any) -> Path:
-    """Where the kernels of a module are kept compiled for a kind of device."""
+    """Return where the kernels of a module are kept compiled for a kind of device."""
     name = module.get_module_identifier(1 if device.is_cpu else None)
     return Path(wp.config.kernel_cache_dir or ".") / name

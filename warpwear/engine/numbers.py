@@ -1,4 +1,4 @@
-"""Numbers that kernels change, seen by the host by their names."""
+"""The host sees numbers that kernels change by their names."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
@@ -11,7 +11,7 @@ from warpwear.grid import FloatArray
 
 
 class Table:
-    """A table of numbers that kernels read or write, rows × columns, and the host by rows."""
+    """Holds a table of numbers, rows × columns, that kernels read or write, and the host by rows."""
 
     def __init__(self, rows: int, columns: int, device: Any) -> None:
         self.array: Field = wp.zeros((rows, columns), dtype=wp.float64, device=device)
@@ -26,7 +26,7 @@ class Table:
             wp.copy(self.array, host, count=host.size)
 
     def read(self, rows: int) -> FloatArray:
-        """The first rows; on a CPU a view."""
+        """Return the first rows; on a CPU a view."""
         if self._host is not None:
             return self._host[:rows]
         values: FloatArray = self.array[:rows].numpy() if rows else np.zeros((0, self.array.shape[1]))
@@ -34,7 +34,7 @@ class Table:
 
 
 class Numbers:
-    """An instance of a struct in an array of one, which kernels read and, by default, write.
+    """Holds an instance of a struct in an array of one, which kernels read and, by default, write.
 
     On a CPU the host writes into the memory of the array, on a GPU it copies it. written: whether kernels
     write it; else a GPU's need not be read.
@@ -61,7 +61,7 @@ class Numbers:
 
     @property
     def values(self) -> dict[str, Any]:
-        """All of them by name, of a struct of plain numbers."""
+        """Return all members by name, of a struct of plain numbers."""
         host = self._read()
         return {name: host[name][0].item() for name in host.dtype.names}
 
@@ -79,7 +79,7 @@ class Numbers:
 
 
 class Mirror:
-    """Arrays of a device as the host sees them: on a CPU in place, of a GPU as last read or written."""
+    """Shows arrays of a device as the host sees them: on a CPU in place, of a GPU as last read or written."""
 
     def __init__(self, *arrays: Field) -> None:
         self._pairs = [

@@ -1,4 +1,4 @@
-"""A program of a device: passes over cells, decisions, loops and branches, said once and replayed many times.
+"""A device's program has passes over cells, decisions, loops and branches, said once and replayed often.
 
     program = Program(executor)
     with program.loop(searching):           # while searching[0] is not 0
@@ -30,18 +30,18 @@ Chunks = Sequence[tuple[int, int]]
 
 
 class Node(Protocol):
-    """A part of a program."""
+    """A part of a program runs at once, or is added to a recording."""
 
     @property
     def is_recordable(self) -> bool:
-        """Whether a CPU can replay it from a recording."""
+        """Tell whether a CPU can replay this part from a recording."""
 
     def run(self) -> None:
         """Do it now; in a recording, add it to that."""
 
 
 class Launch:
-    """A launch of a kernel, shared among threads where its chunks say so.
+    """Launches a kernel, shared among threads where its chunks say so.
 
     chunks: ranges of slots for the threads; a function tells them anew each time.
     """
@@ -65,7 +65,7 @@ class Launch:
 
     @property
     def is_recordable(self) -> bool:
-        """Whether it is one loop on one core."""
+        """Tell whether the launch is one loop on one core."""
         return not self._is_shared
 
     def run(self) -> None:
@@ -80,7 +80,7 @@ class Launch:
             self._executor.on_threads([command.launch for command in commands])
 
     def _command(self, number: int, chunk: tuple[int, int]) -> Any:
-        """The recorded launch of one thread, over a range of slots."""
+        """Return the recorded launch of one thread, over a range of slots."""
         (first, end), device = chunk, self._executor.device
         width = 1 if device.is_cpu else BLOCK
         is_range = self._takes_range and device.is_cpu
@@ -107,14 +107,14 @@ class Launch:
 
 
 class Call:
-    """A step of the host, such as a transform of a library; on a GPU one that a stream can capture."""
+    """Calls a step of the host, such as a transform of a library; on a GPU one that a stream can capture."""
 
     def __init__(self, function: Callable[[], Any], *, is_recordable: bool) -> None:
         self._function, self._is_recordable = function, is_recordable
 
     @property
     def is_recordable(self) -> bool:
-        """Whether it is launches alone."""
+        """Tell whether the parts are launches alone."""
         return self._is_recordable
 
     def run(self) -> None:
@@ -123,7 +123,7 @@ class Call:
 
 
 class Block:
-    """Parts of a program, one after another, under a flag of the device or under none.
+    """Runs parts of a program, one after another, under a flag of the device or under none.
 
     flag: array of one number, 0 for no. repeats: whether it is asked again after the last of them.
     """
@@ -134,7 +134,7 @@ class Block:
 
     @property
     def is_recordable(self) -> bool:
-        """Whether a CPU can replay it from a recording."""
+        """Tell whether a CPU can replay this part from a recording."""
         return all(node.is_recordable for node in self.nodes)
 
     def run(self) -> None:
@@ -169,7 +169,7 @@ class Block:
 
 
 class Recording:
-    """Parts of a program as a graph that a device replays."""
+    """Holds parts of a program as a graph that a device replays."""
 
     is_recordable = False  # again
 
@@ -197,7 +197,7 @@ def _nothing_collected() -> Iterator[None]:
 
 
 class Program:
-    """A program on an executor. It is recorded when it is first run; nothing can be added then.
+    """Runs passes and decisions on an executor. It is recorded at its first run; nothing can be added then.
 
     shares: whether threads share its passes, where there are enough cells; else it is of one core. records:
     whether it is recorded at all, which takes about as long as making a few of its launches.

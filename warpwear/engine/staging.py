@@ -1,4 +1,4 @@
-"""Arrays of the host by blocks of rows, on every core, and their way to a field of a GPU and back.
+"""Arrays of the host are read by blocks of rows, on every core, and brought to a field of a GPU and back.
 
 A billion cells pass a GPU in a hundredth of a second and a core of the host in one, or in four where their
 memory is new; so nothing here is done by one core, and nothing is laid down on the way but in buffers.
@@ -21,7 +21,7 @@ TOGETHER = 2**21
 
 
 def each(work: Callable[[slice], T], shape: tuple[int, ...], threads: int) -> list[T]:
-    """What the work gives for each block of rows, in their order."""
+    """Return what the work gives for each block of rows, in their order."""
     blocks = blocks_of_rows(shape[0], values=shape[1], together=TOGETHER)
     if min(len(blocks), threads) == 1:
         return [work(rows) for rows in blocks]
@@ -50,7 +50,7 @@ def upload(executor: Executor, make: Callable[[slice], FloatArray], *, padding: 
 
 
 def download(executor: Executor, arrays: list[Any], take: Callable[..., T], pitches: list[int]) -> list[T]:
-    """What `take` gives for each block of rows and what the arrays hold there, each of shape (rows, ny).
+    """Return what `take` gives for each block of rows and what the arrays hold there, each (rows, ny).
 
     arrays: Warp's, of as many rows as the grid and so many numbers a row as `pitches` say. `take` must copy.
     """
@@ -93,5 +93,5 @@ def _groups(
 
 
 def _numbers(array: Any, size: int, executor: Executor) -> Any:
-    """An array of Warp's seen as single numbers, which lie without gaps."""
+    """Return an array of Warp's seen as single numbers, which lie without gaps."""
     return wp.array(ptr=array.ptr, dtype=wp.float64, shape=size, device=executor.device, copy=False)

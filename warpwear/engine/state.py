@@ -1,4 +1,4 @@
-"""What steps change of a model: declared once by each of its parts, saved and restored bit for bit.
+"""Each part of a model declares once what steps change of it, which is saved and restored bit for bit.
 
 A part is an object with a `STATE`, which names the attributes that steps change, with their types:
 
@@ -31,7 +31,7 @@ class Part(Protocol):
 
 
 def save(part: Part) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """Arrays by dotted name, and numbers as JSON keeps them: all that `restore` needs.
+    """Return arrays by dotted name, and numbers as JSON keeps them: all that `restore` needs.
 
     Arrays of a CPU are views, which the next step changes.
     """
@@ -94,7 +94,7 @@ def _restore(part: Any, path: str, arrays: Mapping[str, np.ndarray], numbers: Ma
 
 
 def _take(kind: Any, before: Any, saved: Any, path: str, arrays: Mapping[str, np.ndarray]) -> Any:
-    """A value of some kind; the one before, where that was changed in place."""
+    """Return a value of some kind; the one before, where that was changed in place."""
     if hasattr(before, "STATE"):
         _restore(before, f"{path}.", arrays, saved)
         return before
@@ -126,20 +126,20 @@ def _take(kind: Any, before: Any, saved: Any, path: str, arrays: Mapping[str, np
 
 
 def _alike(saved: Any, before: np.ndarray, path: str) -> Any:
-    """An array that can take the place of another. Raises ValueError."""
+    """Return an array that can take the place of another. Raises ValueError."""
     if getattr(saved, "shape", None) != before.shape or saved.dtype != before.dtype:
         raise ValueError(f"{path} is no array of {before.dtype} of the shape {before.shape}")
     return saved
 
 
 def _members(kind: Any) -> dict[str, Any]:
-    """Types of the members of a dataclass or named tuple, by name."""
+    """Return the types of the members of a dataclass or named tuple, by name."""
     if is_dataclass(kind):
         return {field.name: field.type for field in fields(kind)}
     return dict(getattr(kind, "__annotations__", {})) if hasattr(kind, "_fields") else {}
 
 
 def _columns(part: Any, host: np.ndarray) -> np.ndarray:
-    """The columns of a field that its part names."""
+    """Return the columns of a field that its part names."""
     first, last = part.columns
     return host.reshape(host.shape[0], -1)[:, first:last]

@@ -1,4 +1,4 @@
-"""The list of tiles that a contact can reach: what a step has to visit of a field."""
+"""A list holds the tiles that a contact can reach, which a step has to visit of a field."""
 
 import math
 from typing import ClassVar
@@ -69,7 +69,7 @@ class Tiles:
 
     @property
     def listed(self) -> int:
-        """Number of tiles that are listed."""
+        """Return the number of tiles that are listed."""
         return int(self.lists["listed"])
 
     def add_to(self, program: Program) -> None:
@@ -90,7 +90,7 @@ class Tiles:
 
     @property
     def chunks(self) -> Chunks:
-        """Ranges of slots for the threads, of passes over what is listed."""
+        """Return ranges of slots for the threads, of passes over what is listed."""
         number = self.lists["lists"]
         if self._split is None or self._split[0] != number:
             cells = self.count.numpy() * self._cells_of_tile

@@ -1,1 +1,1 @@
-"""What a step leaves: a row of the history, and fields where they are asked for."""
+"""A step leaves a row of the history, and fields where they are asked for."""

@@ -1,4 +1,4 @@
-"""The arrangements of bodies that a run may have: what each is called, and which studies ask for it.
+"""A run has one of these arrangements of bodies: each has a name, and studies that ask for it.
 
 `warpwear.runs.arrangements` makes their models. Quantities that only runs of one have name it.
 """
@@ -11,7 +11,7 @@ from warpwear.study.study import Study
 
 @dataclass(frozen=True)
 class Arrangement:
-    """One arrangement of the bodies."""
+    """Describes one arrangement of the bodies."""
 
     called: str  # runs of it, in words
     serves: Callable[[Study], bool]

@@ -1,4 +1,4 @@
-"""The numbers that a run comes to, as quantities: tables of several runs and the tops of pages show them."""
+"""A run comes to these numbers, as quantities: tables of several runs and the tops of pages show them."""
 
 from collections.abc import Mapping
 from dataclasses import replace

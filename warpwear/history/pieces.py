@@ -1,4 +1,4 @@
-"""The book of the pieces that have left the bodies of a contact: when, where from and how large."""
+"""A book lists the pieces that have left the bodies of a contact: when, where from and how large."""
 
 from typing import Any, ClassVar
 

@@ -1,4 +1,4 @@
-"""Every quantity of a result, declared once: its name, unit, meaning, what has a value of it and its looks.
+"""Every quantity of a result is declared once: name, unit, meaning, what has a value of it, and looks.
 
 The columns of the history, the fields of a snapshot, the tables of patches and of roughness, the headers of
 CSV files, the attributes in HDF5 files, `Result.units`, the axes of figures and the table of the docs
@@ -66,7 +66,7 @@ class Quantity:
     entry: str = ""
 
     def applies_to(self, study: Study) -> bool:
-        """Whether a run of the study has it."""
+        """Tell whether a run of the study has the quantity."""
         return self.only is None or ONLY[self.only][1](study)
 
     @property
@@ -283,5 +283,5 @@ UNITS = {quantity.name: quantity.units for quantity in QUANTITIES}
 
 
 def columns_of(study: Study) -> tuple[Quantity, ...]:
-    """The columns of the history that a run of the study has."""
+    """Return the columns of the history that a run of the study has."""
     return tuple(quantity for quantity in per("step") if quantity.applies_to(study))

@@ -1,4 +1,4 @@
-"""What the steps of a contact add up to, and the row of the history that each one gives."""
+"""The steps of a contact are added up, and each gives a row of the history."""
 
 import math
 import operator

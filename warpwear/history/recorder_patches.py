@@ -1,4 +1,4 @@
-"""The books of a contact of patches: its history, what each patch did, and whose wear it was."""
+"""The books of a contact of patches hold its history, what each patch did, and whose wear it was."""
 
 import math
 from dataclasses import dataclass, replace

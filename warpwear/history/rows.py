@@ -1,4 +1,4 @@
-"""The history of a run: its rows while it goes on, its columns when it is read.
+"""The history of a run is rows while it goes on, and columns when it is read.
 
 A row holds the state solved in the step and the wear of its increment; `distance` is at its end.
 """

@@ -1,4 +1,4 @@
-"""The fields of one moment of a run."""
+"""A snapshot holds the fields of one moment of a run."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property

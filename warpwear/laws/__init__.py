@@ -1,1 +1,1 @@
-"""Formulas of contact, wear, junctions and tracks, in plain numbers: no device, no study."""
+"""Formulas of contact, wear, junctions and tracks get plain numbers: no device, no study."""

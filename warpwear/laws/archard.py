@@ -43,12 +43,12 @@ class WearLaw:
 
     @property
     def coefficients(self) -> tuple[float, ...]:
-        """Every K of the body [mm²/N]."""
+        """Return every K of the body [mm²/N]."""
         return tuple(getattr(self, name) for name, key in self.keys.items() if "{body}" in key)
 
     @property
     def fastest(self) -> float:
-        """The largest K at any distance [mm²/N]."""
+        """Return the largest K at any distance [mm²/N]."""
         return max(self.coefficients)
 
     def in_proportion_to(self, other: "WearLaw") -> bool:
@@ -71,7 +71,7 @@ class WearLaw:
 
 @dataclass(frozen=True)
 class ExponentialLaw(WearLaw):
-    """K e^(−αL) levels off: V = K F (1 − e^(−αL))/α (thesis eq 2.4), an empirical fit."""
+    """K falls as e^(−αL), an empirical fit: V = K F (1 − e^(−αL))/α (thesis eq 2.4)."""
 
     name = "exponential"
     keys = WearLaw.keys | {"decay": "decay"}

@@ -1,4 +1,4 @@
-"""The bearing area curve of a rough disc as a logistic function, whose two numbers a fit gives."""
+"""The bearing area curve of a rough disc is a logistic function, whose two numbers a fit gives."""
 
 from dataclasses import dataclass
 

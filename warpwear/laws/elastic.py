@@ -1,4 +1,4 @@
-"""Hertz's smooth elastic contact, and the stiffness of Winkler foundations matched to it."""
+"""Hertz solved the smooth elastic contact, and Winkler foundations get a stiffness that matches it."""
 
 import math
 from dataclasses import dataclass
@@ -35,22 +35,22 @@ class Hertz:
 
     @property
     def radius(self) -> float:
-        """Radius a of the contact [mm]: a³ = 3 F R / (4 E*)."""
+        """Return the radius a of the contact [mm]: a³ = 3 F R / (4 E*)."""
         return float((0.75 * self.load * self.sphere_radius / self.modulus) ** (1.0 / 3.0))
 
     @property
     def area(self) -> float:
-        """Area of the contact [mm²]: π a²."""
+        """Return the area of the contact [mm²]: π a²."""
         return math.pi * self.radius**2
 
     @property
     def peak_pressure(self) -> float:
-        """Pressure in the middle [MPa], 3/2 of the mean."""
+        """Return the pressure in the middle [MPa], 3/2 of the mean."""
         return 1.5 * self.load / self.area
 
     @property
     def approach(self) -> float:
-        """How far the bodies approach each other [mm]: a²/R."""
+        """Tell how far the bodies approach each other [mm]: a²/R."""
         return self.radius**2 / self.sphere_radius
 
     def pressure(self, r: FloatArray) -> FloatArray:
@@ -97,7 +97,7 @@ class SpectralMoments:
 
     @property
     def rms_slope(self) -> float:
-        """Root mean square h' of the surface's gradient [-]."""
+        """Return the root mean square h' of the surface's gradient [-]."""
         return math.sqrt(2.0 * self.m2)
 
 

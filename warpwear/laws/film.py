@@ -1,4 +1,4 @@
-"""Films that wear breaks, and junctions that grow: the shear strength of a cell and the cap that it leaves.
+"""Wear breaks films and junctions grow, which sets the shear strength of a cell and the cap that it leaves.
 
 A film keeps the shear strength of a cell low until wear has taken it off; then metal meets metal. A junction
 under shear flows at a smaller pressure and so grows: p² + α τ² = H² (Tabor, Proc. R. Soc. A 251, 1959, 378,
@@ -23,7 +23,7 @@ LARGEST_ERROR = 0.5
 
 @dataclass(frozen=True)
 class Film:
-    """A film on one body or on both, and what is left of the hardness of a cell with and without it."""
+    """Describes a film on one body or both, and what is left of a cell's hardness with and without it."""
 
     thickness: float  # [mm]
     on: tuple[bool, bool]  # sphere, disc: which carry one
@@ -33,7 +33,7 @@ class Film:
 
     @property
     def changes_caps(self) -> bool:
-        """Whether the cap of a cell depends on its film."""
+        """Tell whether the cap of a cell depends on its film."""
         return self.part_filmed != self.part_bare
 
 
@@ -50,7 +50,7 @@ def grown_cap(hardness: float, shear_strength: float, growth: float) -> float:
 
 @dataclass(frozen=True)
 class Breaking:
-    """The course φ = φ∞ (1 − e^(−(L − L0)/ℓ)) of a bare fraction, 0 before L0; errors are standard ones."""
+    """A bare fraction runs as φ = φ∞ (1 − e^(−(L − L0)/ℓ)), 0 before L0; errors are standard ones."""
 
     plateau: float  # φ∞
     start: float  # L0 [mm]

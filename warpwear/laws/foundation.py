@@ -1,4 +1,4 @@
-"""The contact law: one formula from the Winkler foundation to the bearing area."""
+"""The contact law is one formula, from the Winkler foundation to the bearing area."""
 
 import math
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ class CappedFoundation:
 
     @property
     def compliance(self) -> float:
-        """Compliance c = 1/k of an explicit step [mm³/N]."""
+        """Return the compliance c = 1/k of an explicit step [mm³/N]."""
         return 1.0 / self.stiffness
 
     def stable_increment(self, wear_coefficient: float) -> float:

@@ -1,4 +1,4 @@
-"""Coefficient of friction from an area: shear of junctions, with an offset for ploughing.
+"""A coefficient of friction follows from an area: junctions shear, with an offset for ploughing.
 
 μ = μ_p + τ A / F (thesis eqs 4.18 to 4.20; the offset after eq 2.8). Which area A shears, and when a
 measured coefficient fixes τ, are choices of the study. τ is a constant τ0 times `FACTORS`. With a film τ is
@@ -54,28 +54,28 @@ KEYS = (*NUMBERS, *FITTED, "area")
 
 @dataclass(frozen=True)
 class FrictionLaw:
-    """What a contact's friction follows from: key of `KEYS` -> its value, a number also as an array."""
+    """Holds what a contact's friction follows from: key of `KEYS` -> its value, a number also as an array."""
 
     values: Mapping[str, Any]
 
     @property
     def area(self) -> str:
-        """Which area shears, a name of `AREAS`."""
+        """Tell which area shears, a name of `AREAS`."""
         return str(self.values["area"])
 
     @property
     def factors(self) -> tuple[Factor, ...]:
-        """The factors whose keys have values."""
+        """Return the factors whose keys have values."""
         return tuple(f for f in FACTORS if all(self.values[key] is not None for key in f.keys))
 
     @property
     def strengths(self) -> tuple[str, ...]:
-        """Keys of the shear strengths that cells have."""
+        """Return the keys of the shear strengths that cells have."""
         return (STRENGTH,) if self.values[FILM_STRENGTH] is None else (STRENGTH, FILM_STRENGTH)
 
     @property
     def said(self) -> str:
-        """Half a sentence on the factors and on ploughing; empty where there are none."""
+        """Return half a sentence on the factors and on ploughing; empty where there are none."""
         parts = [factor.sentence.format(**self.values) for factor in self.factors]
         if self.values[PLOUGHING]:
             parts.append(f"{self.values[PLOUGHING]:.4g} of the coefficient does not shear")
@@ -83,7 +83,7 @@ class FrictionLaw:
 
     @property
     def formula(self) -> str:
-        """The coefficient of friction in LaTeX; τ_f is the strength of cells with a film, φ the bare part."""
+        """Return the coefficient of friction in LaTeX; τ_f: strength of cells with film, φ: bare part."""
         tau = r" \, ".join([r"\tau_0", *(factor.formula for factor in self.factors)])
         if FILM_STRENGTH in self.strengths:
             tau = rf"\left(\tau_\mathrm{{f}} + ({tau} - \tau_\mathrm{{f}}) \varphi\right)"

@@ -1,4 +1,4 @@
-"""Critical size of a contact junction: islands smaller than it smooth out, larger ones can lose particles."""
+"""Contact junctions have a critical size: smaller islands smooth out, larger ones can lose particles."""
 
 import math
 

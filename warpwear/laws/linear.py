@@ -1,4 +1,4 @@
-"""Linear systems, solved in one order of operations whatever the threads of BLAS and LAPACK.
+"""Linear systems are solved in one order of operations, whatever the threads of BLAS and LAPACK.
 
 What enters a run is solved here: from some hundred unknowns on, LAPACK shares its sums among threads, and
 their last digits would depend on how many there are.

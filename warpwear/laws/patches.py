@@ -41,47 +41,47 @@ class Patches:
 
     @property
     def count(self) -> int:
-        """Number of patches."""
+        """Return the number of patches."""
         return int(self.first_row.size)
 
     @property
     def across(self) -> int:
-        """Number of macro cells along a side of the domain."""
+        """Return the number of macro cells along a side of the domain."""
         return self.domain.nx // self.pitch
 
     @property
     def cover_everything(self) -> bool:
-        """True where the patches tile the domain."""
+        """Tell whether the patches tile the domain."""
         return self.side == self.pitch
 
     @property
     def uncovered(self) -> int:
-        """Number of cells of the domain that belong to no patch."""
+        """Return the number of cells of the domain that belong to no patch."""
         return self.domain.cells - self.count * self.side**2
 
     @property
     def weight(self) -> float:
-        """The area that a patch stands for over its own."""
+        """Return the area that a patch stands for over its own."""
         return (self.pitch / self.side) ** 2
 
     @property
     def area(self) -> float:
-        """The area that a patch stands for [mm²], which is its macro cell's."""
+        """Return the area that a patch stands for [mm²], which is its macro cell's."""
         return float(self.pitch * self.domain.cell) ** 2
 
     @property
     def vectors(self) -> int:
-        """Number of vectors of `LANES` cells that hold a line of a patch."""
+        """Return the number of vectors of `LANES` cells that hold a line of a patch."""
         return -(-self.side // LANES)
 
     @property
     def grid(self) -> Grid:
-        """The grid of the cells as they are stored: one row a patch, padding included."""
+        """Return the grid of the cells as they are stored: one row a patch, padding included."""
         return Grid(self.count, self.side * self.vectors * LANES, self.domain.cell)
 
     @property
     def centres(self) -> tuple[FloatArray, FloatArray]:
-        """Centres of the macro cells along x and y [mm], each of shape (across,)."""
+        """Return the centres of the macro cells along x and y [mm], each of shape (across,)."""
         grid = Grid(self.across, self.across, self.pitch * self.domain.cell)
         return grid.x, grid.y
 

@@ -18,7 +18,7 @@ ROUNDS = 60
 
 @dataclass(frozen=True)
 class Pieces:
-    """Pieces by which a body wears, instead of the dust of Archard's law."""
+    """Describes the pieces by which a body wears, instead of the dust of Archard's law."""
 
     diameter: float  # d* [mm]
     thickness: float  # t [mm]

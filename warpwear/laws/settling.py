@@ -1,4 +1,4 @@
-"""Roughness that settles in running-in: towards one that the conditions of friction set, whatever it was.
+"""Roughness settles in running-in towards one that the conditions of friction set, whatever it was.
 
 Kragelsky, Dobychin and Kombalov (Friction and Wear: Calculation Methods, Pergamon, 1982) call it the
 equilibrium roughness. What is fitted here is the exponential way there; their formulas are not used.
@@ -22,7 +22,7 @@ SHORTEST, LONGEST, TRIED, ROUNDS = 1e-6, 1e3, 201, 5
 
 @dataclass(frozen=True)
 class Settling:
-    """The course R(L) = R_eq + (R0 − R_eq) e^(−L/ℓ) of a roughness; errors are standard ones."""
+    """A roughness settles as R(L) = R_eq + (R0 − R_eq) e^(−L/ℓ); errors are standard ones."""
 
     equilibrium: float  # R_eq, in the unit of the roughness, as are the next and the errors
     initial: float  # R0
@@ -79,7 +79,7 @@ def _course(distance: FloatArray, equilibrium: float, initial: float, length: fl
 def _levels(
     lengths: FloatArray, distance: FloatArray, roughness: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """The R_eq and R0, from 0 up, that fit best with each length ℓ [mm], and the squares they leave, summed.
+    """Return the R_eq and R0, from 0 up, that fit best with each length ℓ [mm], and their sums of squares.
 
     With ℓ given the course is linear in both; where one would be negative it is 0.
     """

@@ -1,4 +1,4 @@
-"""The numbers of one contact, which its model, its history and its steps read."""
+"""A task holds the numbers of one contact, which its model, its history and its steps read."""
 
 import math
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from warpwear.laws.pieces import Pieces
 
 @dataclass(frozen=True)
 class ContactTask:
-    """Numbers of one contact, made from a study once; models read nothing else."""
+    """Holds the numbers of one contact, made from a study once; models read nothing else."""
 
     load: float  # F [N]
     hardness: float  # largest pressure of a cell H [MPa]; inf without one
@@ -39,7 +39,7 @@ class ContactTask:
 
     @property
     def dust(self) -> float:
-        """The fraction of the wear that leaves in the step, and lends its contact a compliance."""
+        """Return the fraction of the wear that leaves in the step, and lends its contact a compliance."""
         return 1.0 if self.pieces is None else self.pieces.dust
 
     def bulk_stiffness_at(self, radius: float | None) -> float:
@@ -62,24 +62,24 @@ class ContactTask:
 
     @property
     def is_uniform(self) -> bool:
-        """Whether, at rest, every cell has the same law: one stiffness, and wear in one proportion."""
+        """Tell whether, at rest, every cell has the same law: one stiffness, and wear in one proportion."""
         return self.distance_factor == "none" and self.in_proportion and self.film is None
 
     @property
     def least_hardness(self) -> float:
-        """The smallest cap of a cell [MPa]."""
+        """Return the smallest cap of a cell [MPa]."""
         film = self.film
         return self.hardness if film is None else self.hardness * min(film.part_filmed, film.part_bare)
 
     @property
     def wear_fractions(self) -> tuple[float, float]:
-        """Fractions of sphere and disc in what is worn, of bodies that wear in one proportion."""
+        """Return the fractions of sphere and disc in what is worn, of bodies that wear in one proportion."""
         sphere, disc = (law.fastest for law in self.wear)
         both = sphere + disc
         return (sphere / both, disc / both) if both else (0.5, 0.5)
 
     @property
     def in_proportion(self) -> bool:
-        """Whether both bodies wear in one proportion at every distance."""
+        """Tell whether both bodies wear in one proportion at every distance."""
         sphere, disc = self.wear
         return sphere.in_proportion_to(disc)

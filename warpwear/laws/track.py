@@ -1,4 +1,4 @@
-"""The way of a sphere that slides over a disc by whole cells: where it is at every step, and how far it slid.
+"""A sphere slides over a disc by whole cells: a track tells where it is at every step, and how far it slid.
 
 A step covers up to `shift` cells of the track and is solved once, with the sphere in their middle; the last
 step of a pass is shorter where the shift does not divide the stroke, so that volumes stay exact. A track that
@@ -47,32 +47,32 @@ class Track:
 
     @classmethod
     def at_rest(cls, grid: Grid) -> Self:
-        """The track of a disc that lies still under the sphere's domain, a grid."""
+        """Return the track of a disc that lies still under the sphere's domain, a grid."""
         return cls(0, 0, grid.cell, window=grid.nx, stroke=0.0, periodic=False, reverses=False)
 
     @property
     def moves(self) -> bool:
-        """Whether the disc moves under the sphere."""
+        """Tell whether the disc moves under the sphere."""
         return self.cells > 0
 
     @property
     def rows(self) -> int:
-        """Number of rows of the disc."""
+        """Return the number of rows of the disc."""
         return self.cells if self.periodic else self.cells + self.window
 
     @property
     def track_fraction(self) -> float:
-        """The part of the test's sliding distance that a disc of this length slides; 1 for a whole stroke."""
+        """Return the part of the sliding distance that a disc of this length slides; 1: a whole stroke."""
         return self.cells * self.cell / self.stroke if self.periodic else 1.0
 
     @property
     def steps_of_pass(self) -> int:
-        """Number of steps in a pass."""
+        """Return the number of steps in a pass."""
         return -(-self.cells // self.shift)
 
     @property
     def x(self) -> FloatArray:
-        """Centres of the disc's rows [mm], shape (rows,), 0 = the middle of the stroke."""
+        """Return the centres of the disc's rows [mm], shape (rows,), 0 = the middle of the stroke."""
         centres: FloatArray = (np.arange(self.rows, dtype=np.float64) - 0.5 * (self.rows - 1)) * self.cell
         return centres
 

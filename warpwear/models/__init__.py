@@ -1,1 +1,1 @@
-"""One step of each arrangement: a disc at rest, a disc with a track, patches of two scales."""
+"""Each arrangement has a step of its own: a disc at rest, a disc with a track, patches of two scales."""

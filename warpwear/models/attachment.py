@@ -10,7 +10,7 @@ from warpwear.grid import FloatArray
 
 
 class Place(NamedTuple):
-    """What the passes of a step work on, as kernels take it."""
+    """Holds what the passes of a step work on, as kernels take it."""
 
     slides: Field  # a `Slide` in an array
     springs: Arguments  # of the search for the load
@@ -22,7 +22,7 @@ class Place(NamedTuple):
 
 
 class Attachment:
-    """An optional part of a step: a contact asks all that it has, in their order.
+    """Adds an optional part to a step: a contact asks all that it has, in their order.
 
     A step is a search, the wear of both bodies where it has found a balance, and a row of the history.
     """
@@ -37,7 +37,7 @@ class Attachment:
         return {}
 
     def beside(self, columns: tuple[int, int]) -> tuple[int, int]:
-        """First column of those that it may change beside these, and the one after the last."""
+        """Return the first column that the part may change beside these, and the one after the last."""
         return columns
 
     def at_beginning(self, program: Program) -> AbstractContextManager[None]:

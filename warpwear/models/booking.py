@@ -11,9 +11,9 @@ from warpwear.kernels.cells import EXTENTS
 
 
 class Found(NamedTuple):
-    """What was found of the steps that were made: of each quantity an array."""
+    """Hold what was found of the steps that were made: of each quantity an array."""
 
-    made: int
+    steps: int
     balance: Any  # a Balance of arrays
     reference: FloatArray  # that the scatter of the pressure counts from [MPa]
     total: dict[str, Any]
@@ -21,7 +21,7 @@ class Found(NamedTuple):
 
 
 def booked(
-    found: Found,
+    block: Found,
     ledger: Ledger,
     increments: FloatArray,
     removals: Sequence[tuple[float, float]],
@@ -32,7 +32,7 @@ def booked(
     enter: books one as a step made by itself: the last, and those from the first that widens the contact to
     where that is told.
     """
-    count, balance, reference, total, most = found
+    count, balance, reference, total, most = block
     if not count:
         return
     wide = np.zeros(count, dtype=bool)

@@ -1,4 +1,4 @@
-"""The films of a contact's bodies: which cells are bare as a step begins, and what cap that leaves them."""
+"""Films of a contact's bodies say which cells are bare as a step begins, and what cap that leaves them."""
 
 import math
 from collections.abc import Callable, Mapping

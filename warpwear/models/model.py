@@ -1,4 +1,4 @@
-"""What a run asks of a model: steps along a plan, snapshots of them, and a state to go on from."""
+"""A run asks of a model steps along a plan, snapshots of them, and a state to go on from."""
 
 import itertools
 from abc import ABC, abstractmethod
@@ -10,7 +10,7 @@ from warpwear.history.snapshot import Snapshot
 
 
 class Model(ABC):
-    """Contact and wear of one task on one executor."""
+    """Computes contact and wear of one task on one executor."""
 
     #: Names and types of what its steps change, see `warpwear.engine.state`.
     STATE: ClassVar[Mapping[str, Any]]
@@ -23,7 +23,7 @@ class Model(ABC):
 
     @property
     def in_blocks(self) -> bool:
-        """Whether the device makes the next steps by itself, as long as nobody asks for their pressures."""
+        """Tell whether the device makes the next steps by itself, unless one is asked for its pressure."""
         return False
 
     @abstractmethod
@@ -36,7 +36,7 @@ class Model(ABC):
 
     @abstractmethod
     def snapshot(self, step: Step, distance: float) -> Snapshot:
-        """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
+        """Return the fields after the last step, which was asked for its pressure, at its distance [mm]."""
 
     def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
         """Steps made on the device in one go, or in a few, before the first of each is seen.
@@ -46,7 +46,7 @@ class Model(ABC):
         raise NotImplementedError
 
     def steps(self, plan: Iterable[tuple[float, bool] | tuple[float, bool, bool]]) -> Iterator[Step]:
-        """One step for each increment [mm] of the plan, with its pressure where that is asked for.
+        """Yield a step for each increment [mm] of the plan, with its pressure where that is asked for.
 
         A third word says whether to certify the step.
         """
@@ -66,7 +66,7 @@ class Model(ABC):
                 block = []
 
     def _given(self, increments: Sequence[float], then: float | None) -> Iterator[Step]:
-        """The steps of a block, one by one."""
-        made = self.block(increments, then)
+        """Yield the steps of a block, one by one."""
+        steps = self.block(increments, then)
         for self.steps_in_flight in reversed(range(len(increments))):
-            yield next(made)
+            yield next(steps)

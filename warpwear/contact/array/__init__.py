@@ -1,1 +1,1 @@
-"""One contact of an array of heights, without a study: from arguments to a solution."""
+"""An array of heights is solved for one contact, without a study: from arguments to a solution."""

@@ -1,4 +1,4 @@
-"""What users get of a solved contact of an array of heights."""
+"""Users get this of a solved contact of an array of heights."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,7 +11,7 @@ from warpwear.grid import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class ArrayContact:
-    """A solved contact of an array of heights. Units are the caller's; fields have the shape of the heights.
+    """Holds a solved contact of an array of heights. Units are the caller's; fields have the heights' shape.
 
     approach: how far the plane, or the sphere's apex, lies below the heights' mean plane; negative while it
     lies above. gap: distance between the bodies after elastic deformation; 0 under a pressure below the

@@ -1,4 +1,4 @@
-"""The contact of an array whose cells do not feel each other: springs under them, or the bearing area."""
+"""Cells of an array that do not feel each other stand on springs, or bear by the bearing area."""
 
 import numpy as np
 

@@ -83,7 +83,7 @@ class Task:
 
 
 class Solution(NamedTuple):
-    """A solved task, in its units. Its fields are arrays of NumPy, or of Warp on a GPU."""
+    """Holds a solved task, in its units. Its fields are arrays of NumPy, or of Warp on a GPU."""
 
     pressure: Any
     displacement: Any

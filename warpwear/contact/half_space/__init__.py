@@ -1,1 +1,1 @@
-"""The elastic–plastic half-space: what pressures do to it, and the search for the pressure of a contact."""
+"""What pressures do to an elastic–plastic half-space is computed here, and a contact's pressure found."""

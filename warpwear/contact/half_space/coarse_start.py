@@ -1,4 +1,4 @@
-"""A first pressure for a contact of many cells: that of the contact on cells twice as wide, solved roughly.
+"""A contact of many cells begins with the pressure on cells twice as wide, which is solved roughly.
 
 The gap of a wide cell is the mean of its four, so that the long waves are those of the fine grid, and its
 pressure is that of all four. A pair of transforms costs a quarter there, and what a search spends on the long
@@ -24,7 +24,7 @@ MAX_ITERATIONS = 100
 
 
 def is_worth_it(executor: Executor) -> bool:
-    """Whether wide cells make a solve shorter, and there is room for them."""
+    """Tell whether wide cells make a solve shorter, and there is room for them."""
     device, grid = executor.device, executor.grid
     if device.is_cpu:
         return min(grid.shape) >= LEAST_SIDE
@@ -32,13 +32,13 @@ def is_worth_it(executor: Executor) -> bool:
 
 
 def memory_is_short(executor: Executor) -> bool:
-    """Whether the memory of a solver on wide cells is worth more than the time that making it anew takes."""
+    """Tell whether a solver on wide cells takes memory worth more than the time of making it anew."""
     device = executor.device
     return device.is_cpu or device.free_memory < FIELDS_OF_SEARCH * 8 * executor.grid.cells
 
 
 def coarse_grid(grid: Grid) -> Grid:
-    """The grid of cells twice as wide; where a number of cells is odd the last one goes over the edge."""
+    """Return the grid of cells twice as wide; of an odd number of cells the last one goes over the edge."""
     return Grid(-(-grid.nx // 2), -(-grid.ny // 2), 2.0 * grid.cell)
 
 

@@ -1,4 +1,4 @@
-"""What a solver of the half-space found."""
+"""A solver of the half-space leaves what it found as one of these."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from warpwear.grid import FloatArray
 
 @dataclass(frozen=True)
 class HalfSpaceContact:
-    """A solved contact. The fields are the solver's own and last until its next solve."""
+    """Holds a solved contact. The fields are the solver's own and last until its next solve."""
 
     approaches: FloatArray  # rigid, from the mean planes: of all cells, or row by row [mm]
     mean_pressure: float  # [MPa]
@@ -29,22 +29,22 @@ class HalfSpaceContact:
 
     @property
     def approach(self) -> float:
-        """The one approach that all cells share [mm]."""
+        """Return the one approach that all cells share [mm]."""
         return float(self.approaches.item())
 
     @property
     def pressure(self) -> FloatArray:
-        """[MPa], shape (nx, ny)."""
+        """Return the pressure [MPa], shape (nx, ny)."""
         return self.executor.to_numpy(self.pressure_field)
 
     @property
     def area_fraction(self) -> float:
-        """Contact area over the nominal one."""
+        """Return the contact area over the nominal one."""
         return self.cells_in_contact / self.cells
 
     @property
     def separation(self) -> FloatArray:
-        """Gap left after deformation (and implicit wear) [mm], shape (nx, ny); negative where p = H."""
+        """Return the gap left by deformation and implicit wear [mm], shape (nx, ny); negative where p = H."""
         return np.asarray(self.executor.to_numpy(self.gradient_field) - self.approach)
 
 

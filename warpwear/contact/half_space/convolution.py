@@ -1,4 +1,4 @@
-"""Convolutions of fields on a CPU, by the transforms of `kernels.fourier`."""
+"""Fields are convolved on a CPU by the transforms of `kernels.fourier`."""
 
 import math
 from typing import Any
@@ -22,7 +22,7 @@ TOGETHER = 64
 
 
 def radices_of(length: int) -> list[int]:
-    """Stages of a transform of a length; empty where it has larger primes."""
+    """Return the stages of a transform of a length; empty where it has larger primes."""
     stages = []
     for radix in (*SMALL_RADICES, *range(7, LARGEST_PRIME + 1, 2)):
         while length % radix == 0:
@@ -32,7 +32,7 @@ def radices_of(length: int) -> list[int]:
 
 
 def fits(shape: tuple[int, int]) -> bool:
-    """Whether fields padded to a shape can be convolved here."""
+    """Tell whether fields padded to a shape can be convolved here."""
     return bool(radices_of(shape[0])) and bool(radices_of(_numbers(shape[1])))
 
 
@@ -109,18 +109,18 @@ class Convolution(Filter):
 
 
 def _numbers(columns: int) -> int:
-    """Complex numbers as which a row is transformed."""
+    """Return the complex numbers as which a row is transformed."""
     return columns if columns % 2 else columns // 2
 
 
 def _stages(length: int, filled: int) -> list[int]:
-    """Stages of a transform of a length, of which the first numbers are filled; −2 leaves out zeros."""
+    """Return the stages of a transform, of which the first numbers are filled; −2 leaves out zeros."""
     halved = length % 2 == 0 and filled <= length // 2
     return [-2, *radices_of(length // 2)] if halved else radices_of(length)
 
 
 def _order(length: int, stages: list[int]) -> IntArray:
-    """Mode that lies in each place after a transform."""
+    """Return the mode that lies in each place after a transform."""
     if not stages:
         return np.zeros(1, dtype=np.int64)
     radix, rest = abs(stages[0]), stages[1:]
@@ -129,7 +129,7 @@ def _order(length: int, stages: list[int]) -> IntArray:
 
 
 def _turns(length: int, stages: list[int]) -> FloatArray:
-    """Factors between the stages of a transform, and waves of large primes, one stage after another."""
+    """Return the factors between a transform's stages, and waves of large primes, stage after stage."""
     turns, size = [np.empty(0)], length
     for radix in (abs(stage) for stage in stages):
         turns.append(_pairs(-2.0 * math.pi / size * np.outer(np.arange(size // radix), np.arange(1, radix))))
@@ -140,19 +140,19 @@ def _turns(length: int, stages: list[int]) -> FloatArray:
 
 
 def _waves(radix: int) -> FloatArray:
-    """Cosines and sines of numbers 1 … p//2 of a prime, two modes at a time, of which an even number."""
+    """Return cosines and sines of numbers 1 … p//2 of a prime, for an even number of modes, two at a time."""
     numbers, modes = np.arange(1, radix // 2 + 1), np.arange(1, radix // 2 + radix // 2 % 2 + 1)
     angles = 2.0 * math.pi / radix * (np.outer(numbers, modes) % radix)
     return _pairs(angles.reshape(numbers.size, -1, 2).swapaxes(0, 1))
 
 
 def _pairs(angle: Any) -> FloatArray:
-    """Cosine and sine of each angle."""
+    """Return the cosine and the sine of each angle."""
     return np.stack([np.cos(angle), np.sin(angle)], axis=-1).ravel()
 
 
 def _in_groups(table: FloatArray, columns: IntArray, lines: int, kind: Any) -> Any:
-    """Rows 0 … n//2 of an even table, by groups of columns."""
+    """Return rows 0 … n//2 of an even table, by groups of columns."""
     rows = table.shape[0]
     grouped = np.empty((columns.size // lines, rows, lines), dtype=kind)
     for first in range(0, rows, TOGETHER):
@@ -162,6 +162,6 @@ def _in_groups(table: FloatArray, columns: IntArray, lines: int, kind: Any) -> A
 
 
 def _array(values: Any, kind: Any) -> Any:
-    """An array of a CPU."""
+    """Return values as an array of a CPU."""
     values = np.ascontiguousarray(values, dtype=kind)
     return wp.array(values, dtype=wp.dtype_from_numpy(kind), device="cpu", copy=False)

@@ -1,4 +1,4 @@
-"""Filters of waves: kernels of a CPU's own, or around the transforms of SciPy, or of CuPy on a GPU."""
+"""Waves are filtered by kernels of a CPU's own, or around the transforms of SciPy, or of CuPy on a GPU."""
 
 import math
 from abc import abstractmethod
@@ -62,7 +62,7 @@ class PaddedFilter(Filter):
 
     @property
     def _is_plain(self) -> bool:
-        """Whether fields are transformed as they lie, without padded ones beside them."""
+        """Tell whether fields are transformed as they lie, without padded ones beside them."""
         return False
 
     def set_mean(self, value: float) -> None:
@@ -98,7 +98,7 @@ class PaddedFilter(Filter):
 
 
 class ScipyFilter(PaddedFilter):
-    """On a CPU. Blocks, which do not depend on the threads, are shared among them."""
+    """Transforms blocks of grids on a CPU: blocks do not depend on the threads that share them."""
 
     def forward(self, values: Field) -> Callable[[], None]:
         """Make what transforms values to the modes."""
@@ -134,7 +134,7 @@ class ScipyFilter(PaddedFilter):
 
     @property
     def _modes(self) -> Any:
-        """The modes as complex numbers, shape (grids, n, m//2 + 1)."""
+        """Return the modes as complex numbers, shape (grids, n, m//2 + 1)."""
         return self.waves.numpy().view(np.complex64 if self._kind is np.float32 else np.complex128)
 
     @staticmethod
@@ -146,13 +146,13 @@ class ScipyFilter(PaddedFilter):
         return int(self._grids.visited.numpy()[0])
 
     def _rows(self) -> list[slice]:
-        """Blocks of rows of the grids that are visited."""
+        """Return blocks of rows of the grids that are visited."""
         rows, modes = self._grids.count * self.shape[0], self.shape[1] // 2 + 1
         length = max(-(-rows // ROW_BLOCKS), -(-MODES_PER_BLOCK // modes))
         return _blocks(self._visited * self.shape[0], length)
 
     def _columns(self) -> list[Any]:
-        """Blocks of columns of one grid, or of several grids as a whole."""
+        """Return blocks of columns of one grid, or of several grids as a whole."""
         modes = self.shape[1] // 2 + 1
         if self._grids.count == 1:
             return [np.s_[:, :, block] for block in _blocks(modes, COLUMNS)]
@@ -171,7 +171,7 @@ class ScipyFilter(PaddedFilter):
 
 
 class CupyFilter(PaddedFilter):
-    """On a GPU, by plans of CuPy in the stream of Warp's device, all grids at once."""
+    """Transforms all grids at once on a GPU, by plans of CuPy in the stream of Warp's device."""
 
     def __init__(self, executor: Executor, grids: Grids, *where: Any, **options: Any) -> None:
         super().__init__(executor, grids, *where, **options)
@@ -194,7 +194,7 @@ class CupyFilter(PaddedFilter):
 
     @property
     def _is_plain(self) -> bool:
-        """Whether fields are transformed as they lie: those of one grid without padding."""
+        """Tell whether fields are transformed as they lie: those of one grid without padding."""
         grids = self._grids
         whole = (
             grids.count == 1 and (grids.rows, grids.columns) == self.shape and grids.stride == grids.columns
@@ -236,7 +236,7 @@ def filter_of(
     grids: Grids | None = None,
     within: Filter | None = None,
 ) -> Filter:
-    """A filter where the executor's fields are.
+    """Return a filter where the executor's fields are.
 
     table: rows 0 … n//2 and columns 0 … m//2 of an even one. kind: of number. grids: the executor's grid by
     default. within: of double precision and no smaller a shape, whose memory serves one of single precision.

@@ -1,4 +1,4 @@
-"""What a pressure does to an elastic half-space, and the inverse that preconditions the solver.
+"""A pressure displaces an elastic half-space, and the inverse of that preconditions the solver.
 
 Displacement and pressure are tied by a convolution, done in Fourier space by `filters`.
 """
@@ -28,7 +28,7 @@ Box = tuple[int, int, int, int]
 
 
 class Operator(ABC):
-    """A symmetric operator on the fields of an executor, and an approximate inverse, as filters of waves.
+    """Displaces the fields of an executor symmetrically, and inverts that about, as filters of waves.
 
     Tables of the waves are made once. What compliances add to them is a line of numbers by row, in arrays
     that programs read when they run.
@@ -61,11 +61,11 @@ class Operator(ABC):
 
     @property
     def rows_visited(self) -> int:
-        """How many rows of the fields it is about, the first ones."""
+        """Return how many rows of the fields the operator is about, the first ones."""
         return int(self.visited.numpy()[0])
 
     def coefficients(self) -> tuple[Any, Any]:
-        """Coefficients by distance, of an operator of one grid."""
+        """Return the coefficients by distance, of an operator of one grid."""
         raise NotImplementedError
 
     @abstractmethod
@@ -80,17 +80,17 @@ class Operator(ABC):
     @property
     @abstractmethod
     def _far(self) -> Filter:
-        """What makes the response, in double precision."""
+        """Return what makes the response, in double precision."""
 
     @property
     @abstractmethod
     def _far_single(self) -> Filter:
-        """What makes it in single precision, where that is quicker."""
+        """Return what makes the response in single precision, where that is quicker."""
 
     @property
     @abstractmethod
     def _near(self) -> Filter:
-        """What makes the inverse, by a table of what it divides by."""
+        """Return what makes the inverse, by a table of what it divides by."""
 
     def say_response(
         self, program: Program, field_in: Field, field_out: Field, *, single: bool = False
@@ -109,11 +109,11 @@ class Operator(ABC):
         self._near.say(program, field_in, self.near_line, field_out, divides=True)
 
     def respond(self, pressure: Field, displacement: Field) -> None:
-        """Displacement [mm] under a pressure [MPa], compliances included, at once."""
+        """Compute the displacement [mm] under a pressure [MPa], compliances included, at once."""
         self._run(pressure, displacement, inverse=False)
 
     def invert(self, displacement: Field, pressure: Field) -> None:
-        """About the pressure [MPa] of a displacement [mm], at once."""
+        """Compute about the pressure [MPa] of a displacement [mm], at once."""
         self._run(displacement, pressure, inverse=True)
 
     def _run(self, field_in: Field, field_out: Field, *, inverse: bool) -> None:
@@ -127,7 +127,7 @@ class Operator(ABC):
 
 
 class Influence(Operator):
-    """The operator G + c + streak of one grid and boundary, and an approximate inverse.
+    """Applies the operator G + c + streak of one grid and boundary, and an approximate inverse.
 
     modulus: E* of both bodies together [MPa]. boundary: "periodic" (the mean displacement is left out, since
     it has no limit: gaps count from the mean planes) or "free" (nothing outside the grid; the displacement is
@@ -207,13 +207,13 @@ class Influence(Operator):
         return rows if window is None else min(window, rows)
 
     def _line(self, rows: int, own: float, streak: float, window: int) -> FloatArray:
-        """What compliances add to the modes of rows, up to the middle."""
+        """Return what compliances add to the modes of rows, up to the middle."""
         if streak == 0.0:
             return np.full(rows // 2 + 1, own)
         return own + streak * self._mean_of(rows, window)[: rows // 2 + 1]
 
     def coefficients(self) -> tuple[Any, Any]:
-        """Displacement under a unit pressure on a cell [mm/MPa], as arrays of the device.
+        """Return the displacement under a unit pressure on a cell [mm/MPa], as arrays of the device.
 
         By distance in cells along both axes without compliances, which is even in both directions; and what
         compliances add to it in a column, by distance along x, which programs heed when they change.
@@ -232,7 +232,7 @@ class Influence(Operator):
 
     @cached_property
     def _coefficients(self) -> FloatArray:
-        """Displacement without compliances by distance in cells; it is even in both directions."""
+        """Return the displacement without compliances by distance in cells; it is even in both directions."""
         with array_module(self._executor) as xp:
             table = self.elastic if xp is np else self.elastic.get()
         shape = self.far_shape
@@ -240,7 +240,7 @@ class Influence(Operator):
         return np.ascontiguousarray(fft.irfft(quarter, n=shape[0], axis=0)[: shape[0] // 2 + 1])
 
     def _weights(self, own: float, streak: float, window: int) -> FloatArray:
-        """Weights of neighbours along x, along y and across corners, with which a cell needs no pressure.
+        """Return weights of neighbours along x, y and across corners, by which a cell needs no pressure.
 
         They are coefficients of the inverse under compliances over that of the cell itself, by few modes.
         """
@@ -251,7 +251,7 @@ class Influence(Operator):
         return np.asarray(-sums[1:] / sums[0], dtype=np.float32)
 
     def _mean_of(self, rows: int, window: int) -> FloatArray:
-        """The spectrum of S S, which is that of its coefficients, of `rows` modes."""
+        """Return the spectrum of S S, which is that of its coefficients, of `rows` modes."""
         if (rows, window) not in self._means:
             distance = np.minimum(np.arange(rows), rows - np.arange(rows))
             if window == self._executor.grid.nx:
@@ -264,7 +264,7 @@ class Influence(Operator):
 
 
 def _sums(shape: tuple[int, int], along: IntArray, across: IntArray) -> FloatArray:
-    """What adds modes up to coefficients, a row each: of a cell itself, along x, along y, across a corner.
+    """Return what adds modes up to coefficients, a row each: of a cell, along x, along y, across a corner.
 
     along, across: the modes; of those of columns half is there, without the other side of first and last.
     """
@@ -284,7 +284,7 @@ def write(array: Any, values: FloatArray) -> None:
 
 
 def displace(executor: Executor, pressure: Field, displacement: Field, *, modulus: float, box: Box) -> None:
-    """Displacement [mm] of all cells of a free half-space under pressures [MPa] in a box of them, in float64.
+    """Return displacements [mm] of all cells of a free half-space by pressures [MPa] in a box, in float64.
 
     The convolution is padded no further than cells of the box and of the grid lie apart.
     """
@@ -296,7 +296,7 @@ def displace(executor: Executor, pressure: Field, displacement: Field, *, modulu
 
 
 def apart_shape(grid: Grid, box: Box) -> tuple[int, int]:
-    """An even shape on which the convolution of a box with the grid does not wrap, quick to transform.
+    """Return an even shape on which the convolution of a box with the grid does not wrap, quick to transform.
 
     Two cells are no further apart than half of it, so that they feel each other one way round only.
     """
@@ -309,7 +309,7 @@ def apart_shape(grid: Grid, box: Box) -> tuple[int, int]:
 
 
 def periodic_spectrum(grid: Grid, modulus: float, xp: Any = np, *, rows: int | None = None) -> Any:
-    """2/(E*|q|) of the modes of a real transform [mm/MPa], shape (nx, ny//2 + 1), 0 for the mean.
+    """Return 2/(E*|q|) of the modes of a real transform [mm/MPa], shape (nx, ny//2 + 1), 0 for the mean.
 
     rows: of modes, the first ones; by default all. xp: NumPy, or CuPy: a billion modes take NumPy longer than
     their contact takes a GPU.
@@ -323,18 +323,18 @@ def periodic_spectrum(grid: Grid, modulus: float, xp: Any = np, *, rows: int | N
 
 
 def shortest_response(cell: float, modulus: float) -> float:
-    """Displacement under a pressure that alternates from cell to cell [mm/MPa]."""
+    """Return the displacement under a pressure that alternates from cell to cell [mm/MPa]."""
     return 2.0 * cell / (math.pi * modulus)
 
 
 def padded_shape(grid: Grid) -> tuple[int, int]:
-    """An even shape on which the convolution of the grid does not wrap, quick to transform."""
+    """Return an even shape on which the convolution of the grid does not wrap, quick to transform."""
     along, across = (2 * fft.next_fast_len(size, real=True) for size in grid.shape)
     return along, across
 
 
 def free_quarter(grid: Grid, modulus: float, shape: tuple[int, int]) -> FloatArray:
-    """Response of the modes on an even shape [mm/MPa]: (shape[0]//2 + 1, shape[1]//2 + 1), a quarter of all.
+    """Return responses of modes on an even shape [mm/MPa], a quarter: (shape[0]//2 + 1, shape[1]//2 + 1).
 
     The coefficients are even in both directions: a cosine transform of a quarter of them is their spectrum.
     """
@@ -343,7 +343,7 @@ def free_quarter(grid: Grid, modulus: float, shape: tuple[int, int]) -> FloatArr
 
 
 def free_coefficients(cell: float, modulus: float, rows: int, columns: int) -> FloatArray:
-    """Displacement at a cell's centre under a unit pressure on another [mm/MPa], by distance in cells.
+    """Return displacements at a cell's centre under unit pressures on others [mm/MPa], by distance in cells.
 
     Four corner terms, x ln(y + r) + y ln(x + r), over π E* (Johnson eq 3.25). Shape (rows, columns).
     """
@@ -351,7 +351,7 @@ def free_coefficients(cell: float, modulus: float, rows: int, columns: int) -> F
     x, y = corners_x, corners_y.T
 
     def by_hyperbolic_sine(factor: Any, over: Any, under: Any) -> FloatArray:
-        """Terms by inverse hyperbolic sines: the logarithms differ by what cancels between the corners."""
+        """Return terms by inverse hyperbolic sines: logarithms differ by what cancels between corners."""
         term = over / np.abs(under)
         np.arcsinh(term, out=term)
         term *= factor

@@ -1,4 +1,4 @@
-"""Projected conjugate gradients for a pressure between bounds that carries a load, as a program of a device.
+"""Projected conjugate gradients find a pressure between bounds that carries a load, as a device's program.
 
 A trial step is clipped to 0 ≤ p ≤ H and shifted to the load, then the minimum along the way to it is taken,
 so that every iterate is feasible, none is worse than the last, and an iteration costs one pair of transforms,
@@ -8,8 +8,7 @@ Tribol. Int. 40, 574 added the cap, Vollebregt 2014, J. Comput. Phys. 257, 333 t
 Groups of rows with loads of their own have levels and shifts of their own, and the length and the memory of a
 step in common: together they are one problem, whose matrix has a block for each.
 
-The passes are in `kernels.half_space.passes`, the decisions, which hold the rules, in
-`kernels.half_space.decisions`.
+The passes are in `kernels.half_space.passes`, the rules in `decisions` and `steps` beside it.
 """
 
 from collections.abc import Mapping
@@ -28,7 +27,7 @@ from warpwear.engine.numbers import Mirror
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.kernels.cells import LANES, NONE
-from warpwear.kernels.half_space import active_set, decisions, passes, solve
+from warpwear.kernels.half_space import active_set, decisions, passes, solve, steps
 from warpwear.kernels.half_space.solve import Flag, Request
 
 #: Stands for no cap: kernels compare with it.
@@ -39,7 +38,7 @@ LEAST_SINGLE = 2**14
 
 @dataclass(frozen=True)
 class SearchRules:
-    """The rules of a search; those of `kernels.half_space.decisions` go by them."""
+    """Holds the rules of a search; the decisions of `kernels.half_space` go by them."""
 
     #: Where a smaller fraction of the cells in contact is below the cap, |q| is no guide: steps then follow
     #: the plain gradient.
@@ -85,7 +84,7 @@ class SearchRules:
 
 
 class Search:
-    """The search for a pressure under one operator, on one gap.
+    """Looks for a pressure under one operator, on one gap.
 
     gap: from the mean planes [mm]. fractions: of the hardness, that cells bear; None: all of it. groups: 1,
     all rows together, or as many as the executor has rows, each of which has a load of its own. tiled:
@@ -183,16 +182,16 @@ class Search:
 
     @property
     def gradient(self) -> Field:
-        """Gap after deformation and wear, from the mean planes [mm]."""
+        """Return the gap after deformation and wear, from the mean planes [mm]."""
         return self._solve.fields.gradient
 
     @property
     def reached(self) -> dict[str, Field]:
-        """What kernels know of approach and certificate: members of `kernels.half_space.windows.Reach`."""
+        """Return what kernels know of approach and certificate, by `kernels.half_space.windows.Reach`."""
         return {"groups": self._solve.groups, "proven": self._proof.arguments.groups}
 
     def certificate(self) -> Certificate:
-        """What the pressure is worth that was found last, and was to be certified."""
+        """Return what the pressure is worth that was found last, and was to be certified."""
         return Certificate.of(self._proven, cell_area=self._executor.grid.cell_area)
 
     def _say(self) -> Program:
@@ -263,12 +262,12 @@ class Search:
         with program.branch(self._flag(Flag.PRECONDITIONS)):
             self._precondition(program)
         self._pass(program, passes.products)
-        program.decide(decisions.aim, search)
+        program.decide(steps.aim, search)
         with program.branch(self._flag(Flag.DESCENDS)):
             self._pass(program, passes.direction)
             self._balance(program)
             self._respond_to_step(program)
-            program.decide(decisions.go, search)
+            program.decide(steps.go, search)
 
     def _balance(self, program: Program) -> None:
         """Shift the trial, whose sums were left, until it carries the load."""
@@ -290,7 +289,7 @@ class Search:
             self._operator.say_inverse(program, trial, trial)
             return
         self._pass(program, passes.scatter)
-        program.decide(decisions.judge_scatter, search)
+        program.decide(steps.judge_scatter, search)
         if self._tiled:
             blocks = -(-self._executor.grid.nx // passes.ROWS)
             with program.branch(self._flag(Flag.EXTENDS)):
@@ -332,7 +331,7 @@ class Search:
         program.launch(kernel, self._solve, *more, slots=self._slots, chunks=self._chunks)
 
     def _kernel_rules(self, groups: int) -> Any:
-        """The rules as kernels take them."""
+        """Return the rules as kernels take them."""
         rules = dict(vars(self._rules)) | {"few": self._few, "tiled": int(self._tiled)}
         rules["single_rounding"] *= self._single
         cells = self._operator.cells / (self._executor.grid.nx if groups > 1 else 1)
@@ -350,7 +349,7 @@ class Search:
 
 
 def room_for_few(most: int, device: Any) -> Any:
-    """Room for the cells that are moved at once, without coefficients yet."""
+    """Return room for the cells that are moved at once, without coefficients yet."""
     integers = dict.fromkeys(("row", "column", "side", "next", "free", "order"), most) | {"count": 1}
     numbers = dict.fromkeys(("slope", "low", "high", "change", "rest", "along"), most)
     numbers |= {"pair": 2 * most, "matrix": most**2}

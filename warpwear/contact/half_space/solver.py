@@ -1,4 +1,4 @@
-"""The elastic–plastic half-space: contact of two bodies whose surfaces deform together, 0 ≤ p ≤ H.
+"""Two bodies in contact whose surfaces deform together are one elastic–plastic half-space, 0 ≤ p ≤ H.
 
 The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approach; see `search`.
 """
@@ -66,7 +66,7 @@ class BoundedPressure:
 
     @property
     def started(self) -> bool:
-        """Whether the next solve has a pressure to start from."""
+        """Tell whether the next solve has a pressure to start from."""
         return self._started
 
     def forget(self) -> None:
@@ -79,7 +79,7 @@ class BoundedPressure:
 
     @property
     def pressure_field(self) -> Field:
-        """Where the next solve starts after `go_on`, to be changed in place between 0 and H [MPa]."""
+        """Return where the next solve starts after `go_on`, to be changed in place between 0 and H [MPa]."""
         return self._fields["pressure"]
 
     def solve(
@@ -146,11 +146,11 @@ class BoundedPressure:
         return 0
 
     def displacement(self) -> Field:
-        """Displacement under the pressure that was certified last [mm]; lost in a solve."""
+        """Return the displacement under the pressure that was certified last [mm]; lost in a solve."""
         return self._fields["response"]
 
     def _search_for(self, gap: Field, parts: Field | None, *, groups: bool) -> Search:
-        """The search for contacts with a gap and cap fractions; it is said once for each."""
+        """Return the search for contacts with a gap and cap fractions; it is said once for each."""
         said = gap.ptr, None if parts is None else parts.ptr, groups
         if self._search is None or said != self._said:
             self._search = None  # and its memory, before the next takes its own

@@ -1,4 +1,4 @@
-"""What filters of waves share: the grids that they filter, memory, and CuPy where fields are on a GPU."""
+"""Filters of waves share the grids that they filter, memory, and CuPy where fields are on a GPU."""
 
 import gc
 import math
@@ -24,7 +24,7 @@ ALIGNED = 256
 
 @dataclass(frozen=True)
 class Grids:
-    """Grids of one size that lie one after another in a field.
+    """Describes grids of one size that lie one after another in a field.
 
     visited: how many of them are filtered, the first ones; an array of one number. stride: numbers from one
     row to the next.
@@ -38,13 +38,13 @@ class Grids:
 
     @classmethod
     def whole(cls, executor: Executor) -> Self:
-        """The grid of an executor."""
+        """Return the grid of an executor."""
         grid = executor.grid
         return cls(1, grid.nx, grid.ny, executor.vectors * LANES, _visited(executor, 1))
 
     @classmethod
     def squares(cls, executor: Executor, side: int) -> Self:
-        """Squares of which each is a row of the executor's fields."""
+        """Return squares of which each is a row of the executor's fields."""
         count = executor.grid.nx
         return cls(count, side, side, executor.vectors * LANES // side, _visited(executor, count))
 
@@ -75,7 +75,7 @@ def _visited(executor: Executor, count: int) -> Any:
 
 
 def lying(place: Any, shape: tuple[int, ...], dtype: Any, device: Any, *, start: int = 0) -> Any:
-    """An array in the memory of another, from a byte on; of its own where there is none, or too little."""
+    """Return an array in another's memory, from a byte on; in its own where that is too little or none."""
     size = math.prod(shape) * wp.types.type_size_in_bytes(dtype)
     if place is None or start + size > place.capacity:
         return wp.zeros(shape, dtype=dtype, device=device)
@@ -86,7 +86,7 @@ def lying(place: Any, shape: tuple[int, ...], dtype: Any, device: Any, *, start:
 
 @contextmanager
 def array_module(executor: Executor) -> Iterator[Any]:
-    """NumPy, or CuPy in the stream of Warp's device."""
+    """Lend NumPy, or CuPy in the stream of Warp's device."""
     if executor.device.is_cpu:
         yield np
         return
@@ -96,7 +96,7 @@ def array_module(executor: Executor) -> Iterator[Any]:
 
 
 def load_cupy(device: Any) -> Any:
-    """CuPy, for a device of Warp's. Raises InputError where it is not installed."""
+    """Return CuPy, for a device of Warp's. Raises InputError where it is not installed."""
     try:
         return lazy.load("cupy")
     except ImportError as error:
@@ -121,7 +121,7 @@ def release(device: Any) -> None:
 
 
 def stream_of(cuda: Any, device: Any) -> Any:
-    """The stream of Warp's device for CuPy, which leaves it to Warp."""
+    """Return the stream of Warp's device for CuPy, which leaves it to Warp."""
     if hasattr(cuda.Stream, "from_external"):  # since 14.0, which deprecates the other
         return cuda.Stream.from_external(device.stream)
     return cuda.ExternalStream(device.stream.cuda_stream, device.ordinal)

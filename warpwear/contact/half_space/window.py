@@ -1,4 +1,4 @@
-"""A contact of half-spaces on the part of a large grid that it can reach.
+"""A contact of half-spaces is solved on the part of a large grid that it can reach.
 
 Pressures displace a free half-space away from the other body everywhere, so that a cell whose gap exceeds the
 approach cannot be in contact. A contact that was solved on a window which holds every cell below its approach
@@ -44,7 +44,7 @@ MOST_CELLS_STORED = 2**18
 
 @dataclass(frozen=True)
 class Window:
-    """Rows first_row … end_row − 1 and vectors first … end − 1 of a field."""
+    """A window holds rows first_row … end_row − 1 and vectors first … end − 1 of a field."""
 
     first_row: int
     end_row: int
@@ -53,7 +53,7 @@ class Window:
 
     @classmethod
     def around(cls, box: Sequence[int], grid: Grid, *, rows: int = 1, pieces: int = 1) -> Self:
-        """A window that holds a box: first and last row, first and last column.
+        """Return a window that holds a box: first and last row, first and last column.
 
         rows: that it has at least. pieces: least of its `SIZES` sizes along a side of the grid.
         """
@@ -63,32 +63,32 @@ class Window:
 
     @classmethod
     def close_to(cls, box: Sequence[int], grid: Grid) -> Self:
-        """The smallest window that holds a box and is quick to transform."""
+        """Return the smallest window that holds a box and is quick to transform."""
         along, across = (_quick(box[2 * n], box[2 * n + 1], grid.shape[n]) for n in range(2))
         return cls(*along, across[0] // LANES, -(-across[1] // LANES))
 
     @property
     def area(self) -> int:
-        """In vectors."""
+        """Return the area in vectors."""
         return (self.end_row - self.first_row) * (self.end - self.first)
 
     @property
     def box(self) -> tuple[int, int, int, int]:
-        """First and last row, first and last column."""
+        """Return the first and last row, and the first and last column."""
         return self.first_row, self.end_row - 1, self.first * LANES, self.end * LANES - 1
 
     def holds(self, box: Sequence[int]) -> bool:
-        """Whether a box of rows and columns lies inside."""
+        """Tell whether a box of rows and columns lies inside."""
         rows = self.first_row <= box[0] and box[1] < self.end_row
         return rows and self.first * LANES <= box[2] and box[3] < self.end * LANES
 
     @property
     def cells(self) -> tuple[slice, slice]:
-        """Its rows and columns, where it does not reach the end of the grid; there it may go over."""
+        """Return the window's rows and columns; where it reaches the grid's end it may go beyond."""
         return slice(self.first_row, self.end_row), slice(self.first * LANES, self.end * LANES)
 
     def of(self, field: Field) -> Field:
-        """What a field of the whole grid holds there, seen where it lies."""
+        """Return what a field of the whole grid holds in the window, seen where it lies."""
         return field[self.first_row : self.end_row, self.first : self.end]
 
     def give(self, executor: Executor, part: Field, field: Field) -> None:
@@ -123,7 +123,7 @@ def _quick(first: int, last: int, size: int) -> tuple[int, int]:
 
 
 class OnWindow:
-    """A solver on the grid of a window, its fields there, and the programs before and after it."""
+    """Holds a solver on the grid of a window, its fields there, and the programs before and after it."""
 
     def __init__(self, whole: Executor, grid: Grid, **law: Any) -> None:
         device, threads = str(whole.device), whole.threads
@@ -155,7 +155,7 @@ class OnWindow:
         program.launch(kernel, transfer, slots=slots, chunks=self._part.equal_chunks(slots))
 
     def program(self, name: Any, say: Callable[[Program], None], *about: Any) -> Program:
-        """A program of the whole grid's executor, which is said once about the same things."""
+        """Return a program of the whole grid's executor, which is said once about one thing."""
         last = self._programs.get(name)
         if last is None or len(last[0]) != len(about) or any(map(operator.is_not, last[0], about)):
             last = self._programs[name] = about, Program(self._whole)
@@ -164,7 +164,7 @@ class OnWindow:
 
 
 class WindowedHalfSpace:
-    """Contacts of half-spaces on a large grid; each solve starts from the last one's pressure.
+    """Solves contacts of half-spaces on a large grid; each solve starts from the last one's pressure.
 
     modulus: E* of both bodies [MPa]. boundary: "periodic", whose window is the whole grid, or "free".
     hardness: H [MPa]. tolerance: as of `solver.BoundedPressure`.
@@ -198,12 +198,12 @@ class WindowedHalfSpace:
 
     @property
     def window(self) -> list[int] | None:
-        """First row and the one after the last, then vectors likewise, of where it looks first."""
+        """Return where a search looks first: the first row and the one after the last, vectors likewise."""
         return None if self._window is None else [*vars(self._window).values()]
 
     @property
     def columns(self) -> tuple[int, int]:
-        """First column that may have a pressure to start from, and the one after the last."""
+        """Return the first column that may have a pressure to start from, and the one after the last."""
         if self._window is None or not self._started:
             return 0, 0
         return self._window.first * LANES, self._window.end * LANES
@@ -246,7 +246,7 @@ class WindowedHalfSpace:
         certified = not self._started if certified is None else certified
 
         def carries(window: Window) -> bool:
-            """Whether cells at the least of their caps do: none falls below it later."""
+            """Tell whether cells at the least of their caps carry the load: none falls below it later."""
             return parts is None or least * window.grid(whole).area >= load
 
         # No more of a mean along x may reach beyond the window than it holds.
@@ -303,7 +303,7 @@ class WindowedHalfSpace:
         )
 
     def _after(self, here: OnWindow, gap: Field, search: Search) -> Program:
-        """What follows a search: its fields on the whole grid, and the extents of what the contact reaches.
+        """Return what follows a search: its fields on the whole grid, and the extents of the cells reached.
 
         Beyond the window no cell may count in the certificate either.
         """
@@ -339,12 +339,12 @@ class WindowedHalfSpace:
 
     @property
     def _everything(self) -> Window:
-        """The whole grid."""
+        """Return the window that is the whole grid."""
         grid = self._executor.grid
         return Window.around((0, grid.nx - 1, 0, grid.ny - 1), grid)
 
     def _first(self, gap: Field, load: float, rows: int, hardness: float) -> Window:
-        """A window around the lowest cell, of a size that carries the load at a hardness [MPa]."""
+        """Return a window around the lowest cell, of a size that carries the load at a hardness [MPa]."""
         grid, everything = self._executor.grid, self._everything
         if self._boundary == "periodic":
             return everything

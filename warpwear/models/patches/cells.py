@@ -1,4 +1,4 @@
-"""The fine cells of all patches: where they lie, their gap, and the film on them."""
+"""The fine cells of all patches have places, a gap, and a film on them."""
 
 from typing import ClassVar
 

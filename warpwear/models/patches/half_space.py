@@ -1,4 +1,4 @@
-"""Two scales on the elastic–plastic half-space: patches whose asperities deform together share a load.
+"""Patches whose asperities deform together on the elastic–plastic half-space share a load, on two scales.
 
 Every patch is a half-space of its own, behind which the bulk yields to its mean pressure p_k:
 

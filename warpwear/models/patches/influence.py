@@ -21,7 +21,7 @@ from warpwear.laws.patches import Patches
 
 
 class PatchInfluence(Operator):
-    """The operator of patches of which each displaces itself alone, and an approximate inverse.
+    """Applies the operator of patches of which each displaces itself alone, and an approximate inverse.
 
     modulus: E* of both bodies together [MPa]. boundary: "periodic" (each patch repeats itself; the mean
     displacement, which has no limit then, is the business of the bulk behind the patch, see `set_bulk`) or

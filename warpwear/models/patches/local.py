@@ -1,4 +1,4 @@
-"""Two scales: patches of fine cells that share the load of a macro contact."""
+"""Patches of fine cells share the load of a macro contact, on two scales."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace

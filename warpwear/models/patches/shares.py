@@ -25,7 +25,7 @@ from warpwear.kernels.two_scale import curves, sharing
 
 
 class LoadSharing:
-    """The patches at trial approaches, and the search for those at which they carry a load.
+    """Holds patches at trial approaches, and searches for those at which they carry a load.
 
     executor: with one row a patch. load: F [N]. area: that each patch stands for [mm²]. hardness: that none
     exceeds [MPa]. lowest: below that approach a patch carries nothing [mm], shape (patches,).

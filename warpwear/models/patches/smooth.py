@@ -1,4 +1,4 @@
-"""The smooth macro contact that prescribes the load of each patch (coupling = "load")."""
+"""A smooth macro contact prescribes the load of each patch (coupling = "load")."""
 
 from collections.abc import Callable
 from typing import ClassVar

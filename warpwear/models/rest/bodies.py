@@ -26,9 +26,9 @@ class RestingBodies:
 
     @classmethod
     def of(cls, task: ContactTask, executor: Executor, heights: FloatArray) -> Self:
-        """Unworn, of a sphere over the heights of a disc [mm], shape (nx, ny)."""
+        """Return unworn bodies: a sphere over the heights of a disc [mm], shape (nx, ny)."""
         grid = executor.grid
-        made = cls(executor.zeros(), executor.zeros(), task.wear_fractions)
+        bodies = cls(executor.zeros(), executor.zeros(), task.wear_fractions)
         place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), task.curvature]
-        launch_once(executor, contact.gap, *place, executor.field(heights), made.gap, made.unworn)
-        return made
+        launch_once(executor, contact.gap, *place, executor.field(heights), bodies.gap, bodies.unworn)
+        return bodies

@@ -1,4 +1,4 @@
-"""One grid: a sphere wearing with a disc, smooth on a foundation (macro) or with every asperity (micro).
+"""A sphere wears with a disc on one grid, smooth on a foundation (macro) or with every asperity (micro).
 
 Every cell has the same stiffness, and both bodies wear in one proportion. Other laws, of cell by cell, are
 those of a track on which the disc does not move.
@@ -124,10 +124,10 @@ class OneScaleModel(Model):
         assert step.pressure is not None
         gap = self._executor.to_numpy(self.state.gap)
         sphere, disc = self.worn(gap)
-        made = Snapshot(distance, pressure=step.pressure, wear_sphere=sphere, wear_disc=disc, gap=gap)
+        snapshot = Snapshot(distance, pressure=step.pressure, wear_sphere=sphere, wear_disc=disc, gap=gap)
         # A GPU's fields are copied to be seen, and the others are made for this step.
         return replace(
-            made, fresh=frozenset(made.fields) - ({"gap"} if self._executor.device.is_cpu else set())
+            snapshot, fresh=frozenset(snapshot.fields) - ({"gap"} if self._executor.device.is_cpu else set())
         )
 
     def worn(self, gap: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
@@ -154,12 +154,12 @@ class OneScaleModel(Model):
         while done < len(increments):
             removals = self._tell(increments[done:], then)
             self._many.run()
-            made = self._course["step"]
+            steps = self._course["step"]
             for beyond, step in enumerate(self._booked(increments[done:], removals)):
-                self.steps_in_flight = made - beyond - 1
+                self.steps_in_flight = steps - beyond - 1
                 yield step
             self._check()
-            done += made
+            done += steps
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, then slide by the increment [mm] and wear both bodies.
@@ -194,8 +194,8 @@ class OneScaleModel(Model):
 
     def _booked(self, increments: Sequence[float], removals: Sequence[tuple[float, float]]) -> Iterator[Step]:
         """The steps that the device has made, as the ledger enters them."""
-        made = self._course["step"]
-        table = np.ascontiguousarray(self._history.read(made).T)
+        steps = self._course["step"]
+        table = np.ascontiguousarray(self._history.read(steps).T)
         base, offset, cap, residual, width, tied, evaluations, reference = table[: len(wear.BALANCE)]
         sums, maxima = table[len(wear.BALANCE) :][: len(SUMS)], table[len(wear.BALANCE) + len(SUMS) :]
         total, most = dict(zip(SUMS, sums, strict=True)), dict(zip(MAXIMA, maxima, strict=True))
@@ -203,8 +203,8 @@ class OneScaleModel(Model):
             residual = total["pressure"] * self._executor.grid.cell_area - self.task.load
         numbers: Any = (base, offset, cap, residual, width, tied, evaluations)
         total, most = (divided(part, self.state.fractions) for part in (total, most))
-        found = Found(made, Balance(*numbers), reference, total, most)
-        return booked(found, self._ledger, np.array(increments), removals, self._enter)
+        block = Found(steps, Balance(*numbers), reference, total, most)
+        return booked(block, self._ledger, np.array(increments), removals, self._enter)
 
     def _enter(
         self,

@@ -14,7 +14,7 @@ from warpwear.laws.task import ContactTask
 
 @dataclass
 class SlidingBodies:
-    """Fields [mm] on the executor's device: of nx × ny cells, and of the disc's rows × ny cells."""
+    """Holds fields [mm] on the executor's device: of nx × ny cells, and of the disc's rows × ny cells."""
 
     sphere: Field  # height over the unworn apex, as worn
     disc: Field  # height over the mean plane, as worn
@@ -37,7 +37,7 @@ class SlidingBodies:
     def of(
         cls, task: ContactTask, executor: Executor, disc: FloatArray, *, sphere: FloatArray | None = None
     ) -> Self:
-        """Unworn, of the task's sphere or one of other heights [mm], shape (nx, ny).
+        """Return unworn bodies, of the task's sphere or one of other heights [mm], shape (nx, ny).
 
         disc: heights over the mean plane [mm], shape (rows ≥ nx, ny). Raises
         ValueError for a disc that is shorter than the grid or of another width.

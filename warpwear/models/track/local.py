@@ -1,4 +1,4 @@
-"""One grid in motion: a disc displaced by whole cells under a wearing sphere, step by step."""
+"""A disc moves by whole cells under a wearing sphere, step by step, on one grid."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar
@@ -156,7 +156,7 @@ class SlidingContact:
         bounds = {"lowest": self.tiles.lowest.numbers, "highest": self.tiles.highest.numbers}
         if wears_alone:
             bounds["gap"] = self.tiles.gap.numbers
-        numbers = {name: kept.numbers for name, kept in self._kept.items()}
+        numbers = {name: bound.numbers for name, bound in self._kept.items()}
         self._programs = StepPrograms(
             executor,
             task,
@@ -223,11 +223,11 @@ class SlidingContact:
             end = done + self.longest
             removals, rigid = self._plan(shifts[done:end], increments[done:end])
             self._run(self._programs.program("steps", rigid=rigid))
-            made = self._course["step"]
+            count = self._course["step"]
             for number, step in enumerate(self._booked(increments[done:end], removals)):
-                yield made - number - 1, step
+                yield count - number - 1, step
             self._programs.search(rigid=rigid).check()
-            done += made
+            done += count
 
     def _run(self, program: Program) -> None:
         """Make steps, as often as something stops them before they are done."""
@@ -276,8 +276,8 @@ class SlidingContact:
 
     def _booked(self, increments: Sequence[float], removals: Sequence[tuple[float, float]]) -> Iterator[Step]:
         """The steps that the device has made, as the ledger enters them."""
-        made = self._course["step"]
-        table = np.ascontiguousarray(self._steps.history[: max(made, 1)].numpy()[:made].T)
+        count = self._course["step"]
+        table = np.ascontiguousarray(self._steps.history[: max(count, 1)].numpy()[:count].T)
         columns = dict(zip(self._columns, table, strict=True))
         total = {name: columns[name] for name in SUMS if name != "bare"}
         total |= {RENAMED.get(name, name): columns[name] for name in sliding_steps.KEPT}
@@ -286,8 +286,8 @@ class SlidingContact:
         for one in self.attachments:
             one.enter(columns, total, most)
         numbers: list[Any] = [columns[name] for name in BALANCE]
-        found = Found(made, Balance(*numbers[:-1]), numbers[-1], total, most)
-        return booked(found, self._ledger, np.array(increments), removals, self._enter)
+        block = Found(count, Balance(*numbers[:-1]), numbers[-1], total, most)
+        return booked(block, self._ledger, np.array(increments), removals, self._enter)
 
     def _enter(self, *columns: Any) -> Step:
         """Book a step as `Ledger.enter` does."""

@@ -72,7 +72,7 @@ class SweptModel(Model):
         return self._placed(self.contact.step(self._go_to(), increment, with_pressure=with_pressure))
 
     def _go_to(self, done: int = 0, cells: int | None = None) -> int:
-        """Row of the disc under the first of the sphere, in the next step or in a part of it."""
+        """Return the disc's row under the first of the sphere, in the next step or in a part of it."""
         self._row = self._track.row(self._done, done, cells)
         return self._row
 

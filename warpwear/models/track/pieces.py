@@ -266,7 +266,7 @@ class SlidingPieces(Attachment):
 
 
 def _numbers(field: Field) -> Field:
-    """A field as numbers, shape (rows, columns and padding), in the same memory."""
+    """Return a field as numbers, shape (rows, columns and padding), in the same memory."""
     shape = field.shape[0], field.shape[1] * LANES
     view: Field = wp.array(ptr=field.ptr, dtype=wp.float64, shape=shape, device=field.device, copy=False)
     view._owner = field  # which keeps the memory

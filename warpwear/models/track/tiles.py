@@ -70,9 +70,9 @@ class SlidingTiles:
         self.highest = PerTile(bodies.disc.shape[0], columns, device)  # of the disc
         self.gap = PerTile(nx, columns, device)  # the lowest of each pair, where it was made
         find = Program(executor, records=False)
-        for field, kept, low in ((bodies.sphere, self.lowest, True), (bodies.disc, self.highest, False)):
+        for field, bound, low in ((bodies.sphere, self.lowest, True), (bodies.disc, self.highest, False)):
             other = PerTile(field.shape[0], columns, device)
-            both = [kept.numbers, other.numbers] if low else [other.numbers, kept.numbers]
+            both = [bound.numbers, other.numbers] if low else [other.numbers, bound.numbers]
             find.launch(sliding.bounds, field, *both, slots=executor.slots_of(field.shape[0]))
         find.run()
         # The sphere's lowest of eight tiles and the disc's highest of a row, before any wear.
