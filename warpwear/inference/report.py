@@ -1,6 +1,7 @@
 """What an inference leaves in its folder: samples, figures, a calibrated study, and a page with all of it."""
 
 import csv
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import tomli_w
 from warpwear.errors import InputError
 from warpwear.figures import style as fs
 from warpwear.figures.wording import RAISED
+from warpwear.grid import FloatArray
 from warpwear.inference.result import Inference
 from warpwear.inference.unknowns import Unknown
 from warpwear.page.html import embedded, render
@@ -29,12 +31,8 @@ CAPTIONS = {
 
 def write_report(inference: Inference, folder: Path) -> list[Path]:
     """Write posterior.csv, posterior.json, calibrated.toml, figures/ and inference.html; return the files."""
-    keys, data = list(inference.values), inference.posterior.data
-    with (folder / "posterior.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        units = {unknown.key: unknown.unit for unknown in inference.posterior.unknowns}
-        writer.writerow([f"{key} [{units[key]}]" if units[key] else key for key in keys])
-        writer.writerows([map(repr, row) for row in np.array([*inference.values.values()]).T.tolist()])
+    data = inference.posterior.data
+    write_samples(inference.posterior.unknowns, inference.values, folder)
     (folder / "posterior.json").write_text(to_json(content_of(inference)) + "\n", encoding="utf-8")
     (folder / "calibrated.toml").write_text(calibrated(inference), encoding="utf-8")
     names = ["course", "corner"] if data.distance.size else ["corner"]
@@ -62,6 +60,15 @@ def write_report(inference: Inference, folder: Path) -> list[Path]:
     (folder / "inference.html").write_text(page, encoding="utf-8")
     texts = ("posterior.csv", "posterior.json", "calibrated.toml", "inference.html")
     return [*(folder / name for name in texts), *pictures.values()]
+
+
+def write_samples(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray], folder: Path) -> None:
+    """Write samples of the posterior to posterior.csv. values: key -> (samples,)."""
+    units = {unknown.key: unknown.unit for unknown in unknowns}
+    with (folder / "posterior.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow([f"{key} [{units[key]}]" if units[key] else key for key in values])
+        writer.writerows([map(repr, row) for row in np.array([*values.values()]).T.tolist()])
 
 
 def content_of(inference: Inference) -> dict[str, Any]:
