@@ -38,6 +38,9 @@ POINTS = 100
 FEWEST = 5
 #: A load that differs by more than this part from the study's is another test.
 LOAD_OFF = 0.05
+#: Least and largest number of a measured value, and standard uncertainty as a part of it: of others none is
+#: measured, and their squares leave the range of numbers.
+NUMBERS, PARTS = (1e-30, 1e30), (1e-9, 1e9)
 _NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
 _WRITTEN = re.compile(rf"\s*{_NUMBER}\s*(?:\+-|±)\s*{_NUMBER}\s*(.*?)\s*(?:\bat\s+(\S.*?))?\s*")
 
@@ -184,6 +187,12 @@ def _measured(study: Study, kind: str, text: str) -> Measured:
         raise refusal("the uncertainty must be greater than 0, for nothing is known exactly")
     if measured.value <= 0.0:
         raise refusal(f"the {what} must be greater than 0")
+    for number, (least, most), what_it_is in (
+        (measured.value, NUMBERS, f"the {what} ({unit or 'a plain ratio'})"),
+        (measured.error / measured.value, PARTS, "the uncertainty as a part of the value"),
+    ):
+        if not least <= number <= most:
+            raise refusal(f"{what_it_is} is {number:.3g}, and allowed is {least:g} to {most:g}")
     if kind == "cof":
         _check_cof(text, np.array([measured.value]))
     if at is not None and not 0.0 < at <= study.sliding.total * (1.0 + 1e-9):
@@ -231,6 +240,11 @@ def _course(study: Study, experiment: Experiment | str | Path, columns: str | No
 def _check_cof(name: str, cof: FloatArray) -> None:
     """Raise InputError for coefficients that look like percent."""
     typical = float(np.median(np.abs(cof)))
+    if typical == 0.0:
+        raise InputError(
+            f"{name}: the coefficient of friction is 0 in the middle, which says that nothing was measured; "
+            "a record of a sliding contact is expected"
+        )
     if typical > LARGEST_COF:
         percent = ", as if in percent: 20 instead of 0.20" if typical < 100.0 * LARGEST_COF else ""
         raise InputError(
