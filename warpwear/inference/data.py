@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from warpwear.calibration.friction import effective_points
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import printed
@@ -81,6 +82,30 @@ class MeasuredCourse:
     cof: FloatArray
     notes: tuple[str, ...] = ()
 
+    @property
+    def thirds(self) -> list[slice]:
+        """Rows of its first, middle and last third of distance; none where one holds too few points."""
+        ends = np.searchsorted(self.distance, self.distance[-1] * np.array([0.0, 1.0, 2.0]) / 3.0).tolist()
+        thirds = [slice(*pair) for pair in itertools.pairwise([*ends, self.distance.size])]
+        return thirds if all(third.stop - third.start >= FEWEST for third in thirds) else []
+
+    @cached_property
+    def scatter(self) -> tuple[float, float]:
+        """Standard deviation of points about straight lines through its thirds, and of the mean of a third.
+
+        The latter allows for points that scatter together. Without thirds both are infinite.
+        """
+        thirds = self.thirds
+        if not thirds:
+            return np.inf, np.inf
+        square, of_mean = [], []
+        for third in thirds:
+            x = self.distance[third] - self.distance[third].mean()
+            residual = self.cof[third] - np.polyval(np.polyfit(x, self.cof[third], 1), x)
+            square.append(float(np.sum(residual**2)) / (x.size - 2))
+            of_mean.append(square[-1] / effective_points(residual))
+        return float(np.sqrt(np.mean(square))), float(np.sqrt(np.mean(of_mean)))
+
 
 @dataclass(frozen=True, eq=False)
 class Data:
@@ -110,6 +135,11 @@ class Data:
         """Rows of each course in `distance`."""
         ends = np.cumsum([0, *(course.distance.size for course in self.courses)]).tolist()
         return [slice(*pair) for pair in itertools.pairwise(ends)]
+
+    @property
+    def repeated(self) -> bool:
+        """Whether anything was measured in more than one test."""
+        return len(self.courses) > 1 or len(self.values) > len(self.kinds)
 
     @property
     def kinds(self) -> set[str]:

@@ -11,12 +11,12 @@ import numpy as np
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.inference.data import Data, data_of, unit_of
-from warpwear.inference.identify import identify
+from warpwear.inference.identify import conflicts_of, identify
 from warpwear.inference.likelihood import Posterior
 from warpwear.inference.model import Model, columns_for
 from warpwear.inference.next_test import Candidate, best_tests, candidates_of, place_of, repeats_needed
 from warpwear.inference.report import write_report, write_samples
-from warpwear.inference.result import Inference, conflicts_of
+from warpwear.inference.result import Inference
 from warpwear.inference.runs import make_runs, wide_enough
 from warpwear.inference.sampler import sample
 from warpwear.inference.unknowns import Unknown, noise_for, unknowns_of

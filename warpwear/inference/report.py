@@ -17,6 +17,8 @@ from warpwear.inference.unknowns import Unknown
 from warpwear.page.html import embedded, render
 from warpwear.results.report import to_json
 
+#: File of the study with what was inferred, and of one that misses the data.
+CALIBRATED, FITTED = "calibrated.toml", "fitted.toml"
 #: Correlation of two unknowns from which a sweep takes joint draws: distributions would be independent.
 JOINT = 0.5
 #: Runs of the sweep in the calibrated study.
@@ -30,11 +32,17 @@ CAPTIONS = {
 
 
 def write_report(inference: Inference, folder: Path) -> list[Path]:
-    """Write posterior.csv, posterior.json, calibrated.toml, figures/ and inference.html; return the files."""
+    """Write posterior.csv, posterior.json, calibrated.toml, figures/ and inference.html; return the files.
+
+    The study is fitted.toml instead where it misses the data.
+    """
     data = inference.posterior.data
     write_samples(inference.posterior.unknowns, inference.values, folder)
     (folder / "posterior.json").write_text(to_json(content_of(inference)) + "\n", encoding="utf-8")
-    (folder / "calibrated.toml").write_text(calibrated(inference), encoding="utf-8")
+    studies = (CALIBRATED, FITTED)
+    study, other = reversed(studies) if inference.misses else studies
+    (folder / study).write_text(calibrated(inference), encoding="utf-8")
+    (folder / other).unlink(missing_ok=True)  # of an inference before, in the same folder
     names = ["course", "corner"] if data.distance.size else ["corner"]
     drawn = {name: inference.plot(name) for name in names}
     (folder / "figures").mkdir(exist_ok=True)
@@ -56,9 +64,11 @@ def write_report(inference: Inference, folder: Path) -> list[Path]:
         correlations=inference.correlations.tolist(),
         pictures=[(embedded(figure), CAPTIONS[name]) for name, figure in drawn.items()],
         calibrated=calibrated(inference),
+        written=study,
+        misses=inference.misses,
     )
     (folder / "inference.html").write_text(page, encoding="utf-8")
-    texts = ("posterior.csv", "posterior.json", "calibrated.toml", "inference.html")
+    texts = ("posterior.csv", "posterior.json", study, "inference.html")
     return [*(folder / name for name in texts), *pictures.values()]
 
 
@@ -105,6 +115,12 @@ def calibrated(inference: Inference) -> str:
     medians = {u.key: u.text(float(np.median(inference.values[u.key]))) for u in unknowns}
     try:
         study = inference.study.replace(medians)
+        if inference.misses:  # every run of it says so
+            name, text = inference.study.study.name, inference.study.study.description
+            misses = f"FITTED TO DATA THAT IT MISSES, not calibrated. {inference.conflicts[0]} {text}".strip()
+            study = study.replace(
+                {"study.name": f"{name} (fitted, misses its data)", "study.description": misses}
+            )
     except InputError as error:
         return f"# No study can have the medians of the unknowns: {error}\n"
     count = len(unknowns)
@@ -117,7 +133,11 @@ def calibrated(inference: Inference) -> str:
         vary = {u.key: [u.text(float(v)) for v in inference.values[u.key][:SAMPLES]] for u in unknowns}
         section = {"design": "zip", "band_over": [u.key for u in unknowns]}
         note = f"# The unknowns go together: {SAMPLES} joint draws of the posterior.\n"
-    head = "# Calibrated by `warpwear calibrate bayes`: medians, and below their uncertainty for a sweep.\n"
+    how = "by `warpwear calibrate bayes`: medians, and below their uncertainty for a sweep."
+    head = f"# Calibrated {how}\n"
+    if inference.misses:
+        why = "".join(f"# {line}\n" for line in inference.conflicts)
+        head = f"# FITTED, NOT CALIBRATED: this study misses the data.\n{why}# Fitted {how}\n"
     return head + study.to_toml() + "\n" + note + tomli_w.dumps({"sweep": section | {"vary": vary}})
 
 
