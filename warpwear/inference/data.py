@@ -93,7 +93,8 @@ class MeasuredCourse:
     def scatter(self) -> tuple[float, float]:
         """Standard deviation of points about straight lines through its thirds, and of the mean of a third.
 
-        The latter allows for points that scatter together. Without thirds both are infinite.
+        They are medians, for friction that runs in is no line at first. The latter allows for points that
+        scatter together. Without thirds both are infinite.
         """
         thirds = self.thirds
         if not thirds:
@@ -104,7 +105,7 @@ class MeasuredCourse:
             residual = self.cof[third] - np.polyval(np.polyfit(x, self.cof[third], 1), x)
             square.append(float(np.sum(residual**2)) / (x.size - 2))
             of_mean.append(square[-1] / effective_points(residual))
-        return float(np.sqrt(np.mean(square))), float(np.sqrt(np.mean(of_mean)))
+        return float(np.sqrt(np.median(square))), float(np.sqrt(np.median(of_mean)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +136,12 @@ class Data:
         """Rows of each course in `distance`."""
         ends = np.cumsum([0, *(course.distance.size for course in self.courses)]).tolist()
         return [slice(*pair) for pair in itertools.pairwise(ends)]
+
+    @property
+    def between(self) -> float:
+        """Standard deviation of the levels of repeated courses over their last thirds; 0 of one."""
+        levels = [float(course.cof[course.thirds[-1]].mean()) for course in self.courses if course.thirds]
+        return float(np.std(levels, ddof=1)) if len(levels) > 1 else 0.0
 
     @property
     def repeated(self) -> bool:

@@ -237,10 +237,7 @@ def _friction_rows(posterior: Posterior, values: Mapping[str, FloatArray]) -> li
     points themselves show, and of a level at least that of a tribometer, or of repeats among each other.
     """
     rows = []
-    courses = posterior.data.courses
-    ends = [float(course.cof[course.thirds[-1]].mean()) for course in courses if course.thirds]
-    between = float(np.std(ends, ddof=1)) if len(ends) > 1 else 0.0
-    for course in courses:
+    for course in posterior.data.courses:
         if not course.thirds:
             continue
         friction = posterior.model.friction(values, course.distance)
@@ -255,7 +252,7 @@ def _friction_rows(posterior: Posterior, values: Mapping[str, FloatArray]) -> li
             measured, computed, emulated = (means[name] @ np.array(weights) for name in kinds)
             size = float(np.hypot.reduce(weights))
             error = size * float(np.hypot(course.scatter[1], COF_ERROR * abs(level)))
-            error = float(np.hypot(error, between)) if what == LEVEL else error
+            error = float(np.hypot(error, posterior.data.between)) if what == LEVEL else error
             variance = float(np.mean(np.sum(emulated**2, axis=-1)))
             deviation = float(np.sqrt(computed.var() + variance))
             value, mean = float(measured[0]), float(computed.mean())
@@ -278,7 +275,7 @@ def conflicts_of(posterior: Posterior, values: Mapping[str, FloatArray]) -> list
     lines = []
     measured = (*posterior.data.values, *posterior.data.points)
     rows = computed(posterior, some)
-    for row in rows[len(measured) :]:
+    for row in sorted(rows[len(measured) :], key=lambda row: -float(row["off"])):  # the worst is the headline
         if row["off"] > CONTRADICTION and row["missed"]:
             lines.append(
                 f"{CONFLICT}, for it misses the course of friction: measured is {row['what']}; computed is "

@@ -119,7 +119,7 @@ def calibrated(inference: Inference) -> str:
             name, text = inference.study.study.name, inference.study.study.description
             misses = f"FITTED TO DATA THAT IT MISSES, not calibrated. {inference.conflicts[0]} {text}".strip()
             study = study.replace(
-                {"study.name": f"{name} (fitted, misses its data)", "study.description": misses}
+                {"study.name": f"{name[:70]} - misses its data", "study.description": misses}
             )
     except InputError as error:
         return f"# No study can have the medians of the unknowns: {error}\n"

@@ -155,7 +155,7 @@ class Inference:
             if key == "noise.deviation" and end == "upper":
                 lines.append(f"{says}: the study misses the course by more than the course itself scatters.")
             elif key in NOISE:
-                lines.append(f"{says}: a wider one is needed.")
+                lines.append(f"{says}.")
             elif at in (unknown.least, unknown.most):
                 lines.append(f"{says}, and {'more' if end == 'upper' else 'less'} is not allowed.")
             else:
