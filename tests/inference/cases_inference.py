@@ -6,10 +6,10 @@ import numpy as np
 
 from warpwear import Study
 from warpwear.inference.data import Data, MeasuredCourse
-from warpwear.inference.identify import identify
+from warpwear.inference.identify import conflicts_of, identify
 from warpwear.inference.likelihood import Posterior, simulate
 from warpwear.inference.model import Model
-from warpwear.inference.result import Inference, conflicts_of
+from warpwear.inference.result import Inference
 from warpwear.inference.runs import Runs
 from warpwear.inference.sampler import Samples
 from warpwear.inference.unknowns import noise_for, unknowns_of

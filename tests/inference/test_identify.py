@@ -1,13 +1,17 @@
 """What an inference says it cannot tell apart, and data that a study cannot bring together."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
-from cases_inference import found_for, posterior_of, result_of, smooth_study
+from cases_inference import course_like, drawn, found_for, posterior_of, result_of, smooth_study
 
-from warpwear.inference.data import Data, Measured
+from warpwear import Study
+from warpwear.inference.data import Data, Measured, MeasuredCourse
 from warpwear.inference.identify import identify
+from warpwear.inference.report import write_report
+from warpwear.sweeps.plan import read_plan
 
 
 def test_the_ball_and_the_disc_are_not_told_apart_by_a_scar() -> None:
@@ -76,3 +80,60 @@ def test_data_that_a_study_cannot_bring_together_are_named() -> None:
     assert "So either a measurement or the study is wrong" in str(found)
     assert "2 unknowns for 2 measured values" in str(found)
     assert "<table>" in found._repr_html_()
+
+
+def levels_off(study: Study, *, level: float = 0.6) -> MeasuredCourse:
+    """A course that runs in soon and then stays, while the area of a ball at rest grows as L^½."""
+    course, random = course_like(study, points=60), np.random.default_rng(0)
+    rough = 0.01 * random.standard_normal(course.distance.size)
+    return replace(course, cof=level - 0.4 * np.exp(-course.distance / 80.0) + rough)
+
+
+def test_a_course_that_the_study_misses_is_the_headline(tmp_path: Path) -> None:
+    """Neither noise nor the end of a prior explains a level of 0.60 away that the record holds to 0.01."""
+    study = smooth_study()
+    data = Data((levels_off(study),))
+    strength = {"friction.shear_strength": "log-uniform 1 .. 3 MPa"}
+    posterior = posterior_of(study, strength, data)
+    assert posterior.noise[0].prior.second < 0.04
+    inference = result_of(posterior)
+    text = str(inference)
+    assert inference.misses
+    first, second = text.splitlines()[:2]
+    assert first.startswith("The study cannot bring all data together, for it misses the course of friction")
+    assert "fitted unknowns of a study that misses its data" in second
+    assert "tell all unknowns apart" not in text
+    assert "at its end" in text
+    assert (
+        "presses against the upper end of its prior, 3 MPa; give one that goes on, such as "
+        "'friction.shear_strength=log-uniform 1 .. 15 MPa'"
+    ) in text
+    rows = [row for row in inference.computed() if row["what"].startswith("test: ")]
+    assert [row["what"].split()[1:3] for row in rows] == [
+        ["friction", "over"],
+        ["its", "rise"],
+        ["its", "shape,"],
+    ]
+    assert rows[0]["off"] > 3.0
+    write_report(inference, tmp_path)
+    assert not (tmp_path / "calibrated.toml").exists()
+    written = (tmp_path / "fitted.toml").read_text(encoding="utf-8")
+    assert written.startswith("# FITTED, NOT CALIBRATED: this study misses the data.")
+    plan = read_plan(tmp_path / "fitted.toml", {}, {}, device="cpu")
+    for point in plan.points:
+        assert point.study is not None
+        assert point.study.study.name == "v1 - misses its data"
+        assert "FITTED TO DATA THAT IT MISSES" in point.study.study.description
+
+
+def test_a_course_that_the_study_meets_is_calibrated(tmp_path: Path) -> None:
+    study = smooth_study()
+    truth = {"friction.shear_strength": 3.0, "noise.deviation": 0.02, "noise.length": 60.0}
+    data = drawn(study, truth, Data((course_like(study, points=60),)), 4)
+    (tmp_path / "fitted.toml").touch()
+    inference = result_of(posterior_of(study, {"friction.shear_strength": "log-uniform 2 .. 5 MPa"}, data))
+    assert not inference.misses
+    assert max(row["off"] for row in inference.computed()) < 3.0
+    write_report(inference, tmp_path)
+    assert (tmp_path / "calibrated.toml").is_file()
+    assert not (tmp_path / "fitted.toml").exists()

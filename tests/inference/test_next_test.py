@@ -6,10 +6,16 @@ import numpy as np
 import pytest
 from cases_inference import NORMAL, exact, found_for, posterior_of, result_of, smooth_study
 
+import warpwear
+from warpwear import InputError
+from warpwear.inference import sampler
 from warpwear.inference.data import Data, Measured
 from warpwear.inference.next_test import Candidate, best_tests, repeats_needed
 from warpwear.inference.report import calibrated
+from warpwear.inference.sampler import Samples
 from warpwear.sweeps.plan import read_plan
+from warpwear.sweeps.run_one import Row, Task
+from warpwear.sweeps.run_one import run_one as once
 
 
 def test_the_next_test_is_that_of_a_linear_problem(linear: Data) -> None:
@@ -17,13 +23,8 @@ def test_the_next_test_is_that_of_a_linear_problem(linear: Data) -> None:
     study = smooth_study()
     posterior = posterior_of(study, NORMAL, linear)
     values, _ = found_for(posterior)
-    tests = best_tests(
-        posterior,
-        values,
-        "friction.shear_strength",
-        [Candidate({}), Candidate({}, 3)],
-        lambda s: posterior.model,
-    )
+    candidates = [Candidate({}), Candidate({}, 3)]
+    tests = best_tests(posterior, values, "friction.shear_strength", candidates)
     _, one = exact(linear)
     prior = np.diag([0.02**-2.0, 0.3**-2.0])
     information = np.linalg.inv(one) - prior
@@ -60,3 +61,69 @@ def test_the_calibrated_study_is_ready_for_a_sweep(tmp_path: Path) -> None:
         assert len(plan.points) == runs
         sums = [sum(point.study.wear_coefficients) for point in plan.points if point.study]
         assert np.std(sums) / np.mean(sums) < 0.10
+
+
+def test_another_test_whose_scar_is_larger_is_computed_on_a_wider_field(tmp_path: Path) -> None:
+    """Twice the load, distance or radius makes a scar 2^¼ as large: the scar tells the sum of both wears as
+    well or better, its error and a cell's rounding being a smaller part of it."""
+    study = smooth_study(**{"wear.disc": "0 mm^3/N/m"})
+    tests = ("contact.load=16 N", "sliding.distance=4800 mm", "sphere.radius=6 mm")
+    inference = warpwear.infer(
+        study,
+        unknown={"wear.sphere": "log-uniform 4e-4 .. 1e-2 mm^3/N/m"},
+        measured={"diameter": "1.28 +- 0.03 mm"},
+        target="wear.sphere",
+        candidates=(*tests, "repeats=1"),
+        out=tmp_path / "out",
+    )
+    assert len(inference.tests) == 4
+    assert inference.tests[-1].label == "the same test again"
+    # by the scar d = (…K)^¼ u(K)/K = 4 u(d)/d: the information of one more is 2^½ of what it was
+    for test in inference.tests[:3]:
+        assert test.expected / test.now == pytest.approx((1.0 + 2.0**0.5) ** -0.5, abs=0.02)
+        assert "(grid.extent 1." in test.label
+
+
+def test_tests_are_tried_before_anything_is_sampled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A test that equals the study is the study's own; one that cannot be made ends before samples; and
+    samples are written before anything else may fail."""
+    sampled = []
+
+    def sample(*args: object, **options: int) -> Samples:
+        sampled.append(1)
+        return sampler.sample(*args, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr("warpwear.inference.infer.sample", sample)
+    calls: list[str] = []
+
+    def run_one(task: Task) -> Row:
+        calls.append(task.folder)
+        return once(task)
+
+    monkeypatch.setattr("warpwear.inference.runs.run_one", run_one)
+
+    def infer(candidate: str, target: str = "wear.sphere") -> warpwear.Inference:
+        return warpwear.infer(
+            smooth_study(**{"sliding.distance": "100 mm"}),
+            unknown={"wear.sphere": "log-uniform 4e-4 .. 2e-3 mm^3/N/m"},
+            measured={"volume_sphere": "0.00075 +- 0.00003 mm^3"},
+            target=target,
+            candidates=[candidate],
+            out=tmp_path / candidate,
+        )
+
+    with pytest.raises(InputError, match="is no unknown"):
+        infer("repeats=2", "wear.disc")
+    with pytest.raises(InputError, match=r"contact\.load"):
+        infer("contact.load=16 m")
+    with pytest.raises(InputError, match=r"the scar of the next test contact\.load = 1e6 N is larger than"):
+        infer("contact.load=1e6 N")
+    assert not sampled
+    calls.clear()
+    (same,) = infer("contact.load=8.0 N, repeats=3").tests
+    assert len({*calls}) == 1  # no run but that of the study
+    assert same.repeats == 3
+    monkeypatch.setattr("warpwear.inference.infer.best_tests", lambda *args: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        infer("contact.load=4 N")
+    assert (tmp_path / "contact.load=4 N" / "posterior.csv").is_file()

@@ -26,11 +26,15 @@ STRENGTH = {"friction.shear_strength": "log-uniform 1 .. 20 MPa"}
         ({"volume_disc": "0.01 +- 0.001 mm"}, "volume_disc = '0.01 \\+- 0.001 mm': it"),
         ({"cof": "60 +- 1"}, "as if in percent"),
         ({"cof": "0.6 +- 0.01 at 9000 mm"}, "the study slides 2400 mm"),
+        ({"volume_disc": "0.01 +- 1e-300 mm^3"}, "the uncertainty as a part of the value is 1e-298"),
+        ({"volume_disc": ["0.01 +- 1e-300 mm^3"] * 2}, "the uncertainty as a part of the value is 1e-298"),
+        ({"volume_disc": "0.01 +- 1e300 mm^3"}, "the uncertainty as a part of the value is 1e"),
+        ({"volume_disc": "1e-300 +- 1e-301 mm^3"}, "the worn volume of the disc .* is 1e-300"),
         ({"weight": "3 +- 1 mm"}, "nothing that can be measured here"),
         ({}, "nothing was measured"),
     ],
 )
-def test_wrong_data_end_in_one_sentence(measured: dict[str, str], sentence: str) -> None:
+def test_wrong_data_end_in_one_sentence(measured: dict[str, str | list[str]], sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
         warpwear.infer(smooth_study(), unknown=STRENGTH, measured=measured)
 
@@ -45,6 +49,10 @@ def test_wrong_data_end_in_one_sentence(measured: dict[str, str], sentence: str)
         (
             "Distance [mm],CoF,Normal force [N]\n" + "".join(f"{100 * n},0.3,4.1\n" for n in range(1, 20)),
             "the normal force is 4.1 N",
+        ),
+        (
+            "Distance [mm],CoF\n" + "".join(f"{100 * n},0.0\n" for n in range(1, 20)),
+            "the coefficient of friction is 0 in the middle, which says that nothing was measured",
         ),
         (
             "Distance [mm],Temperature [C]\n" + "".join(f"{100 * n},20\n" for n in range(1, 20)),

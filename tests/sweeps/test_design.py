@@ -1,5 +1,7 @@
 """Designs of a sweep: which values go together, and how distributions are drawn from."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -9,6 +11,7 @@ from warpwear.sweeps.command import values_of_text, varied
 from warpwear.sweeps.design import Design, factors_of
 from warpwear.sweeps.distributions import distribution
 from warpwear.sweeps.indices import sobol
+from warpwear.sweeps.page import _short
 
 #: Samples by which a distribution is looked at.
 MANY = 4096
@@ -158,3 +161,25 @@ def test_samples_without_a_value_are_left_out_whole() -> None:
     values = ishigami(1024, seed=1)
     values[5] = np.nan
     assert np.abs(sobol(values, 3).total - TOTAL).max() < 0.05
+
+
+def test_total_indices_are_parts_in_words() -> None:
+    """An estimate beyond 1 is cut off for people; few samples say how many it takes, many say nothing."""
+    few = sobol(ishigami(32, seed=5), 3)
+    few = replace(few, total=np.array([1.13, *few.total[1:]]))
+    value, low, high = few.total_in_words(0).replace("(", "").replace(")", "").replace("to ", "").split()
+    assert value == "1.00"
+    assert 0.0 <= float(low) < float(high) <= 1.0
+    assert "32 samples tell total indices to ±" in few.doubt
+    needed = int(few.doubt.partition("about ")[2].split()[0])
+    assert needed in 2 ** np.arange(6, 14)
+    many = sobol(ishigami(needed, seed=5), 3)
+    assert np.diff(many.total_interval, axis=0).max() < 2.0 * 0.1 * 1.5
+    assert not sobol(ishigami(4 * needed, seed=5), 3).doubt
+
+
+def test_drawn_values_are_short_on_the_page() -> None:
+    assert _short("0.0009240627741320547 mm^3/N/m") == "0.00092406 mm^3/N/m"
+    assert _short("9.800640489966497") == "9.8006"
+    assert _short("0.25 mm") == "0.25 mm"
+    assert _short("hardness-limited") == "hardness-limited"

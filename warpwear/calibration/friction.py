@@ -135,7 +135,7 @@ def fit_friction(
     slope = _product(varying, measured - measured.mean()) / scatter
     offset = float(measured.mean()) - slope * mean
     residual = measured - offset - slope * area_over_load
-    effective = _effective_points(residual)
+    effective = effective_points(residual)
     deviation = math.sqrt(_product(residual, residual) / (count - 2) * count / effective)
     return FrictionFit(
         shear_strength=slope,
@@ -159,7 +159,7 @@ def _shear_alone(area_over_load: FloatArray, measured: FloatArray) -> ShearFit:
     square = _product(area_over_load, area_over_load)
     slope = _product(area_over_load, measured) / square
     residual = measured - slope * area_over_load
-    count, effective = measured.size, _effective_points(residual)
+    count, effective = measured.size, effective_points(residual)
     variance = _product(residual, residual) / (count - 1) * count / effective
     error = math.sqrt(variance / square)
     return ShearFit(shear_strength=slope, shear_strength_error=error, **_quality(residual, measured))
@@ -187,7 +187,7 @@ def _product(one: FloatArray, other: FloatArray) -> float:
     return float((one * other).sum())
 
 
-def _effective_points(residual: FloatArray) -> float:
+def effective_points(residual: FloatArray) -> float:
     """Find how many independent points scatter as much: n/(1 + 2 Σ ρ_k), ρ up to its first zero."""
     count = residual.size
     power = _product(residual, residual)

@@ -1,6 +1,7 @@
 """The command `warpwear calibrate friction`: from its options to the text it prints."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +34,7 @@ def calibrate_friction(
     ploughing: float | None = None,
     area: str | None = None,
     load: str | None = None,
-    experiment: Path | None = None,
+    experiments: Sequence[Path] = (),
     columns: str | None = None,
     stroke: str | None = None,
     speed: str | None = None,
@@ -46,13 +47,18 @@ def calibrate_friction(
     """
     if result is not None:
         refuse({"--load": load}, "and --result exclude each other: the run has its load")
-    if experiment is not None:
+    if len(experiments) > 1:
+        raise InputError(
+            f"--experiment is given {len(experiments)} times, and one course is fitted at a time; "
+            "`warpwear calibrate bayes` takes repeated tests together, with their scatter"
+        )
+    if experiments:
         if result is None:
             raise InputError("--experiment needs --result, the run folder whose areas it is fitted with")
         fitted = {"--cof": cof, "--ploughing": ploughing}
         refuse(fitted, "and --experiment exclude each other: the fit finds it")
         motion = {"stroke": optional("--stroke", stroke, "mm"), "speed": optional("--speed", speed, "mm/s")}
-        rows, text = _of_curve(experiment, result, _name(area), motion | {"columns": columns})
+        rows, text = _of_curve(experiments[0], result, _name(area), motion | {"columns": columns})
     else:
         how = {"--columns": columns, "--stroke": stroke, "--speed": speed}
         refuse(how, "needs --experiment: it says how that file is read")

@@ -75,7 +75,12 @@ def wear(**options: Any) -> None:
 @click.option("--area", metavar="A", help="With --load '1.254 mm^2'; with --result a name such as contact.")
 @LOAD
 @click.option(
-    "--experiment", metavar="FILE", type=PATH, help="Course: fits τ0 and μ_p with areas of --result."
+    "--experiment",
+    "experiments",
+    metavar="FILE",
+    type=PATH,
+    multiple=True,
+    help="One course: fits τ0 and μ_p with areas of --result.",
 )
 @COLUMNS
 @click.option("--stroke", metavar="L", help="--experiment: length of one pass, where it counts cycles.")

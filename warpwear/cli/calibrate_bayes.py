@@ -44,7 +44,8 @@ def bayes(study: str, changes: tuple[str, ...], **options: Any) -> None:
 
     \b
     inference.html    the unknowns, what cannot be told apart, figures, the next test
-    calibrated.toml   the study with the values found, ready for 'warpwear sweep'
+    calibrated.toml   the study with the values found, ready for 'warpwear sweep'; fitted.toml
+                      where it misses the data
     posterior.csv     samples of the unknowns
 
     A value measured in repeated tests is given repeatedly. Unknowns, measurements and tests may stand in the

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from warpwear.errors import InputError
 from warpwear.inference.data import KINDS, data_of
 from warpwear.inference.infer import infer_from
-from warpwear.inference.report import content_of
+from warpwear.inference.report import CALIBRATED, FITTED, content_of
 from warpwear.results.report import to_json
 from warpwear.study import loading
 from warpwear.study.study import Study
@@ -70,7 +70,8 @@ def calibrate_bayes(
     inference = infer_from(changed, priors, data, target=target, candidates=candidates, out=out, **options)
     if as_json:
         return to_json(content_of(inference))
-    written = f"\nwritten to {out}/: inference.html, calibrated.toml, posterior.csv, figures/"
+    study = FITTED if inference.misses else CALIBRATED
+    written = f"\nwritten to {out}/: inference.html, {study}, posterior.csv, figures/"
     return str(inference) + (written if out else "")
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from warpwear.calibration.friction import effective_points
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import printed
@@ -38,6 +39,9 @@ POINTS = 100
 FEWEST = 5
 #: A load that differs by more than this part from the study's is another test.
 LOAD_OFF = 0.05
+#: Least and largest number of a measured value, and standard uncertainty as a part of it: of others none is
+#: measured, and their squares leave the range of numbers.
+NUMBERS, PARTS = (1e-30, 1e30), (1e-9, 1e9)
 _NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
 _WRITTEN = re.compile(rf"\s*{_NUMBER}\s*(?:\+-|±)\s*{_NUMBER}\s*(.*?)\s*(?:\bat\s+(\S.*?))?\s*")
 
@@ -78,6 +82,31 @@ class MeasuredCourse:
     cof: FloatArray
     notes: tuple[str, ...] = ()
 
+    @property
+    def thirds(self) -> list[slice]:
+        """Rows of its first, middle and last third of distance; none where one holds too few points."""
+        ends = np.searchsorted(self.distance, self.distance[-1] * np.array([0.0, 1.0, 2.0]) / 3.0).tolist()
+        thirds = [slice(*pair) for pair in itertools.pairwise([*ends, self.distance.size])]
+        return thirds if all(third.stop - third.start >= FEWEST for third in thirds) else []
+
+    @cached_property
+    def scatter(self) -> tuple[float, float]:
+        """Standard deviation of points about straight lines through its thirds, and of the mean of a third.
+
+        They are medians, for friction that runs in is no line at first. The latter allows for points that
+        scatter together. Without thirds both are infinite.
+        """
+        thirds = self.thirds
+        if not thirds:
+            return np.inf, np.inf
+        square, of_mean = [], []
+        for third in thirds:
+            x = self.distance[third] - self.distance[third].mean()
+            residual = self.cof[third] - np.polyval(np.polyfit(x, self.cof[third], 1), x)
+            square.append(float(np.sum(residual**2)) / (x.size - 2))
+            of_mean.append(square[-1] / effective_points(residual))
+        return float(np.sqrt(np.median(square))), float(np.sqrt(np.median(of_mean)))
+
 
 @dataclass(frozen=True, eq=False)
 class Data:
@@ -107,6 +136,17 @@ class Data:
         """Rows of each course in `distance`."""
         ends = np.cumsum([0, *(course.distance.size for course in self.courses)]).tolist()
         return [slice(*pair) for pair in itertools.pairwise(ends)]
+
+    @property
+    def between(self) -> float:
+        """Standard deviation of the levels of repeated courses over their last thirds; 0 of one."""
+        levels = [float(course.cof[course.thirds[-1]].mean()) for course in self.courses if course.thirds]
+        return float(np.std(levels, ddof=1)) if len(levels) > 1 else 0.0
+
+    @property
+    def repeated(self) -> bool:
+        """Whether anything was measured in more than one test."""
+        return len(self.courses) > 1 or len(self.values) > len(self.kinds)
 
     @property
     def kinds(self) -> set[str]:
@@ -184,6 +224,12 @@ def _measured(study: Study, kind: str, text: str) -> Measured:
         raise refusal("the uncertainty must be greater than 0, for nothing is known exactly")
     if measured.value <= 0.0:
         raise refusal(f"the {what} must be greater than 0")
+    for number, (least, most), what_it_is in (
+        (measured.value, NUMBERS, f"the {what} ({unit or 'a plain ratio'})"),
+        (measured.error / measured.value, PARTS, "the uncertainty as a part of the value"),
+    ):
+        if not least <= number <= most:
+            raise refusal(f"{what_it_is} is {number:.3g}, and allowed is {least:g} to {most:g}")
     if kind == "cof":
         _check_cof(text, np.array([measured.value]))
     if at is not None and not 0.0 < at <= study.sliding.total * (1.0 + 1e-9):
@@ -231,6 +277,11 @@ def _course(study: Study, experiment: Experiment | str | Path, columns: str | No
 def _check_cof(name: str, cof: FloatArray) -> None:
     """Raise InputError for coefficients that look like percent."""
     typical = float(np.median(np.abs(cof)))
+    if typical == 0.0:
+        raise InputError(
+            f"{name}: the coefficient of friction is 0 in the middle, which says that nothing was measured; "
+            "a record of a sliding contact is expected"
+        )
     if typical > LARGEST_COF:
         percent = ", as if in percent: 20 instead of 0.20" if typical < 100.0 * LARGEST_COF else ""
         raise InputError(

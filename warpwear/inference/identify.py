@@ -1,4 +1,4 @@
-"""Which unknowns the data tell, and which they cannot tell apart, in words.
+"""Which unknowns the data tell, which they cannot tell apart, and what a study misses, in words.
 
 The Fisher information of the data at places of the posterior, in the standard normal numbers of the unknowns,
 says it: a direction with an eigenvalue below one is known from the prior alone. Where such a direction moves
@@ -7,13 +7,35 @@ is known is the direction across.
 """
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from warpwear.grid import FloatArray
+from warpwear.inference.data import KINDS
 from warpwear.inference.likelihood import Posterior
 
+#: Standard uncertainties from which a computed value and a measured one contradict each other.
+CONTRADICTION = 3.0
+#: Part of the test over which residuals go together from where on the computed course has another shape.
+OTHER_SHAPE = 0.5
+#: Part of the measured level by which a study misses a course of friction, beside `CONTRADICTION`.
+MISSED = 0.1
+#: Standard uncertainty of a measured coefficient of friction as a part of it, at least.
+COF_ERROR = 0.02
+#: Start of a sentence on measurements that the study misses.
+CONFLICT = "The study cannot bring all data together"
+#: What is compared of a course of friction -> its weights of the means over the thirds of the distance.
+LEVEL = "friction over the last third"
+PARTS = {
+    LEVEL: (0.0, 0.0, 1.0),
+    "its rise from the first third": (-1.0, 0.0, 1.0),
+    "its shape, the middle third above the mean of the others": (-0.5, 1.0, -0.5),
+}
+#: Draws of the posterior predictive.
+DRAWS = 400
 #: Places of the posterior that are looked at.
 PLACES = 24
 #: Step of derivatives, in standard deviations of the prior.
@@ -25,6 +47,8 @@ NOTHING, MUCH = 1.0, 4.0
 PART = 0.25
 #: Information below which a single unknown is left as it was.
 UNTOUCHED = 0.1
+#: What is said where nothing else is.
+ALL_APART = "The data tell all unknowns apart."
 #: Correlation of two unknowns that is told.
 STRONG = 0.8
 
@@ -62,7 +86,7 @@ class Identified:
             for first, second, r in self.correlations
             if not any({first, second} <= set(group.keys) for group in self.indistinct)
         ]
-        return lines or ["The data tell all unknowns apart."]
+        return lines or [ALL_APART]
 
 
 def information(posterior: Posterior, values: dict[str, FloatArray]) -> FloatArray:
@@ -189,3 +213,109 @@ def _why(posterior: Posterior, group: tuple[str, ...]) -> str:
             "or a worn volume tells how large the area is."
         )
     return ""
+
+
+def computed(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[dict[str, Any]]:
+    """Return a row a measured value; see `Inference.computed`."""
+    rows = []
+    for measured in (*posterior.data.values, *posterior.data.points):
+        if measured.kind == "cof":
+            mean = posterior.model.cof(values, np.array([measured.at]))[:, 0]
+            variance = np.zeros(len(mean))
+        else:
+            mean, variance = posterior.model.value(values, measured.kind)
+        off = abs(float(mean.mean()) - measured.value) / float(np.sqrt(measured.error**2 + variance.mean()))
+        numbers = {"mean": float(mean.mean()), "sd": float(np.sqrt(mean.var() + variance.mean())), "off": off}
+        rows.append({"what": measured.text, **numbers, "unit": measured.unit})
+    return rows + _friction_rows(posterior, values)
+
+
+def _friction_rows(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[dict[str, Any]]:
+    """Return level, rise and shape of every measured course beside the computed ones, a row each.
+
+    They are combinations of the means over the thirds of its distance. Their uncertainty is that which the
+    points themselves show, and of a level at least that of a tribometer, or of repeats among each other.
+    """
+    rows = []
+    for course in posterior.data.courses:
+        if not course.thirds:
+            continue
+        friction = posterior.model.friction(values, course.distance)
+        cof = posterior.model.cof(values, course.distance)
+        kinds = {"measured": course.cof[None], "computed": cof, "errors": friction.errors}
+        means = {
+            name: np.stack([lines[..., third].mean(axis=-1) for third in course.thirds], axis=-1)
+            for name, lines in kinds.items()
+        }
+        level = float(means["measured"][0, -1])
+        for what, weights in PARTS.items():
+            measured, computed, emulated = (means[name] @ np.array(weights) for name in kinds)
+            size = float(np.hypot.reduce(weights))
+            error = size * float(np.hypot(course.scatter[1], COF_ERROR * abs(level)))
+            error = float(np.hypot(error, posterior.data.between)) if what == LEVEL else error
+            variance = float(np.mean(np.sum(emulated**2, axis=-1)))
+            deviation = float(np.sqrt(computed.var() + variance))
+            value, mean = float(measured[0]), float(computed.mean())
+            rows.append(
+                {
+                    "what": f"{course.name}: {what} {value:.3g} ± {error:.2g}",
+                    "mean": mean,
+                    "sd": deviation,
+                    "off": abs(mean - value) / float(np.hypot(error, np.sqrt(variance))),
+                    "unit": "",
+                    "missed": abs(mean - value) > MISSED * abs(level),
+                }
+            )
+    return rows
+
+
+def conflicts_of(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[str]:
+    """Say what the study cannot bring together, in sentences."""
+    some = {key: column[:DRAWS] for key, column in values.items()}
+    lines = []
+    measured = (*posterior.data.values, *posterior.data.points)
+    rows = computed(posterior, some)
+    for row in sorted(rows[len(measured) :], key=lambda row: -float(row["off"])):  # the worst is the headline
+        if row["off"] > CONTRADICTION and row["missed"]:
+            lines.append(
+                f"{CONFLICT}, for it misses the course of friction: measured is {row['what']}; computed is "
+                f"{row['mean']:.3g} ± {row['sd']:.2g}, {row['off']:.0f} standard uncertainties apart."
+            )
+    for row, value in zip(rows, measured, strict=False):
+        if row["off"] > CONTRADICTION:
+            lines.append(
+                f"{CONFLICT}: measured is {row['what']}; computed is "
+                f"{row['mean']:.3g}, {row['off']:.0f} standard uncertainties apart."
+            )
+            lines += _scar_by_volume(posterior) if value.kind != "cof" else []
+    if lines:
+        lines = list(dict.fromkeys(lines))
+        lines.append(
+            "So either a measurement or the study is wrong, and no value of the unknowns mends it: do not "
+            "use the unknowns found before the cause is known. Their uncertainties are too small."
+        )
+    if posterior.data.courses:
+        length = float(np.median(some["noise.length"]))
+        longest = max(float(c.distance[-1]) for c in posterior.data.courses)
+        if length > OTHER_SHAPE * longest:
+            lines.append(
+                f"Residuals of friction go together over {length:.3g} mm of {longest:.4g}: the measured "
+                "course has another shape than the computed one."
+            )
+    return lines
+
+
+def _scar_by_volume(posterior: Posterior) -> list[str]:
+    """Say which scar the measured volumes make at rest, where a scar was measured, too."""
+    values, model = posterior.data.values, posterior.model
+    scars = [value for value in values if value.kind == "diameter"]
+    bodies = {value.kind: value for value in values if value.kind.startswith("volume")}
+    if not (scars and bodies and model.runs.scaled) or model.runs.inputs:
+        return []
+    volume = sum(value.value for value in bodies.values())
+    size = model.scar_of(volume)
+    which = " and ".join(KINDS[kind][1] for kind in bodies)
+    return [
+        f"The reason: at rest all that wears lies in the scar. The {which}, {volume:.3g} mm³, makes one of "
+        f"{size:.2f} mm or more, and measured is {scars[0].value:.2f} mm."
+    ]

@@ -3,6 +3,7 @@
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,13 +11,13 @@ import numpy as np
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.inference.data import Data, data_of, unit_of
-from warpwear.inference.identify import identify
+from warpwear.inference.identify import conflicts_of, identify
 from warpwear.inference.likelihood import Posterior
 from warpwear.inference.model import Model, columns_for
-from warpwear.inference.next_test import best_tests, candidates_of, repeats_needed
-from warpwear.inference.report import write_report
-from warpwear.inference.result import Inference, conflicts_of
-from warpwear.inference.runs import make_runs
+from warpwear.inference.next_test import Candidate, best_tests, candidates_of, place_of, repeats_needed
+from warpwear.inference.report import write_report, write_samples
+from warpwear.inference.result import Inference
+from warpwear.inference.runs import make_runs, wide_enough
 from warpwear.inference.sampler import sample
 from warpwear.inference.unknowns import Unknown, noise_for, unknowns_of
 from warpwear.laws.friction import FITTED, STRENGTH
@@ -90,21 +91,40 @@ def infer_from(
     _check_unknowns(study, unknowns, data)
     with _folder(out) as folder:
 
-        def model_of(other: Study) -> Model:
+        def model_of(other: Study, part: float | None = None) -> Model:
             rough = bool(data.kinds & {"sq_sphere", "sq_disc"})
             of_other = make_runs(
-                other, unknowns, samples=runs, seed=seed, out=folder, device=device, roughness=rough
+                other,
+                unknowns,
+                samples=runs,
+                seed=seed,
+                out=folder,
+                device=device,
+                roughness=rough,
+                part=part,
             )
             return Model(other, tuple(unknowns), of_other, frozenset(data.kinds))
 
-        posterior = Posterior(model_of(study), tuple(noise), data)
+        def with_model(candidate: Candidate) -> Candidate:
+            part = base.runs.part if study.wear.law == "archard" else 1.0
+            other = wide_enough(study, candidate.changes, unknowns, part, folder, device)
+            if other == study:
+                return candidate
+            extent = other.grid.extent if other.grid.extent > study.grid.extent else None
+            return replace(candidate, model=model_of(other, part), extent=extent)
+
+        base = model_of(study)
+        posterior = Posterior(base, tuple(noise), data)
         check_priors(posterior, seed=seed)
+        trials = []
+        if target is not None:  # before what takes long: a test that cannot be made ends it here
+            place_of(posterior, target)
+            trials = [with_model(one) for one in candidates_of(study, candidates, cheap=not base.runs.inputs)]
         samples = sample(posterior.log_density, len(posterior.sampled), seed=seed)
         values, z = posterior.complete(samples.z, np.random.default_rng(seed + 1))
-        tests = []
-        if target is not None:
-            tried = candidates_of(study, candidates, cheap=not posterior.model.runs.inputs)
-            tests = best_tests(posterior, values, target, tried, model_of)
+        if out is not None:
+            write_samples(posterior.unknowns, values, folder)
+        tests = [] if target is None else best_tests(posterior, values, target, trials)
         wear = [u.key for u in unknowns if u.key in ("wear.sphere", "wear.disc")]
         inference = Inference(
             posterior=posterior,

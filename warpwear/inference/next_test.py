@@ -5,7 +5,7 @@ uncertainties of this test, adds information; the variance that is left is avera
 """
 
 from bisect import bisect_left
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -39,15 +39,21 @@ class NextTest:
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """Changes of the study, and how often the test is made."""
+    """Changes of the study, how often the test is made, and its model; None for that of the test itself.
+
+    extent: the field [mm] that holds its scar, where that of the test is too small.
+    """
 
     changes: Mapping[str, Any]
     repeats: int = 1
+    model: Model | None = None
+    extent: float | None = None
 
     @property
     def label(self) -> str:
         """The test in words."""
         test = ", ".join(f"{key} {value}" for key, value in self.changes.items()) or "the same test again"
+        test += "" if self.extent is None else f" (grid.extent {self.extent:.4g} mm)"
         return test if self.repeats == 1 else f"{test}, {self.repeats} times"
 
 
@@ -86,18 +92,17 @@ def best_tests(
     values: Mapping[str, FloatArray],
     target: str,
     candidates: Sequence[Candidate],
-    model_of: Callable[[Study], Model],
 ) -> list[NextTest]:
     """Rank tests by the uncertainty of an unknown that they leave, the best first.
 
-    values: samples of the posterior. model_of: makes the model of another study. Raises InputError.
+    values: samples of the posterior. Raises InputError.
     """
-    place, now = _place(posterior, target), _relative(values[target])
+    place, now = place_of(posterior, target), _relative(values[target])
     some = _some(values)
     known = information(posterior, some)
     tests = []
     for candidate in candidates:
-        added = candidate.repeats * information(_after(posterior, candidate, model_of), some)
+        added = candidate.repeats * information(_after(posterior, candidate), some)
         part = _left(known, added, place)
         tests.append(NextTest(candidate.label, candidate.repeats, now, now * part))
     return sorted(tests, key=lambda test: test.expected)
@@ -105,7 +110,7 @@ def best_tests(
 
 def repeats_needed(posterior: Posterior, values: Mapping[str, FloatArray], target: str) -> int | None:
     """Return how many more tests like this one bring an unknown to ± 10 %, None where none do."""
-    place, now = _place(posterior, target), _relative(values[target])
+    place, now = place_of(posterior, target), _relative(values[target])
     known = information(posterior, _some(values))
     every = range(MOST_REPEATS + 1)
     reached = bisect_left(every, True, key=lambda n: now * _left(known, n * known, place) <= REACHED)
@@ -117,7 +122,7 @@ def _relative(column: FloatArray) -> float:
     return float(np.std(column) / abs(np.mean(column)))
 
 
-def _place(posterior: Posterior, target: str) -> int:
+def place_of(posterior: Posterior, target: str) -> int:
     """Return the place of an unknown among those of the model. Raises InputError."""
     keys = [unknown.key for unknown in posterior.model.unknowns]
     if target not in keys:
@@ -144,13 +149,12 @@ def _left(known: FloatArray, added: FloatArray, place: int) -> float:
     return float(np.sqrt(after[:, place, place].mean() / before[:, place, place].mean()))
 
 
-def _after(posterior: Posterior, candidate: Candidate, model_of: Callable[[Study], Model]) -> Posterior:
+def _after(posterior: Posterior, candidate: Candidate) -> Posterior:
     """Return what a candidate would measure: as this test, over its own distance."""
-    if not candidate.changes:
+    if candidate.model is None:
         return posterior
-    study = posterior.model.study.replace(candidate.changes)
-    scale = study.sliding.total / posterior.model.study.sliding.total
+    scale = candidate.model.study.sliding.total / posterior.model.study.sliding.total
     data = posterior.data
     courses = tuple(replace(course, distance=scale * course.distance) for course in data.courses)
     points = tuple(replace(point, at=scale * (point.at or 0.0)) for point in data.points)
-    return Posterior(model_of(study), posterior.noise, Data(courses, points, data.values))
+    return Posterior(candidate.model, posterior.noise, Data(courses, points, data.values))

@@ -1,6 +1,7 @@
 """What an inference leaves in its folder: samples, figures, a calibrated study, and a page with all of it."""
 
 import csv
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,11 +11,14 @@ import tomli_w
 from warpwear.errors import InputError
 from warpwear.figures import style as fs
 from warpwear.figures.wording import RAISED
+from warpwear.grid import FloatArray
 from warpwear.inference.result import Inference
 from warpwear.inference.unknowns import Unknown
 from warpwear.page.html import embedded, render
 from warpwear.results.report import to_json
 
+#: File of the study with what was inferred, and of one that misses the data.
+CALIBRATED, FITTED = "calibrated.toml", "fitted.toml"
 #: Correlation of two unknowns from which a sweep takes joint draws: distributions would be independent.
 JOINT = 0.5
 #: Runs of the sweep in the calibrated study.
@@ -28,15 +32,17 @@ CAPTIONS = {
 
 
 def write_report(inference: Inference, folder: Path) -> list[Path]:
-    """Write posterior.csv, posterior.json, calibrated.toml, figures/ and inference.html; return the files."""
-    keys, data = list(inference.values), inference.posterior.data
-    with (folder / "posterior.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        units = {unknown.key: unknown.unit for unknown in inference.posterior.unknowns}
-        writer.writerow([f"{key} [{units[key]}]" if units[key] else key for key in keys])
-        writer.writerows([map(repr, row) for row in np.array([*inference.values.values()]).T.tolist()])
+    """Write posterior.csv, posterior.json, calibrated.toml, figures/ and inference.html; return the files.
+
+    The study is fitted.toml instead where it misses the data.
+    """
+    data = inference.posterior.data
+    write_samples(inference.posterior.unknowns, inference.values, folder)
     (folder / "posterior.json").write_text(to_json(content_of(inference)) + "\n", encoding="utf-8")
-    (folder / "calibrated.toml").write_text(calibrated(inference), encoding="utf-8")
+    studies = (CALIBRATED, FITTED)
+    study, other = reversed(studies) if inference.misses else studies
+    (folder / study).write_text(calibrated(inference), encoding="utf-8")
+    (folder / other).unlink(missing_ok=True)  # of an inference before, in the same folder
     names = ["course", "corner"] if data.distance.size else ["corner"]
     drawn = {name: inference.plot(name) for name in names}
     (folder / "figures").mkdir(exist_ok=True)
@@ -58,10 +64,21 @@ def write_report(inference: Inference, folder: Path) -> list[Path]:
         correlations=inference.correlations.tolist(),
         pictures=[(embedded(figure), CAPTIONS[name]) for name, figure in drawn.items()],
         calibrated=calibrated(inference),
+        written=study,
+        misses=inference.misses,
     )
     (folder / "inference.html").write_text(page, encoding="utf-8")
-    texts = ("posterior.csv", "posterior.json", "calibrated.toml", "inference.html")
+    texts = ("posterior.csv", "posterior.json", study, "inference.html")
     return [*(folder / name for name in texts), *pictures.values()]
+
+
+def write_samples(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray], folder: Path) -> None:
+    """Write samples of the posterior to posterior.csv. values: key -> (samples,)."""
+    units = {unknown.key: unknown.unit for unknown in unknowns}
+    with (folder / "posterior.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow([f"{key} [{units[key]}]" if units[key] else key for key in values])
+        writer.writerows([map(repr, row) for row in np.array([*values.values()]).T.tolist()])
 
 
 def content_of(inference: Inference) -> dict[str, Any]:
@@ -98,6 +115,12 @@ def calibrated(inference: Inference) -> str:
     medians = {u.key: u.text(float(np.median(inference.values[u.key]))) for u in unknowns}
     try:
         study = inference.study.replace(medians)
+        if inference.misses:  # every run of it says so
+            name, text = inference.study.study.name, inference.study.study.description
+            misses = f"FITTED TO DATA THAT IT MISSES, not calibrated. {inference.conflicts[0]} {text}".strip()
+            study = study.replace(
+                {"study.name": f"{name[:70]} - misses its data", "study.description": misses}
+            )
     except InputError as error:
         return f"# No study can have the medians of the unknowns: {error}\n"
     count = len(unknowns)
@@ -110,7 +133,11 @@ def calibrated(inference: Inference) -> str:
         vary = {u.key: [u.text(float(v)) for v in inference.values[u.key][:SAMPLES]] for u in unknowns}
         section = {"design": "zip", "band_over": [u.key for u in unknowns]}
         note = f"# The unknowns go together: {SAMPLES} joint draws of the posterior.\n"
-    head = "# Calibrated by `warpwear calibrate bayes`: medians, and below their uncertainty for a sweep.\n"
+    how = "by `warpwear calibrate bayes`: medians, and below their uncertainty for a sweep."
+    head = f"# Calibrated {how}\n"
+    if inference.misses:
+        why = "".join(f"# {line}\n" for line in inference.conflicts)
+        head = f"# FITTED, NOT CALIBRATED: this study misses the data.\n{why}# Fitted {how}\n"
     return head + study.to_toml() + "\n" + note + tomli_w.dumps({"sweep": section | {"vary": vary}})
 
 

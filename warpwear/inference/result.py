@@ -12,23 +12,22 @@ from warpwear.errors import InputError
 from warpwear.figures.paint import paint
 from warpwear.grid import FloatArray
 from warpwear.inference import figures
-from warpwear.inference.data import KINDS, SHOWN
-from warpwear.inference.identify import Identified
+from warpwear.inference.data import SHOWN
+from warpwear.inference.identify import ALL_APART, CONFLICT, DRAWS, Identified, computed
 from warpwear.inference.likelihood import Posterior
 from warpwear.inference.next_test import MOST_REPEATS, REACHED, NextTest
 from warpwear.inference.sampler import Samples
+from warpwear.inference.unknowns import NOISE, Unknown
 from warpwear.results.ensemble import band
 from warpwear.results.report import aligned
 from warpwear.study.study import Study
 
-#: Standard uncertainties from which a computed value and a measured one contradict each other.
-CONTRADICTION = 3.0
-#: Part of the test over which residuals go together from where on the computed course has another shape.
-OTHER_SHAPE = 0.5
-#: Place near the end of a uniform prior, 2 % of it, and the part of samples beyond, from which it presses.
-EDGE, PRESSED = 2.05, 0.2
-#: Draws of the posterior predictive.
-DRAWS = 400
+#: Place near the end of a uniform prior, 10 % of it, and the part of samples beyond, from which it presses.
+EDGE, PRESSED = 1.2816, 0.3
+#: Standard deviations of a normal prior from its mean to that of the samples, from which it binds.
+PULLED = 2.0
+#: A wider prior of a logarithm reaches farther by this factor, another by its width.
+FARTHER = 5.0
 #: Points of a predicted course.
 POINTS = 150
 #: Parts of the posterior that a table and a band show [%].
@@ -65,9 +64,11 @@ class Inference:
     def table(self) -> list[dict[str, Any]]:
         """A row an unknown: key, unit, prior, mean, deviation, median, 5th and 95th percentile, learnt.
 
-        learnt: the part of the prior's variance that is gone.
+        learnt: the part of the prior's variance that is gone; pressed: whether that is so because the prior
+        ends there.
         """
         rows = []
+        pressing = {unknown.key for unknown, _ in self._pressing}
         for place, unknown in enumerate(self.posterior.unknowns):
             column = self.values[unknown.key]
             low, median, high = map(float, np.percentile(column, (BAND[0], 50.0, BAND[1])))
@@ -79,7 +80,8 @@ class Inference:
             }
             row |= {"assumed": unknown.assumed, "mean": float(column.mean()), "sd": float(column.std(ddof=1))}
             row |= {"median": median, "low": low, "high": high}
-            rows.append(row | {"learnt": float(np.clip(1.0 - self.z[:, place].var(), 0.0, 1.0))})
+            learnt = float(np.clip(1.0 - self.z[:, place].var(), 0.0, 1.0))
+            rows.append(row | {"learnt": learnt, "pressed": unknown.key in pressing})
         return rows
 
     @property
@@ -92,6 +94,7 @@ class Inference:
         """What a reader has to know beside the table."""
         runs = self.posterior.model.runs
         lines = [*self.conflicts, *self.identified.sentences]
+        lines = [line for line in lines if not (self.misses and line == ALL_APART)]
         lines += [runs.cut] if runs.cut else []
         lines += [f"Of the study: {notice}" for notice in self.study.notices()]
         lines += self._at_the_edge
@@ -108,6 +111,7 @@ class Inference:
             )
         for key, repeats in self.repeats.items():
             now = f"{key} is known to ± {100.0 * self.values[key].std() / self.values[key].mean():.2g} %"
+            now += "" if data.repeated else " of this test"
             goal, more = f"± {100 * REACHED:.0f} %", "more test like this brings"
             if repeats == 0:
                 lines.append(f"{now}, within {goal}.")
@@ -125,18 +129,44 @@ class Inference:
         return lines
 
     @property
+    def misses(self) -> bool:
+        """Whether the study contradicts what was measured, so that its values are fitted, not calibrated."""
+        return bool(self.conflicts) and self.conflicts[0].startswith(CONFLICT)
+
+    @property
+    def _pressing(self) -> list[tuple[Unknown, str]]:
+        """Unknowns whose uniform prior ends where they would go on, each with the end."""
+        ends = (("lower", -1.0), ("upper", 1.0))
+        return [
+            (unknown, end)
+            for unknown, z in zip(self.posterior.unknowns, self.z.T, strict=True)
+            for end, side in ends
+            if unknown.prior.kind.endswith("uniform") and np.mean(side * z > EDGE) >= PRESSED
+        ]
+
+    @property
     def _at_the_edge(self) -> list[str]:
-        """Say which unknowns press against the end of their prior."""
+        """Say which priors bind, at either end, and what to give instead."""
         lines = []
+        for unknown, end in self._pressing:
+            prior, key = unknown.prior, unknown.key
+            at = prior.first if end == "lower" else prior.second
+            says = f"{key} presses against the {end} end of its prior, {at:.4g} {unknown.unit}".rstrip()
+            if key == "noise.deviation" and end == "upper":
+                lines.append(f"{says}: the study misses the course by more than the course itself scatters.")
+            elif key in NOISE:
+                lines.append(f"{says}.")
+            elif at in (unknown.least, unknown.most):
+                lines.append(f"{says}, and {'more' if end == 'upper' else 'less'} is not allowed.")
+            else:
+                lines.append(f"{says}; give one that goes on, such as '{key}={_wider(unknown, end)}'.")
         for unknown, z in zip(self.posterior.unknowns, self.z.T, strict=True):
-            prior = unknown.prior
-            for end, side, at in (("lower", -1.0, prior.first), ("upper", 1.0, prior.second)):
-                if prior.kind.endswith("uniform") and np.mean(side * z > EDGE) >= PRESSED:
-                    allowed = at not in (unknown.least, unknown.most)
-                    wider = "a wider one is needed" if allowed else "less is not allowed"
-                    lines.append(
-                        f"{unknown.key} presses against the {end} end of its prior, {at:.4g}: {wider}."
-                    )
+            if not unknown.prior.kind.endswith("uniform") and abs(z.mean()) > PULLED:
+                lines.append(
+                    f"{unknown.key} lies {abs(z.mean()):.1f} standard deviations from the middle of its "
+                    f"prior, {unknown.written}, which holds it back: if that is no measurement, give a "
+                    "wider one."
+                )
         return lines
 
     @property
@@ -175,7 +205,7 @@ class Inference:
 
     def computed(self) -> list[dict[str, Any]]:
         """A row a measured value: what it is, what the study computes, and how far apart they are."""
-        return _computed(self.posterior, self._some)
+        return computed(self.posterior, self._some)
 
     def plot(self, name: str) -> Figure:
         """Draw "corner" or "course". Raises InputError for another name."""
@@ -192,12 +222,14 @@ class Inference:
         for row in self.table:
             numbers = [f"{row['mean']:.4g} ± {row['sd']:.2g}", f"{row['low']:.4g}", f"{row['high']:.4g}"]
             prior = row["prior"] + " (assumed)" * row["assumed"]
-            cells.append([row["key"], *numbers, row["unit"], prior, f"{100 * row['learnt']:.0f} %"])
+            learnt = "at its end" if row["pressed"] else f"{100 * row['learnt']:.0f} %"
+            cells.append([row["key"], *numbers, row["unit"], prior, learnt])
         return cells
 
     def __str__(self) -> str:
         """Write table and sentences for the screen."""
-        parts = {f"{self.study.study.name}: unknowns after the test": self._cells}
+        what = "fitted unknowns of a study that misses its data" if self.misses else "unknowns after the test"
+        parts = {f"{self.study.study.name}: {what}": self._cells}
         parts["measured and computed"] = [
             [
                 row["what"],
@@ -211,8 +243,9 @@ class Inference:
         last = {f"next tests for {self.target}, now ± {now} %": tests}
         return "\n".join(
             [
+                *(self.conflicts[:1] if self.misses else ()),
                 *(line for title, cells in parts.items() for line in _titled(title, cells)),
-                *(f"  {sentence}" for sentence in self.sentences),
+                *(f"  {sentence}" for sentence in self.sentences[self.misses :]),
                 *(line for title, cells in last.items() for line in _titled(title, cells)),
                 f"  {self.how}",
             ]
@@ -243,61 +276,12 @@ def _titled(title: str, cells: list[list[str]]) -> list[str]:
     return [title, *("  " + line for line in aligned(cells))] if cells else []
 
 
-def _computed(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[dict[str, Any]]:
-    """Return a row a measured value; see `Inference.computed`."""
-    rows = []
-    for measured in (*posterior.data.values, *posterior.data.points):
-        if measured.kind == "cof":
-            mean = posterior.model.cof(values, np.array([measured.at]))[:, 0]
-            variance = np.zeros(len(mean))
-        else:
-            mean, variance = posterior.model.value(values, measured.kind)
-        off = abs(float(mean.mean()) - measured.value) / float(np.sqrt(measured.error**2 + variance.mean()))
-        numbers = {"mean": float(mean.mean()), "sd": float(np.sqrt(mean.var() + variance.mean())), "off": off}
-        rows.append({"what": measured.text, **numbers, "unit": measured.unit})
-    return rows
-
-
-def conflicts_of(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[str]:
-    """Say what the study cannot bring together, in sentences."""
-    some = {key: column[:DRAWS] for key, column in values.items()}
-    lines = []
-    measured = (*posterior.data.values, *posterior.data.points)
-    for row, value in zip(_computed(posterior, some), measured, strict=True):
-        if row["off"] > CONTRADICTION:
-            lines.append(
-                f"The study cannot bring all data together: measured is {row['what']}; computed is "
-                f"{row['mean']:.3g}, {row['off']:.0f} standard uncertainties apart."
-            )
-            lines += _scar_by_volume(posterior) if value.kind != "cof" else []
-    if lines:
-        lines = list(dict.fromkeys(lines))
-        lines.append(
-            "So either a measurement or the study is wrong, and no value of the unknowns mends it: do not "
-            "use the unknowns found before the cause is known. Their uncertainties are too small."
-        )
-    if posterior.data.courses:
-        length = float(np.median(some["noise.length"]))
-        longest = max(float(c.distance[-1]) for c in posterior.data.courses)
-        if length > OTHER_SHAPE * longest:
-            lines.append(
-                f"Residuals of friction go together over {length:.3g} mm of {longest:.4g}: the measured "
-                "course has another shape than the computed one."
-            )
-    return lines
-
-
-def _scar_by_volume(posterior: Posterior) -> list[str]:
-    """Say which scar the measured volumes make at rest, where a scar was measured, too."""
-    values, model = posterior.data.values, posterior.model
-    scars = [value for value in values if value.kind == "diameter"]
-    bodies = {value.kind: value for value in values if value.kind.startswith("volume")}
-    if not (scars and bodies and model.runs.scaled) or model.runs.inputs:
-        return []
-    volume = sum(value.value for value in bodies.values())
-    size = model.scar_of(volume)
-    which = " and ".join(KINDS[kind][1] for kind in bodies)
-    return [
-        f"The reason: at rest all that wears lies in the scar. The {which}, {volume:.3g} mm³, makes one of "
-        f"{size:.2f} mm or more, and measured is {scars[0].value:.2f} mm."
-    ]
+def _wider(unknown: Unknown, end: str) -> str:
+    """Write a uniform prior that goes on beyond an end, as far as the key allows."""
+    first, second = unknown.prior.first, unknown.prior.second
+    if unknown.is_logarithmic:
+        low, high = first / FARTHER, second * FARTHER
+    else:
+        low, high = first - (second - first), second + (second - first)
+    ends = (max(low, unknown.least), second) if end == "lower" else (first, min(high, unknown.most))
+    return f"{unknown.prior.kind} {ends[0]:.4g} .. {ends[1]:.4g} {unknown.unit}".rstrip()

@@ -1,7 +1,7 @@
 """Runs that an inference stands on: one where results only scale, else a Sobol design made by a sweep."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -35,6 +35,8 @@ REACH = 3.3
 #: A scar that the field does not hold is made smaller by this factor of the wear until it does.
 SMALLER = 0.85
 MOST_CUTS = 40
+#: A field that does not hold the scar of another test is made wider by this factor, this often at most.
+WIDER, MOST_WIDER = 1.12, 10
 #: Points of a course between runs.
 POINTS = 240
 #: Points along which a smooth course is a polynomial of this degree (Savitzky and Golay, 1964).
@@ -48,7 +50,7 @@ class Runs:
     study: of the runs. inputs: those unknowns. places: (runs, inputs), see `Unknown.place_of`. rows: one a
     run. scaled: whether the rest of the wear only scales the distance. cut: a sentence where the field holds
     less wear than the priors allow, else empty. roughness: (runs, 2), Sq of ball and disc in the scar at the
-    end [µm], where asked for.
+    end [µm], where asked for. part: of the fastest wear of the priors, what the run wears.
     """
 
     study: Study
@@ -58,6 +60,7 @@ class Runs:
     scaled: bool
     cut: str = ""
     roughness: FloatArray | None = None
+    part: float = 1.0
 
     def course(self, name: str) -> tuple[FloatArray, FloatArray]:
         """Distances [mm], (points,), and a column of the history over them, (runs, points)."""
@@ -124,17 +127,26 @@ def make_runs(
     out: Path,
     device: str,
     roughness: bool = False,
+    part: float | None = None,
 ) -> Runs:
     """Make the runs that an inference stands on.
 
     samples: of a design, by default 8 an unknown that needs runs, and 16 at least, as a power of two. out:
-    folder that keeps them.
+    folder that keeps them. part: of the fastest wear of the priors, where it is known that the field holds
+    it; else as much as it holds.
 
     Raises InputError where a run fails: outside of what the runs cover nothing can be said.
     """
     scaled = scales(study) and not roughness
     inputs = tuple(unknown for unknown in unknowns if needs_runs(study, unknown.key, scaled=scaled))
-    study, cut = _reaching(study, unknowns, out, device) if scaled else (study, "")
+    test, cut = study, ""
+    if scaled and part is None:
+        part = _part_held(test, unknowns, out, device)
+        edge = f"{test.grid.extent:g} mm (grid.extent)"
+        cut = f"Priors of the wear are cut off where the scar reaches the edge of the field, {edge}."
+        cut = cut if part < 1.0 else ""
+    if scaled:
+        study = _wearing(test, unknowns, part or 1.0)
     if not inputs:
         folder, row = _run(study, out, device)
         folders = [folder]
@@ -159,7 +171,7 @@ def make_runs(
         folders = [out / RUNS / point.run for point in design.plan.points]
     whole = tuple(_whole(row, folder) for row, folder in zip(rows, folders, strict=True))
     rough = np.array([_roughness(folder) for folder in folders]) if roughness else None
-    return Runs(study, inputs, places, whole, scaled, cut, rough)
+    return Runs(study, inputs, places, whole, scaled, cut, rough, part or 1.0)
 
 
 def _whole(row: Row, folder: Path) -> Row:
@@ -175,33 +187,66 @@ def _run(study: Study, out: Path, device: str) -> tuple[Path, Row]:
     return out / RUNS / point.run, run_one(task_of(point, out / RUNS, device=device))
 
 
-def _reaching(study: Study, unknowns: Sequence[Unknown], out: Path, device: str) -> tuple[Study, str]:
-    """Return a study that wears as much as the priors allow, or as the field holds; and a sentence on that.
+def wide_enough(
+    study: Study, changes: Mapping[str, Any], unknowns: Sequence[Unknown], part: float, out: Path, device: str
+) -> Study:
+    """Return a study with changes, on a field that holds the scar of a part of the fastest wear.
+
+    Raises InputError where no field does, or the study cannot have such a wide one.
+    """
+    extent, cell = study.grid.extent, study.grid.cell
+    for _ in range(MOST_WIDER):
+        try:
+            other = study.replace({**changes, "grid.extent": f"{extent:.9g} mm"})
+            if not scales(other) or _holds(other, unknowns, part, out, device):
+                return other
+        except InputError as error:
+            if "grid.extent" not in str(error):
+                raise
+        extent = cell * np.ceil(WIDER * extent / cell)
+    raise InputError(
+        f"the scar of the next test {', '.join(f'{key} = {value}' for key, value in changes.items())} is "
+        f"larger than a field of {extent:.4g} mm (grid.extent): narrower priors or another test are needed"
+    )
+
+
+def _part_held(study: Study, unknowns: Sequence[Unknown], out: Path, device: str) -> float:
+    """Return the part of the fastest wear of the priors whose scar the field holds."""
+    part = 1.0
+    if _wearing(study, unknowns, part) is study:  # no part of it is less
+        return part
+    for _ in range(MOST_CUTS):
+        if _holds(study, unknowns, part, out, device):
+            break
+        part *= SMALLER
+    return part
+
+
+def _holds(study: Study, unknowns: Sequence[Unknown], part: float, out: Path, device: str) -> bool:
+    """Tell whether the field holds the scar of a part of the fastest wear of the priors."""
+    try:
+        wearing = _wearing(study, unknowns, part)
+    except InputError as error:
+        if "grid.extent" not in str(error):
+            raise
+        return False
+    return "grid.extent" not in _run(wearing, out, device)[1].status
+
+
+def _wearing(study: Study, unknowns: Sequence[Unknown], part: float) -> Study:
+    """Return a study that wears by a part of the fastest wear that the priors allow.
 
     It wears by Archard's constant law: the others only change how soon it gets as far.
     """
     wear = [unknown for unknown in unknowns if unknown.key in WEAR]
     if not wear and study.wear.law == "archard":
-        return study, ""
+        return study
     ends = [unknown.values(np.array([-REACH, REACH])) for unknown in wear]
     corners = [dict(zip((u.key for u in wear), corner, strict=True)) for corner in itertools.product(*ends)]
     laws = [study.wear_laws, *(study.wear.laws(study.wear_hardness, corner) for corner in corners)]
     fastest = [float(max(pair[body].fastest for pair in laws)) for body in range(len(BODIES))]
-    part = 1.0
-    for _ in range(MOST_CUTS):
-        sphere, disc = (f"{1e3 * part * k!r} mm^3/N/m" for k in fastest)
-        try:
-            reaching = study.replace({"wear.law": "archard", "wear.sphere": sphere, "wear.disc": disc})
-        except InputError as error:
-            if "grid.extent" not in str(error):
-                raise
-        else:
-            if "grid.extent" not in _run(reaching, out, device)[1].status:
-                break
-        part *= SMALLER
-    edge = f"{study.grid.extent:g} mm (grid.extent)"
-    cut = f"Priors of the wear are cut off where the scar reaches the edge of the field, {edge}."
-    return reaching, cut if part < 1.0 else ""
+    sphere, disc = (f"{1e3 * part * k!r} mm^3/N/m" for k in fastest)
+    return study.replace({"wear.law": "archard", "wear.sphere": sphere, "wear.disc": disc})
 
 
 def _roughness(folder: Path) -> tuple[float, float]:

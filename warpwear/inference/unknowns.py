@@ -29,6 +29,9 @@ FACTOR = 5.0
 PLOUGHING = 0.5
 #: Part of a normal prior beyond the allowed values from which it is cut off there.
 NEGLIGIBLE = 1e-6
+#: Largest deviation of friction without a prior; about a course at most so many times its own scatter, and
+#: at least what a tribometer resolves, or what repeated tests differ by.
+LARGEST, SCATTERS, AT_LEAST, APART = 0.3, 3.0, 0.01, 0.05
 #: Unknowns of the scatter about a course of friction -> what they are.
 NOISE = {
     "noise.deviation": "standard deviation of the residuals",
@@ -134,18 +137,22 @@ def unknowns_of(study: Study, priors: Mapping[str, str | None]) -> list[Unknown]
 def noise_for(data: Data, priors: Mapping[str, str | None]) -> list[Unknown]:
     """Return the unknowns of the scatter of the courses in the data; none without a course.
 
-    Without a prior the deviation is anything from 0.001 to 0.3, the length anything from a fifth of the
-    spacing to the whole test, and the deviation between repeats, of which there are two or more, as the
-    first.
+    Without a prior the deviation is anything from 0.001 to thrice what the courses scatter about straight
+    lines through their thirds, so that it makes up for no level or trend that the study misses; the length
+    anything from a fifth of the spacing to the whole test, and the deviation between repeats, of which there
+    are two or more, anything up to thrice what their levels scatter, or 0.05.
     """
     if not data.courses:
         return []
     spacing = min(float(np.median(np.diff(course.distance))) for course in data.courses)
     longest = max(float(course.distance[-1]) for course in data.courses)
+    scatter = max(course.scatter[0] for course in data.courses)
+    most = min(max(AT_LEAST, SCATTERS * scatter), LARGEST)
+    apart = min(max(APART, SCATTERS * data.between), LARGEST)
     assumed = {
-        "noise.deviation": "log-uniform 0.001 .. 0.3",
+        "noise.deviation": f"log-uniform 0.001 .. {most:.4g}",
         "noise.length": f"log-uniform {0.2 * spacing!r} .. {longest!r} mm",
-        "noise.repeat": "log-uniform 0.001 .. 0.3",
+        "noise.repeat": f"log-uniform 0.001 .. {apart:.4g}",
     }
     if len(data.courses) < 2:
         if "noise.repeat" in priors:

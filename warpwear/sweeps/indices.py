@@ -1,5 +1,6 @@
 """Which input decides an output: Sobol's indices of a Saltelli design, with bootstrap intervals."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,20 +11,42 @@ from warpwear.grid import FloatArray
 CONFIDENCE = 0.95
 #: Times that the samples are drawn again.
 RESAMPLES = 1000
+#: Half of an interval from which an index is known well enough to set inputs in order.
+WELL_KNOWN = 0.1
 
 
 @dataclass(frozen=True)
 class Indices:
     """Sobol's indices of one output, each of shape (factors,), with the ends of their intervals (2, factors).
 
-    first: the part of the output's variance that an input explains by itself; total: the part that goes when
-    it alone is known, interactions included.
+    first: the part of the output's variance that goes when an input is known; total: the part that stays
+    when all others are known, its interactions with them included. Those of few samples may exceed 1.
+    samples: of the design, (keys + 2) runs each.
     """
 
     first: FloatArray
     total: FloatArray
     first_interval: FloatArray
     total_interval: FloatArray
+    samples: int = 0
+
+    def total_in_words(self, place: int) -> str:
+        """Write a total index with its interval, cut off at 0 and 1: it is a part of a variance."""
+        interval = self.total_interval[:, place]
+        value, low, high = np.clip([self.total[place], *interval], 0.0, 1.0)
+        return f"{value:.2f} ({low:.2f} to {high:.2f})"
+
+    @property
+    def doubt(self) -> str:
+        """Where total indices are not well known, a sentence with the samples that it takes; else empty."""
+        half = 0.5 * float(np.max(np.diff(self.total_interval, axis=0)))
+        if not half > WELL_KNOWN:
+            return ""
+        needed = 2 ** math.ceil(math.log2(self.samples * (half / WELL_KNOWN) ** 2))
+        return (
+            f"{self.samples} samples tell total indices to ± {half:.2g} only (95 %): about {needed} samples "
+            f"tell them to ± {WELL_KNOWN:g}."
+        )
 
 
 def sobol(values: FloatArray, factors: int, *, seed: int = 0) -> Indices:
@@ -37,13 +60,13 @@ def sobol(values: FloatArray, factors: int, *, seed: int = 0) -> Indices:
     count = blocks.shape[1]
     if count < 2 or np.ptp(blocks) == 0.0:
         nothing = np.full((2, factors), np.nan)
-        return Indices(nothing[0], nothing[0], nothing, nothing)
+        return Indices(nothing[0], nothing[0], nothing, nothing, count)
     drawn = np.random.default_rng(seed).integers(0, count, (RESAMPLES, count))
     first, total = np.stack([_estimated(blocks[:, sample]) for sample in drawn], axis=1)
     ends = (50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE))
-    intervals = np.percentile(first, ends, axis=0), np.percentile(total, ends, axis=0)
+    intervals = np.nanpercentile(first, ends, axis=0), np.nanpercentile(total, ends, axis=0)
     of_all = _estimated(blocks)
-    return Indices(of_all[0], of_all[1], *intervals)
+    return Indices(of_all[0], of_all[1], *intervals, count)
 
 
 def _estimated(blocks: FloatArray) -> FloatArray:
@@ -55,4 +78,5 @@ def _estimated(blocks: FloatArray) -> FloatArray:
     centred = blocks - blocks[:2].mean()
     a, b, mixed = centred[0], centred[1], centred[2:]
     first, total = (b * (mixed - a)).mean(axis=1), 0.5 * ((a - mixed) ** 2).mean(axis=1)
-    return np.stack([first, total]) / centred[:2].var()
+    with np.errstate(invalid="ignore"):  # a few samples, drawn again, may all be one
+        return np.stack([first, total]) / centred[:2].var()

@@ -23,6 +23,8 @@ from warpwear.version import __version__
 
 #: Rows of the table that the page shows; values of a key that it lists.
 MOST_ROWS, MOST_VALUES = 200, 12
+#: Letters of a number that was drawn, and not written by a person.
+LONG = 12
 BANDS = "Mean of each group, in a band of 5 to 95 % of its runs where it has several."
 #: End values at the top and in the table of runs: column, what to call it, unit, factor to that.
 ANSWERS = tuple(
@@ -130,8 +132,9 @@ def _decides(result: SweepResult) -> str:
         return ""
     what = "η²" if result.numbers(key) is None or is_label(key) else "rank correlation"
     what = "total Sobol index" if result.plan.design.kind == "saltelli" else what
-    told = f"{value:.2f}".replace("-", "−")
-    return f"The coefficient of friction at the end hangs most on {key}: {what} {told}."
+    words, indices = result.influence_in_words()[key], result.sobol()
+    doubt = f" {indices.doubt}" if indices is not None and indices.doubt else ""
+    return f"The coefficient of friction at the end hangs most on {key}: {what} {words}.{doubt}"
 
 
 def _sections(result: SweepResult, experiments: Sequence[Experiment]) -> list[Section]:
@@ -159,12 +162,22 @@ def _rows(result: SweepResult) -> list[dict[str, Any]]:
             for of, (*_, factor) in zip(ends, ANSWERS, strict=True)
         ]
         varied = [
-            v if isinstance(v, str | int | float) else ", ".join(map(str, v)) for v in point.values.values()
+            _short(v) if isinstance(v, str) else v if isinstance(v, int | float) else ", ".join(map(str, v))
+            for v in point.values.values()
         ]
         found.append(
             {"cells": [*varied, *values], "status": row.status, "link": _link(result.folder, point.run)}
         )
     return found
+
+
+def _short(text: str) -> str:
+    """Write the number of a drawn value with its unit in five digits, as tables for people have it."""
+    number, space, unit = text.partition(" ")
+    try:
+        return f"{float(number):.5g}{space}{unit}" if len(number) > LONG else text
+    except ValueError:
+        return text
 
 
 def _link(folder: Path | None, run: str) -> str:

@@ -83,12 +83,14 @@ def summary_text(result: SweepResult) -> str:
     ]
     if len(result.plan.keys) > 1 and done > 1:
         what = (
-            "Sobol's total index"
+            "Sobol's total index, 95 % interval"
             if result.plan.design.kind == "saltelli"
             else "rank correlation; of words and seeds η²"
         )
-        shares = ", ".join(f"{key} {value:.2f}" for key, value in result.influence().items())
+        shares = ", ".join(f"{key} {words}" for key, words in result.influence_in_words().items())
         lines.append(f"what decides it ({what}): {shares}")
+        indices = result.sobol()
+        lines += [indices.doubt] if indices is not None and indices.doubt else []
     return "\n".join([*lines, *failures(result)])
 
 

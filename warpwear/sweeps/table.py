@@ -128,6 +128,13 @@ class SweepResult:
             return None
         return sobol(self.ends(name), len(self.plan.keys))
 
+    def influence_in_words(self, name: str = "cof") -> dict[str, str]:
+        """`influence` for people: Sobol's total indices with their intervals, cut off at 0 and 1."""
+        indices, influence = self.sobol(name), self.influence(name)
+        if indices is None:
+            return {key: f"{value:.2f}".replace("-", "−") for key, value in influence.items()}
+        return {key: indices.total_in_words(self.plan.keys.index(key)) for key in influence}
+
     def influence(self, name: str = "cof") -> dict[str, float]:
         """How strongly each varied key decides an end value, 0 to 1 and largest first.
 
