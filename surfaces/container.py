@@ -1,5 +1,6 @@
 """Containers of contact.engineering: a .zip of measurements, of which one is taken out and read."""
 
+import hashlib
 import re
 import tempfile
 import zipfile
@@ -26,6 +27,9 @@ MOST_MEMBER = 2**32  # bytes of a measurement
 #: Bytes that may come of one byte of the archive: packed zeros give a thousand.
 EXPANSION = 200
 BLOCK = 2**20  # bytes that are unpacked together
+#: The description in a .x3p, and its elements for a part's name and for the MD5 of this part.
+X3P = "main.xml"
+X3P_SUMS = (("PointDataLink", "MD5ChecksumPointData"), ("ValidPointsLink", "MD5ChecksumValidPoints"))
 
 
 @dataclass(frozen=True)
@@ -59,6 +63,24 @@ def is_container(path: Path) -> bool:
             return any(name in archive.namelist() for name in LISTS)
     except (OSError, ValueError, zipfile.BadZipFile):
         return False
+
+
+def check_sums(path: Path) -> None:
+    """Raise ValueError where a part of a .x3p has not the MD5 that its description gives; no MD5 is none."""
+    with zipfile.ZipFile(path) as archive:
+        if X3P not in archive.namelist() or archive.getinfo(X3P).file_size > MOST_LIST:
+            return
+        description = archive.read(X3P).decode("utf-8", errors="replace")
+        for link, element in X3P_SUMS:
+            name, stated = (
+                re.search(rf"<(?:\w+:)?{tag}>\s*([^<]*?)\s*<", description) for tag in (link, element)
+            )
+            if name is None or stated is None or not stated[1].strip("0"):
+                continue
+            with archive.open(name[1]) as part:
+                digest = hashlib.file_digest(part, lambda: hashlib.md5(usedforsecurity=False)).hexdigest()
+            if digest != stated[1].lower():
+                raise ValueError(f"its part {name[1]} is damaged, its MD5 is not the one that {X3P} states")
 
 
 def members_of(path: Path) -> list[Member]:

@@ -16,7 +16,15 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.surfaces.container import ORIGINAL, Member, choose, is_container, members_of, unpacked
+from warpwear.surfaces.container import (
+    ORIGINAL,
+    Member,
+    check_sums,
+    choose,
+    is_container,
+    members_of,
+    unpacked,
+)
 from warpwear.surfaces.point_cloud import gridded, units_in
 from warpwear.surfaces.text import NoTable, read_table
 
@@ -317,6 +325,9 @@ def _read_topography(source: Source, *, plain: bool = False) -> Raw:
     path = source.path
     if h5py.is_hdf5(path):
         _check_hdf5(path)
+    if source.start.startswith(ZIP):
+        with _refused(path, "as an archive"):
+            check_sums(path)
     with _refused(path, "as a surface"), _open_topography(path, plain=plain) as reader:
         name, channel = str(reader.format()), _channel_of_heights(reader, source.channel)
         if channel.dim != 2:
