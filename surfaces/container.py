@@ -1,5 +1,7 @@
 """Containers of contact.engineering: a .zip of measurements, of which one is taken out and read."""
 
+import gzip
+import hashlib
 import re
 import tempfile
 import zipfile
@@ -7,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from warpwear import lazy
 from warpwear.errors import InputError
@@ -23,9 +25,13 @@ MERGES = re.compile(rb"(?:^|[\s{,])<<['\"]?\s*:")
 ORIGINAL, SQUEEZED = "original", "squeezed-netcdf"
 MOST_LIST = 2**24  # bytes of such a list
 MOST_MEMBER = 2**32  # bytes of a measurement
-#: Bytes that may come of one byte of the archive: packed zeros give a thousand.
-EXPANSION = 200
+#: Bytes that may come of one byte that is packed: heights give a few, zeros a thousand.
+EXPANSION = 40
+LEAST_UNPACKED = 2**24  # bytes that may come of any file, as of a small one of a surface that is flat
 BLOCK = 2**20  # bytes that are unpacked together
+#: The description in a .x3p, and its elements for a part's name and for the MD5 of this part.
+X3P = "main.xml"
+X3P_SUMS = (("PointDataLink", "MD5ChecksumPointData"), ("ValidPointsLink", "MD5ChecksumValidPoints"))
 
 
 @dataclass(frozen=True)
@@ -59,6 +65,40 @@ def is_container(path: Path) -> bool:
             return any(name in archive.namelist() for name in LISTS)
     except (OSError, ValueError, zipfile.BadZipFile):
         return False
+
+
+def most_unpacked(path: Path) -> int:
+    """Return how many bytes may come of a packed file, or of one part of it."""
+    return min(MOST_MEMBER, max(LEAST_UNPACKED, EXPANSION * path.stat().st_size))
+
+
+def check_archive(path: Path) -> None:
+    """Raise ValueError where a part of a .zip would be too large, or has not the MD5 that a .x3p states."""
+    with zipfile.ZipFile(path) as archive:
+        for part in archive.infolist():
+            if part.file_size > most_unpacked(path):
+                raise ValueError(
+                    f"{part.file_size} bytes of {part.filename} in {path.stat().st_size} of a .zip"
+                )
+    check_sums(path)
+
+
+def check_sums(path: Path) -> None:
+    """Raise ValueError where a part of a .x3p has not the MD5 that its description gives; no MD5 is none."""
+    with zipfile.ZipFile(path) as archive:
+        if X3P not in archive.namelist() or archive.getinfo(X3P).file_size > MOST_LIST:
+            return
+        description = archive.read(X3P).decode("utf-8", errors="replace")
+        for link, element in X3P_SUMS:
+            name, stated = (
+                re.search(rf"<(?:\w+:)?{tag}>\s*([^<]*?)\s*<", description) for tag in (link, element)
+            )
+            if name is None or stated is None or not stated[1].strip("0"):
+                continue
+            with archive.open(name[1]) as part:
+                digest = hashlib.file_digest(part, lambda: hashlib.md5(usedforsecurity=False)).hexdigest()
+            if digest != stated[1].lower():
+                raise ValueError(f"its part {name[1]} is damaged, its MD5 is not the one that {X3P} states")
 
 
 def members_of(path: Path) -> list[Member]:
@@ -116,15 +156,28 @@ def unpacked(path: Path, name: str) -> Iterator[Path]:
     with (
         zipfile.ZipFile(path) as archive,
         archive.open(name) as packed,
-        tempfile.TemporaryDirectory(prefix="warpwear-") as folder,
+        _poured(path, packed, name, kind=".zip") as file,
     ):
-        most = min(MOST_MEMBER, BLOCK + EXPANSION * path.stat().st_size)
+        yield file
+
+
+@contextmanager
+def unzipped(path: Path) -> Iterator[Path]:
+    """Unpack a .gz, for as long as it is read. Raises ValueError for one that is too large."""
+    with gzip.open(path) as packed, _poured(path, packed, path.stem, kind=".gz") as file:
+        yield file
+
+
+@contextmanager
+def _poured(path: Path, packed: IO[bytes], name: str, *, kind: str) -> Iterator[Path]:
+    """Write what comes out of a packed file into one of its own, with the ending of a name."""
+    most, size = most_unpacked(path), 0
+    with tempfile.TemporaryDirectory(prefix="warpwear-") as folder:
         out = Path(folder) / f"member{Path(name).suffix[:10]}"
-        size = 0
         with out.open("wb") as file:
             while block := packed.read(BLOCK):
                 size += len(block)
                 if size > most:
-                    raise ValueError(f"more than {most} bytes in {path.stat().st_size} of a .zip")
+                    raise ValueError(f"more than {most} bytes in {path.stat().st_size} of a {kind}")
                 file.write(block)
         yield out

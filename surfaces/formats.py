@@ -16,13 +16,22 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.surfaces.container import ORIGINAL, Member, choose, is_container, members_of, unpacked
+from warpwear.surfaces import container
+from warpwear.surfaces.container import ORIGINAL, Member, check_archive, is_container
+from warpwear.surfaces.files.layouts import (
+    TMD,
+    channel_of_heights,
+    check_wave,
+    gwyddion_header,
+    looked_into,
+    read_tmd,
+)
 from warpwear.surfaces.point_cloud import gridded, units_in
 from warpwear.surfaces.text import NoTable, read_table
 
 h5py = lazy.module("h5py")
 
-NPY, ZIP = b"\x93NUMPY", b"PK"  # that files of these kinds begin with
+NPY, ZIP, GZIP = b"\x93NUMPY", b"PK", b"\x1f\x8b"  # that files of these kinds begin with
 UTF16 = (b"\xff\xfe", b"\xfe\xff")
 BLOCK = 2**20  # bytes of a file that are looked at together
 START = 64  # bytes by which a format may be known
@@ -30,7 +39,8 @@ TEXT = (".xyz", ".txt", ".csv", ".asc", ".dat", ".tsv", ".hfm")
 CUT = "the file's last line has no end: it may have been cut short, and its last value with it"
 #: Formats of SurfaceTopography that are not looked for: those without a mark, for which other files pass (of
 #: hgt any 2n² bytes, of nms two small numbers), and what is read here.
-NOT_SOUGHT = ("hgt", "nms", "npy", "npz")
+NOT_SOUGHT = ("hgt", "npy", "npz")
+BY_ENDING = ("nms",)  # is looked for in files of this ending
 #: Its formats of plain text, whose readers take a minute for a few MB of anything else.
 PLAIN = ("asc", "xyz")
 #: Points that a file may declare for each of its bytes: packed zeros give 130.
@@ -156,6 +166,8 @@ def _is_npz(source: Source) -> bool:
 
 def _read_npz(source: Source) -> Raw:
     path, name = source.path, source.array
+    with _refused(path, "as .npz"):
+        check_archive(path)
     with _refused(path, "as .npz"), np.load(path, allow_pickle=False) as content:
         names = list(content.files)
         fitting = [n for n in names if n == name or (name is None and n.lower() in HEIGHT_NAMES)]
@@ -195,7 +207,13 @@ def _read_text(source: Source, *, otherwise: InputError | None = None) -> Raw:
     notes = () if table.ended else (CUT,)
     lateral, height = units_in(table.header)
     if table.width < 3:
-        return Raw(heights=values[:, 0], format="text")
+        what = "a single column" if table.width == 1 else "a profile (line scan), two columns"
+        raise refusal(path, f"holds {what} of {len(values)} numbers, and no map of heights")
+    if sizes := gwyddion_header(table.header):
+        (width, lateral), (length, other), unit = sizes
+        if lateral == other:
+            pixel = (width / values.shape[1], length / values.shape[0])
+            return Raw(values.T, "text", pixel, lateral, unit, notes)
     if table.width == 3 or 3 < table.width <= 7 < values.shape[0]:
         try:
             cloud = gridded(values)
@@ -214,21 +232,30 @@ def _read_text(source: Source, *, otherwise: InputError | None = None) -> Raw:
     return Raw(values.T, "text", None, lateral, height, notes)
 
 
+def _read_tmd(source: Source) -> Raw:
+    """Read a .tmd, whose comment may have any length."""
+    with _refused(source.path, "as .tmd"):
+        heights, pixel = read_tmd(source.path)
+    return Raw(heights, "tmd", pixel, "mm", "mm")
+
+
+def _read_packed(source: Source) -> Raw:
+    """Read any of these that gzip has packed."""
+    with _refused(source.path, "as .gz"), container.unzipped(source.path) as file:
+        if Source(file).start.startswith(GZIP):
+            raise ValueError("a packed file in a packed one")
+        try:
+            return read_raw(replace(source, path=file))
+        except InputError as error:
+            raise InputError(str(error).replace(str(file), str(source.path))) from error
+
+
 def _check_hdf5(path: Path) -> None:
     """Refuse HDF5 that takes values from other files, and a result of warpwear, which is no measurement."""
-    away: list[str] = []
-
-    def look(name: str, item: Any) -> None:
-        link = isinstance(item, h5py.ExternalLink)
-        if link or (isinstance(item, h5py.Dataset) and (item.is_virtual or item.external)):
-            away.append(name)
-
-    with _refused(path, "as HDF5"), h5py.File(path, "r") as file:
-        is_result = "snapshots" in file and "study" in file.attrs
-        file.visititems_links(look)
-        file.visititems(look)
-    if away:
-        raise InputError(f"disc.surface '{path}' takes '{away[0]}' from another file, which is not followed")
+    with _refused(path, "as HDF5"):
+        away, is_result = looked_into(path)
+    if away is not None:
+        raise InputError(f"disc.surface '{path}' takes '{away}' from another file, which is not followed")
     if is_result:
         raise refusal(path, "is a result of warpwear; 'warpwear export' writes its worn surfaces")
 
@@ -237,12 +264,12 @@ def _read_container(source: Source) -> Raw:
     """Read one measurement of a container; what its file leaves open the container's list may say."""
     path = source.path
     with _refused(path, "as a container"):
-        members = members_of(path)
-    member = choose(path, members, source.array)
+        members = container.members_of(path)
+    member = container.choose(path, members, source.array)
     refused = refusal(path, f"lists no file of {member.label!r}")
     for kind, name in member.files:
         try:
-            with _refused(path, f"at {name!r}"), unpacked(path, name) as file:
+            with _refused(path, f"at {name!r}"), container.unpacked(path, name) as file:
                 if is_container(file):
                     raise ValueError("a container in a container")
                 try:
@@ -292,7 +319,11 @@ def _open_topography(path: Path, *, plain: bool) -> Any:
         fit, name = reader.can_read(start), reader.format()
         if fit is io.MagicMatch.NO or name in NOT_SOUGHT or (name in PLAIN and not plain):
             continue
+        if name in BY_ENDING and path.suffix.lower() != f".{name}":
+            continue
         try:
+            if name == "ibw":
+                check_wave(path)
             return reader(str(path))
         except Exception as error:  # the reader is foreign: whatever it raises, another may do
             known = error if fit is io.MagicMatch.YES else known
@@ -317,10 +348,15 @@ def _read_topography(source: Source, *, plain: bool = False) -> Raw:
     path = source.path
     if h5py.is_hdf5(path):
         _check_hdf5(path)
+    if source.start.startswith(ZIP):
+        with _refused(path, "as an archive"):
+            check_archive(path)
     with _refused(path, "as a surface"), _open_topography(path, plain=plain) as reader:
-        name, channel = str(reader.format()), _channel_of_heights(reader, source.channel)
+        name, channel = str(reader.format()), channel_of_heights(reader, source.channel)
         if channel.dim != 2:
-            return Raw(heights=np.zeros(channel.nb_grid_pts or 1), format=name)
+            raise refusal(
+                path, f"holds a profile (line scan) of {channel.nb_grid_pts} points, no map of heights"
+            )
         shape, room = channel.nb_grid_pts, path.stat().st_size
         if math.prod(shape) > min(MOST_POINTS, BLOCK + POINTS_A_BYTE * room):
             raise ValueError(f"{math.prod(shape)} points in {room} bytes, which is more than can be there")
@@ -338,18 +374,6 @@ def _read_topography(source: Source, *, plain: bool = False) -> Raw:
         return Raw(heights, name, pixel, lateral_unit=unit, height_unit=unit)
 
 
-def _channel_of_heights(reader: Any, number: int | None) -> Any:
-    """Return the channel of heights that has a number; without one the reader's own choice, or the first."""
-    channels = [c for c in reader.channels if getattr(c, "is_height_channel", True)]
-    if not channels:
-        raise ValueError("no channel of heights")
-    index = reader.default_channel.index if number is None else number
-    fitting = [c for c in channels if c.index == index]
-    if not fitting and number is not None:
-        raise ValueError(f"no channel of heights number {number}")
-    return (fitting or channels)[0]
-
-
 #: What can be read, in the order in which it is tried; the last takes all that no other one knows.
 FORMATS = (
     Format("an array", (".npy",), lambda s: s.start.startswith(NPY) or s.ending == ".npy", _read_npy),
@@ -360,6 +384,8 @@ FORMATS = (
         lambda s: s.start.startswith(ZIP) and is_container(s.path),
         _read_container,
     ),
+    Format("a packed one of these", (".gz",), lambda s: s.start.startswith(GZIP), _read_packed),
+    Format("a map of TrueMap", (".tmd",), lambda s: s.start.lower().startswith(TMD), _read_tmd),
     Format("text of points x y z or of a matrix", TEXT, lambda s: s.is_text and s.ending in TEXT, _read_text),
     Format(
         "any areal height map that SurfaceTopography reads",

@@ -1,5 +1,6 @@
 """Measured surfaces are prepared by a chain of operations, and interpolated at any points."""
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, blocks_of_rows
 from warpwear.surfaces.base import BoolArray, IntArray, spacing
-from warpwear.surfaces.levelling import low_pass
+from warpwear.surfaces.levelling import low_pass, without_polynomial
 from warpwear.surfaces.preparation import Preparation, prepare
 from warpwear.surfaces.reading import Reading, read
 from warpwear.surfaces.roughness import roughness
@@ -27,6 +28,7 @@ SLOPE_CHANGE = 0.1  # of the rms slope when the shortest wavelength doubles: mor
 MUCH_MISSING = 2.0  # percent of the points
 MANY_OUTLIERS = 0.5  # percent of the points
 SPIKE = 7.0  # times Sq: heights over the mean that random roughness of ten million points does not reach
+SEAM = 3.0  # times the rms step between neighbours: a higher one, where copies meet, is a seam
 COARSE = 0.05  # mm: pixel and Sq both above it look like micrometres called millimetres
 
 
@@ -120,12 +122,35 @@ class Measured:
                 f"is {'mirrored' if self.extend == 'mirror' else 'repeated'}: {copies} copies"
             )
         cells = (spacing(x), spacing(y))
+        if self.extend == "periodic":
+            triples = zip(reach, cells, self.size, strict=True)
+            notices += self._seam([r + cell >= size * (1 - SLACK) for r, cell, size in triples])
         along, across = map(_sampling, self.pixel, cells, self._cut_offs(cells))
         if along != across:
             along = [f"along x: {text}" for text in along] + [f"along y: {text}" for text in across]
         filled_here = self.filled_at(x, y)
         here = 0.0 if filled_here is None else 100.0 * float(filled_here.mean())
         return notices + along + self._doubts(max(*cells, *self.pixel), filled_percent=here)
+
+    def _seam(self, repeated: list[bool]) -> list[str]:
+        """Say how high the seam is where the ends of a measurement that is repeated do not fit."""
+        field = self.measured
+        texts, highest = [], 0.0
+        for axis in np.flatnonzero(repeated):
+            heights = np.moveaxis(field, axis, 0)
+            seam = _rms(heights[0] - heights[-1])
+            if seam > SEAM * _rms(np.diff(heights, axis=0)):
+                texts.append(f"{_um(seam)} rms along {'xy'[axis]}")
+                highest = max(highest, seam)
+        if not texts:
+            return []
+        times = highest / (float(np.nanstd(without_polynomial(field, degree=1))) or math.inf)
+        return [
+            f"the ends of the measurement do not fit: where it is repeated, the surface has a step of "
+            f"{' and '.join(texts)}, {times:.2g} times Sq about the mean plane; "
+            + ('disc.level = "plane" takes off a tilt, ' if self.details.get("level") == "none" else "")
+            + 'disc.extend = "mirror" has no such step'
+        ]
 
     def record(self) -> dict[str, Any]:
         """Return file, format, grid, pixel, what was done, and the roughness of the measured points."""
@@ -305,6 +330,12 @@ def _folded(places: IntArray, count: int, *, edge: str) -> IntArray:
         return np.asarray(places % count)
     places = places % (2 * count)
     return np.minimum(places, 2 * count - 1 - places)
+
+
+def _rms(values: FloatArray) -> float:
+    """Return the root mean square of those values that are there, 0 without any."""
+    there = values[np.isfinite(values)]
+    return math.sqrt(float(np.square(there).mean())) if there.size else 0.0
 
 
 def _um(length: float) -> str:

@@ -14,7 +14,7 @@ from warpwear.surfaces.filling import filled
 from warpwear.surfaces.levelling import without_polynomial
 from warpwear.surfaces.outliers import robust_deviation
 from warpwear.surfaces.sphere import places
-from warpwear.surfaces.worn.patch import SMOOTHED, Body, Patch, check_points, extents
+from warpwear.surfaces.worn.patch import SMOOTHED, Body, Patch, Reach, check_points, extents
 from warpwear.surfaces.worn.registration import unchanged
 from warpwear.surfaces.worn.waviness import CHANGED
 
@@ -24,6 +24,7 @@ THRESHOLD = 4.0  # robust standard deviations of the unworn surface, smoothed, b
 CERTAIN = 5.5  # of these, by which it does so somewhere: less is chance in one of a field's many places
 JOINED = 1.0 / 40.0  # of the shorter side: worn asperities closer than this belong together
 PIECE = 0.05  # of the largest worn region: a smaller one beside it is no part of the scar
+MAIN = 0.2  # of what the largest region has lost: a smaller one beside it does not lengthen the scar
 BESIDE = 1.0  # of the scar's mean extent, within which worn asperities that stand alone belong to it
 INWARDS = 3  # rings within the edge of the smoothed scar at which it may end already: smoothing spreads it
 ROUNDS = 15  # in which the scar is found
@@ -93,11 +94,40 @@ def find_scar(
             f"no scar was found: the deepest region has lost {scar.volume:.3g} mm³, with a standard error "
             f"of {scar.volume_error:.2g} mm³"
         )
-    # a ragged scar ends at its outermost worn asperities, not at the rings about them
+    along, across, errors = _lengths(reach, lost, unworn, pixel=pixel)
+    blurred = [math.hypot(*pair) for pair in zip(scar.length_errors, errors, strict=True)]
+    return replace(scar, along=along, across=across, length_errors=(blurred[0], blurred[1]))
+
+
+def _lengths(
+    reach: Reach, lost: FloatArray, unworn: BoolArray, *, pixel: tuple[float, float]
+) -> tuple[float, float, tuple[float, float]]:
+    """Return how far a scar extends along and across [mm], and what smoothing adds to their errors [mm].
+
+    What lies far off beside a scar may be noise, which its volume hardly feels, but its lengths do. Beside
+    pile-up the outline is told point by point; elsewhere a ragged scar ends at its outermost worn asperities,
+    not at the rings about them.
+    """
+    main = _main(reach.patch, lost)
+    whole = extents(main, pixel)
+    if not reach.doubtful:
+        return *whole, (0.0, 0.0)
     smooth = ndimage.uniform_filter(lost, SMOOTHED, mode="nearest")
-    sharp = patch & (smooth > THRESHOLD * robust_deviation(smooth[unworn], 0.0))
-    along, across = extents(sharp, pixel)
-    return replace(scar, along=along or scar.along, across=across or scar.across)
+    sharp = main & (smooth > THRESHOLD * robust_deviation(smooth[unworn], 0.0))
+    lengths = extents(sharp if sharp.any() else main, pixel)
+    spread = [SMOOTHED / math.sqrt(12.0) * d for d in pixel]
+    errors = [math.hypot(s, 0.5 * (w - n)) for s, w, n in zip(spread, whole, lengths, strict=True)]
+    return *lengths, (errors[0], errors[1])
+
+
+def _main(patch: BoolArray, lost: FloatArray) -> BoolArray:
+    """Return the largest connected region of a patch, and those that have lost a good part of what it has.
+
+    patch: shape (nx, ny); lost: depth below the unworn form [mm], shape (nx, ny).
+    """
+    labels, pieces = ndimage.label(patch, structure=np.ones((3, 3)))
+    sums = ndimage.sum_labels(lost, labels, np.arange(1, pieces + 1))
+    return np.isin(labels, 1 + np.flatnonzero(sums >= MAIN * sums.max()))
 
 
 def sides_reached(patch: BoolArray) -> int:

@@ -51,6 +51,7 @@ class Patch:
     depth: float  # largest [mm]
     along: float  # extent of the patch along axis 0 [mm]
     across: float  # extent of the patch along axis 1 [mm]
+    length_errors: tuple[float, float]  # standard errors of both extents: of the outline [mm]
     noise: float  # robust scatter of the unworn surface [mm]
 
 
@@ -93,6 +94,9 @@ class Body:
         worn, piled_up = float(lost[patch].sum()) * area, -float(lost[rim].sum()) * area
         outlined = worn - float(lost[reach.other].sum()) * area
         along, across = extents(patch, self.pixel)
+        # both ends are off as the whole outline is, of an ellipse of these axes, and told to a pixel each
+        pixels = [d / math.sqrt(6.0) for d in self.pixel]
+        outline = 4.0 * reach.blur / (math.pi * max(along + across, max(self.pixel)))
         return Patch(
             pixel=self.pixel,
             lost=lost,
@@ -110,6 +114,10 @@ class Body:
             depth=float(lost[patch].max()),
             along=along,
             across=across,
+            length_errors=(
+                math.hypot(outline, pixels[0]),
+                math.hypot(outline, pixels[1]),
+            ),
             noise=noise,
         )
 

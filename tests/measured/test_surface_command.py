@@ -71,11 +71,18 @@ def test_a_page_and_a_figure(here: Path, monkeypatch: pytest.MonkeyPatch) -> Non
         assert words in done.output
     for words in ("outliers: 0 points", "S-filter", "L-filter", "roll-off", "no clear lay", "λc reduced"):
         assert words in done.output
-    assert (here / "rough-surface.png").stat().st_size > 20_000
+    assert (here / "rough.npy-surface.png").stat().st_size > 20_000
     monkeypatch.setitem(style.STYLE, "figure.dpi", 50.0)
     again = surface("../files/rough.npy", *GIVEN)
-    assert isinstance(again.exception, InputError)
-    assert "rough-surface.png is there already" in str(again.exception)
+    assert again.exit_code == 0, again.output
+    assert "Sa 0." in again.output
+    assert "rough.npy-surface.png is there already and was not drawn again" in again.output
+    refused = surface("../files/rough.npy", *GIVEN, "--figure", "rough.npy-surface.png")
+    assert isinstance(refused.exception, InputError)
+    assert "rough.npy-surface.png is there already" in str(refused.exception)
+    (here / "rough.npy-surface.png").unlink()
+    assert "Sa 0." in surface("../files/rough.npy", *GIVEN, "--no-figure").output
+    assert not (here / "rough.npy-surface.png").exists()
     assert surface("../files/rough.npy", *GIVEN, "--overwrite").exit_code == 0
     assert surface("../files/rough.npy", *GIVEN, "--figure", "other.pdf").exit_code == 0
     assert (here / "other.pdf").read_bytes().startswith(b"%PDF")
@@ -123,7 +130,7 @@ def test_real_files(here: Path, name: str) -> None:
         pytest.skip("the measured files are not here")
     done = surface(SHARED / name)
     assert done.exit_code == 0, done.output
-    assert (here / f"{Path(name).stem}-surface.png").is_file()
+    assert (here / f"{Path(name).name}-surface.png").is_file()
     assert "nan" not in done.output
 
 
@@ -132,7 +139,7 @@ def test_a_worn_track(here: Path) -> None:
     done = surface("../files/track.npy", *GIVEN, "--track", "--track-length", "30 mm")
     assert done.exit_code == 0, done.output
     assert "over 30 mm" in done.output
-    assert (here / "track-track.png").is_file()
+    assert (here / "track.npy-track.png").is_file()
     record = json.loads(surface("../files/track.npy", *GIVEN, "--track", "--json").output)
     assert record["track"]["section_net_um2"]["mean"] == pytest.approx(2000, rel=0.01)
     assert record["track"]["volume_mm3"] == pytest.approx(0.002 * 0.9, rel=0.01)
@@ -170,7 +177,7 @@ def test_a_track_less_what_was_there_before(here: Path) -> None:
 def test_a_worn_ball(here: Path) -> None:
     done = surface("../files/ball.npy", *GIVEN, "--ball", "--radius", "3 mm")
     assert done.exit_code == 0, done.output
-    assert (here / "ball-ball.png").is_file()
+    assert (here / "ball.npy-ball.png").is_file()
     record = json.loads(surface("../files/ball.npy", *GIVEN, "--ball", "--radius", "3 mm", "--json").output)
     assert record["ball"]["volume_mm3"] == pytest.approx(np.pi * 0.005**2 * (9 - 0.005) / 3, rel=0.02)
     by_hand = surface("--ball", "--radius", "3 mm", "--diagonals", "0.80 mm", "0.82 mm")

@@ -2,7 +2,10 @@
 Zygo. Which way is up in them, and in the maps, beside the instrument's own picture.
 """
 
+import hashlib
+import re
 import struct
+import zipfile
 from pathlib import Path
 
 import matplotlib as mpl
@@ -10,6 +13,7 @@ import numpy as np
 import pytest
 from cases_instruments import metropro, opd
 
+from warpwear.errors import InputError
 from warpwear.figures.paint_map import paint_map
 from warpwear.measured.surface_figure import _map_of_heights
 from warpwear.surfaces.levelling import without_polynomial
@@ -39,6 +43,36 @@ def test_opd_of_floats(tmp_path: Path) -> None:
     raster = np.where(np.isnan(HEIGHTS), 1e38, HEIGHTS / 0.6).astype("<f4")
     opd(tmp_path / "disc.opd", raster, wavelength=600.0, multiplier=None)
     np.testing.assert_allclose(read(tmp_path / "disc.opd").heights, 1e-3 * HEIGHTS, rtol=1e-6)
+
+
+def test_x3p_whose_points_are_damaged(tmp_path: Path) -> None:
+    """Its description gives the MD5 of the points; one of zeros, or none, is not compared."""
+    path, whole = tmp_path / "disc.x3p", tmp_path / "whole.x3p"
+    heights = np.where(np.isnan(HEIGHTS), 0.0, HEIGHTS) * 1e-6
+    sizes = (5e-6, 7e-6)
+    surface = pytest.importorskip("SurfaceTopography").Topography(heights, sizes, unit="m")
+    surface.to_x3p(str(whole))
+    with zipfile.ZipFile(whole) as archive:
+        parts = {name: archive.read(name) for name in archive.namelist()}
+    points = next(name for name in parts if name.endswith("data.bin"))
+    digest = hashlib.md5(parts[points]).hexdigest().encode()
+    description = re.sub(rb"(<\w*:?MD5ChecksumPointData>)[^<]*", rb"\g<1>" + digest, parts["main.xml"])
+    assert digest in description
+    damaged = bytearray(parts[points])
+    damaged[13] ^= 64
+    for text, content, is_read in (
+        (description, parts[points], True),
+        (description, bytes(damaged), False),
+        (description.replace(digest, b"0" * 32), bytes(damaged), True),
+    ):
+        with zipfile.ZipFile(path, "w") as archive:
+            for name, part in (parts | {"main.xml": text, points: content}).items():
+                archive.writestr(name, part)
+        if is_read:
+            read(path)
+            continue
+        with pytest.raises(InputError, match=r"data\.bin is damaged, its MD5 is not the one"):
+            read(path)
 
 
 def test_plu(tmp_path: Path) -> None:

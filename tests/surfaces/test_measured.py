@@ -133,6 +133,20 @@ def test_says_what_sampling_did():
     assert "repeated" in measured(smooth, extend="periodic").notices(centres(70), same)[0]
 
 
+def test_says_how_high_the_seam_is(rough):
+    """A tilt of 10 µm that nobody took off is a step where the measurement is repeated."""
+    tilted = rough + np.linspace(0.0, 0.01, 60)[:, None]
+    for length in (60, 90):  # a lap of the whole measurement has the seam as well
+        notices = measured(tilted, extend="periodic").notices(centres(length), centres(20))
+        (seam,) = [notice for notice in notices if "do not fit" in notice]
+        step = 1e3 * np.sqrt(np.mean((tilted[0] - tilted[-1]) ** 2))
+        assert f"a step of {step:.4g} µm rms along x, " in seam
+    for surface in (measured(tilted, extend="mirror"), measured(rough, extend="periodic")):
+        assert not any("do not fit" in notice for notice in surface.notices(centres(90), centres(20)))
+    inside = measured(tilted, extend="periodic").notices(centres(20), centres(20))
+    assert not any("do not fit" in notice for notice in inside)
+
+
 def test_says_when_slopes_depend_on_the_shortest_wave(rough):
     same = centres(20)
     (notice,) = measured(rough).notices(same, same)

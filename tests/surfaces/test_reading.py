@@ -259,6 +259,8 @@ TESTED = {
     ".npy": "tests/surfaces/test_reading.py",
     ".npz": "tests/surfaces/test_reading.py",
     ".zip": "tests/surfaces/files/test_container.py",
+    ".gz": "tests/surfaces/files/test_layouts.py",
+    ".tmd": "tests/surfaces/files/test_layouts.py",
     ".xyz": "tests/surfaces/test_point_cloud.py",
     ".al3d": "tests/surfaces/test_instrument_bytes.py",
 }

@@ -41,6 +41,7 @@ def prepared(options: dict[str, Any]) -> dict[str, str | None]:
 @click.option("--lambda-s", default="8 um", show_default=True, help="Cut-off λs of Ra profiles.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON; a figure only with --figure.")
 @click.option("--figure", type=PATH, help="[default: FILE's name + -surface.png, here]")
+@click.option("--no-figure", is_flag=True, help="Draw no figure.")
 @click.option("--overwrite", is_flag=True, help="Replace the figure that is there.")
 @click.option("--track", is_flag=True, help="FILE is a worn track along the sliding axis: its volume.")
 @click.option("--track-width", help="Width of the track with its pile-up, when it is not found.")

@@ -48,13 +48,14 @@ KEYS = re.compile(rf"\bdisc\.({'|'.join(Disc.model_fields)})\b")
 class SurfaceOptions:
     """These are the options of `warpwear surface`, lengths as text with a unit.
 
-    figure: where to draw, None for a name made from the file's. track, ball: whether the file is a worn one.
-    before: the same place before it was worn.
+    figure: where to draw, None for a name made from the file's. no_figure: whether nothing is drawn.
+    track, ball: whether the file is a worn one. before: the same place before it was worn.
     preparation: keys of [disc], as text, None for those not given.
     """
 
     as_json: bool = False
     figure: Path | None = None
+    no_figure: bool = False
     overwrite: bool = False
     track: bool = False
     track_width: str | None = None
@@ -93,11 +94,16 @@ def describe(file: Path | None, options: SurfaceOptions) -> str:
         return _by_diagonals(options.diagonals, options.radius, as_json=options.as_json)
     assert file is not None  # checked together
     kind = "track" if options.track else "ball" if options.ball else "scar" if options.before else "surface"
-    figure = options.figure
-    if figure is None and not options.as_json:
-        figure = Path(f"{file.stem}-{kind}.png")
+    figure, there = options.figure, ""
     if figure is not None:
         _check_figure(figure, overwrite=options.overwrite)
+    elif not (options.as_json or options.no_figure):
+        figure = Path(f"{file.name}-{kind}.png")
+        if figure.exists() and not options.overwrite:  # the numbers are asked for all the same
+            figure, there = (
+                None,
+                f"{figure} is there already and was not drawn again: --overwrite replaces it",
+            )
     # The form of a worn body is that of its unworn part.
     level = {} if kind == "surface" else {"level": "none"}
     surface = read_surface(file, {**options.preparation, **level})
@@ -106,7 +112,8 @@ def describe(file: Path | None, options: SurfaceOptions) -> str:
         save(outcome.draw(), figure)
     if options.as_json:
         return _with_options(to_json(record(outcome.rows)))
-    return "\n".join([_with_options("\n".join(outcome.text)), f"written to {figure}"])
+    end = there if figure is None else f"written to {figure}"
+    return "\n".join([_with_options("\n".join(outcome.text)), *([end] if end else [])])
 
 
 def _roughness(surface: Measured, options: SurfaceOptions) -> Outcome:
@@ -272,6 +279,8 @@ def _check_together(file: Path | None, options: SurfaceOptions) -> None:
         raise InputError("--diagonals are for a ball without a FILE: leave one of them out")
     if o.diagonals is None and file is None:
         raise InputError("FILE is missing: a measured surface, or --ball with --radius and --diagonals")
+    if o.no_figure:
+        refuse({"--figure": o.figure}, "is not for --no-figure")
     if not o.track:
         refuse({"--track-width": o.track_width, "--track-length": o.track_length}, "needs --track")
     if o.ball:

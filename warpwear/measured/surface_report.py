@@ -247,8 +247,10 @@ def _patch_rows(patch: Patch, *, form: str, label: str) -> list[Row]:
     """Declare size and volumes of a worn patch below the form of its body."""
     size = [
         Row("depth", "depth_um", 1e3 * patch.depth),
-        Row("along", "patch_along_mm", patch.along),
-        Row("across", "patch_across_mm", patch.across),
+        Row("along", "patch_along_mm", patch.along, error=("patch_along_error_mm", patch.length_errors[0])),
+        Row(
+            "across", "patch_across_mm", patch.across, error=("patch_across_error_mm", patch.length_errors[1])
+        ),
     ]
     lost = f"lost in the patch {ERROR}"
     beside = f"net above {form} in the rim beside the patch"

@@ -73,6 +73,39 @@ def test_asperities_that_stand_alone_beside_a_scar_belong_to_it(everywhere):
         assert found.net_error < 0.01 * found.net
 
 
+def test_a_far_blob_of_noise_does_not_lengthen_a_scar():
+    """Its volume hardly feels the blob, but the scar was half as long again."""
+    x = np.arange(160) - 79.5
+    scar = 3e-3 * np.maximum(1.0 - np.square(np.hypot.outer(x, x) / 25.0), 0.0)
+    noise = 5e-5 * np.random.default_rng(1).normal(size=scar.shape)
+    blob = 1.2e-3 * np.exp(-np.add.outer(np.square(x - 3.0), np.square(x - 52.0)) / 8.0)
+    alone, both = (find_scar(noise - scar - more, pixel=SIZE) for more in (0.0, blob))
+    assert both.patch[:, 125:].any()
+    assert both.volume == pytest.approx(alone.volume, rel=0.03)
+    for length, true in ((both.along, alone.along), (both.across, alone.across)):
+        assert length == pytest.approx(true, abs=PIXEL)
+    for found in (alone, both):
+        for length, error in zip((found.along, found.across), found.length_errors, strict=True):
+            assert abs(length - 50.0 * PIXEL) < 2.0 * error < 0.2 * length
+
+
+def test_errors_of_lengths_hold():
+    """The outline's error is that of its lengths, too: beside pile-up, and where a scar runs out flat."""
+    x = np.arange(160) - 79.5
+    r, off = np.hypot.outer(x / 1.3, x) / 25.0, []
+    for seed, lip in ((seed, lip) for seed in range(6) for lip in (0.0, 0.3)):
+        depth = 1e-3 * (1.0 + seed)
+        pile = np.where(r > 1.0, lip * depth * np.exp(-np.square((r - 1.15) / 0.12)), 0.0)
+        noise = 8e-5 * np.random.default_rng(seed).normal(size=r.shape)
+        found = find_scar(noise + pile - depth * np.maximum(1.0 - np.square(r), 0.0), pixel=SIZE)
+        true = np.array([65.0, 50.0]) * PIXEL
+        assert np.all(np.abs([found.along, found.across] / true - 1.0) < 0.1)
+        off += list(([found.along, found.across] - true) / found.length_errors)
+    off = np.abs(off)
+    assert np.mean(off < 1.0) > 0.5
+    assert np.mean(off < 2.0) > 0.9
+
+
 def case():
     return pair(np.random.default_rng(5), "self-affine", "piled")
 

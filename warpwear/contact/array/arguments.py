@@ -11,6 +11,11 @@ from warpwear.engine.staging import each
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 
+#: Sizes of numbers whose squares and products stay far from what float64 cannot hold.
+LARGEST = 1e100
+#: Tolerances that mean something: rounding is above smaller ones, the area is wrong with larger ones.
+TOLERANCES = (1e-14, 1e-2)
+
 
 def checked_heights(heights: npt.ArrayLike, threads: int) -> tuple[FloatArray, float, float, float]:
     """Return the heights as an array; the lowest, the highest and the sum of them."""
@@ -18,6 +23,10 @@ def checked_heights(heights: npt.ArrayLike, threads: int) -> tuple[FloatArray, f
         values = np.asanyarray(heights)
         if np.ma.is_masked(values) or np.iscomplexobj(values):
             raise TypeError("masked or complex")
+        if values.dtype.kind not in "fiubO":
+            raise TypeError(f"of {values.dtype}")
+        if values.dtype.kind == "O" and not all(isinstance(value, Real) for value in values.flat):
+            raise TypeError("not all of them numbers")
         values = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InputError(
@@ -37,6 +46,10 @@ def checked_heights(heights: npt.ArrayLike, threads: int) -> tuple[FloatArray, f
             f"heights[{i}, {j}] = {values[i, j]:g} is not possible ({len(wrong)} of {values.size} are not "
             "finite); fill what is missing first."
         )
+    if max(-lows.min(), highs.max()) > LARGEST:
+        raise InputError(
+            f"heights up to {max(-lows.min(), highs.max()):g} are not possible; at most {LARGEST:g} are."
+        )
     return values, float(lows.min()), float(highs.max()), float(sums.sum())
 
 
@@ -49,7 +62,19 @@ def number(name: str, value: Any, *, any_sign: bool = False, optional: bool = Tr
         text = f"{float(value):g}" if is_number else repr(value)
         allowed = f"{'' if any_sign else 'positive, '}finite number{', or left out' if optional else ''}"
         raise InputError(f"{name} = {text} is not possible; it must be a {allowed}.")
+    if value != 0.0 and not 1.0 / LARGEST <= abs(float(value)) <= LARGEST:
+        size = f"from {1.0 / LARGEST:g} to {LARGEST:g}"
+        raise InputError(f"{name} = {float(value):g} is not possible; its size must be {size}.")
     return float(value)
+
+
+def tolerance_of(value: Any) -> float:
+    """Return a tolerance as a float. Raises InputError for one that rounding hides or that means nothing."""
+    tolerance = float(number("tolerance", value, optional=False))
+    least, most = TOLERANCES
+    if not least <= tolerance <= most:
+        raise InputError(f"tolerance = {tolerance:g} is not possible; it must be from {least:g} to {most:g}.")
+    return tolerance
 
 
 def check_choice(how_many: str, **choice: float | None) -> None:

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from warpwear.contact.array.arguments import boundary_of, check_choice, checked_heights, number
+from warpwear.contact.array.arguments import boundary_of, check_choice, checked_heights, number, tolerance_of
 from warpwear.contact.array.contact import ArrayContact
 from warpwear.contact.array.elastic import solve_half_space
 from warpwear.contact.array.memory import check_memory, giving_back
@@ -28,6 +28,8 @@ from warpwear.kernels.cells import LANES, Cells
 
 #: Largest difference between the load carried and the load asked for, relatively.
 LOAD_TOLERANCE = 1.0e-9
+#: Cells in contact of which fewer resolve no area.
+FEWEST_CELLS = 9
 
 
 def solve_contact(
@@ -60,11 +62,13 @@ def solve_contact(
     plane), or "free", where nothing lies beside the array (by default, and always, under a sphere).
     sphere_radius: of the sphere, whose apex comes down on the middle of the array; None for a plane.
     tolerance: largest violation of the contact conditions of the half-space over the rms height of the gap;
-    one that rounding hides is raised to what it shows, `certificate.allowed`. The other laws are solved to
-    rounding. device: "cpu" or "cuda:0". threads: of the CPU, by default every core; no result depends on it.
+    from 1e-14 to 0.01; one that rounding hides is raised to what it shows, `certificate.allowed`. The other
+    laws are solved to rounding. device: "cpu" or "cuda:0". threads: of the CPU, by default every core; no
+    result depends on it.
 
     Says on standard error what memory is needed where that is 2 GiB or more, before it starts.
-    Warns where the contact with a sphere reaches the edge of the array. Raises InputError for what is not
+    Warns where the contact with a sphere reaches the edge of the array, and where it is of fewer than nine
+    cells. Raises InputError for what is not
     possible, ConvergenceError where the tolerance is not met, MemoryError where memory runs out. Sources:
     Polonsky and Keer 1999, Wear 231, 206 and Almqvist et al. 2007, Tribol. Int. 40, 574 (half-space);
     Johnson, Contact Mechanics, 1985, section 4.3 (springs).
@@ -79,7 +83,7 @@ def solve_contact(
     workers = check_threads(threads)
     surface, lowest, highest, total = checked_heights(heights, workers)
     cell = number("cell", cell, optional=False)
-    tolerance = number("tolerance", tolerance, optional=False)
+    tolerance = tolerance_of(tolerance)
     load, mean_pressure = number("load", load), number("mean_pressure", mean_pressure)
     approach = number("approach", approach, any_sign=True)
     modulus, stiffness = number("modulus", modulus), number("stiffness", stiffness)
@@ -146,6 +150,13 @@ def solve_contact(
         warnings.warn(
             f"the contact with the sphere reaches the edge of heights, of the shape {surface.shape}, beyond "
             "which nothing carries; a larger array is needed for the whole contact.",
+            stacklevel=2,
+        )
+    touched = np.count_nonzero(contact.pressure)
+    if response and 0 < touched < FEWEST_CELLS < contact.pressure.size:
+        warnings.warn(
+            f"the contact is of {touched} cells, whose area and pressures are those of the cells rather than "
+            f"of the surface; finer cells, {FEWEST_CELLS} in contact or more, are needed to tell them.",
             stacklevel=2,
         )
     if mean is not None and not abs(carried / contact.pressure.size / mean - 1.0) <= LOAD_TOLERANCE:

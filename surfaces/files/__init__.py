@@ -1,0 +1,1 @@
+"""Layouts of single formats of heights, and what they may declare."""
