@@ -84,7 +84,7 @@ def cof(comparison: Comparison) -> Figure:
 
 
 def area(comparison: Comparison) -> Figure:
-    """Area in contact over the distance slid, both logarithmic where they span decades."""
+    """Draw the area in contact over the distance slid, both logarithmic where they span decades."""
     return _figure(comparison, [_course(comparison, "area_contact")])
 
 
@@ -94,7 +94,7 @@ def pressure(comparison: Comparison) -> Figure:
 
 
 def volumes(comparison: Comparison) -> Figure:
-    """Worn volume of both bodies over the distance slid."""
+    """Draw the worn volume of both bodies over the distance slid."""
     charts = [_course(comparison, f"wear_volume_{body}") for body in BODIES]
     return _figure(comparison, _on_one_scale(charts))
 

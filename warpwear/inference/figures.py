@@ -1,4 +1,4 @@
-"""Figures of an inference: unknowns by pairs, and the predicted course of friction with the data on it."""
+"""Declare figures of an inference: unknowns by pairs, and the predicted course of friction with its data."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -40,7 +40,7 @@ CELLS, SMOOTH = 40, 1.6
 
 
 def corner(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray]) -> Figure:
-    """Samples of the unknowns by pairs, 50 and 90 % of them enclosed, each alone beside its prior."""
+    """Draw samples of the unknowns by pairs, 50 and 90 % of them enclosed, each alone beside its prior."""
     count = len(unknowns)
     factors = [10.0 ** _power(values[unknown.key]) for unknown in unknowns]
     columns = [values[unknown.key] / factor for unknown, factor in zip(unknowns, factors, strict=True)]

@@ -46,7 +46,7 @@ class Candidate:
 
     @property
     def label(self) -> str:
-        """The test in words."""
+        """Describe the test in words."""
         test = ", ".join(f"{key} {value}" for key, value in self.changes.items()) or "the same test again"
         return test if self.repeats == 1 else f"{test}, {self.repeats} times"
 

@@ -21,7 +21,7 @@ AXES = {
 
 
 def to_dataframe(result: ResultFile) -> Any:
-    """The history as a pandas.DataFrame: a row a step, a column a quantity, `attrs["units"]` by column.
+    """Return the history as a pandas.DataFrame, a row a step, a column a quantity; units in `attrs["units"]`.
 
     Raises InputError where pandas is not installed.
     """
@@ -81,7 +81,7 @@ def courses(result: ResultFile, numbers: Sequence[int]) -> Any:
 def _described(
     declared: Mapping[str, Quantity], name: str, dimensions: tuple[str, ...], values: Any
 ) -> tuple[tuple[str, ...], Any, dict[str, str]]:
-    """A variable for xarray: dimensions, values, and the unit and meaning of the quantity of that name."""
+    """Make a variable for xarray: dimensions, values, and unit and meaning of the quantity."""
     known = declared.get(name)
     return dimensions, values, {"units": known.units, "long_name": known.meaning} if known else {}
 

@@ -80,7 +80,7 @@ class Maker:
         return fields
 
     def rows_of_bodies(self, study: Study) -> float:
-        """Rows of both bodies over those of the grid."""
+        """Return rows of both bodies over those of the grid."""
         return 2.0
 
     def track(self, study: Study) -> Track | None:

@@ -164,7 +164,7 @@ class StoredCheckpoint:
 
     @property
     def version(self) -> str:
-        """Version of warpwear that wrote it."""
+        """Return the version of warpwear that wrote it."""
         return str(self._about["version"])
 
     def refuse_changes(self, study: Study, *, device: str) -> None:

@@ -96,7 +96,8 @@ class StepLoop:
         with opened(resume / CHECKPOINT if resume else None) as stored:
             if stored is not None:
                 stored.refuse_changes(study, device=self._device)
-            prepared = model_of(study, surface, executor, kept=stored.heights_for if stored else np.asarray)
+            first_heights = stored.heights_for if stored else np.asarray
+            prepared = model_of(study, surface, executor, first_heights=first_heights)
             self._model, self._surface_record = prepared.model, prepared.record
             self._book, self._pieces, self._filled = prepared.book, prepared.pieces, prepared.filled
             self._surface_sum = checksum(prepared.heights)
@@ -225,7 +226,7 @@ class StepLoop:
             yield RunStep(index, len(plan), self.study, row, partial(self._snapshot_of, index)), stop
 
     def _snapshot_of(self, index: int) -> Snapshot | None:
-        """The fields after the step of a row, views of the model's on a CPU; None after a later one."""
+        """Return the fields after a row's step, views of the model's on a CPU; None after a later one."""
         if index != len(self._rows) - 1:
             return None
         return self._model.snapshot(self._last, self._rows.last["distance"])

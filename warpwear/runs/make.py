@@ -33,16 +33,16 @@ def model_of(
     surface: Surface,
     executor: Executor,
     *,
-    kept: Callable[[FloatArray], FloatArray] = lambda heights: heights,
+    first_heights: Callable[[FloatArray], FloatArray] = lambda heights: heights,
 ) -> PreparedModel:
-    """The model that the study asks for, on a surface. Raises InputError for one that it cannot use.
+    """Make the model that the study asks for, on a surface. Raises InputError for one that it cannot use.
 
-    kept: gives the heights that a run began with for those that are made now.
+    first_heights: gives the heights that a run began with for those that are made now.
     """
     maker, grid = arrangement_of(study), study.cells
     track = maker.track(study)
     sampled = _sample(study, surface, track)
-    heights, record = kept(sampled.heights), {**sampled.record}
+    heights, record = first_heights(sampled.heights), {**sampled.record}
     filled = None
     if isinstance(surface, Measured):
         filled = surface.filled_at(grid.x if track is None else track.x, grid.y)

@@ -196,7 +196,7 @@ def _axis_of(key: str, unit: str) -> str:
 
 def _written(text: str) -> str:
     """Write quantities as papers do: 5e-4 mm^3/N/m is 5·10⁻⁴ mm³/(N·m)."""
-    return NUMBER.sub(lambda found: f"{found[1]}·10{str(int(found[2])).translate(RAISED)}", printed(text))
+    return NUMBER.sub(lambda m: f"{m[1]}·10{str(int(m[2])).translate(RAISED)}", printed(text))
 
 
 def _mean(values: FloatArray) -> float:

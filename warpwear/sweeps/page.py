@@ -53,7 +53,7 @@ def page(
         "reach, and what decides them?",
         "answers": _answers(result),
         "decides": _decides(result),
-        "factors": [(f.key, _told(f), f.key in plan.band_over) for f in plan.factors],
+        "factors": [(f.key, _values_of(f), f.key in plan.band_over) for f in plan.factors],
         "design": plan.design,
         "limits": limits_of(plan.study),
         "assumptions": assumed,
@@ -74,7 +74,7 @@ def _listed(names: list[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
-def _told(factor: Factor) -> str:
+def _values_of(factor: Factor) -> str:
     """Say what a key was varied over, in a person's words."""
     if (of := factor.distribution) is None:
         values = [
@@ -168,8 +168,7 @@ def _rows(result: SweepResult) -> list[dict[str, Any]]:
 
 
 def _link(folder: Path | None, run: str) -> str:
-    """Where the run's own page lies beside the sweep's, or else its folder; nothing for a run that has "
-    "none."""
+    """Find a run's own page beside the sweep's, or else its folder; return nothing where it has none."""
     if folder is None or not run or not (folder / "runs" / run).is_dir():
         return ""
     page = f"runs/{run}/{manifest.PAGE}"

@@ -65,7 +65,7 @@ class Plan:
 def read_plan(
     path_or_preset: str | Path, changes: Mapping[str, Any], options: Mapping[str, Any], *, device: str
 ) -> Plan:
-    """The plan of a study file with a section [sweep], or of a study and options beside it.
+    """Read the plan of a study file with a section [sweep], or of a study and options beside it.
 
     changes: of keys of the study. options: of the section, by its keys; "vary" adds to the file's.
     """

@@ -225,7 +225,7 @@ def _about(name: str) -> dict[str, str]:
 
 
 def _written(value: Any) -> Any:
-    """A value for a cell of a table."""
+    """Write a value for a cell of a table."""
     return value if isinstance(value, int | float | str) else " ".join(map(str, value))
 
 
