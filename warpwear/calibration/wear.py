@@ -67,7 +67,7 @@ class WearCalibration:
 
     @property
     def deviation(self) -> float | None:
-        """Return the standard deviation of the tests [mm²/N], n − 1 in its denominator; None of a single one."""
+        """Return the standard deviation of the tests [mm²/N], divided by n − 1; None of a single one."""
         if len(self.values) < 2:
             return None
         mean = self.mean

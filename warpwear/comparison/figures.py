@@ -83,14 +83,9 @@ def cof(comparison: Comparison) -> Figure:
     return _figure(comparison, [replace(chart, lines=[*chart.lines, *inputs]), second])
 
 
-def area(comparison: Comparison) -> Figure:
-    """Draw the area in contact over the distance slid, both logarithmic where they span decades."""
-    return _figure(comparison, [_course(comparison, "area_contact")])
-
-
-def pressure(comparison: Comparison) -> Figure:
-    """Mean pressure of the cells in contact over the distance slid."""
-    return _figure(comparison, [_course(comparison, "pressure_mean")])
+def of_column(name: str) -> Callable[[Comparison], Figure]:
+    """Declare the figure of a column of the history over the distance slid."""
+    return lambda comparison: _figure(comparison, [_course(comparison, name)])
 
 
 def volumes(comparison: Comparison) -> Figure:
@@ -180,9 +175,9 @@ def groove(comparison: Comparison) -> Figure:
 #: Name of the file -> how it is declared.
 FIGURES: dict[str, Callable[[Comparison], Figure]] = {
     "cof": cof,
-    "area": area,
+    "area": of_column("area_contact"),
     "area_load": area_load,
-    "pressure": pressure,
+    "pressure": of_column("pressure_mean"),
     "volumes": volumes,
     "profiles": profiles,
     "scar": scar,

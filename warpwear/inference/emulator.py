@@ -151,7 +151,7 @@ class Emulator:
 
     @cached_property
     def _numbers(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Stack lengths (shapes, inputs), nuggets (shapes, 1), trends (shapes, terms) and scales (shapes, 1)."""
+        """Stack lengths (shapes, inputs), trends (shapes, terms); nuggets and scales, (shapes, 1)."""
         numbers = [(p.lengths, [p.nugget], p.trend, [p.scale]) for p in self._processes]
         lengths, nuggets, trends, scales = (np.array(some) for some in zip(*numbers, strict=True))
         return lengths, nuggets, trends, scales

@@ -173,7 +173,7 @@ class Posterior:
 
     @cached_property
     def _gaps(self) -> FloatArray:
-        """Return distances [mm] to the point before on the course, infinite at its first, (course points,)."""
+        """Return distances [mm] to the point before on the course, infinite at its first, (points,)."""
         gaps = [np.diff(course.distance, prepend=-np.inf) for course in self.data.courses]
         return np.concatenate([np.zeros(0), *gaps])
 

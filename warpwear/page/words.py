@@ -20,7 +20,7 @@ APPROACH = "from the mean planes; below zero only peaks reach across"
 
 @dataclass(frozen=True)
 class Answer:
-    """Hold a number at the top. error: its uncertainty as far as known. input_note: how far it is an input."""
+    """Hold a number at the top. error: its uncertainty, if known. input_note: how far it is an input."""
 
     label: str
     value: str

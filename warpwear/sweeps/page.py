@@ -13,6 +13,7 @@ from warpwear.history.quantities import BY_NAME
 from warpwear.measured.experiment import Experiment
 from warpwear.page.html import page_of
 from warpwear.page.limits import limits_of
+from warpwear.page.words import Answer, minus
 from warpwear.results import manifest
 from warpwear.results.ensemble import is_label, short_names
 from warpwear.study.text import assumptions
@@ -24,14 +25,11 @@ from warpwear.version import __version__
 #: Rows of the table that the page shows; values of a key that it lists.
 MOST_ROWS, MOST_VALUES = 200, 12
 BANDS = "Mean of each group, in a band of 5 to 95 % of its runs where it has several."
-#: End values at the top and in the table of runs: column, what to call it, unit, factor to that.
-ANSWERS = tuple(
-    (quantity.name, quantity.label.capitalize(), quantity.unit, quantity.factor)
-    for quantity in (
-        *(ENDS[name] for name in ("patch_across", "area_contact", "pressure_mean")),
-        BY_NAME["wear_volume_disc"],
-        ENDS["cof"],
-    )
+#: End values at the top and in the table of runs.
+ANSWERS = (
+    *(ENDS[name] for name in ("patch_across", "area_contact", "pressure_mean")),
+    BY_NAME["wear_volume_disc"],
+    ENDS["cof"],
 )
 
 
@@ -60,7 +58,7 @@ def page(
         "rows": _rows(result),
         "columns": [
             *short_names(plan.keys).values(),
-            *(f"{label}, {unit}".removesuffix(", ") for _, label, unit, _ in ANSWERS),
+            *(f"{answer.label.capitalize()}, {answer.unit}".removesuffix(", ") for answer in ANSWERS),
         ],
         "total": total,
         "study": plan.study.to_toml(),
@@ -95,30 +93,29 @@ def _ends(result: SweepResult, column: str) -> FloatArray | None:
     return values if np.isfinite(values).any() else None
 
 
-def _answers(result: SweepResult) -> list[dict[str, str]]:
+def _answers(result: SweepResult) -> list[Answer]:
     """Give the numbers at the top: mean and band of a sampled design, least and most of a listed one."""
-    found = []
-    for column, label, unit, factor in ANSWERS:
-        if (values := _ends(result, column)) is None:
+    answers = []
+    fitted = result.plan.study.friction.fitted == "end"
+    notes = {
+        "cof": "An input: its shear strength is fitted so that it is met"
+        if fitted
+        else "Not predicted: area × shear strength over load",
+        "wear_volume_disc": "Not predicted: wear coefficient × load × distance",
+    }
+    for answer in ANSWERS:
+        if (values := _ends(result, answer.name)) is None:
             continue
-        known = factor * values[np.isfinite(values)]
-        given = ""
-        if column == "cof":
-            fitted = result.plan.study.friction.fitted == "end"
-            given = "An input: its shear strength is fitted so that it is met" if fitted else ""
-            given = given or "Not predicted: area × shear strength over load"
-        if column.startswith("wear_volume"):
-            given = "Not predicted: wear coefficient × load × distance"
+        known = answer.scaled(values[np.isfinite(values)])
         if result.plan.design.kind in SAMPLED:
             low, high = np.percentile(known, (5.0, 95.0))
             text, error = f"{known.mean():.4g}", f"mean; 5 to 95 % of the runs: {low:.3g} to {high:.3g}"
         else:
             text = f"{known.min():.3g} to {known.max():.3g}" if np.ptp(known) > 0.0 else f"{known[0]:.4g}"
             error = f"least and most of {known.size} runs"
-        found.append(
-            {"label": label, "value": text, "unit": unit, "error": error, "note": "", "given": given}
-        )
-    return found
+        note = notes.get(answer.name, "")
+        answers.append(Answer(answer.label.capitalize(), text, answer.unit, error, input_note=note))
+    return answers
 
 
 def _decides(result: SweepResult) -> str:
@@ -130,8 +127,7 @@ def _decides(result: SweepResult) -> str:
         return ""
     what = "η²" if result.numbers(key) is None or is_label(key) else "rank correlation"
     what = "total Sobol index" if result.plan.design.kind == "saltelli" else what
-    told = f"{value:.2f}".replace("-", "−")
-    return f"The coefficient of friction at the end hangs most on {key}: {what} {told}."
+    return f"The coefficient of friction at the end hangs most on {key}: {what} {minus(f'{value:.2f}')}."
 
 
 def _sections(result: SweepResult, experiments: Sequence[Experiment]) -> list[Section]:
@@ -151,20 +147,19 @@ def _sections(result: SweepResult, experiments: Sequence[Experiment]) -> list[Se
 
 def _rows(result: SweepResult) -> list[dict[str, Any]]:
     """Rows of the table of runs: what was varied, how it ended, and where its page or folder lies."""
-    ends = [_ends(result, column) for column, *_ in ANSWERS]
-    found = []
+    ends = [_ends(result, answer.name) for answer in ANSWERS]
+    rows = []
     for point, row in list(zip(result.plan.points, result.rows, strict=True))[:MOST_ROWS]:
         values = [
-            float("nan") if of is None else factor * float(of[point.number])
-            for of, (*_, factor) in zip(ends, ANSWERS, strict=True)
+            float("nan") if of is None else answer.factor * float(of[point.number])
+            for of, answer in zip(ends, ANSWERS, strict=True)
         ]
         varied = [
             v if isinstance(v, str | int | float) else ", ".join(map(str, v)) for v in point.values.values()
         ]
-        found.append(
-            {"cells": [*varied, *values], "status": row.status, "link": _link(result.folder, point.run)}
-        )
-    return found
+        link = _link(result.folder, point.run)
+        rows.append({"cells": [*varied, *values], "status": row.status, "link": link})
+    return rows
 
 
 def _link(folder: Path | None, run: str) -> str:
