@@ -21,9 +21,8 @@ import warpwear
 from warpwear.figures import describe as fs
 from warpwear.figures.of_run.data import load_share_error
 from warpwear.figures.style import style
-from warpwear.runs.make import executor_of, model_of
-from warpwear.runs.plan import plan_of
-from warpwear.study.surface import surface_in
+from warpwear.runs.make import model_of
+from warpwear.runs.order import RunOrder
 
 Table = list[dict[str, Any]]
 #: Distances of the tables [mm], and those at which the couplings' loads are compared.
@@ -136,9 +135,10 @@ def sample_part(cell: str, seeds: list[int]) -> tuple[Table, dict[tuple[str, int
 def seconds_of_steps(changes: dict[str, Any]) -> float:
     """All steps of a run, without its files and fields."""
     study = warpwear.Study.load("two-scale").replace(changes)
-    with executor_of(study, device="cpu", threads=None) as executor:
-        model = model_of(study, surface_in(study), executor).model
-        plan = [(increment, False) for increment, _, _ in plan_of(study)]
+    order = RunOrder(study)
+    with order.arrangement.executor(study, device="cpu", threads=None) as executor:
+        model = model_of(order, executor).model
+        plan = [(increment, False) for increment, _, _ in order.plan]
         start = time.perf_counter()
         for _ in model.steps(plan):
             pass

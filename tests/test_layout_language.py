@@ -62,7 +62,7 @@ def trees() -> dict[str, ast.Module]:
 
 
 def is_caption(node: Documented) -> bool:
-    """Tell whether a docstring is printed below a figure, where captions name what is seen, without a verb."""
+    """Tell whether a docstring is printed below a figure, whose caption names what is seen without a verb."""
     decorators = getattr(node, "decorator_list", [])
     return any(ast.unparse(decorator).startswith("words.figure(") for decorator in decorators)
 

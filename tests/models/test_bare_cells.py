@@ -17,9 +17,8 @@ from warpwear.engine.executor import Executor
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import PADDING
-from warpwear.runs.make import executor_of, model_of
-from warpwear.runs.plan import plan_of
-from warpwear.study.surface import surface_in
+from warpwear.runs.make import model_of
+from warpwear.runs.order import RunOrder
 
 PARTS = np.array([1.0, BARE / FILMED])
 #: Half as far where a step is dear.
@@ -183,9 +182,9 @@ def test_a_film_that_never_breaks_is_its_shear_strength(law: str, device: str) -
 
 def bared(study: Study, device: str, threads: int) -> tuple[FloatArray, dict[str, float]]:
     """Pressure and row of a first step before which every cell has lost more than its film."""
-    surface = surface_in(study)
-    with executor_of(study, device=device, threads=threads) as executor:
-        model: Any = model_of(study, surface, executor).model
+    order = RunOrder(study)
+    with order.arrangement.executor(study, device=device, threads=threads) as executor:
+        model: Any = model_of(order, executor).model
         holder = getattr(model, "contact", model)
         film = getattr(holder, "film", None) or getattr(holder, "_film", None)
         if film is not None:
@@ -194,7 +193,7 @@ def bared(study: Study, device: str, threads: int) -> tuple[FloatArray, dict[str
                 holder.state.columns = (0, executor.grid.ny)
             if hasattr(holder, "_course"):
                 holder._course.set(first_column=0.0, last_column=executor.grid.ny - 1.0)
-        step = model.advance(plan_of(study)[0][0], with_pressure=True)
+        step = model.advance(order.plan[0][0], with_pressure=True)
         return step.pressure.copy(), step.row
 
 

@@ -158,7 +158,7 @@ def test_a_contact_at_the_edge_stops_where_it_did(
     small = Study.load("v1" if model == "macro" else "v3").replace(
         {"grid.extent": "0.5 mm", "checks.strict": True, "output.snapshots": []}
     )
-    monkeypatch.setattr("warpwear.runs.loop.too_small", lambda study: None)
+    monkeypatch.setattr("warpwear.runs.order.too_small", lambda study: None)
     found = {}
     for name in WAYS:
         make_them(monkeypatch, name)

@@ -23,7 +23,7 @@ from warpwear.cli.main import commands
 from warpwear.figures import process
 from warpwear.page import effects
 from warpwear.page.content import content_of, words_of, write_page
-from warpwear.page.effects import EFFECTS, SENTENCES, Weight, effect_of
+from warpwear.page.effects import EFFECTS, SENTENCES, Weight, effect_of, numbers_of
 from warpwear.page.html import run_page
 from warpwear.page.limits import CONDITIONS, LIMITS, limits_of
 from warpwear.page.paper import to_latex
@@ -196,7 +196,7 @@ def test_sentences_are_all_reached() -> None:
     assert {name for name in SENTENCES if "." not in name} <= named
     with warpwear.run(Study.load("v3-fine").replace(PLAIN)) as result:
         for key in EFFECTS:
-            weight, sentence = effect_of(key, result.study, result.summary)
+            weight, sentence = effect_of(key, result.study, numbers_of(result.study, result.summary))
             assert isinstance(weight, Weight)
             assert sentence.endswith(".")
             assert "{" not in sentence
@@ -273,7 +273,7 @@ def test_codes_keep_values() -> None:
 
 def test_a_name_of_a_run_in_memory(tmp_path: Path) -> None:
     with warpwear.run(study_of("static")) as result:
-        page = run_page(content_of(result, result.plot), {})
+        page = run_page(content_of(result, summarise(result), result.plot), {})
     assert page.count(b"<img") == 1, "the bodies, drawn of the page's own data"
 
 

@@ -223,7 +223,7 @@ def test_a_run_of_a_moment_says_nothing_between(monkeypatch: pytest.MonkeyPatch,
     monkeypatch.setattr(console.time, "perf_counter", lambda: clock[0])
     row = {"distance": 1.0, "area_contact": 0.1}
     for seconds, lines in ((0.2, 0), (5.0, 2), (100.0, 9)):
-        progress = console.Progress(Study.load("v3"))
+        progress = console.Progress("v3")
         progress.start(100)
         for _ in range(100):
             clock[0] += seconds / 100.0

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from warpwear.cli.options import DEVICE, PATH, THREADS
-from warpwear.cli.places import results, run_checkpoint, run_folder, runner, summaries
+from warpwear.cli.places import results, run_checkpoint, run_folder, run_order, runner, summaries
 from warpwear.cli.study import CHANGES, STUDY, load_study
 from warpwear.version import __version__
 
@@ -62,7 +62,8 @@ def run(
     # A run folder that is to be resumed is itself where it goes on.
     own = Path(study) if options["resume"] and Path(study).is_dir() else Path(loaded.study.name)
     folder = own if out is None else out
-    if options["resume"] and not options["overwrite"] and run_folder.is_finished(folder, loaded):
+    order = run_order.RunOrder(loaded)
+    if options["resume"] and not options["overwrite"] and run_folder.is_finished(folder, order):
         click.echo(f"{folder}/ holds this run, finished: nothing is left to do")
         return
     try:

@@ -16,7 +16,7 @@ from warpwear.page.sections import SECTIONS
 from warpwear.results import manifest
 from warpwear.results.file import ResultFile
 from warpwear.results.report import Row, record
-from warpwear.results.summary import summarise, summary_text
+from warpwear.results.summary import summary_text
 from warpwear.study.study import Study
 
 #: Commands to be typed inside the run folder, and what they do.
@@ -33,39 +33,44 @@ MAKER = "warpwear.page.html:run_page"
 MARK = b'<meta name="generator" content="warpwear'
 
 
-def content_of(result: ResultFile, plot: Plotter) -> dict[str, Any]:
-    """Collect what the page of a run shows. plot: of the same result, whose reduced data are used again."""
+def content_of(result: ResultFile, rows: Sequence[Row], plot: Plotter) -> dict[str, Any]:
+    """Collect what the page of a run shows.
+
+    rows: as of `summarise`. plot: of the same result, whose reduced data are used again.
+    """
     with plot.data as data:
         sections = [section for make in SECTIONS if (section := make(plot, data)).figures]
-    return words_of(result.study, summarise(result)) | {"sections": sections}
+    return words_of(result.study, rows) | {"sections": sections}
 
 
 def top_of(study: Study, summary: dict[str, Any]) -> dict[str, Any]:
-    """Collect the texts of the page's top by name: the question, its answers, how far to trust them."""
+    """Collect the texts of the page's top by name: the question, its answers, and why to trust them."""
+    assumptions, checks = words.assumptions_of(study, summary), words.checks_of(study, summary)
     return {
         "name": study.study.name,
         "description": study.study.description,
-        "asked": words.asked_of(study, summary),
+        "asked": words.asked_of(study, summary["distance_mm"]),
         "finished": summary["finished"],
         "answers": [vars(answer) for answer in words.answers_of(study, summary)],
         "warnings": [text for text in summary["warnings"] if text not in summary["notes"]],
         "notes": [text for text in summary["warnings"] if text in summary["notes"]],
-        "trust": words.trust_of(study, summary, words.assumptions_of(study, summary)),
+        "trust": words.trust_of(study, summary, assumptions, checks),
+        "assumptions": assumptions,
+        "checks": checks,
     }
 
 
 def words_of(study: Study, rows: Sequence[Row]) -> dict[str, Any]:
     """Collect all texts of the page by name. rows: as of `summarise`."""
     summary = record(rows)
-    answers = words.answers_of(study, summary)
-    return top_of(study, summary) | {
+    top, methods = top_of(study, summary), paper.methods_of(study, summary)
+    table = paper.table_of(study.sphere.curvature, summary, top["answers"])
+    return top | {
         "limits": limits_of(study),
-        "assumptions": words.assumptions_of(study, summary),
-        "checks": words.checks_of(study, summary),
         "summary": summary_text(rows),
-        "methods": paper.methods_of(study, summary),
-        "table": paper.table_of(study, summary, answers),
-        "latex": paper.latex_of(study, summary, answers),
+        "methods": methods,
+        "table": table,
+        "latex": paper.latex_of(study, methods, table),
         "citation": paper.citation_of(summary["version"]),
         "commands": COMMANDS,
         "version": summary["version"],

@@ -36,22 +36,22 @@ SENTENCES: dict[str, Effect] = {
 }
 
 
-def effect_of(key: str, study: Study, s: dict[str, Any]) -> Effect:
-    """Say what another value of an assumed key would change. s: the run's summary."""
-    names = CASES[key](study, s) if key in CASES else [key if key in SENTENCES else "unknown"]
-    chosen, numbers = [SENTENCES[name] for name in names], _numbers(study, s)
+def effect_of(key: str, study: Study, numbers: dict[str, Any]) -> Effect:
+    """Say what another value of an assumed key would change. numbers: of the run, as of `numbers_of`."""
+    names = CASES[key](study, numbers) if key in CASES else [key if key in SENTENCES else "unknown"]
+    chosen = [SENTENCES[name] for name in names]
     text = " ".join(sentence.format(key=key, fine=FINE, **numbers) for _, sentence in chosen)
     return min(weight for weight, _ in chosen), text
 
 
-def _numbers(study: Study, s: dict[str, Any]) -> dict[str, Any]:
-    """Collect the numbers of a run that sentences name."""
+def numbers_of(study: Study, s: dict[str, Any]) -> dict[str, Any]:
+    """Collect the numbers of a run that sentences and their cases go by. s: its summary."""
     area, strength = s["area_mm2"], s["shear_strength_MPa"]
     reach = 0.5 * max(s["scar_mm"].values()) * study.sphere.curvature
     names = ("contact", "touched", "nominal", "cumulative") if strength is not None else ()
     steps = s.get("track", {}).get("parts", {}).get("estimated_error_at_most", 0.0)
     return {
-        "capped": _capped(s),
+        "capped": 100.0 * float(area["plastic"] / area["contact"]) if area["contact"] else 0.0,
         "at_the_end": " at the end" if study.sliding.total else "",
         "coefficient": "the coefficient" + " less its ploughing part" * bool(study.friction.ploughing),
         "coefficients": shown({name: strength * area[name] / s["load_N"] for name in names}, 3),
@@ -60,55 +60,47 @@ def _numbers(study: Study, s: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _capped(s: dict[str, Any]) -> float:
-    """Return the percentage of the area in contact that is at the hardness at the end."""
-    area = s["area_mm2"]
-    return 100.0 * float(area["plastic"] / area["contact"]) if area["contact"] else 0.0
-
-
-def _hardness(study: Study, s: dict[str, Any]) -> list[str]:
-    if _capped(s) > MOST:
+def _hardness(study: Study, numbers: dict[str, Any]) -> list[str]:
+    if numbers["capped"] > MOST:
         return ["hardness, most cells"]
-    return [f"hardness, {'some' if _capped(s) > FEW else 'few'} cells", "hardness, at first"]
+    return [f"hardness, {'some' if numbers['capped'] > FEW else 'few'} cells", "hardness, at first"]
 
 
-def _body_hardness(study: Study, s: dict[str, Any]) -> list[str]:
+def _body_hardness(study: Study, numbers: dict[str, Any]) -> list[str]:
     if study.contact.hardness is None and math.isfinite(study.hardness):
-        return ["softer body", *_hardness(study, s)]
+        return ["softer body", *_hardness(study, numbers)]
     return ["softer body, unused"]
 
 
-def _elastic(study: Study, s: dict[str, Any]) -> list[str]:
+def _elastic(study: Study, numbers: dict[str, Any]) -> list[str]:
     if study.contact.law == "half-space":
         return ["elastic, half-space"]
     return ["elastic, springs" if study.uses_bulk_stiffness else "elastic, unused"]
 
 
-def _material(study: Study, s: dict[str, Any]) -> list[str]:
-    return ["material, unused" if _elastic(study, s) == ["elastic, unused"] else "material"]
+def _material(study: Study, numbers: dict[str, Any]) -> list[str]:
+    return ["material, unused" if _elastic(study, numbers) == ["elastic, unused"] else "material"]
 
 
-#: Key -> the names of its sentences for a study and a run's summary.
+#: Key -> the names of its sentences for a study and the numbers of a run.
 CASES: dict[str, Callable[[Study, dict[str, Any]], list[str]]] = {
-    "friction.shear_strength": lambda study, s: [
+    "friction.shear_strength": lambda study, numbers: [
         "strength, junctions grow" if study.friction.junction_growth else "strength"
     ],
-    "friction.area": lambda study, s: [
-        "area, strength unknown" if s["shear_strength_MPa"] is None else "area"
-    ],
+    "friction.area": lambda study, numbers: ["area" if numbers["coefficients"] else "area, strength unknown"],
     "contact.hardness": _hardness,
     "sphere.material": _material,
     "disc.material": _material,
     **{f"{body}.{key}": _elastic for body in BODIES for key in ("young", "poisson")},
     **{f"{body}.hardness": _body_hardness for body in BODIES},
-    "disc.synthetic.seed": lambda study, s: ["seed" if study.sliding.total else "seed, static"],
-    "sliding.shift": lambda study, s: [
+    "disc.synthetic.seed": lambda study, numbers: ["seed" if study.sliding.total else "seed, static"],
+    "sliding.shift": lambda study, numbers: [
         "shift, half-space" if study.contact.law == "half-space" else "shift, local"
     ],
-    "sliding.track": lambda study, s: [
+    "sliding.track": lambda study, numbers: [
         "track, whole stroke" if study.track.track_fraction == 1.0 else "track, part of the stroke"
     ],
-    "junctions.surface_energy": lambda study, s: [
+    "junctions.surface_energy": lambda study, numbers: [
         "surface energy, pieces" if study.wear.particle == "critical" else "surface energy"
     ],
 }

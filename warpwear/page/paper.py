@@ -2,14 +2,15 @@
 
 import re
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, TypeAlias
 
 from warpwear.history.quantities import printed
 from warpwear.laws.archard import said
-from warpwear.page.words import Answer, disc_of, motion_of, slider_of, source_of
+from warpwear.page.words import disc_of, motion_of, slider_of, source_of
 from warpwear.results.report import shown
 from warpwear.study.study import Study
 
+Line: TypeAlias = tuple[str, str, str]  # quantity, value and unit
 #: Signs that LaTeX takes for commands, and others that its fonts may lack -> what to write.
 LATEX = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "µ": r"$\mu$"}
 LATEX |= {sign: f"\\{sign}" for sign in "{}$&#%_"} | {"×": r"$\times$", "±": r"$\pm$", "−": "--", "–": "--"}
@@ -29,11 +30,11 @@ def _law(study: Study, s: dict[str, Any]) -> str:
 def methods_of(study: Study, s: dict[str, Any]) -> str:
     """Write the paragraph that a paper's section on methods may begin with."""
     sphere, disc = (s["wear_coefficient_mm3_per_Nm"][body] for body in ("sphere", "disc"))
-    cap = s["hardness_MPa"]
+    cap, motion = s["hardness_MPa"], motion_of(study, s["distance_mm"])
     hardness = f", with the pressure of a cell limited to {cap:.4g} MPa" if cap else ""
     sentences = [
         f"Contact and wear were computed with warpwear {s['version']} ({study.study.model} model).",
-        f"{slider_of(study)} on {disc_of(study)} {motion_of(study, s)} under {s['load_N']:.4g} N.",
+        f"{slider_of(study)} on {disc_of(study)} {motion} under {s['load_N']:.4g} N.",
         f"The contact was solved {_law(study, s)}{hardness}, on {study.cells.nx} × {study.cells.ny} square "
         f"cells of {s['cell_um']:.4g} µm, in {s['steps']} step{'s' * (s['steps'] != 1)}.",
     ]
@@ -72,17 +73,17 @@ def _friction_law(study: Study) -> str:
     return f"; {sentence}" if sentence else ""
 
 
-def table_of(study: Study, s: dict[str, Any], answers: Iterable[Answer]) -> list[tuple[str, str, str]]:
-    """List quantity, value and unit of what went in and what came out."""
-    radius, hardness, unit = study.sphere.curvature, s["hardness_MPa"], printed("mm^3/N/m")
+def table_of(curvature: float, s: dict[str, Any], answers: Iterable[dict[str, str]]) -> list[Line]:
+    """List quantity, value and unit of what went in and what came out. curvature: of the sphere [1/mm]."""
+    hardness, unit = s["hardness_MPa"], printed("mm^3/N/m")
     return [
         ("Load", shown(s["load_N"]), "N"),
-        *([("Radius of the sphere", shown(1.0 / radius), "mm")] if radius else []),
+        *([("Radius of the sphere", shown(1.0 / curvature), "mm")] if curvature else []),
         ("Sliding distance", shown(s["distance_mm"], 6), "mm"),
         ("Cell", shown(s["cell_um"]), "µm"),
         *([("Hardness (cap of the pressure)", shown(hardness), "MPa")] if hardness else []),
         *((f"Wear coefficient, {b}", shown(k), unit) for b, k in s["wear_coefficient_mm3_per_Nm"].items()),
-        *((answer.label, answer.value, answer.unit) for answer in answers),
+        *((answer["label"], answer["value"], answer["unit"]) for answer in answers),
     ]
 
 
@@ -93,11 +94,11 @@ def to_latex(text: str) -> str:
     return POWER.sub(lambda match: rf"${match[1]} \cdot 10^{{{int(match[2])}}}$", written)
 
 
-def latex_of(study: Study, s: dict[str, Any], answers: Iterable[Answer]) -> str:
-    """Write methods and table as LaTeX."""
-    rows = ["  " + " & ".join(map(to_latex, row)) + r" \\" for row in table_of(study, s, answers)]
+def latex_of(study: Study, methods: str, table: Iterable[Line]) -> str:
+    """Write methods and table as LaTeX, with the laws of wear and friction between them."""
+    rows = ["  " + " & ".join(map(to_latex, row)) + r" \\" for row in table]
     lines = [
-        to_latex(methods_of(study, s)),
+        to_latex(methods),
         rf"\[ \mathrm{{d}}V / \mathrm{{d}}L = F \left({study.wear_laws[0].formula}\right), \quad "
         rf"\mu = {study.friction.law.formula} \]",
         "",

@@ -2,17 +2,18 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from warpwear.contact.balance import TOLERANCE
 from warpwear.history.end_values import ENDS, value_in
 from warpwear.history.quantities import BODIES, BY_NAME
-from warpwear.page.effects import Weight, effect_of
+from warpwear.page.effects import Weight, effect_of, numbers_of
 from warpwear.results.report import shown
 from warpwear.study.keys import declarations, value_of
 from warpwear.study.study import Study
 from warpwear.study.text import readable
 
+Lines: TypeAlias = list[dict[str, Any]]  # of a table, name of a column -> value
 #: What checks allow: part of a volume off Archard's, and of the area by the length of steps.
 CONSERVED, STEPS = 1e-10, 0.02
 APPROACH = "from the mean planes; below zero only peaks reach across"
@@ -48,21 +49,21 @@ def slider_of(study: Study) -> str:
     return f"A sphere of {1.0 / curvature:.4g} mm radius" if curvature else "A rigid flat"
 
 
-def motion_of(study: Study, summary: dict[str, Any]) -> str:
-    """Say how it moves."""
+def motion_of(study: Study, distance: float) -> str:
+    """Say how it moves. distance: that it has slid [mm]."""
     if not study.sliding.total:
         return "is pressed at rest"
-    slid = f"slides {summary['distance_mm']:.6g} mm"
+    slid = f"slides {distance:.6g} mm"
     return f"{slid} along a track" if study.is_swept else f"{slid} on the same place of the disc"
 
 
-def asked_of(study: Study, summary: dict[str, Any]) -> str:
-    """Say in one sentence what the run was to find."""
+def asked_of(study: Study, distance: float) -> str:
+    """Say in one sentence what the run was to find. distance: that it has slid [mm]."""
     load = f"under {study.contact.load:.4g} N"
     more = ", how much is worn off" if study.sliding.total else ""
     law = "the local law" if study.contact.law == "local" else "the half-space"
     return (
-        f"{slider_of(study)} on {disc_of(study)} {motion_of(study, summary)} {load}: how large is the scar, "
+        f"{slider_of(study)} on {disc_of(study)} {motion_of(study, distance)} {load}: how large is the scar, "
         f"how much of it touches and under what pressure{more}, and what is the coefficient of friction at "
         f"the end? Model: {study.study.model}, {law}."
     )
@@ -149,9 +150,9 @@ def source_of(s: dict[str, Any]) -> str:
     return "assumed" if "friction.shear_strength" in s["assumptions"] else "given by the study"
 
 
-def trust_of(study: Study, s: dict[str, Any], assumptions: list[dict[str, Any]]) -> list[str]:
+def trust_of(study: Study, s: dict[str, Any], assumptions: Lines, checks: Lines) -> list[str]:
     """Say what speaks for the numbers and what against them, in a few sentences."""
-    good = all(row["good"] for row in checks_of(study, s))
+    good = all(row["good"] for row in checks)
     cells = s["area_mm2"]["contact"] / study.cells.cell_area
     noted = sum(warning in s["notes"] for warning in s["warnings"])
     warned, assumed = (
@@ -196,21 +197,21 @@ def _count(number: int, what: str) -> str:
     return f"{number or 'No'} {what}{'s' * (number != 1)}"
 
 
-def assumptions_of(study: Study, s: dict[str, Any]) -> list[dict[str, Any]]:
+def assumptions_of(study: Study, s: dict[str, Any]) -> Lines:
     """List each assumed key: value, meaning, source, what another value would change, heaviest first."""
     declared, values = declarations(type(study)), study.model_dump(exclude={"assumed"})
-    resolved = study.resolved
+    resolved, numbers = study.resolved, numbers_of(study, s)
     rows = []
     for name, why in s["assumptions"].items():
         value = resolved[name] if name in resolved else value_of(values, name)
         meaning = getattr(declared[name].field, "description", None) if name in declared else None
-        weight, effect = effect_of(name, study, s)
+        weight, effect = effect_of(name, study, numbers)
         row = {"key": name, "value": shown(readable(value), 6), "meaning": meaning or "", "why": why}
         rows.append(row | {"weight": weight, "effect": effect})
     return sorted(rows, key=lambda row: row["weight"])
 
 
-def checks_of(study: Study, s: dict[str, Any]) -> list[dict[str, Any]]:
+def checks_of(study: Study, s: dict[str, Any]) -> Lines:
     """List residuals and conservation, and whether each is within its limit."""
     balance = max(study.load_tolerance if study.uses_bearing_area else 0.0, TOLERANCE * s["load_N"])
     residual = s["load_residual_N"]["largest"]

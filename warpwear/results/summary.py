@@ -1,7 +1,7 @@
 """What a run amounts to, each number declared once: as JSON has it, and as people read it."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -34,7 +34,7 @@ def summarise(result: ResultFile) -> list[Row]:
     last pass of a swept run, as `end_values` says: the means, and the largest pressure.
     """
     end = last_values(result)
-    return [
+    rows = [
         *_run(result, end),
         *_contact(result, end),
         *([] if result.study.is_swept else _of_one_spot(result)),
@@ -45,6 +45,12 @@ def summarise(result: ResultFile) -> list[Row]:
         *_film(result),
         *_checks(result, end),
     ]
+    return with_seconds(rows, result.seconds) if result.seconds else rows
+
+
+def with_seconds(rows: Sequence[Row], seconds: Mapping[str, float]) -> list[Row]:
+    """Add what the run took to its rows, before its assumptions. seconds: by the phase's name."""
+    return [*rows[:-1], Row("", "seconds", seconds), rows[-1]]
 
 
 def summary_text(rows: Sequence[Row]) -> str:
@@ -264,7 +270,7 @@ def _checks(result: ResultFile, end: dict[str, float]) -> list[Row]:
         Row("", "conservation_relative", off),
         Row("", "disc_volume_over_KFL", end["wear_volume_disc"] / expected if expected else None),
         Row("checks", "", checks),
-        *entries({"notes": [], **result.record} | ({"seconds": result.seconds} if result.seconds else {})),
+        *entries({"notes": [], **result.record}),
         Row(
             "assumptions",
             "assumptions",

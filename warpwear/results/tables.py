@@ -1,7 +1,7 @@
 """What a run leaves beside its HDF5 file: the study, the history and the summary as text."""
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +12,8 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import EVOLUTION, Quantity, columns_of
 from warpwear.results.evolution import surface_evolution
 from warpwear.results.file import SURFACE_FILE, ResultFile
-from warpwear.results.report import record, to_json
+from warpwear.results.report import Row, record, to_json
 from warpwear.results.summary import summarise
-from warpwear.study.study import Study
 
 
 def _write_table(path: Path, columns: Sequence[Quantity], table: Mapping[str, FloatArray]) -> None:
@@ -24,24 +23,26 @@ def _write_table(path: Path, columns: Sequence[Quantity], table: Mapping[str, Fl
     np.savetxt(path, rows, delimiter=",", header=header, comments="", fmt="%.12g")
 
 
-def write_tables(folder: Path, study: Study, result: ResultFile) -> None:
-    """Write study.toml, history.csv, surface.csv and summary.json into a folder."""
-    sections = study.to_toml()
+def write_tables(folder: Path, result: ResultFile) -> list[Row]:
+    """Write study.toml, history.csv, surface.csv and summary.json into a folder; return the last's rows."""
+    sections = result.study.to_toml()
     if result.owns_surface:  # beside it, wherever the folder is moved
         content = tomllib.loads(sections)
         content["disc"]["surface"] = SURFACE_FILE
         sections = tomli_w.dumps(content)
     (folder / "study.toml").write_text(sections, encoding="utf-8")
-    _write_table(folder / "history.csv", columns_of(study), result.history)
+    _write_table(folder / "history.csv", columns_of(result.study), result.history)
     with phase("evolution"):
         evolution = surface_evolution(result)
     _write_table(folder / "surface.csv", EVOLUTION, evolution.table)
-    write_summary(folder, result)
+    rows = summarise(result)
+    write_summary(folder, rows)
+    return rows
 
 
-def write_summary(folder: Path, result: ResultFile) -> None:
-    """Write summary.json into a folder, in place of the one that may be there, at once."""
+def write_summary(folder: Path, rows: Iterable[Row]) -> None:
+    """Write summary.json into a folder, at once in place of an older one. rows: as of `summarise`."""
     path = folder / "summary.json"
     new = path.with_suffix(".new")
-    new.write_text(f"{to_json(record(summarise(result)))}\n", encoding="utf-8")
+    new.write_text(f"{to_json(record(rows))}\n", encoding="utf-8")
     new.replace(path)

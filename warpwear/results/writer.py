@@ -18,7 +18,7 @@ import h5py
 import numpy as np
 import psutil
 
-from warpwear.grid import FloatArray, Grid
+from warpwear.grid import FloatArray
 from warpwear.history.pieces import PieceBook
 from warpwear.history.quantities import (
     FIELDS,
@@ -49,14 +49,14 @@ NO_PREALLOCATION = (errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL, errno.EPERM)
 class ResultWriter:
     """Writes a run into an open HDF5 file. Raises OSError before it writes what the disk may not hold.
 
-    snapshots: whether to keep any.
+    toml: the study's text. snapshots: whether to keep any.
     """
 
     def __init__(
         self,
         file: h5py.File,
         study: Study,
-        grid: Grid,
+        toml: str,
         *,
         device: str,
         threads: int,
@@ -74,14 +74,14 @@ class ResultWriter:
         self._require_space(0)
         file.attrs.update(
             version=__version__,
-            study=study.to_toml(),
+            study=toml,
             device=device,
             threads=threads,
             precision="float64",
             finished=False,
         )
-        self._add_axis("grid/x", grid.x)
-        self._add_axis("grid/y", grid.y)
+        self._add_axis("grid/x", study.cells.x)
+        self._add_axis("grid/y", study.cells.y)
         file.create_group("snapshots")
 
     def add_snapshot(self, snapshot: Snapshot) -> None:

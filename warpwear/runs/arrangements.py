@@ -5,7 +5,7 @@ A new one is a name of `warpwear.history.arrangements` and a class here, which r
 
 import math
 from dataclasses import asdict, dataclass, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeAlias
 
 from warpwear import lazy
 from warpwear.engine.device import free_memory
@@ -42,13 +42,16 @@ FILM_FIELDS, HEALING_FIELDS = 2.0, 3.0
 PIECES_FIELDS = 2.5
 
 
+Record: TypeAlias = dict[str, Any]  # of the surface, for the result
+
+
 @dataclass(frozen=True)
 class PreparedModel:
     """A model, and what it was made of."""
 
     model: Model
     heights: FloatArray  # of the unworn disc [mm], shape (nx, ny), or of the track, (rows, ny)
-    record: dict[str, Any]  # of the surface, for the result
+    record: Record
     book: PatchBook | None = None  # of the patches that the model has
     pieces: PieceBook | None = None  # in which its bodies have worn
     filled: BoolArray | None = None  # what was not measured of the disc, as its heights; None: all was
@@ -83,13 +86,7 @@ class Maker:
         """Return rows of both bodies over those of the grid."""
         return 2.0
 
-    def track(self, study: Study) -> Track | None:
-        """Return the track whose rows the disc's heights are of; None: they are of the grid's."""
-        return None
-
-    def model(
-        self, study: Study, heights: FloatArray, executor: Executor, record: dict[str, Any]
-    ) -> PreparedModel:
+    def model(self, study: Study, heights: FloatArray, executor: Executor, record: Record) -> PreparedModel:
         """Make the model; it may add to the surface's record. Raises InputError for heights it cannot use."""
         raise NotImplementedError
 
@@ -102,9 +99,7 @@ class AtRest(Maker, name="rest"):
         differs = not study.contact_task.is_uniform or study.wear.law == "bearing-curve"
         return super().fields(study, device=device) + (SLIDING_FIELDS + 2.0) * differs
 
-    def model(
-        self, study: Study, heights: FloatArray, executor: Executor, record: dict[str, Any]
-    ) -> PreparedModel:
+    def model(self, study: Study, heights: FloatArray, executor: Executor, record: Record) -> PreparedModel:
         """Make a model of one grid."""
         curve = bearing_curve_of(study) if study.wear.law == "bearing-curve" else None
         if curve is not None:
@@ -132,13 +127,7 @@ class OnTrack(Maker, name="track"):
         """Count the disc's rows."""
         return study.track.rows / study.cells.nx + 1.0
 
-    def track(self, study: Study) -> Track | None:
-        """Return the study's track."""
-        return study.track
-
-    def model(
-        self, study: Study, heights: FloatArray, executor: Executor, record: dict[str, Any]
-    ) -> PreparedModel:
+    def model(self, study: Study, heights: FloatArray, executor: Executor, record: Record) -> PreparedModel:
         """Make a model of the whole track."""
         model = models_track.SweptModel(study.contact_task, study.track, heights, executor)
         return PreparedModel(model, heights, record, pieces=model.pieces)
@@ -153,9 +142,7 @@ class OfPatches(AtRest, name="patches"):
         _check_memory_of_book(study, patches, device)
         return Executor(patches.grid, device=device, threads=threads, fields_needed=fields)
 
-    def model(
-        self, study: Study, heights: FloatArray, executor: Executor, record: dict[str, Any]
-    ) -> PreparedModel:
+    def model(self, study: Study, heights: FloatArray, executor: Executor, record: Record) -> PreparedModel:
         """Make a model of all patches."""
         patches, task = study.patch_layout, study.contact_task
         width.refuse_unsuitable(study, patches, heights)

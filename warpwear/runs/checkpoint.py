@@ -15,9 +15,8 @@ It is written under another name, flushed to the disk and moved into place: a go
 import json
 import os
 import time
-import tomllib
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,8 +28,11 @@ import numpy as np
 from warpwear.errors import OVERWRITE_IT, RESUME_IT, InputError
 from warpwear.grid import FloatArray
 from warpwear.history.rows import Rows
+from warpwear.results.check import check_snapshots
+from warpwear.results.ensemble import dotted
 from warpwear.results.seal import HEADER, digest_of, has_mark, read_header, seal
 from warpwear.results.writer import SPACE_FOR_THE_REST, ResultWriter, require_free_space
+from warpwear.runs.order import RunOrder
 from warpwear.study.study import Study
 from warpwear.version import __version__
 
@@ -65,30 +67,21 @@ class Checkpoint:
 class Checkpoints:
     """Writes the checkpoints of one run.
 
-    path: of the file; work: a folder of the same disk; surface: `checksum` of the disc's heights; heights:
-    these [mm], but of a track, whose heights the result holds.
+    path: of the file; work: a folder of the same disk; heights: of the disc [mm], stored but for those of a
+    track, which the result holds.
     """
 
-    def __init__(
-        self,
-        path: Path,
-        work: Path,
-        study: Study,
-        *,
-        device: str,
-        surface: int,
-        heights: FloatArray | None,
-    ) -> None:
+    def __init__(self, path: Path, work: Path, order: RunOrder, heights: FloatArray, *, device: str) -> None:
         self.path = path
-        self._heights = heights
+        self._heights = heights if order.track is None else None
         self._new = work / FILE_NAME
         self._about = {
             "version": __version__,
-            "study": study.to_toml(),
+            "study": order.toml,
             "device": device,
-            "surface": surface,
+            "surface": checksum(heights),
         }
-        self._every = study.run.checkpoint
+        self._every = order.study.run.checkpoint
         self._last = time.monotonic()
 
     @property
@@ -145,7 +138,7 @@ class StoredCheckpoint:
             self._about = {
                 name: about[name] for name in (*OF_THE_RUN, "version", "study", "device", "surface", "kinds")
             }
-            self._study = Study.stored(about["study"])
+            self._order = RunOrder(Study.stored(about["study"]))
             self._rows = Rows(map(str, file["rows"].attrs["columns"]), file["rows"][()])
             if not isinstance(self._about["device"], str):
                 raise ValueError("its device is no text")
@@ -167,17 +160,17 @@ class StoredCheckpoint:
         """Return the version of warpwear that wrote it."""
         return str(self._about["version"])
 
-    def refuse_changes(self, study: Study, *, device: str) -> None:
+    def refuse_changes(self, order: RunOrder, *, device: str) -> None:
         """Raises InputError for a run that would not go on where this one stopped."""
         # What the pieces are follows from the junctions where they are as large as these.
-        free = (*LABELS, "friction") if study.wear.particle == "critical" else FREE
-        changed = changed_keys(self._study, study, free=free)
+        free = (*LABELS, "friction") if order.study.wear.particle == "critical" else FREE
+        changed = changed_keys(self._order.keys, order.keys, free=free)
         if changed:
             raise InputError(
                 f"{self._path} is of another study ({', '.join(changed)}); {RESUME_IT} with the study as it "
                 f"was, or {OVERWRITE_IT}."
             )
-        if study.checks.strict and (failed := self._about["reported_violations"]):
+        if order.study.checks.strict and (failed := self._about["reported_violations"]):
             raise InputError(
                 f"{self._path} was made after a check failed ({', '.join(failed)}). "
                 f"To continue anyway, set checks.strict=false and {RESUME_IT}; to start anew, {OVERWRITE_IT}."
@@ -208,12 +201,13 @@ class StoredCheckpoint:
     def read(self) -> Checkpoint:
         """Where the run was: all that is stored but the snapshots."""
         arrays = {name: np.asarray(dataset[()]) for name, dataset in self.file["model"].items()}
-        kinds = _flat({"arrays": _kinds(arrays), "numbers": _kinds(self._about["numbers"])})
-        stored_kinds = _flat(self._about["kinds"])
+        kinds = dotted({"arrays": _kinds(arrays), "numbers": _kinds(self._about["numbers"])})
+        stored_kinds = dotted(self._about["kinds"])
         for name in stored_kinds | kinds:
             is_now, was = (each.get(name, "missing") for each in (kinds, stored_kinds))
             if is_now != was:
                 raise ValueError(f"{name} is {is_now} instead of {was}")
+        check_snapshots(self.file, self._order.study)
         return Checkpoint(
             arrays,
             rows=self._rows,
@@ -258,11 +252,12 @@ def checksum(heights: FloatArray) -> int:
     return zlib.crc32(np.ascontiguousarray(heights).data)
 
 
-def changed_keys(before: Study, after: Study, *, free: Sequence[str] = FREE) -> list[str]:
+def changed_keys(
+    before: Mapping[str, Any], after: Mapping[str, Any], *, free: Sequence[str] = FREE
+) -> list[str]:
     """Keys whose values differ, but for those that are free to: by default, that no step depends on."""
-    one, other = _flat(tomllib.loads(before.to_toml())), _flat(tomllib.loads(after.to_toml()))
-    names = sorted(name for name in one.keys() | other.keys() if one.get(name) != other.get(name))
-    grow = max(study.friction.junction_growth for study in (before, after)) > 0.0
+    names = sorted(name for name in before.keys() | after.keys() if before.get(name) != after.get(name))
+    grow = any(keys.get("friction.junction_growth", 0.0) > 0.0 for keys in (before, after))
     bound = (*OF_CAPS, OF_GROWTH) if grow else OF_CAPS
 
     def under(name: str, keys: Sequence[str]) -> bool:
@@ -278,13 +273,6 @@ def _kinds(value: Any) -> Any:
     if isinstance(value, list):
         return [_kinds(item) for item in value]
     return f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else type(value).__name__
-
-
-def _flat(nested: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    flat: dict[str, Any] = {}
-    for name, value in nested.items():
-        flat |= _flat(value, f"{prefix}{name}.") if isinstance(value, dict) else {prefix + name: value}
-    return flat
 
 
 def _flush_folder(folder: Path) -> None:

@@ -12,7 +12,6 @@ from typing import Any, Self
 from tqdm import tqdm
 
 from warpwear.errors import StudyWarning
-from warpwear.study.study import Study
 
 #: Longest and shortest silence of a run that writes plain lines [s].
 EVERY_SECONDS = 30.0
@@ -20,10 +19,13 @@ SILENT_SECONDS = 2.0
 
 
 class Progress:
-    """Counts steps: in a bar with the time left on a terminal, in a line every tenth of them elsewhere."""
+    """Counts steps: in a bar with the time left on a terminal, in a line every tenth of them elsewhere.
 
-    def __init__(self, study: Study, *, quiet: bool = False) -> None:
-        self._name = study.study.name
+    name: of the study, with which lines begin.
+    """
+
+    def __init__(self, name: str, *, quiet: bool = False) -> None:
+        self._name = name
         self._quiet = quiet
         self._bar: tqdm | None = None
         self._steps = self._done = self._before = 0

@@ -16,7 +16,7 @@ from warpwear.results import manifest
 from warpwear.results.file import FILE_NAME, SURFACE_FILE
 from warpwear.results.folder import LOCK, check_writable, held, refuse_if_held
 from warpwear.runs import checkpoint
-from warpwear.study.study import Study
+from warpwear.runs.order import RunOrder
 from warpwear.surfaces.reading import digest_of
 
 table = lazy.module("warpwear.figures.of_run.table")
@@ -77,8 +77,8 @@ def _refuse_to_replace(folder: Path) -> None:
         )
 
 
-def is_finished(folder: Path, study: Study) -> bool:
-    """Whether the folder holds the finished run of this study, so that there is nothing to resume.
+def is_finished(folder: Path, order: RunOrder) -> bool:
+    """Whether the folder holds the finished run of this order, so that there is nothing to resume.
 
     Raises InputError for a run of another study, and while another run works there.
     """
@@ -88,12 +88,12 @@ def is_finished(folder: Path, study: Study) -> bool:
     with Result.open(folder) as result:
         finished = result.finished
         free = checkpoint.LABELS if finished else checkpoint.FREE  # of a finished run nothing is made anew
-        changed = checkpoint.changed_keys(result.study, study, free=free)
+        changed = checkpoint.changed_keys(RunOrder(result.study).keys, order.keys, free=free)
         if changed:
             raise InputError(
                 f"out = {folder} holds a run of another study ({', '.join(changed)}); {OTHER_FOLDER}."
             )
-        surface, digest = study.disc.surface, result.record["surface"].get("sha256")
+        surface, digest = order.study.disc.surface, result.record["surface"].get("sha256")
         if digest and surface and Path(surface).is_file() and digest_of(surface) != digest:
             raise InputError(f"out = {folder} holds a run on what {surface} was before; {OTHER_FOLDER}.")
     if finished and (left := _work_folders(folder)):  # killed when all was in place

@@ -40,18 +40,17 @@ class Violation:
 
 
 class Invariants:
-    """Checks the steps of one study.
+    """Checks the steps of one study."""
 
-    residual: load that may be left unbalanced [N], by default what the study's balance is solved to.
-    """
-
-    def __init__(self, study: Study, *, residual: float | None = None) -> None:
-        self._study = study
-        if residual is None:
-            residual = TOLERANCE * study.contact.load
-            if study.uses_bearing_area:
-                residual = max(residual, study.load_tolerance)
-        self._residual = residual
+    def __init__(self, study: Study) -> None:
+        self._shape, self._extent, self._curvature = (
+            study.cells.shape,
+            study.grid.extent,
+            study.sphere.curvature,
+        )
+        of_bearing_area = study.load_tolerance if study.uses_bearing_area else 0.0
+        #: Load that may be left unbalanced [N]: what the study's balance is solved to.
+        self._residual = max(TOLERANCE * study.contact.load, of_bearing_area)
         self._uncovered = study.patch_layout.uncovered if study.study.model == "two-scale" else 0
 
     def of_row(
@@ -77,7 +76,7 @@ class Invariants:
             allowed = CONSERVATION * row[expected] + ROUNDING * row.get("area_touched", 0.0)
             if abs(row[worn] + row.get(pending, 0.0) - row[expected]) > allowed:
                 yield self._not_conserved(row, worn, row[expected])
-        if (touches_edge or touches_rim) and self._study.sphere.curvature > 0.0:
+        if (touches_edge or touches_rim) and self._curvature > 0.0:
             yield self._outside(row, rim=touches_rim)
 
     def of_filled(self, snapshot: Snapshot, row: Mapping[str, float]) -> Iterator[Violation]:
@@ -99,7 +98,7 @@ class Invariants:
         """
         for name, values in fields.items():
             if np.asarray(values).dtype.kind == "f" and not math.isfinite(float(np.sum(values))):
-                of_none = self._uncovered if np.shape(values) == self._study.cells.shape else 0
+                of_none = self._uncovered if np.shape(values) == self._shape else 0
                 if of_none and np.count_nonzero(np.isnan(values)) == of_none and not np.isinf(values).any():
                     continue
                 bad = int(np.count_nonzero(~np.isfinite(values))) - of_none
@@ -119,18 +118,18 @@ class Invariants:
         )
 
     def _outside(self, row: Mapping[str, float], *, rim: bool) -> Violation:
-        curvature, after = self._study.sphere.curvature, f"after {row['distance']:g} mm of sliding"
+        after = f"after {row['distance']:g} mm of sliding"
         if rim:
             return Violation(
                 "rim",
-                f"sphere.radius = {1.0 / curvature:g} mm is too small: the contact reached the sphere's rim "
-                f"{after}, so the sphere is worn away",
+                f"sphere.radius = {1.0 / self._curvature:g} mm is too small: the contact reached the "
+                f"sphere's rim {after}, so the sphere is worn away",
                 "a larger radius, or less load, wear or distance is needed",
                 sound=True,
             )
         return Violation(
             "edge",
-            f"grid.extent = {self._study.grid.extent:g} mm is too small: the contact reached the domain's "
+            f"grid.extent = {self._extent:g} mm is too small: the contact reached the domain's "
             f"edge {after}, so what lies beyond it would be missing",
             "a larger extent is needed",
             sound=True,

@@ -10,7 +10,8 @@ from warpwear.engine.executor import Executor
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.laws.track import WHOLE, Track
-from warpwear.runs.arrangements import PreparedModel, arrangement_of
+from warpwear.runs.arrangements import PreparedModel
+from warpwear.runs.order import RunOrder
 from warpwear.study.study import Study
 from warpwear.surfaces.base import Surface
 from warpwear.surfaces.made.synthetic import RandomPart
@@ -23,26 +24,17 @@ MOST_ROWS = 4000
 KEPT_SURFACE = 2**26
 
 
-def executor_of(study: Study, *, device: str, threads: int | None) -> Executor:
-    """Make what the kernels of the study's model are launched on. Raises InputError as `Executor` does."""
-    return arrangement_of(study).executor(study, device=device, threads=threads)
-
-
 def model_of(
-    study: Study,
-    surface: Surface,
-    executor: Executor,
-    *,
-    first_heights: Callable[[FloatArray], FloatArray] = lambda heights: heights,
+    order: RunOrder, executor: Executor, *, original: Callable[[FloatArray], FloatArray] = np.asarray
 ) -> PreparedModel:
-    """Make the model that the study asks for, on a surface. Raises InputError for one that it cannot use.
+    """The model that a run goes by, on its surface. Raises InputError for one that it cannot use.
 
-    first_heights: gives the heights that a run began with for those that are made now.
+    original: gives the heights that a run began with for those that are made now.
     """
-    maker, grid = arrangement_of(study), study.cells
-    track = maker.track(study)
+    study, surface, grid = order.study, order.surface, order.study.cells
+    track = study.track if study.is_swept else None
     sampled = _sample(study, surface, track)
-    heights, record = first_heights(sampled.heights), {**sampled.record}
+    heights, record = original(sampled.heights), {**sampled.record}
     filled = None
     if isinstance(surface, Measured):
         filled = surface.filled_at(grid.x if track is None else track.x, grid.y)
@@ -56,7 +48,7 @@ def model_of(
         seen = slice(None if track is None else MOST_ROWS)
         measured = heights[seen] if filled is None else np.where(filled[seen], np.nan, heights[seen])
         record["on_the_grid"] = _roughness_on(grid, measured)
-    return replace(maker.model(study, heights, executor, record), filled=filled)
+    return replace(order.arrangement.model(study, heights, executor, record), filled=filled)
 
 
 class _Sampled(NamedTuple):

@@ -20,16 +20,17 @@ from warpwear.history.snapshot import Snapshot
 from warpwear.result import Result
 from warpwear.results import manifest
 from warpwear.results.file import FILE_NAME, MAGIC, OWN_SURFACE, SURFACE_FILE
+from warpwear.results.report import Row
 from warpwear.results.seal import HEADER, sealing
+from warpwear.results.summary import with_seconds
 from warpwear.results.tables import write_summary, write_tables
 from warpwear.results.writer import ResultWriter
 from warpwear.runs import folder as run_folder
-from warpwear.runs.array_surface import ArraySurface, take_surface
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.runs.checkpoint import opened
 from warpwear.runs.console import Progress
 from warpwear.runs.loop import StepLoop
-from warpwear.runs.make import executor_of
+from warpwear.runs.order import RunOrder, order_of
 from warpwear.runs.step import RunStep
 from warpwear.study.study import Study
 from warpwear.surfaces.base import Surface
@@ -153,78 +154,64 @@ class RunOptions:
             allowed = ", ".join(PLOTS)
             raise InputError(f"plots = {self.plots!r} is not known; allowed: {allowed}, true and false.")
 
-    def keeps_snapshots(self, study: Study) -> bool:
-        """Whether the result of a study gets snapshots."""
-        return self.whole or study.output.snapshots not in ("auto", ())
-
 
 def run_study(study: Study | str | Path, options: RunOptions) -> Result:
     """Run a study and return its result, which knows the seconds of its phases; raises what `run` does."""
     options.check()
-    study, heights = _prepare(study, options.surface, options.out)
-    progress = Progress(study, quiet=not options.progress)
+    order = order_of(study, options.surface, options.out)
+    progress = Progress(order.study.study.name, quiet=not options.progress)
     clock = Clock(import_seconds=options.import_seconds, entered=progress.phase)
     with clock.running():
-        if options.out is not None and _is_there(study, heights, options, options.out):
+        if options.out is not None and _is_there(order, options, options.out):
             return Result.open(options.out)
         draws = options.out is not None and options.plots != "none"
         cores = check_threads(options.threads)
         with run_folder.owned(options.out):
             with process.Painter(cores) if draws else nullcontext() as painter:
-                result, at_hand = _compute(study, heights, options, progress, painter)
+                result, at_hand, rows = _compute(order, options, progress, painter)
                 if options.out is not None and painter is not None:
-                    _draw(result, at_hand, options, painter)
-            result.seconds = clock.seconds
-            if options.out is not None and options.whole:
-                write_summary(options.out, result)
+                    _draw(result, at_hand, rows, options, painter)
+            result.seconds = seconds = clock.seconds
+            if options.out is not None and rows is not None:
+                write_summary(options.out, with_seconds(rows, seconds))
     return result
 
 
-def _is_there(study: Study, heights: ArraySurface | None, options: RunOptions, folder: Path) -> bool:
+def _is_there(order: RunOrder, options: RunOptions, folder: Path) -> bool:
     """Whether the folder holds the run, finished. Raises InputError where it cannot be written or resumed."""
     run_folder.check(folder, overwrite=options.overwrite, resume=options.resume)
     if not options.resume:
         return False
-    if run_folder.is_finished(folder, study):
-        if heights:
-            heights.refuse_others(folder)
+    if run_folder.is_finished(folder, order):
+        if order.heights:
+            order.heights.refuse_others(folder)
         return True
     with opened(folder / CHECKPOINT) as checkpoint:  # before anything is made that takes long
         if checkpoint is not None:
-            checkpoint.refuse_changes(study, device=str(find_device(options.device)))
+            checkpoint.refuse_changes(order, device=str(find_device(options.device)))
     return False
 
 
 def _compute(
-    study: Study,
-    heights: ArraySurface | None,
-    options: RunOptions,
-    progress: Progress,
-    painter: "Painter | None",
-) -> tuple[Result, dict[int, Snapshot]]:
-    """Make the steps and leave the run in its folder; returns its result, and the snapshots in memory.
+    order: RunOrder, options: RunOptions, progress: Progress, painter: "Painter | None"
+) -> tuple[Result, dict[int, Snapshot], list[Row] | None]:
+    """Make the steps and leave the run in its folder; returns its result, snapshots in memory, and summary.
 
     Raises at the end, when all is in its place, what stopped the run early.
     """
+    study, rows = order.study, None
     with (
         report_out_of_memory(study.cells),
-        executor_of(study, device=options.device, threads=options.threads) as executor,
+        order.arrangement.executor(study, device=options.device, threads=options.threads) as executor,
         run_folder.working_in(options.out, overwrite=options.overwrite, resume=options.resume) as work,
     ):
         with _log_to(work), _result_file(work) as file:
             LOG.info("warpwear %s on %s with %d threads", __version__, executor.device, executor.threads)
             with phase("surface"):
-                writer = _writer_of(file, study, heights, options, executor, work)
+                writer = _writer_of(file, order, options, executor, work)
                 loop = StepLoop(
-                    study,
-                    executor,
-                    writer,
-                    progress,
-                    surface=heights.surface if heights else None,
-                    resume=options.out if options.resume else None,
+                    order, executor, writer, progress, folder=options.out, work=work, resume=options.resume
                 )
-            if options.out and work:
-                loop.checkpoint_in(options.out, work)
             loop.run(options.callback)
             result = Result(file)
             result.study = study  # as it is in the file
@@ -239,65 +226,65 @@ def _compute(
                 with sealing(work / FILE_NAME, MAGIC), Result.open_sealed(work / FILE_NAME) as before:
                     before.study, before.at_hand = study, writer.at_hand
                     before.take_over(result)
-                    _leave(before, loop, work if options.whole else None, painter)
+                    rows = _leave(before, loop, work if options.whole else None, painter)
                 run_folder.move_into_place(work, options.out)
                 loop.end_checkpoints()
                 result = Result.open_sealed(options.out / FILE_NAME)
                 result.take_over(before)
                 if not result.owns_surface:  # which lies elsewhere now
                     result.study = study
-    for stopped in (loop.failed, loop.interrupted):
-        if stopped is not None:
-            raise stopped
-    return result, writer.at_hand
+    if loop.stopped is not None:
+        raise loop.stopped
+    return result, writer.at_hand, rows
 
 
 def _writer_of(
-    file: h5py.File,
-    study: Study,
-    heights: ArraySurface | None,
-    options: RunOptions,
-    executor: Executor,
-    work: Path | None,
+    file: h5py.File, order: RunOrder, options: RunOptions, executor: Executor, work: Path | None
 ) -> ResultWriter:
     """The writer of the result's file, with the heights that were given beside it."""
-    if work and heights:
-        heights.save(work)
-    device, snapshots = str(executor.device), options.keeps_snapshots(study)
-    writer = ResultWriter(
-        file, study, study.cells, device=device, threads=executor.threads, snapshots=snapshots
-    )
+    if work and order.heights:
+        order.heights.save(work)
+    study = order.study
+    snapshots = options.whole or study.output.snapshots not in ("auto", ())
+    device, threads = str(executor.device), executor.threads
+    writer = ResultWriter(file, study, order.toml, device=device, threads=threads, snapshots=snapshots)
     if options.out and study.disc.surface == str(options.out.resolve() / SURFACE_FILE):
         file.attrs[OWN_SURFACE] = True
     return writer
 
 
-def _leave(result: Result, loop: StepLoop, work: Path | None, painter: "Painter | None") -> None:
-    """Write the tables into the work folder and order the figures that need them, and the page."""
-    if work:
-        write_tables(work, loop.study, result)
+def _leave(result: Result, loop: StepLoop, work: Path | None, painter: "Painter | None") -> list[Row] | None:
+    """Write tables into the work folder, if any, and order the figures that need them, and the page."""
+    rows = write_tables(work, result) if work else None
     if loop.finished and painter is not None and painter.draws:
         painter.order(result.plot)
-        if work:
-            painter.order_page(manifest.PAGE, pages.content_of(result, result.plot), pages.MAKER)
+        if rows is not None:
+            painter.order_page(manifest.PAGE, pages.content_of(result, rows, result.plot), pages.MAKER)
+    return rows
 
 
-def _draw(result: Result, at_hand: dict[int, Snapshot], options: RunOptions, painter: "Painter") -> None:
+def _draw(
+    result: Result,
+    at_hand: dict[int, Snapshot],
+    rows: list[Row] | None,
+    options: RunOptions,
+    painter: "Painter",
+) -> None:
     """Write the figures and the page, those of the painter and those that it left."""
     assert options.out is not None
     with phase("draw"):
         result.at_hand = at_hand
         drawn = painter.pictures()
         paths = result.plot.save_all(options.out / manifest.FIGURES, plots=options.plots, drawn=drawn)
-        if options.whole:
-            page = drawn.get(manifest.PAGE) or _page_of(result, paths)
+        if rows is not None:
+            page = drawn.get(manifest.PAGE) or _page_of(result, rows, paths)
             pages.write_page(options.out, page)
         result.at_hand = {}
 
 
-def _page_of(result: Result, paths: list[Path]) -> bytes:
+def _page_of(result: Result, rows: list[Row], paths: list[Path]) -> bytes:
     """Make the page of a run whose figures are drawn. paths: of these."""
-    content = pages.content_of(result, result.plot)
+    content = pages.content_of(result, rows, result.plot)
     names = pages.statics(content)
     page: bytes = pages.made_here(content, {p.stem: p.read_bytes() for p in paths if p.stem in names})
     return page
@@ -324,27 +311,14 @@ def steps(
     >>> [round(step.row["distance"], 5) for step in warpwear.steps(study)]
     [0.003, 0.00606, 0.00918, 0.01]
     """
-    study, heights = _prepare(study, surface, None)
+    order = order_of(study, surface)
     with (
-        report_out_of_memory(study.cells),
-        executor_of(study, device=device, threads=threads) as executor,
+        report_out_of_memory(order.study.cells),
+        order.arrangement.executor(order.study, device=device, threads=threads) as executor,
         _log_to(None),
     ):
-        progress = Progress(study, quiet=True)
-        loop = StepLoop(study, executor, None, progress, surface=heights.surface if heights else None)
-        yield from loop.steps()
-
-
-def _prepare(
-    study: Study | str | Path, surface: ArrayLike | Surface | None, folder: Path | None
-) -> tuple[Study, ArraySurface | None]:
-    """The study, and the heights given for its disc if there are any."""
-    if not isinstance(study, Study):
-        study = Study.load(study)
-    if surface is None:
-        return study, None
-    heights = take_surface(study, surface, folder)
-    return heights.study, heights
+        progress = Progress(order.study.study.name, quiet=True)
+        yield from StepLoop(order, executor, None, progress).steps()
 
 
 @contextmanager

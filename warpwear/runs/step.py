@@ -9,10 +9,10 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import UNITS, columns_of
+from warpwear.history.quantities import UNITS
 from warpwear.history.rows import Named
 from warpwear.history.snapshot import Snapshot
-from warpwear.study.study import Study
+from warpwear.runs.order import RunOrder
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -24,7 +24,7 @@ class RunStep:
 
     index: int
     count: int
-    _study: Study
+    _order: RunOrder
     _booked: dict[str, float]
     _fields: Callable[[], Snapshot | None]
 
@@ -35,13 +35,10 @@ class RunStep:
         The coefficient of friction is NaN where no friction.shear_strength is given: what it is calibrated
         with is the whole run.
         """
-        names = [column.name for column in columns_of(self._study)]
-        row = Named((name, self._booked.get(name, np.nan)) for name in names)
-        study = self._study
-        if study.friction.shear_strength is not None:
+        row = Named((name, self._booked.get(name, np.nan)) for name in self._order.columns)
+        if self._order.study.friction.shear_strength is not None:
             history = {name: np.array([value]) for name, value in row.items()}
-            cof = study.friction.law.coefficient(history, load=study.contact.load, finished=False)
-            row["cof"] = float(cof[0])
+            row["cof"] = float(self._order.cof_of(history, finished=False)[0])
         return row
 
     @property

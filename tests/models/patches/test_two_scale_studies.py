@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 
 import warpwear
 from warpwear import InputError, Result, Study
-from warpwear.runs.make import executor_of
+from warpwear.runs.order import RunOrder
 from warpwear.study.text import to_marked_toml
 
 
@@ -138,7 +138,8 @@ def test_a_history_of_patches_that_memory_does_not_hold(monkeypatch: pytest.Monk
     with pytest.raises(InputError, match=refused):
         warpwear.run(study)
     monkeypatch.setattr(place, lambda device: {"the host": tables + fields})
-    with executor_of(study, device="cpu", threads=1) as executor:
+    order = RunOrder(study)
+    with order.arrangement.executor(study, device="cpu", threads=1) as executor:
         assert executor.grid.cells == cells
 
 

@@ -14,6 +14,7 @@ from warpwear import InputError, Result, Study
 from warpwear.results.seal import HEADER
 from warpwear.runs import checkpoint
 from warpwear.runs.checkpoint import FILE_NAME
+from warpwear.runs.order import RunOrder
 
 
 def test_without_a_checkpoint_it_starts_from_the_beginning(alone: Path, tmp_path: Path) -> None:
@@ -81,7 +82,7 @@ def test_another_device_is_refused(tmp_path: Path) -> None:
     with checkpoint.opened(out / FILE_NAME) as found:
         assert found is not None
         with pytest.raises(InputError, match="which was made on cpu; give that one"):
-            found.refuse_changes(short(), device="cuda:0")
+            found.refuse_changes(RunOrder(short()), device="cuda:0")
 
 
 def test_overwriting_forgets_the_checkpoint(alone: Path, tmp_path: Path) -> None:

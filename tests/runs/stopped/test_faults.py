@@ -23,7 +23,7 @@ from warpwear.models.rest.local import OneScaleModel
 from warpwear.results import tables as run_tables
 from warpwear.results.writer import ResultWriter
 from warpwear.runs import folder as run_folder
-from warpwear.runs import loop as step_loop
+from warpwear.runs import order as run_order
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 
 ROOT = Path(__file__).parents[3]
@@ -194,7 +194,7 @@ def test_a_second_process_in_the_same_folder(
 
 PHASES: dict[str, tuple[Any, str, int]] = {
     "compile": (wp, "load_module", 0),
-    "surface": (step_loop, "surface_in", 0),
+    "surface": (run_order, "surface_in", 0),
     "first step": (OneScaleModel, "advance", 0),
     "step": (OneScaleModel, "advance", 8),
     "snapshot": (ResultWriter, "add_snapshot", 0),
@@ -340,6 +340,6 @@ def test_a_changed_study_is_refused_before_the_surface_is_made(
         during(patch, OneScaleModel, "advance", stop, 6)
         with pytest.raises(SystemExit):
             warpwear.run(small(), out=tmp_path / "out", plots=False)
-    during(monkeypatch, step_loop, "surface_in", lambda: pytest.fail("the surface was made"))
+    during(monkeypatch, run_order, "surface_in", lambda: pytest.fail("the surface was made"))
     with pytest.raises(InputError, match=r"is of another study \(contact\.load\)"):
         warpwear.run(small(contact__load="9 N"), out=tmp_path / "out", resume=True)

@@ -1,0 +1,98 @@
+"""What misleads of a run that goes on, in sentences that become its warnings."""
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from warpwear.grid import FloatArray
+from warpwear.study.study import Study
+
+#: A coefficient of friction beyond this is a mistake, not a result.
+ABSURD_COEFFICIENT = 3.0
+#: A step on the half-space whose length changes the area by more, relatively, is told of.
+AREA_ERROR = 0.05
+#: H/(E*·rms slope) above which load over hardness is low by more than some 5 %.
+ELASTIC = 0.2
+#: E* of two bodies of steel [MPa], of 210 GPa and Poisson's ratio 0.3, to judge by where it is not known.
+OF_STEEL = 210.0e3 / (2.0 * (1.0 - 0.3**2))
+#: A contact of fewer cells is not resolved.
+FEW_CELLS = 20
+#: Fewer cells do not even tell by how much.
+COUNTED_CELLS = 4
+
+
+def of_slope(study: Study, slope: float) -> Iterator[str]:
+    """Doubt a disc of this rms slope whose asperities yield before they flow, by the local law."""
+    modulus = study.effective_modulus
+    local = study.study.model == "micro" and study.contact.law == "local" and study.is_rough
+    if not local or study.hardness is None or study.contact_task.compliance > 0.0:
+        return
+    ratio = study.hardness / ((modulus or OF_STEEL) * slope) if slope > 0.0 else math.inf
+    if ratio <= ELASTIC:
+        return
+    sentence = f"H/(E*·rms slope) is {ratio:.2g}"
+    if modulus is None:
+        bodies = {"sphere": study.sphere, "disc": study.disc}
+        constants = [(body, name) for body in bodies for name in ("young", "poisson")]
+        missing = [f"{b}.{name}" for b, name in constants if getattr(bodies[b], name) is None]
+        sentence = f"{sentence} for two bodies of steel (not given: {', '.join(missing)})"
+    yield (
+        f"Asperities yield elastically before they flow: {sentence}, and above {ELASTIC:g} the local law "
+        'makes the contact too small until wear decides it. contact.law = "half-space" couples them.'
+    )
+
+
+def of_count(study: Study, count: float, when: str) -> Iterator[str]:
+    """Doubt a contact of too few cells, and name the size that would do. when: opens the sentence."""
+    if count >= FEW_CELLS:
+        return
+    area = max(count, 1.0) * study.cells.cell_area
+    if count < COUNTED_CELLS:  # which say little of an area, that the load and the hardness bound
+        area = min(area, study.contact.load / study.hardness or area)
+    enough = 1.0e3 * math.sqrt(area / FEW_CELLS)
+    digit = 10.0 ** (math.floor(math.log10(enough)) - 1)
+    yield (
+        f"{when} only {count:.0f} {'cell is' if count == 1.0 else 'cells are'} in contact, so its area, "
+        f"pressure and friction mean nothing: grid.cell = {1.0e3 * study.grid.cell:g} µm is too large, "
+        f"{math.floor(enough / digit) * digit:.2g} µm would do ({FEW_CELLS} cells)."
+    )
+
+
+def of_history(study: Study, history: Mapping[str, FloatArray], *, finished: bool) -> Iterator[str]:
+    """Doubt a history whose friction, lengths of steps or numbers of cells no contact has."""
+    highest = history["cof"].max()
+    if highest > ABSURD_COEFFICIENT:
+        yield (
+            f"The coefficient of friction reaches {highest:.3g}, which no contact has: the shear "
+            f"strength belongs to another area than friction.area = '{study.friction.area}'."
+        )
+    long = int(np.count_nonzero(history.get("area_error", np.zeros(1)) > AREA_ERROR))
+    if long:
+        yield (
+            f"sliding.shift = {study.sliding.shift} cells is too long for {long} of the steps, "
+            f"whose area it changes by more than {100.0 * AREA_ERROR:g} % by estimate: a smaller one is "
+            "needed."
+        )
+    friction, limit = study.friction, study.shear_limit
+    tau = friction.law.final_strength(history, load=study.contact.load, finished=finished, lap=study.lap)
+    film = friction.film.shear_strength if friction.film else 0.0
+    for name, strength in (("shear strength τ0", tau), ("film's", film)):
+        if strength > limit:
+            yield (
+                f"The {name} = {strength:.3g} MPa is beyond {friction.limit} = {limit:.3g} MPa, which "
+                "the softer body bears: it would shear instead of the interface."
+            )
+    cells = history["cells_in_contact"]
+    if cells[0] >= FEW_CELLS:
+        yield from of_count(study, cells.min(), "At times")
+
+
+def smaller_steps(study: Study) -> str:
+    """Advise on a contact that could not be balanced; empty where the same step would not come again."""
+    plan = study.stepping
+    if study.is_swept or not study.sliding.total:
+        return ""
+    names = ("first", "largest") if plan.increment is None else ("increment",)
+    halves = (f"stepping.{name}='{getattr(plan, name) / 2.0:g} mm'" for name in names)
+    return f" A new run may get further with smaller increments: {', '.join(halves)}."
