@@ -7,7 +7,7 @@ RESUME_IT = "resume it (--resume, resume=True)"
 
 
 def printable(text: str) -> str:
-    """A text on one line: a file or a user may give line ends, or signs that do things to a terminal."""
+    """Put a text on one line: a file or a user may give line ends, or signs that do things to a terminal."""
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
@@ -15,8 +15,8 @@ class InputError(ValueError):
     """Bad input: one sentence that names the field, the value and what is allowed. Exit status 2."""
 
     def __init__(self, sentence: str) -> None:
-        told = printable(sentence)
-        super().__init__(told if told.endswith((".", "?")) else f"{told}.")
+        line = printable(sentence)
+        super().__init__(line if line.endswith((".", "?")) else f"{line}.")
 
 
 class InvariantError(InputError):

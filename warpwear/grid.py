@@ -27,22 +27,22 @@ class Grid:
 
     @property
     def cell_area(self) -> float:
-        """[mm²]"""
+        """Return the area of a cell [mm²]."""
         return self.cell**2
 
     @property
     def area(self) -> float:
-        """[mm²]"""
+        """Return the area of all cells [mm²]."""
         return self.cells * self.cell_area
 
     @property
     def x(self) -> FloatArray:
-        """Centres of the cells along the sliding direction [mm], shape (nx,), 0 = under the apex."""
+        """Return the centres of the cells along sliding [mm], shape (nx,), 0 = under the apex."""
         return _centres(self.nx, self.cell)
 
     @property
     def y(self) -> FloatArray:
-        """Centres of the cells across the sliding direction [mm], shape (ny,)."""
+        """Return the centres of the cells across sliding [mm], shape (ny,)."""
         return _centres(self.ny, self.cell)
 
 

@@ -25,16 +25,16 @@ def load(name: str) -> Any:
 
     Nothing of what an import makes is garbage: looking for some meanwhile takes a seventh of its time.
     """
-    found = _LOADED.get(name)
-    if found is None or sys.modules.get(name) is not found:
+    loaded = _LOADED.get(name)
+    if loaded is None or sys.modules.get(name) is not loaded:
         collects = gc.isenabled()
         gc.disable()
         try:
-            found = _LOADED[name] = import_module(name)
+            loaded = _LOADED[name] = import_module(name)
         finally:
             if collects:
                 gc.enable()
-    return found
+    return loaded
 
 
 class module:

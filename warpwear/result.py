@@ -33,11 +33,11 @@ class Result(ResultFile):
 
     @property
     def surface_evolution(self) -> SurfaceEvolution:
-        """Roughness inside the scar and islands of contact at every snapshot."""
+        """Measure the roughness inside the scar and islands of contact at every snapshot."""
         return surface_evolution(self)
 
     def to_dataframe(self) -> Any:
-        """The history as a pandas.DataFrame, a row a step; units in `.attrs["units"]`."""
+        """Return the history as a pandas.DataFrame, a row a step; units in `.attrs["units"]`."""
         return to_dataframe(self)
 
     def to_xarray(self) -> Any:
@@ -66,7 +66,7 @@ class Result(ResultFile):
         return resolve(PLOTTER)(self)
 
     def _repr_html_(self) -> str:
-        """A notebook's view of the result."""
+        """Draw a notebook's view of the result."""
         return _to_html(self)
 
 

@@ -183,7 +183,7 @@ def test_what_is_an_input_is_marked() -> None:
     ):
         with warpwear.run(study) as result:
             words = words_of(result.study, summarise(result))
-        assert words["answers"][-1]["given"].startswith(mark)
+        assert words["answers"][-1]["input_note"].startswith(mark)
         assert sum(limit in sentence for sentence in words["limits"]) == 1
 
 

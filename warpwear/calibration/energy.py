@@ -1,4 +1,4 @@
-"""Dissipated energy ∫ μ F dL, frictional power and PV at one or several sliding speeds."""
+"""Compute the dissipated energy ∫ μ F dL, frictional power and PV at one or several sliding speeds."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -25,7 +25,7 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class ShearFit:
-    """τ0 [MPa] with its standard error, and how well it fits; alone, with μ_p = 0, or beside μ_p.
+    """Hold τ0 [MPa] with its standard error, and how well it fits; alone, with μ_p = 0, or beside μ_p.
 
     rms: of the residuals. r_squared compares with the mean coefficient, and may be negative of τ0 alone; None
     of a constant coefficient.
@@ -39,7 +39,7 @@ class ShearFit:
 
 @dataclass(frozen=True, kw_only=True)
 class FrictionFit(ShearFit):
-    """τ0 [MPa] and μ_p with their standard errors, and how well they fit.
+    """Hold τ0 [MPa] and μ_p with their standard errors, and how well they fit.
 
     The errors allow for points that scatter together: they are those of `effective_points` independent ones.
     first, last: distances used [mm]; points used, and left_out beyond the run's distances. condition:

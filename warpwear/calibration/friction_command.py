@@ -95,11 +95,11 @@ def _of_area(area: str, load: str, cof: float, ploughing: float) -> tuple[list[R
         )
     strength = Row("", "shear_strength_MPa", tau)
     study = Row("in a study", "", f'[friction] shear_strength = "{strength.text}"')
-    rows = [*_given(force, cof, ploughing), Row("area A", "area_mm2", size, digits=6), strength, study]
+    rows = [*_test_rows(force, cof, ploughing), Row("area A", "area_mm2", size, digits=6), strength, study]
     return rows, [f"shear strength τ0 = (μ0 − μ_p) F/A = {strength.text} (thesis eq 4.19)", *lines(rows)]
 
 
-def _given(load: float, cof: float, ploughing: float) -> list[Row]:
+def _test_rows(load: float, cof: float, ploughing: float) -> list[Row]:
     """Declare what τ0 is found from. load [N]."""
     return [
         Row("load F", "load_N", load, digits=6),
@@ -137,7 +137,7 @@ def _of_run(
         Row("", "result", str(folder)),
         Row("", "finished", finished),
         Row("distance", "distance_mm", float(history["distance"][-1]), digits=6, note=ended),
-        *_given(load, cof, ploughing),
+        *_test_rows(load, cof, ploughing),
     ]
     hardness = Row("from the hardness, H/(3√3):", "shear_strength_from_hardness_MPa", taus.get("hardness"))
     advice = "τ0 belongs to its area and to the moment it was fixed at: choose both by the physics, not by τ0"

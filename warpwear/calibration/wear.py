@@ -52,12 +52,12 @@ class WearCalibration:
 
     @property
     def values(self) -> tuple[float, ...]:
-        """K of every test [mm²/N]."""
+        """Return K of every test [mm²/N]."""
         return tuple(v.volume / (self.load * self.distance) for v in self.volumes)
 
     @property
     def errors(self) -> tuple[float | None, ...]:
-        """Standard uncertainty of K of every test from that of its volume [mm²/N], None where unknown."""
+        """Return K's standard uncertainty of every test from its volume's [mm²/N], None where unknown."""
         return tuple(None if v.error is None else v.error / (self.load * self.distance) for v in self.volumes)
 
     @property
@@ -67,7 +67,7 @@ class WearCalibration:
 
     @property
     def deviation(self) -> float | None:
-        """Standard deviation between the tests [mm²/N], n − 1 in its denominator; None of a single test."""
+        """Return the standard deviation of the tests [mm²/N], divided by n − 1; None of a single one."""
         if len(self.values) < 2:
             return None
         mean = self.mean
@@ -86,7 +86,7 @@ class WearCalibration:
 
     @property
     def dimensionless(self) -> float | None:
-        """k of V = k F L/H (thesis eq 4.12), None without a hardness."""
+        """Return k of V = k F L/H (thesis eq 4.12), None without a hardness."""
         return None if self.hardness is None else self.mean * self.hardness
 
 

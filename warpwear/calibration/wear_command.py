@@ -25,7 +25,7 @@ from warpwear.surfaces.worn.ball import find_worn_ball
 
 @dataclass(frozen=True)
 class Source:
-    """A kind of measurement.
+    """Describe a kind of measurement.
 
     relation: how a volume follows from it; worn: the body, where that is certain; unit: of what is measured;
     needs, may_have: options of the lengths that it must and can be given with.

@@ -1,4 +1,4 @@
-"""The command line. Exit status 0, 2 for bad input with one plain sentence, 130 when interrupted."""
+"""Run the command line. Exit status 0, 2 for bad input with one plain sentence, 130 when interrupted."""
 
 import codecs
 import gc

@@ -1,4 +1,4 @@
-"""The command `warpwear report`."""
+"""Declare the command `warpwear report`."""
 
 from pathlib import Path
 from typing import Any

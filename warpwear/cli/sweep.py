@@ -1,4 +1,4 @@
-"""The command `warpwear sweep`."""
+"""Declare the command `warpwear sweep`."""
 
 from typing import Any
 

@@ -42,7 +42,7 @@ def has_loads(comparison: Comparison) -> bool:
 
 
 def area_load(comparison: Comparison) -> Figure:
-    """Area in contact after the first step over the load, a series for each law and hardness.
+    """Draw the area in contact after the first step over the load, a series for each law and hardness.
 
     Lines of theories are there where all runs have the same bodies: load over hardness; Hertz, of smooth
     bodies; Persson, and under a flat Greenwood and Williamson, of a surface whose spectrum is known.

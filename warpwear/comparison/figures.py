@@ -83,18 +83,13 @@ def cof(comparison: Comparison) -> Figure:
     return _figure(comparison, [replace(chart, lines=[*chart.lines, *inputs]), second])
 
 
-def area(comparison: Comparison) -> Figure:
-    """Area in contact over the distance slid, both logarithmic where they span decades."""
-    return _figure(comparison, [_course(comparison, "area_contact")])
-
-
-def pressure(comparison: Comparison) -> Figure:
-    """Mean pressure of the cells in contact over the distance slid."""
-    return _figure(comparison, [_course(comparison, "pressure_mean")])
+def of_column(name: str) -> Callable[[Comparison], Figure]:
+    """Declare the figure of a column of the history over the distance slid."""
+    return lambda comparison: _figure(comparison, [_course(comparison, name)])
 
 
 def volumes(comparison: Comparison) -> Figure:
-    """Worn volume of both bodies over the distance slid."""
+    """Draw the worn volume of both bodies over the distance slid."""
     charts = [_course(comparison, f"wear_volume_{body}") for body in BODIES]
     return _figure(comparison, _on_one_scale(charts))
 
@@ -180,9 +175,9 @@ def groove(comparison: Comparison) -> Figure:
 #: Name of the file -> how it is declared.
 FIGURES: dict[str, Callable[[Comparison], Figure]] = {
     "cof": cof,
-    "area": area,
+    "area": of_column("area_contact"),
     "area_load": area_load,
-    "pressure": pressure,
+    "pressure": of_column("pressure_mean"),
     "volumes": volumes,
     "profiles": profiles,
     "scar": scar,

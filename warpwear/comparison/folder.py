@@ -1,4 +1,4 @@
-"""A comparison as a folder: figures and tables, all of them or none."""
+"""Write a comparison as a folder: figures and tables, all of them or none."""
 
 from functools import partial
 from pathlib import Path

@@ -25,10 +25,10 @@ from warpwear.results.report import shown
 from warpwear.study.text import readable
 from warpwear.version import __version__
 
-#: What answers a comparison: name of a quantity, what to call it, its unit, and the factor to that.
-NAMES = ("patch_along", "patch_across", "area_contact", "pressure_mean", "volume_sphere", "volume_disc")
-ANSWERS = tuple(
-    (name, ENDS[name].label, ENDS[name].unit, ENDS[name].factor) for name in (*NAMES, "cof", "shear_strength")
+#: End values that answer a comparison.
+ANSWERS = (
+    *("patch_along", "patch_across", "area_contact", "pressure_mean"),
+    *("volume_sphere", "volume_disc", "cof", "shear_strength"),
 )
 #: More groups than this are rows of what differs, not columns; values of a key listed for a group.
 BESIDE, LISTED = 4, 4
@@ -70,12 +70,14 @@ def page(comparison: Comparison, pictures: Mapping[str, bytes], folder: Path) ->
     """Make the page. pictures: name of a figure -> PNG file; folder: where the page will lie, for links."""
     runs, measured = len(comparison.runs), len(comparison.experiments)
     several = len(comparison.groups) < runs
-    told = [f"{runs} run{'s' * (runs != 1)}" + f" in {len(comparison.groups)} groups" * several] * (runs > 0)
-    told += [f"{measured} measured course{'s' * (measured != 1)}"] * (measured > 0)
+    counts = [f"{runs} run{'s' * (runs != 1)}" + f" in {len(comparison.groups)} groups" * several] * (
+        runs > 0
+    )
+    counts += [f"{measured} measured course{'s' * (measured != 1)}"] * (measured > 0)
     content = {
         "name": "Comparison",
         "version": __version__,
-        "asked": f"{' and '.join(told)}, laid over each other: what differs between them, and what does it "
+        "asked": f"{' and '.join(counts)}, laid over each other: what differs between them, and what does it "
         "change in scar, contact, wear and friction?",
         "differ": _differ(comparison),
         "answers": _answers(comparison),
@@ -92,11 +94,10 @@ def page(comparison: Comparison, pictures: Mapping[str, bytes], folder: Path) ->
 
 def _differ(comparison: Comparison) -> dict[str, Any]:
     """Return head and rows of the keys in which groups differ: a row a key, or of many groups a row each."""
-    found = differing(comparison.runs)
     starts = np.cumsum([0, *(len(group.runs) for group in comparison.groups)])
     names = [group.name for group in comparison.groups]
     rows = []
-    for key, values in found.items():
+    for key, values in differing(comparison.runs).items():
         cells = []
         for first, last in pairwise(starts):
             of = list(dict.fromkeys(map(_readable, values[first:last])))
@@ -114,37 +115,36 @@ def _differ(comparison: Comparison) -> dict[str, Any]:
 def _readable(value: str) -> str:
     """Write a value of a study as people do, a list of them without its brackets, and not too long."""
     parts = [str(readable(part)).strip() for part in re.sub(r'[\[\]"]', "", value).split(", ")]
-    told = ", ".join(re.sub(r"\.0(?= |$)", "", part) for part in parts)
-    return told if len(told) <= LONGEST else f"{told[: LONGEST - 1]}…"
+    text = ", ".join(re.sub(r"\.0(?= |$)", "", part) for part in parts)
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
 
 
 def _answers(comparison: Comparison) -> dict[str, Any]:
     """Return head and rows of the table of answers: value, scatter and difference to the first of each."""
     table, scatter = columns(comparison), columns(comparison, scatter=True)
-    kept = [a for a in ANSWERS if any(isinstance(row[a[0]], int | float) for row in table.values())]
+    known = [key for key in ANSWERS if any(isinstance(row[key], int | float) for row in table.values())]
     inputs = {g.name for g in comparison.groups if any(r.study.friction.fitted == "end" for r in g.runs)}
     rows: list[list[Any]] = []
     firsts: dict[str, Value] = {}
     for name, values in table.items():
         cells: list[dict[str, Any]] = []
-        for key, _, _, factor in kept:
-            value, error = values[key], scatter[name].get(key)
+        for key in known:
+            value, error, factor = values[key], scatter[name].get(key), ENDS[key].factor
             if not isinstance(value, int | float):
-                cells.append({"text": "–", "than": "", "given": False})
+                cells.append({"text": "–", "than": "", "is_input": False})
                 continue
             text = shown(factor * float(value))
             if isinstance(error, float) and error > 1e-9 * abs(value):
                 text = f"{factor * value:.3g} ± {factor * error:.2g}"
             than = _than(value, firsts[key]) if key in firsts else ""
             firsts.setdefault(key, value)
-            cells.append({"text": text, "than": than, "given": key == "cof" and name in inputs})
+            cells.append({"text": text, "than": than, "is_input": key == "cof" and name in inputs})
         rows.append([{"text": f"{name} (measured)" * (values["kind"] == "experiment") or name}, *cells])
-    head = [{"text": f"{label}, {unit}" if unit else label} for _, label, unit, _ in kept]
-    found = [[{"text": "run"}, *head], *rows]
+    head = [{"text": f"{ENDS[key].label}, {ENDS[key].unit}".removesuffix(", ")} for key in known]
     if len(rows) > BESIDE:
-        return {"head": found[0], "rows": found[1:]}
-    turned = list(zip(*found, strict=True))
-    return {"head": [{"text": ""}, *turned[0][1:]], "rows": turned[1:]}
+        return {"head": [{"text": "run"}, *head], "rows": rows}
+    first, *turned = zip([{"text": ""}, *head], *rows, strict=True)
+    return {"head": first, "rows": turned}
 
 
 def _than(value: float, first: Value) -> str:

@@ -1,4 +1,4 @@
-"""The table of a comparison: for the terminal, as CSV and as JSON."""
+"""Write the table of a comparison: for the terminal, as CSV and as JSON."""
 
 import csv
 import statistics

@@ -1,1 +1,1 @@
-"""Pictures of one result."""
+"""Declare and paint the pictures of one result."""

@@ -73,7 +73,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Level:
-    """A straight line through the whole panel, at a value of y, or of x."""
+    """Declare a straight line through the whole panel, at a value of y, or of x."""
 
     value: float
     label: str = ""
@@ -146,7 +146,7 @@ class Scale:
 
 @dataclass(frozen=True)
 class Outline:
-    """A frame (first x, last x, first y, last y), or the circle within it, on a map [mm]."""
+    """Declare a frame (first x, last x, first y, last y), or the circle within it, on a map [mm]."""
 
     ends: Ends
     look: Look = Look(DISC, width=1.0)
@@ -155,7 +155,7 @@ class Outline:
 
 @dataclass(frozen=True)
 class Map:
-    """Fields (x, y) over one extent [mm]: side by side on paper, under a slider on a page.
+    """Declare fields (x, y) over one extent [mm]: side by side on paper, under a slider on a page.
 
     labels, notes: when each is, and what is said of it. states: label and colour of each code, where fields
     hold codes. hidden: where nothing is known, grey; hatched: where it is
@@ -255,7 +255,7 @@ class Towers:
 
 @dataclass(frozen=True)
 class Arrow:
-    """An arrow along x with its text, over the near edge at a height [µm]."""
+    """Declare an arrow along x with its text, over the near edge at a height [µm]."""
 
     start: float
     end: float
@@ -265,7 +265,7 @@ class Arrow:
 
 @dataclass(frozen=True)
 class Box:
-    """Bodies in three dimensions, true to scale in x and y [mm]. note: with a field for the exaggeration."""
+    """Declare bodies in three dimensions, x and y [mm] true to scale. note: has a field for the scale."""
 
     title: str
     extent: Ends
@@ -297,7 +297,7 @@ class Text:
 
 @dataclass(frozen=True)
 class Empty:
-    """A place without a panel."""
+    """Keep a place without a panel."""
 
 
 Panel: TypeAlias = Chart | Map | Bars | Grid | Box | Bodies | Text | Empty
@@ -305,7 +305,7 @@ Panel: TypeAlias = Chart | Map | Bars | Grid | Box | Bodies | Text | Empty
 
 @dataclass(frozen=True)
 class Figure:
-    """Panels, row after row. columns: panels in a row, all of them by default; width, height of a row [inch].
+    """Lay panels out, row after row. columns: panels in a row, by default all; width, height of a row [inch].
 
     legend: columns of one legend over all panels, 0 for none. shared: axes that panels have in common.
     """
@@ -320,7 +320,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Section:
-    """Figures by name under one heading of a page. one_legend: of all lines."""
+    """Hold figures by name under one heading of a page. one_legend: of all lines."""
 
     title: str
     figures: dict[str, Figure]

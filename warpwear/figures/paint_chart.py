@@ -1,4 +1,4 @@
-"""Matplotlib's painter of charts: lines, levels and clouds over one pair of axes."""
+"""Paint charts with Matplotlib: lines, levels and clouds over one pair of axes."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Matplotlib's painter of maps: fields, states, outlines, and bodies seen from above."""
+"""Paint maps with Matplotlib: fields, states, outlines, and bodies seen from above."""
 
 from typing import Any
 

@@ -26,8 +26,12 @@ def short(value: float) -> str:
     if 1e-3 <= abs(value) < 1e5 or value == 0.0:
         return f"{value:g}"
     digits, _, power = f"{value:e}".partition("e")
-    raised = str(int(power)).translate(RAISED)
-    return f"10{raised}" if float(digits) == 1.0 else f"{float(digits):g}·10{raised}"
+    return power_of_ten(power) if float(digits) == 1.0 else f"{float(digits):g}·{power_of_ten(power)}"
+
+
+def power_of_ten(power: str | int) -> str:
+    """Write a power of ten as print does: 10⁻⁵."""
+    return f"10{str(int(power)).translate(RAISED)}"
 
 
 def with_scatter(mean: float, scatter: float) -> str:

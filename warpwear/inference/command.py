@@ -10,6 +10,7 @@ from warpwear.errors import InputError
 from warpwear.inference.data import KINDS, data_of
 from warpwear.inference.infer import infer_from
 from warpwear.inference.report import CALIBRATED, FITTED, content_of
+from warpwear.results.ensemble import dotted
 from warpwear.results.report import to_json
 from warpwear.study import loading
 from warpwear.study.study import Study
@@ -93,7 +94,14 @@ def _section(content: Any) -> InferSection:
     """Read the section [infer] of a study. Raises InputError with one sentence."""
     try:
         if isinstance(content, Mapping) and isinstance(content.get("unknown"), Mapping):
-            content = {**content, "unknown": _flat(content["unknown"])}
+            priors = dotted(content["unknown"])  # unquoted dots make tables in tables of TOML
+            for key, prior in priors.items():
+                if not isinstance(prior, str):
+                    raise InputError(
+                        f"infer.unknown.{key} = {prior!r}: a prior such as 'normal 8 +- 1 N' is expected, "
+                        "or '' for one about the value"
+                    )
+            content = {**content, "unknown": priors}
         section = InferSection.model_validate(content)
     except ValidationError as error:
         raise InputError(_sentence(error)) from error
@@ -120,19 +128,3 @@ def _sentence(error: ValidationError) -> str:
         example = '"test-1.csv", "test-2.csv"' if "exp" in where else '"repeats=3"'
         wanted = f"a list such as [{example}]"
     return f"{where} = {value!r} is not allowed: {wanted} is expected"
-
-
-def _flat(nested: Mapping[str, Any], prefix: str = "") -> dict[str, str]:
-    """Return dotted keys of tables in tables, as TOML makes of unquoted dots."""
-    priors: dict[str, str] = {}
-    for key, value in nested.items():
-        if isinstance(value, Mapping):
-            priors |= _flat(value, f"{prefix}{key}.")
-        elif isinstance(value, str):
-            priors[prefix + key] = value
-        else:
-            raise InputError(
-                f"infer.unknown.{prefix}{key} = {value!r}: a prior such as 'normal 8 +- 1 N' is expected, "
-                "or '' for one about the value"
-            )
-    return priors

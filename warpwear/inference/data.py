@@ -54,7 +54,7 @@ def unit_of(kind: str) -> str:
 
 @dataclass(frozen=True)
 class Measured:
-    """A value with its standard uncertainty; at: sliding distance [mm] of a coefficient, else None."""
+    """Hold a value with its standard uncertainty; at: sliding distance [mm] of a coefficient, else None."""
 
     kind: str
     value: float
@@ -68,14 +68,14 @@ class Measured:
 
     @property
     def text(self) -> str:
-        """The value for people."""
+        """Write the value for people."""
         where = "" if self.at is None else f" at {self.at:.4g} mm"
         return f"{KINDS[self.kind][1]}{where}: {self.value:.4g} ± {self.error:.2g} {self.unit}".rstrip()
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredCourse:
-    """A measured coefficient of friction over the distance slid [mm], both (points,), thinned."""
+    """Hold a measured coefficient of friction over the distance slid [mm], both (points,), thinned."""
 
     name: str
     distance: FloatArray
@@ -126,14 +126,14 @@ class Data:
 
     @cached_property
     def cof(self) -> FloatArray:
-        """The coefficients measured there."""
+        """Return the coefficients measured there."""
         return np.concatenate(
             [*(course.cof for course in self.courses), [point.value for point in self.points]]
         )
 
     @cached_property
     def rows(self) -> list[slice]:
-        """Rows of each course in `distance`."""
+        """Return the rows of each course in `distance`."""
         ends = np.cumsum([0, *(course.distance.size for course in self.courses)]).tolist()
         return [slice(*pair) for pair in itertools.pairwise(ends)]
 
@@ -150,7 +150,7 @@ class Data:
 
     @property
     def kinds(self) -> set[str]:
-        """Names of the values beside friction."""
+        """Name the values beside friction."""
         return {value.kind for value in self.values}
 
 

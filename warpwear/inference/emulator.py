@@ -132,7 +132,7 @@ class Emulator:
         self.error = float(np.sqrt(np.mean((predicted - scaled) ** 2))) / size
 
     def weights(self, places: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Weights of the shapes and their variances at places (n, inputs), both (n, shapes)."""
+        """Predict weights of the shapes and their variances at places (n, inputs), both (n, shapes)."""
         if not self._processes:
             return np.zeros((len(places), 0)), np.zeros((len(places), 0))
         among, basis, trend, values = self._factors
@@ -146,12 +146,12 @@ class Emulator:
 
     @cached_property
     def _factors(self) -> list[FloatArray]:
-        """`GaussianProcess.factors` of all shapes, (shapes, …)."""
+        """Stack `GaussianProcess.factors` of all shapes, (shapes, …)."""
         return [np.stack(some) for some in zip(*(p.factors for p in self._processes), strict=True)]
 
     @cached_property
     def _numbers(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Length scales (shapes, inputs), nuggets (shapes, 1), trends (shapes, terms), scales (shapes, 1)."""
+        """Stack lengths (shapes, inputs), trends (shapes, terms); nuggets and scales, (shapes, 1)."""
         numbers = [(p.lengths, [p.nugget], p.trend, [p.scale]) for p in self._processes]
         lengths, nuggets, trends, scales = (np.array(some) for some in zip(*numbers, strict=True))
         return lengths, nuggets, trends, scales

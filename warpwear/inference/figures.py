@@ -1,4 +1,4 @@
-"""Figures of an inference: unknowns by pairs, and the predicted course of friction with the data on it."""
+"""Declare figures of an inference: unknowns by pairs, and the predicted course of friction with its data."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -24,7 +24,7 @@ from warpwear.figures.describe import (
     Panel,
     look_of_measured,
 )
-from warpwear.figures.wording import RAISED
+from warpwear.figures.wording import power_of_ten
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BY_NAME
 from warpwear.inference.data import SHOWN, Data
@@ -40,7 +40,7 @@ CELLS, SMOOTH = 40, 1.6
 
 
 def corner(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray]) -> Figure:
-    """Samples of the unknowns by pairs, 50 and 90 % of them enclosed, each alone beside its prior."""
+    """Draw samples of the unknowns by pairs, 50 and 90 % of them enclosed, each alone beside its prior."""
     count = len(unknowns)
     factors = [10.0 ** _power(values[unknown.key]) for unknown in unknowns]
     columns = [values[unknown.key] / factor for unknown, factor in zip(unknowns, factors, strict=True)]
@@ -99,8 +99,7 @@ def _power(column: FloatArray) -> int:
 
 def _label(unknown: Unknown, column: FloatArray) -> str:
     unit, power = SHOWN.get(unknown.unit, unknown.unit), _power(column)
-    raised = str(power).translate(RAISED)
-    what = " ".join(part for part in (f"10{raised}" if power else "", unit) if part)
+    what = " ".join(part for part in (power_of_ten(power) if power else "", unit) if part)
     section, _, name = unknown.key.rpartition(".")
     key = unknown.key if len(unknown.key) < 14 else f"{section}.\n{name}"
     return key + (f",\n{what}" if what else "")

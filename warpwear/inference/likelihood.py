@@ -61,7 +61,7 @@ class Posterior:
 
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
-        """All of them, in the order of `values`."""
+        """Return all unknowns, in the order of `values`."""
         return (*self.model.unknowns, *self.noise)
 
     def values(self, z: FloatArray) -> dict[str, FloatArray]:
@@ -69,13 +69,13 @@ class Posterior:
         return {u.key: u.values(z[:, place]) for place, u in enumerate(self.sampled)}
 
     def log_density(self, z: FloatArray) -> FloatArray:
-        """Logarithm of the density of standard normal numbers (samples, sampled), but for a constant."""
+        """Return the log of the density of standard normal numbers (samples, sampled), but for a constant."""
         with np.errstate(all="ignore"):
             density = -0.5 * np.sum(z**2, axis=1) + self.log_likelihood(z)
         return np.where(np.isfinite(density), density, -np.inf)
 
     def log_likelihood(self, z: FloatArray) -> FloatArray:
-        """Logarithm of the likelihood, (samples,)."""
+        """Return the logarithm of the likelihood, (samples,)."""
         values = self.values(z)
         known = self._with_linear(values, len(z))
         logs = np.where(self.model.allowed(known), 0.0, -np.inf)
@@ -173,7 +173,7 @@ class Posterior:
 
     @cached_property
     def _gaps(self) -> FloatArray:
-        """Distances [mm] to the point before on the same course, infinite at its first, (course points,)."""
+        """Return distances [mm] to the point before on the course, infinite at its first, (points,)."""
         gaps = [np.diff(course.distance, prepend=-np.inf) for course in self.data.courses]
         return np.concatenate([np.zeros(0), *gaps])
 

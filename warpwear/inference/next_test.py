@@ -51,7 +51,7 @@ class Candidate:
 
     @property
     def label(self) -> str:
-        """The test in words."""
+        """Describe the test in words."""
         test = ", ".join(f"{key} {value}" for key, value in self.changes.items()) or "the same test again"
         test += "" if self.extent is None else f" (grid.extent {self.extent:.4g} mm)"
         return test if self.repeats == 1 else f"{test}, {self.repeats} times"

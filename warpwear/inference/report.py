@@ -10,7 +10,7 @@ import tomli_w
 
 from warpwear.errors import InputError
 from warpwear.figures import style as fs
-from warpwear.figures.wording import RAISED
+from warpwear.figures.wording import power_of_ten
 from warpwear.grid import FloatArray
 from warpwear.inference.result import Inference
 from warpwear.inference.unknowns import Unknown
@@ -146,7 +146,7 @@ def _in_digits(value: float) -> str:
     if value == 0.0 or 1e-3 <= abs(value) < 1e5:
         return f"{value:.3g}"
     first, power = f"{value:.2e}".split("e")
-    return f"{first}·10{str(int(power)).translate(RAISED)}"
+    return f"{first}·{power_of_ten(power)}"
 
 
 def _distribution(unknown: Unknown, inference: Inference) -> str:
@@ -154,7 +154,7 @@ def _distribution(unknown: Unknown, inference: Inference) -> str:
     column = inference.values[unknown.key]
     mean, deviation = float(column.mean()), float(column.std())
     kind, cut = "normal", ""
-    if unknown.least >= 0.0 and mean > 0.0 and (unknown.is_logarithmic or mean < 4.0 * deviation):
+    if unknown.least >= 0.0 and mean > 0.0 and (unknown.prior.is_logarithmic or mean < 4.0 * deviation):
         kind = "log-normal"
     elif mean <= 5.0 * deviation:
         cut = f" within {max(unknown.least, float(column.min())):.6g} .. {float(column.max()):.6g}"

@@ -36,7 +36,7 @@ BAND = (5.0, 95.0)
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Inference:
-    """The unknowns of a study after a test.
+    """Hold the unknowns of a study after a test.
 
     values: key -> samples (samples,), those of the scatter too; z: the same as numbers that the priors have
     standard normal, (samples, unknowns). conflicts: sentences on what the study cannot bring together.
@@ -86,7 +86,7 @@ class Inference:
 
     @property
     def correlations(self) -> FloatArray:
-        """Correlations of the unknowns in the order of `table`, (unknowns, unknowns)."""
+        """Return correlations of the unknowns in the order of `table`, (unknowns, unknowns)."""
         return np.atleast_2d(np.corrcoef(np.array([self.values[row["key"]] for row in self.table])))
 
     @property
@@ -217,7 +217,7 @@ class Inference:
 
     @property
     def _cells(self) -> list[list[str]]:
-        """The table for people, its head first."""
+        """Return the table for people, its head first."""
         cells = [["unknown", "mean ± sd", "5 %", "95 %", "unit", "prior", "learnt"]]
         for row in self.table:
             numbers = [f"{row['mean']:.4g} ± {row['sd']:.2g}", f"{row['low']:.4g}", f"{row['high']:.4g}"]

@@ -55,26 +55,21 @@ class Unknown:
     assumed: bool = False
 
     @property
-    def is_logarithmic(self) -> bool:
-        """True where the prior is one of the logarithm."""
-        return self.prior.kind.startswith("log-")
-
-    @property
     def is_normal(self) -> bool:
         """True for a normal prior that is not cut off: what is linear in it has a closed form."""
         return self.prior.kind == "normal" and self.prior.within is None
 
     def values(self, z: FloatArray) -> FloatArray:
         """Turn standard normal numbers of any shape into values of the unknown."""
-        a, b = self._numbers
+        a, b = self.prior.numbers
         if self.prior.kind in ("normal", "log-normal"):
             if self.prior.within is not None:
-                low, high = (special.ndtr((self._scale(end) - a) / b) for end in self.prior.within)
+                low, high = (special.ndtr((self.prior.scaled(end) - a) / b) for end in self.prior.within)
                 z = special.ndtri(low + special.ndtr(z) * (high - low))
             scaled = a + b * z
         else:
             scaled = a + (b - a) * special.ndtr(z)
-        return np.asarray(np.exp(scaled) if self.is_logarithmic else scaled)
+        return np.asarray(np.exp(scaled) if self.prior.is_logarithmic else scaled)
 
     def place(self, z: FloatArray) -> FloatArray:
         """Turn standard normal numbers into places for an emulator: even where the prior is, variance one."""
@@ -88,32 +83,20 @@ class Unknown:
 
     def normal(self, value: FloatArray) -> FloatArray:
         """Turn values of the unknown back into standard normal numbers."""
-        a, b = self._numbers
-        scaled = np.log(value) if self.is_logarithmic else np.asarray(value)
+        a, b = self.prior.numbers
+        scaled = np.log(value) if self.prior.is_logarithmic else np.asarray(value)
         if self.prior.kind.endswith("uniform"):
             return np.asarray(special.ndtri(np.clip((scaled - a) / (b - a), 1e-15, 1.0 - 1e-15)))
         if self.prior.within is None:
             return np.asarray((scaled - a) / b)
-        low, high = (special.ndtr((self._scale(end) - a) / b) for end in self.prior.within)
+        low, high = (special.ndtr((self.prior.scaled(end) - a) / b) for end in self.prior.within)
         part = (special.ndtr((scaled - a) / b) - low) / (high - low)
         return np.asarray(special.ndtri(np.clip(part, 1e-15, 1.0 - 1e-15)))
-
-    @property
-    def _numbers(self) -> tuple[float, float]:
-        """Mean and deviation, or the ends, of the number or its logarithm."""
-        a, b = self.prior.first, self.prior.second
-        if self.prior.kind == "log-normal":
-            spread = math.sqrt(math.log1p((b / a) ** 2))
-            return math.log(a) - 0.5 * spread**2, spread
-        return (math.log(a), math.log(b)) if self.is_logarithmic else (a, b)
 
     def text(self, value: float) -> str | float:
         """Write a value as studies do."""
         value = float(f"{value:.6g}")
         return f"{value!r} {self.unit}" if self.unit else value
-
-    def _scale(self, value: float) -> float:
-        return math.log(value) if self.is_logarithmic else value
 
     @property
     def written(self) -> str:

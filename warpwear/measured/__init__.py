@@ -1,1 +1,1 @@
-"""Files of measurements: friction records and surfaces."""
+"""Read files of measurements: friction records and surfaces."""

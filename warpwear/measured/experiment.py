@@ -1,4 +1,4 @@
-"""The coefficient of friction that an experiment measured over the distance slid."""
+"""Hold the coefficient of friction that an experiment measured over the distance slid."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Figures of measured surfaces, worn tracks and worn balls: panels of one column's width in a stack."""
+"""Draw measured surfaces, worn tracks and worn balls: panels of one column's width in a stack."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -59,7 +59,7 @@ def save(figure: Figure, path: Path) -> None:
 
 
 def surface_figure(report: SurfaceReport) -> Figure:
-    """The sheet of a measured surface: map, numbers, bearing curve, spectrum, slope over cut-off."""
+    """Draw the sheet of a measured surface: map, numbers, bearing curve, spectrum, slope over cut-off."""
     surface = report.surface
     slopes = Line(1e3 * report.cut_offs, report.slopes, look=Look(DISC))
     slope = Chart("Slope", Axis("S-filter, µm", "log"), Axis("rms gradient Sdq, –", low=0.0), [slopes])
@@ -156,7 +156,7 @@ def track_figure(track: Track, *, filled: BoolArray | None = None) -> Figure:
 
 
 def ball_figure(ball: WornBall, *, size: Pair, filled: BoolArray | None = None) -> Figure:
-    """The depth below the unworn sphere: a map, profiles through the patch.
+    """Draw the depth below the unworn sphere: a map, profiles through the patch.
 
     size: of the field [mm]; filled: points that were not measured, shape (nx, ny).
     """

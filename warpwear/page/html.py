@@ -1,4 +1,4 @@
-"""A report as one self-contained HTML page: templates, embedded figures, a folder never half written."""
+"""Write a report as one self-contained HTML page: templates, figures, a folder never half written."""
 
 import base64
 import json

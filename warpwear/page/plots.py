@@ -40,7 +40,7 @@ SHAPES = {"": "linear", "post": "hv", "mid": "hvh"}
 
 @dataclass(frozen=True)
 class Coded:
-    """An array as whole numbers of few bits: value = low + step · code, of its logarithm to 10 where `log`.
+    """Hold an array as integers of few bits: value = low + step · code, of its logarithm to 10 where `log`.
 
     codes: uint8 or uint16, 0 where there is no value.
     """

@@ -21,14 +21,14 @@ APPROACH = "from the mean planes; below zero only peaks reach across"
 
 @dataclass(frozen=True)
 class Answer:
-    """Hold a number at the top. error: its uncertainty as far as known. given: how far it is an input."""
+    """Hold a number at the top. error: its uncertainty, if known. input_note: how far it is an input."""
 
     label: str
     value: str
     unit: str
     error: str = ""
     note: str = ""
-    given: str = ""
+    input_note: str = ""
 
 
 def disc_of(study: Study) -> str:

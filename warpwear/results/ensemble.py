@@ -31,11 +31,12 @@ def that_matter(study: Study) -> dict[str, Any]:
     return sections
 
 
-def dotted(sections: Mapping[str, Any], above: str = "") -> dict[str, Any]:
-    """Return the values of tables in tables by their dotted keys."""
+def dotted(sections: Mapping[str, Any], above: str = "", *, whole: str = "") -> dict[str, Any]:
+    """Return the values of tables in tables by their dotted keys. whole: a key of tables that are values."""
     flat: dict[str, Any] = {}
     for key, value in sections.items():
-        flat |= dotted(value, f"{above}{key}.") if isinstance(value, Mapping) else {f"{above}{key}": value}
+        is_table = isinstance(value, Mapping) and whole not in value
+        flat |= dotted(value, f"{above}{key}.", whole=whole) if is_table else {f"{above}{key}": value}
     return flat
 
 

@@ -1,4 +1,4 @@
-"""Roughness of ball and disc in the scar and islands of contact, against the distance slid.
+"""Measure the roughness of ball and disc in the scar and islands of contact, against the distance slid.
 
 Taken from the snapshots of a result; ask for more with `output.snapshots`.
 """

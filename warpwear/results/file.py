@@ -146,7 +146,7 @@ class ResultFile:
 
     @cached_property
     def history(self) -> History:
-        """Column name -> one value a step, shape (steps,); in the units of `units`."""
+        """Map each column's name to one value a step, shape (steps,); in the units of `units`."""
         with self._reading() as file:
             columns = {k: v[()] for k, v in file["history"].items() if v.ndim == 1 and k != PATCH}
         declared = [name for name in UNITS if name in columns]
@@ -154,7 +154,7 @@ class ResultFile:
 
     @property
     def units(self) -> dict[str, str]:
-        """Name of a column, field or table -> its unit, such as "mm^2"."""
+        """Map the name of a column, field or table to its unit, such as "mm^2"."""
         return Named(UNITS)
 
     @cached_property
@@ -214,7 +214,7 @@ class ResultFile:
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """Version, device, threads, precision, finished."""
+        """Return version, device, threads, precision, finished."""
         with self._reading() as file:
             return {name: file.attrs[name] for name in ATTRIBUTES}
 
@@ -232,17 +232,17 @@ class ResultFile:
 
     @cached_property
     def x(self) -> FloatArray:
-        """Centres of the cells along the sliding direction [mm], shape (nx,)."""
+        """Return the centres of the cells along the sliding direction [mm], shape (nx,)."""
         return self._array("grid/x")
 
     @cached_property
     def y(self) -> FloatArray:
-        """Centres of the cells across the sliding direction [mm], shape (ny,)."""
+        """Return the centres of the cells across the sliding direction [mm], shape (ny,)."""
         return self._array("grid/y")
 
     @cached_property
     def snapshot_distances(self) -> FloatArray:
-        """Sliding distances of the snapshots [mm]."""
+        """Return the sliding distances of the snapshots [mm]."""
         with self._reading() as file:
             return np.array([group.attrs["distance"] for group in file["snapshots"].values()])
 
@@ -309,7 +309,7 @@ class ResultFile:
 
     @cached_property
     def track_x(self) -> FloatArray:
-        """Centres of the track's rows along the sliding direction [mm], shape (rows,). InputError without."""
+        """Return the centres of the track's rows along sliding [mm], shape (rows,). InputError without."""
         return self._array("track/x", "has no track")
 
     def track_heights(self, rows: slice = slice(None)) -> FloatArray:
@@ -317,7 +317,7 @@ class ResultFile:
         return self._array("track/heights", "has no track", rows)
 
     def track_loss(self, index: int, rows: slice = slice(None)) -> tuple[FloatArray, FloatArray]:
-        """Depths worn off the track, and displaced of it for good, at snapshot number `index` [mm]."""
+        """Return depths worn off the track, and displaced of it for good, at snapshot number `index` [mm]."""
         with self._reading() as file:
             number = _number(index, self.snapshot_distances.size)
             at_hand, name = self.at_hand.get(number), list(file["snapshots"])[number]
@@ -373,7 +373,7 @@ class ResultFile:
 
 
 def _number(index: SupportsIndex, count: int) -> int:
-    """A place in a sequence, counted from its start. Raises InputError for no whole number, IndexError."""
+    """Count a place from a sequence's start. Raises InputError for no whole number, IndexError."""
     try:
         number = operator.index(index)
     except TypeError:

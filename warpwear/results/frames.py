@@ -21,11 +21,11 @@ AXES = {
 
 
 def to_dataframe(result: ResultFile) -> Any:
-    """The history as a pandas.DataFrame: a row a step, a column a quantity, `attrs["units"]` by column.
+    """Return the history as a pandas.DataFrame, a row a step, a column a quantity; units in `attrs["units"]`.
 
     Raises InputError where pandas is not installed.
     """
-    frame = _package("pandas", "to_dataframe").DataFrame(dict(result.history))
+    frame = package("pandas", "to_dataframe").DataFrame(dict(result.history))
     frame.index.name = "step"
     frame.attrs["units"] = {name: UNITS[name] for name in frame if name in UNITS}
     return frame
@@ -50,7 +50,7 @@ def to_xarray(result: ResultFile) -> Any:
 
 def courses(result: ResultFile, numbers: Sequence[int]) -> Any:
     """What `to_xarray` gives but for the fields, with the coordinates of snapshots of these numbers."""
-    xarray = _package("xarray", "to_xarray")
+    xarray = package("xarray", "to_xarray")
     history = dict(result.history)
     coordinates = {
         "step": ("step", np.arange(history["distance"].size), {"long_name": "row of the history"}),
@@ -81,12 +81,13 @@ def courses(result: ResultFile, numbers: Sequence[int]) -> Any:
 def _described(
     declared: Mapping[str, Quantity], name: str, dimensions: tuple[str, ...], values: Any
 ) -> tuple[tuple[str, ...], Any, dict[str, str]]:
-    """A variable for xarray: dimensions, values, and the unit and meaning of the quantity of that name."""
+    """Make a variable for xarray: dimensions, values, and unit and meaning of the quantity."""
     known = declared.get(name)
     return dimensions, values, {"units": known.units, "long_name": known.meaning} if known else {}
 
 
-def _package(name: str, what: str) -> Any:
+def package(name: str, what: str) -> Any:
+    """Import a package for a method. Raises InputError where it is not installed."""
     try:
         return lazy.load(name)
     except ImportError as error:

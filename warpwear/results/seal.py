@@ -51,7 +51,7 @@ def read_header(file: BufferedIOBase) -> list[str]:
 
 
 def digest_of(file: BufferedIOBase) -> str:
-    """The digest of everything behind the header."""
+    """Compute the digest of everything behind the header."""
     file.seek(HEADER)
     return hashlib.file_digest(file, "blake2b").hexdigest()
 
@@ -66,7 +66,7 @@ def has_mark(path: Path, mark: str) -> bool:
 
 
 def versions(device: Any) -> dict[str, str]:
-    """Versions of warpwear, Python and `PACKAGES`, the system, and the processor. device: Warp's."""
+    """Return versions of warpwear, Python and `PACKAGES`, the system, and the processor. device: Warp's."""
     return {
         "warpwear": __version__,
         "python": platform.python_version(),

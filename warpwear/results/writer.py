@@ -141,7 +141,7 @@ class ResultWriter:
 
     @property
     def copied_bytes(self) -> int:
-        """Size of what `copy_to` copies [B]."""
+        """Return the size of what `copy_to` copies [B]."""
         self.flush()
         groups = [*self._file["snapshots"].values(), self._file.get("track", {})]
         return sum(dataset.id.get_storage_size() for group in groups for dataset in group.values())

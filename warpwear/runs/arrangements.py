@@ -83,7 +83,7 @@ class Maker:
         return fields
 
     def rows_of_bodies(self, study: Study) -> float:
-        """Rows of both bodies over those of the grid."""
+        """Return rows of both bodies over those of the grid."""
         return 2.0
 
     def model(self, study: Study, heights: FloatArray, executor: Executor, record: Record) -> PreparedModel:

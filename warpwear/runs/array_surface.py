@@ -25,7 +25,7 @@ OF_THE_BODY = ("material", "young", "poisson", "hardness")
 
 @dataclass(frozen=True, eq=False)
 class ArraySurface:
-    """An array of heights, and the study that names it."""
+    """Hold an array of heights, and the study that names it."""
 
     study: Study
     surface: Surface

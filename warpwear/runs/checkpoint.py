@@ -29,9 +29,10 @@ from warpwear.errors import OVERWRITE_IT, RESUME_IT, InputError
 from warpwear.grid import FloatArray
 from warpwear.history.rows import Rows
 from warpwear.results.check import check_snapshots
+from warpwear.results.ensemble import dotted
 from warpwear.results.seal import HEADER, digest_of, has_mark, read_header, seal
 from warpwear.results.writer import SPACE_FOR_THE_REST, ResultWriter, require_free_space
-from warpwear.runs.order import RunOrder, flat
+from warpwear.runs.order import RunOrder
 from warpwear.study.study import Study
 from warpwear.version import __version__
 
@@ -156,7 +157,7 @@ class StoredCheckpoint:
 
     @property
     def version(self) -> str:
-        """Version of warpwear that wrote it."""
+        """Return the version of warpwear that wrote it."""
         return str(self._about["version"])
 
     def refuse_changes(self, order: RunOrder, *, device: str) -> None:
@@ -200,8 +201,8 @@ class StoredCheckpoint:
     def read(self) -> Checkpoint:
         """Where the run was: all that is stored but the snapshots."""
         arrays = {name: np.asarray(dataset[()]) for name, dataset in self.file["model"].items()}
-        kinds = flat({"arrays": _kinds(arrays), "numbers": _kinds(self._about["numbers"])})
-        stored_kinds = flat(self._about["kinds"])
+        kinds = dotted({"arrays": _kinds(arrays), "numbers": _kinds(self._about["numbers"])})
+        stored_kinds = dotted(self._about["kinds"])
         for name in stored_kinds | kinds:
             is_now, was = (each.get(name, "missing") for each in (kinds, stored_kinds))
             if is_now != was:

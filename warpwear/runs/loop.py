@@ -185,7 +185,7 @@ class StepLoop:
             yield RunStep(index, len(plan), self._order, row, partial(self._snapshot_of, index)), stop
 
     def _snapshot_of(self, index: int) -> Snapshot | None:
-        """The fields after the step of a row, views of the model's on a CPU; None after a later one."""
+        """Return the fields after a row's step, views of the model's on a CPU; None after a later one."""
         if index != len(self._rows) - 1:
             return None
         return self._model.snapshot(self._last, self._rows.last["distance"])

@@ -12,6 +12,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
 from warpwear.history.rows import Rows
+from warpwear.results.ensemble import dotted
 from warpwear.runs.arrangements import Maker, arrangement_of
 from warpwear.runs.array_surface import ArraySurface, take_surface
 from warpwear.runs.invariants import Invariants
@@ -36,8 +37,8 @@ class RunOrder:
 
     @cached_property
     def keys(self) -> dict[str, Any]:
-        """Dotted name -> value of every key in that text."""
-        return flat(tomllib.loads(self.toml))
+        """Map the dotted name of every key in that text to its value."""
+        return dotted(tomllib.loads(self.toml))
 
     @cached_property
     def arrangement(self) -> Maker:
@@ -56,7 +57,7 @@ class RunOrder:
 
     @cached_property
     def columns(self) -> tuple[str, ...]:
-        """Names of the columns of the history."""
+        """Name the columns of the history."""
         return tuple(column.name for column in columns_of(self.study))
 
     @cached_property
@@ -100,11 +101,3 @@ def order_of(
         return RunOrder(study)
     heights = take_surface(study, surface, folder)
     return RunOrder(heights.study, heights)
-
-
-def flat(nested: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Map dotted names to the values of nested mappings."""
-    values: dict[str, Any] = {}
-    for name, value in nested.items():
-        values |= flat(value, f"{prefix}{name}.") if isinstance(value, dict) else {prefix + name: value}
-    return values

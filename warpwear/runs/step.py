@@ -43,7 +43,7 @@ class RunStep:
 
     @property
     def units(self) -> dict[str, str]:
-        """Name of a column or field -> its unit, such as "mm^2"."""
+        """Map the name of a column or field to its unit, such as "mm^2"."""
         return Named(UNITS)
 
     @property

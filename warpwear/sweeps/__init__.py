@@ -1,1 +1,1 @@
-"""Sweeps: a study over a design of its keys, on one machine or a cluster, as a table and bands."""
+"""Run a study over a design of its keys, on one machine or a cluster, as a table and bands."""

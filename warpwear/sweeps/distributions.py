@@ -48,16 +48,29 @@ class Distribution:
             return a + (b - a) * u
         if self.kind == "log-uniform":
             return np.asarray(a * (b / a) ** u)
-        logarithm = self.kind == "log-normal"
-        if logarithm:  # of the mean and standard deviation of the quantity those of its logarithm
-            spread = math.sqrt(math.log1p((b / a) ** 2))
-            a, b = math.log(a) - 0.5 * spread**2, spread
-        frozen: Any = stats.norm(a, b)
+        frozen: Any = stats.norm(*self.numbers)
         if self.within is not None:
-            low, high = (math.log(end) if logarithm else end for end in self.within)
+            low, high = map(self.scaled, self.within)
             u = frozen.cdf(low) + u * (frozen.cdf(high) - frozen.cdf(low))
         values: FloatArray = frozen.ppf(u)
-        return values if not logarithm else math.e**values
+        return math.e**values if self.is_logarithmic else values
+
+    @property
+    def is_logarithmic(self) -> bool:
+        """Tell whether it is one of the logarithm."""
+        return self.kind.startswith("log-")
+
+    @property
+    def numbers(self) -> tuple[float, float]:
+        """Return mean and deviation, or the ends, of the quantity or its logarithm."""
+        if self.kind == "log-normal":
+            spread = math.sqrt(math.log1p((self.second / self.first) ** 2))
+            return math.log(self.first) - 0.5 * spread**2, spread
+        return self.scaled(self.first), self.scaled(self.second)
+
+    def scaled(self, value: float) -> float:
+        """Return a value of the quantity, or its logarithm where the distribution is one of that."""
+        return math.log(value) if self.is_logarithmic else value
 
     def written(self, value: float) -> str | float:
         """A value as a study takes it."""

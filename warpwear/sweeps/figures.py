@@ -25,7 +25,7 @@ from warpwear.figures.describe import (
     look_of_measured,
     shade,
 )
-from warpwear.figures.wording import RAISED
+from warpwear.figures.wording import power_of_ten
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import Quantity, printed
 from warpwear.measured.experiment import Experiment
@@ -196,7 +196,7 @@ def _axis_of(key: str, unit: str) -> str:
 
 def _written(text: str) -> str:
     """Write quantities as papers do: 5e-4 mm^3/N/m is 5·10⁻⁴ mm³/(N·m)."""
-    return NUMBER.sub(lambda found: f"{found[1]}·10{str(int(found[2])).translate(RAISED)}", printed(text))
+    return NUMBER.sub(lambda match: f"{match[1]}·{power_of_ten(match[2])}", printed(text))
 
 
 def _mean(values: FloatArray) -> float:

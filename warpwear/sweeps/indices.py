@@ -17,7 +17,7 @@ WELL_KNOWN = 0.1
 
 @dataclass(frozen=True)
 class Indices:
-    """Sobol's indices of one output, each of shape (factors,), with the ends of their intervals (2, factors).
+    """Hold Sobol's indices of one output, (factors,) each, with the ends of their intervals, (2, factors).
 
     first: the part of the output's variance that goes when an input is known; total: the part that stays
     when all others are known, its interactions with them included. Those of few samples may exceed 1.
@@ -70,7 +70,7 @@ def sobol(values: FloatArray, factors: int, *, seed: int = 0) -> Indices:
 
 
 def _estimated(blocks: FloatArray) -> FloatArray:
-    """First-order and total indices, shape (2, factors), of outputs of A, B and A with a column of B each.
+    """Estimate first-order and total indices, (2, factors), of outputs of A, B and A with a column of B each.
 
     Estimators (b) and (f) of Saltelli et al. 2010, doi:10.1016/j.cpc.2009.09.018, table 2; the mean is taken
     off, as a large one costs digits (Sobol and Levitan 1999).

@@ -13,6 +13,7 @@ from warpwear.history.quantities import BY_NAME
 from warpwear.measured.experiment import Experiment
 from warpwear.page.html import page_of
 from warpwear.page.limits import limits_of
+from warpwear.page.words import Answer
 from warpwear.results import manifest
 from warpwear.results.ensemble import is_label, short_names
 from warpwear.study.text import assumptions
@@ -26,14 +27,11 @@ MOST_ROWS, MOST_VALUES = 200, 12
 #: Letters of a number that was drawn, and not written by a person.
 LONG = 12
 BANDS = "Mean of each group, in a band of 5 to 95 % of its runs where it has several."
-#: End values at the top and in the table of runs: column, what to call it, unit, factor to that.
-ANSWERS = tuple(
-    (quantity.name, quantity.label.capitalize(), quantity.unit, quantity.factor)
-    for quantity in (
-        *(ENDS[name] for name in ("patch_across", "area_contact", "pressure_mean")),
-        BY_NAME["wear_volume_disc"],
-        ENDS["cof"],
-    )
+#: End values at the top and in the table of runs.
+ANSWERS = (
+    *(ENDS[name] for name in ("patch_across", "area_contact", "pressure_mean")),
+    BY_NAME["wear_volume_disc"],
+    ENDS["cof"],
 )
 
 
@@ -55,14 +53,14 @@ def page(
         "reach, and what decides them?",
         "answers": _answers(result),
         "decides": _decides(result),
-        "factors": [(f.key, _told(f), f.key in plan.band_over) for f in plan.factors],
+        "factors": [(f.key, _values_of(f), f.key in plan.band_over) for f in plan.factors],
         "design": plan.design,
         "limits": limits_of(plan.study),
         "assumptions": assumed,
         "rows": _rows(result),
         "columns": [
             *short_names(plan.keys).values(),
-            *(f"{label}, {unit}".removesuffix(", ") for _, label, unit, _ in ANSWERS),
+            *(f"{answer.label.capitalize()}, {answer.unit}".removesuffix(", ") for answer in ANSWERS),
         ],
         "total": total,
         "study": plan.study.to_toml(),
@@ -76,7 +74,7 @@ def _listed(names: list[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
-def _told(factor: Factor) -> str:
+def _values_of(factor: Factor) -> str:
     """Say what a key was varied over, in a person's words."""
     if (of := factor.distribution) is None:
         values = [
@@ -97,30 +95,29 @@ def _ends(result: SweepResult, column: str) -> FloatArray | None:
     return values if np.isfinite(values).any() else None
 
 
-def _answers(result: SweepResult) -> list[dict[str, str]]:
+def _answers(result: SweepResult) -> list[Answer]:
     """Give the numbers at the top: mean and band of a sampled design, least and most of a listed one."""
-    found = []
-    for column, label, unit, factor in ANSWERS:
-        if (values := _ends(result, column)) is None:
+    answers = []
+    fitted = result.plan.study.friction.fitted == "end"
+    notes = {
+        "cof": "An input: its shear strength is fitted so that it is met"
+        if fitted
+        else "Not predicted: area × shear strength over load",
+        "wear_volume_disc": "Not predicted: wear coefficient × load × distance",
+    }
+    for answer in ANSWERS:
+        if (values := _ends(result, answer.name)) is None:
             continue
-        known = factor * values[np.isfinite(values)]
-        given = ""
-        if column == "cof":
-            fitted = result.plan.study.friction.fitted == "end"
-            given = "An input: its shear strength is fitted so that it is met" if fitted else ""
-            given = given or "Not predicted: area × shear strength over load"
-        if column.startswith("wear_volume"):
-            given = "Not predicted: wear coefficient × load × distance"
+        known = answer.scaled(values[np.isfinite(values)])
         if result.plan.design.kind in SAMPLED:
             low, high = np.percentile(known, (5.0, 95.0))
             text, error = f"{known.mean():.4g}", f"mean; 5 to 95 % of the runs: {low:.3g} to {high:.3g}"
         else:
             text = f"{known.min():.3g} to {known.max():.3g}" if np.ptp(known) > 0.0 else f"{known[0]:.4g}"
             error = f"least and most of {known.size} runs"
-        found.append(
-            {"label": label, "value": text, "unit": unit, "error": error, "note": "", "given": given}
-        )
-    return found
+        note = notes.get(answer.name, "")
+        answers.append(Answer(answer.label.capitalize(), text, answer.unit, error, input_note=note))
+    return answers
 
 
 def _decides(result: SweepResult) -> str:
@@ -154,21 +151,20 @@ def _sections(result: SweepResult, experiments: Sequence[Experiment]) -> list[Se
 
 def _rows(result: SweepResult) -> list[dict[str, Any]]:
     """Rows of the table of runs: what was varied, how it ended, and where its page or folder lies."""
-    ends = [_ends(result, column) for column, *_ in ANSWERS]
-    found = []
+    ends = [_ends(result, answer.name) for answer in ANSWERS]
+    rows = []
     for point, row in list(zip(result.plan.points, result.rows, strict=True))[:MOST_ROWS]:
         values = [
-            float("nan") if of is None else factor * float(of[point.number])
-            for of, (*_, factor) in zip(ends, ANSWERS, strict=True)
+            float("nan") if of is None else answer.factor * float(of[point.number])
+            for of, answer in zip(ends, ANSWERS, strict=True)
         ]
         varied = [
             _short(v) if isinstance(v, str) else v if isinstance(v, int | float) else ", ".join(map(str, v))
             for v in point.values.values()
         ]
-        found.append(
-            {"cells": [*varied, *values], "status": row.status, "link": _link(result.folder, point.run)}
-        )
-    return found
+        link = _link(result.folder, point.run)
+        rows.append({"cells": [*varied, *values], "status": row.status, "link": link})
+    return rows
 
 
 def _short(text: str) -> str:
@@ -181,8 +177,7 @@ def _short(text: str) -> str:
 
 
 def _link(folder: Path | None, run: str) -> str:
-    """Where the run's own page lies beside the sweep's, or else its folder; nothing for a run that has "
-    "none."""
+    """Find a run's own page beside the sweep's, or else its folder; return nothing where it has none."""
     if folder is None or not run or not (folder / "runs" / run).is_dir():
         return ""
     page = f"runs/{run}/{manifest.PAGE}"

@@ -7,7 +7,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from warpwear.errors import InputError
-from warpwear.results.ensemble import label_of, short_names
+from warpwear.results.ensemble import dotted, label_of, short_names
 from warpwear.study import loading
 from warpwear.study.study import Study
 from warpwear.sweeps.design import SAMPLED, Design, Factor, factors_of
@@ -65,7 +65,7 @@ class Plan:
 def read_plan(
     path_or_preset: str | Path, changes: Mapping[str, Any], options: Mapping[str, Any], *, device: str
 ) -> Plan:
-    """The plan of a study file with a section [sweep], or of a study and options beside it.
+    """Read the plan of a study file with a section [sweep], or of a study and options beside it.
 
     changes: of keys of the study. options: of the section, by its keys; "vary" adds to the file's.
     """
@@ -80,21 +80,12 @@ def section_of(section: Any, options: Mapping[str, Any]) -> SweepSection:
     section = dict(section) if isinstance(section, Mapping) else {"vary": section}
     more = {key: value for key, value in options.items() if value is not None and key != "vary"}
     if isinstance(section.get("vary", {}), Mapping):
-        more["vary"] = {**_flat(section.get("vary", {})), **options.get("vary", {})}
+        # Unquoted dots make tables in tables of TOML; {positions = 12} is a value.
+        vary = dotted(section.get("vary", {}), whole="positions")
+        more["vary"] = {**vary, **options.get("vary", {})}
     try:
         return SweepSection(**{**section, **more})
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join([SECTION, *map(str, first["loc"])])
         raise InputError(f"{where} = {first['input']!r} is not allowed: {first['msg']}.") from error
-
-
-def _flat(nested: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Dotted keys of tables in tables, as TOML makes of unquoted dots; {positions = 12} is a value."""
-    flat: dict[str, Any] = {}
-    for key, value in nested.items():
-        if isinstance(value, Mapping) and "positions" not in value:
-            flat |= _flat(value, f"{prefix}{key}.")
-        else:
-            flat[f"{prefix}{key}"] = value
-    return flat

@@ -77,10 +77,9 @@ def summary_text(result: SweepResult) -> str:
     """The groups of a sweep and what decides the coefficient of friction, for the screen."""
     done = sum(row.status == "done" for row in result.rows)
     lines = [f"{done} of {len(result.rows)} runs done"]
-    width = max(len(row["label"]) for row in group_rows(result))
-    lines += [
-        f"{row['label']:<{width}}  {row['runs']:4d} runs   " + _end_told(row) for row in group_rows(result)
-    ]
+    rows = group_rows(result)
+    width = max(len(row["label"]) for row in rows)
+    lines += [f"{row['label']:<{width}}  {row['runs']:4d} runs   {_end_of(row)}" for row in rows]
     if len(result.plan.keys) > 1 and done > 1:
         what = (
             "Sobol's total index, 95 % interval"
@@ -94,7 +93,7 @@ def summary_text(result: SweepResult) -> str:
     return "\n".join([*lines, *failures(result)])
 
 
-def _end_told(row: dict[str, Any]) -> str:
+def _end_of(row: dict[str, Any]) -> str:
     """What the runs of a group came to, for the screen."""
     if not np.isfinite(row["mean"]):
         return "no coefficient of friction"

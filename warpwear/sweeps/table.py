@@ -16,6 +16,7 @@ from warpwear.history.quantities import QUANTITIES
 from warpwear.result import Result
 from warpwear.results.ensemble import at, band, is_label
 from warpwear.results.formats.netcdf import require_free_space
+from warpwear.results.frames import package
 from warpwear.study.keys import value_of
 from warpwear.study.units import parse
 from warpwear.sweeps.indices import Indices, sobol
@@ -80,14 +81,15 @@ class SweepResult:
 
     def to_dataframe(self) -> Any:
         """The table as a pandas.DataFrame, a row a run. Raises InputError without pandas."""
-        return _needed("to_dataframe", lambda: pandas.DataFrame(self.table))
+        return package("pandas", "to_dataframe").DataFrame(self.table)
 
     def to_xarray(self) -> Any:
         """Courses and end values as an xarray.Dataset with the dimensions run and distance.
 
         The keys varied are coordinates of the runs: numbers with their unit where they are numbers.
         """
-        return _needed("to_xarray", self._dataset)
+        package("xarray", "to_xarray")
+        return self._dataset()
 
     @property
     def distance(self) -> FloatArray:
@@ -232,12 +234,5 @@ def _about(name: str) -> dict[str, str]:
 
 
 def _written(value: Any) -> Any:
-    """A value for a cell of a table."""
+    """Write a value for a cell of a table."""
     return value if isinstance(value, int | float | str) else " ".join(map(str, value))
-
-
-def _needed(what: str, make: Any) -> Any:
-    try:
-        return make()
-    except ImportError as error:
-        raise InputError(f"{what}() needs pandas and xarray: pip install 'warpwear[io]'.") from error

@@ -1,4 +1,4 @@
-"""Maps and profiles of the report of the thesis: the versions' fields side by side."""
+"""Declare maps and profiles of the report of the thesis: the versions' fields side by side."""
 
 import numpy as np
 

@@ -12,6 +12,7 @@ from functools import cache
 from typing import Any
 
 from warpwear import lazy
+from warpwear.figures.wording import power_of_ten
 from warpwear.thesis.printed import PRINTED, SERIES, TOLERANCES, Printed
 from warpwear.thesis.runs import VERSIONS
 
@@ -153,9 +154,8 @@ def number(value: float, digits: int = 3) -> str:
     text = f"{value:#.{digits}g}"
     if "e" in text:
         mantissa, exponent = text.split("e")
-        power = int(exponent)
-        raised = str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-        text = f"{float(text):.0f}" if 0 <= power < 7 else f"{mantissa.removesuffix('.')}·10{raised}"
+        raised = f"{mantissa.removesuffix('.')}·{power_of_ten(exponent)}"
+        text = f"{float(text):.0f}" if 0 <= int(exponent) < 7 else raised
     return text.removesuffix(".").replace("-", "−")
 
 

@@ -107,7 +107,7 @@ class FigureData:
 
     @cached_property
     def distances(self) -> list[float]:
-        """Distances of the snapshots shown [mm]."""
+        """Return the distances of the snapshots shown [mm]."""
         return [float(self.result.snapshot_distances[index]) for index in self.indices]
 
     def snapshot(self, index: int) -> Snapshot:
@@ -119,7 +119,7 @@ class FigureData:
 
     @cached_property
     def views(self) -> list[View]:
-        """The contact at the snapshots shown, in order of distance."""
+        """Read the contact at the snapshots shown, in order of distance."""
         return [self.view(index) for index in reversed(self.indices)][::-1]  # the last has set the window
 
     def view(self, index: int) -> View:
@@ -156,7 +156,7 @@ class FigureData:
 
     @cached_property
     def bodies(self) -> list[Bodies]:
-        """Both bodies at the snapshots shown, in order of distance."""
+        """Read both bodies at the snapshots shown, in order of distance."""
         return [self.bodies_at(index) for index in reversed(self.indices)][::-1]
 
     def bodies_at(self, index: int, *, most: int = 0) -> Bodies:
@@ -185,7 +185,7 @@ class FigureData:
 
     @cached_property
     def relief(self) -> tuple[FloatArray, Window]:
-        """Heights [mm] of the unworn disc over the whole domain, for 3-D."""
+        """Return heights [mm] of the unworn disc over the whole domain, for 3-D."""
         snapshot, window = self.snapshot(0), self._centred(np.inf, SURFACE_BLOCKS)
         worn = worn_heights(self.result, snapshot, "disc")
         return window.means(worn + snapshot.lost_beneath), window
@@ -198,7 +198,7 @@ class FigureData:
 
     @cached_property
     def evolution(self) -> SurfaceEvolution:
-        """Roughness inside the scar and islands of contact at every snapshot."""
+        """Measure the roughness inside the scar and islands of contact at every snapshot."""
         return surface_evolution(self.result)
 
     @cached_property
@@ -209,7 +209,7 @@ class FigureData:
 
     @cached_property
     def spectra(self) -> dict[str, list[tuple[float, Spectrum]]]:
-        """Distance [mm] and power spectrum in the inner scar of the snapshots shown, by body."""
+        """Return distance [mm] and power spectrum in the inner scar of the snapshots shown, by body."""
         spectra: dict[str, list[tuple[float, Spectrum]]] = {body: [] for body in BODIES}
         for index in self.indices:
             snapshot = self.snapshot(index)
@@ -221,7 +221,7 @@ class FigureData:
 
     @cached_property
     def pieces(self) -> dict[str, FloatArray]:
-        """The pieces' diameters as cut by body, rising [mm]."""
+        """Return the pieces' diameters as cut by body, rising [mm]."""
         table = self.result.pieces
         return {
             body: np.sort(table["diameter"][table["body"] == number]) for number, body in enumerate(BODIES)

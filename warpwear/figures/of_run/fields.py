@@ -1,4 +1,4 @@
-"""Figures of fields: pressure, state of contact, loads of patches; as maps, in 3-D, as lines."""
+"""Declare figures of fields: pressure, state of contact, loads of patches; as maps, in 3-D, as lines."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Figures of the bodies' roughness in the scar and of the islands of contact, over the snapshots."""
+"""Declare figures of the bodies' roughness in the scar and of the islands of contact, over the snapshots."""
 
 import numpy as np
 

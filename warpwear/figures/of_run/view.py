@@ -46,7 +46,7 @@ class FilmState(IntEnum):
 
 @dataclass(frozen=True)
 class Window:
-    """A part of the grid, cut into blocks of factor × factor cells."""
+    """Cut out a part of the grid, cut into blocks of factor × factor cells."""
 
     x: slice
     y: slice
@@ -71,7 +71,7 @@ class Window:
 
 @dataclass(frozen=True)
 class Profile:
-    """Lines through the middle in one direction."""
+    """Hold lines through the middle in one direction."""
 
     place: FloatArray  # [mm]
     sphere: FloatArray  # height over the apex it had, its material above [mm]
@@ -84,7 +84,7 @@ class Profile:
 
 @dataclass(frozen=True)
 class View:
-    """The contact at one snapshot, reduced to blocks and to lines through the middle."""
+    """Hold the contact at one snapshot, reduced to blocks and to lines through the middle."""
 
     distance: float  # [mm]
     row: int  # of the history
@@ -107,7 +107,7 @@ class Bodies:
 
 @dataclass(frozen=True)
 class Loads:
-    """Loads of the patches around the macro contact over their area [MPa], (snapshots shown, x, y)."""
+    """Hold loads of the patches around the macro contact over their area [MPa], (snapshots shown, x, y)."""
 
     of: dict[str, FloatArray]  # "patches", and "smooth contact" where the study has one
     apart: tuple[float, ...]  # parts of the load that both put on other patches

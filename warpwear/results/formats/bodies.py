@@ -47,7 +47,7 @@ ON_THE_TRACK = (*OF_THE_TRACK, "height_track")
 def worn_heights(
     result: ResultFile, snapshot: Snapshot, body: str, part: tuple[slice, slice] = (ALL, ALL)
 ) -> FloatArray:
-    """Heights of a worn body [mm], positive out of its material, shape (nx, ny) or that of a part of it.
+    """Return heights of a worn body [mm], positive out of its material, shape (nx, ny) or that of a part.
 
     The disc's are over its mean plane, the sphere's over the apex it had, so that its cap lies below 0.
     Beyond the sphere's edge the sphere is NaN and the disc as it was before; NaN too if its file is gone, and
@@ -71,7 +71,7 @@ def worn_heights(
 
 @dataclass(frozen=True)
 class Body:
-    """A worn body at one snapshot: heights [mm] out of its material, shape (nx, ny), NaN where it has none.
+    """Hold a worn body at one snapshot: heights [mm] out of its material, (nx, ny), NaN where it has none.
 
     Axis 0 of the heights runs along the sliding direction.
     """
@@ -143,7 +143,7 @@ class Job:
         return snapshot
 
     def _heights(self, body: str, number: int) -> FloatArray:
-        """Heights of a worn body at the snapshot of a number [mm], that of the track over all its rows."""
+        """Return heights of a worn body at the snapshot of a number [mm], the track's over all its rows."""
         snapshot = self.snapshot(number)
         if body not in self._kept:
             if body != TRACK:
@@ -155,7 +155,7 @@ class Job:
         return heights
 
     def body(self, name: str, number: int) -> Body:
-        """A worn body at the snapshot of a number, reduced to `points`."""
+        """Return a worn body at the snapshot of a number, reduced to `points`."""
         result, snapshot = self.result, self.snapshot(number)
         title = f"{result.study.study.name}: worn {name} after {snapshot.distance:g} mm of sliding"
         x, heights = result.track_x if name == TRACK else result.x, self._heights(name, number)
@@ -170,7 +170,7 @@ class Job:
         return Body(name, title, x, y, fields["heights"], approach)
 
     def sheet(self, name: str, number: int, *, whole_disc: bool = False) -> Sheet:
-        """The fields asked for at the snapshot of a number, reduced to `points`.
+        """Return the fields asked for at the snapshot of a number, reduced to `points`.
 
         whole_disc: of a swept run the fields of its disc stand in the sheet of the track alone, not as what
         lies beneath the sphere in that of the domain, too.

@@ -1,4 +1,4 @@
-"""Worn bodies as files of surface metrology: .sdf (ISO 25178-71) and .x3p (ISO 5436-2, ISO 25178-72)."""
+"""Write worn bodies as files of metrology: .sdf (ISO 25178-71) and .x3p (ISO 5436-2, ISO 25178-72)."""
 
 import hashlib
 import zipfile
@@ -24,7 +24,7 @@ MAIN, SUMS, POINTS, VALID = "main.xml", "md5checksum.hex", "bindata/data.bin", "
 
 
 def _spacing(body: Body) -> tuple[float, float]:
-    """Distances of the points along x and y [m]."""
+    """Return the distances of the points along x and y [m]."""
     x, y = ((side[-1] - side[0]) / max(side.size - 1, 1) * METRES for side in (body.x, body.y))
     return float(x), float(y)
 
@@ -62,7 +62,7 @@ def _md5(content: bytes) -> str:
 
 
 def _main_xml(body: Body, sums: dict[str, str]) -> bytes:
-    """The description of a .x3p file, in the order of its schema. sums: MD5 by name of the binary parts."""
+    """Describe a .x3p file in the order of its schema. sums: MD5 by name of the binary parts."""
     ElementTree.register_namespace("p", NAMESPACE)
     root = ElementTree.Element(f"{{{NAMESPACE}}}ISO5436_2")
     now = datetime.now(UTC).isoformat(timespec="seconds")

@@ -1,4 +1,4 @@
-"""A result as one NetCDF file: history, patches and fields, labelled after the CF conventions."""
+"""Write a result as one NetCDF file: history, patches and fields, labelled after the CF conventions."""
 
 from datetime import UTC, datetime
 from functools import partial

@@ -1,4 +1,4 @@
-"""Worn bodies as closed solids of triangles: binary .stl, in mm."""
+"""Write worn bodies as closed solids of triangles: binary .stl, in mm."""
 
 from pathlib import Path
 
@@ -45,14 +45,14 @@ def write_stl(path: Path, body: Body, *, exaggeration: float) -> None:
 
 
 def _points(body: Body, z: FloatArray, back: float) -> FloatArray:
-    """Points of the worn surface, row by row, and after them those of the back [mm], shape (2 nx ny, 3)."""
+    """Return points of the worn surface by row, and after them those of the back [mm], (2 nx ny, 3)."""
     x, y = np.meshgrid(body.x, body.y, indexing="ij")
     sides = [np.column_stack([x.ravel(), y.ravel(), side.ravel()]) for side in (z, np.full_like(z, back))]
     return np.concatenate(sides)
 
 
 def _closed(quads: NDArray[np.bool_]) -> Triangles:
-    """Triangles of a solid below a surface, corners counted from outside against the clock.
+    """Return the triangles of a solid below a surface, corners counted from outside against the clock.
 
     quads: where four neighbouring points make a piece of the surface, shape (nx − 1, ny − 1).
     """

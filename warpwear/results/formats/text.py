@@ -1,4 +1,4 @@
-"""Worn bodies and fields as columns of text and as arrays: .xyz, .npy, .csv."""
+"""Write worn bodies and fields as columns of text and as arrays: .xyz, .npy, .csv."""
 
 from functools import partial
 from pathlib import Path

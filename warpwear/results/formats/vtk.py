@@ -1,4 +1,4 @@
-"""Snapshots for ParaView: images of the fields, the bodies as surfaces, and films of both, as VTK's XML."""
+"""Write snapshots for ParaView: images of the fields, surfaces of the bodies, and films, as VTK's XML."""
 
 import base64
 import struct
