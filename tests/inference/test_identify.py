@@ -137,3 +137,26 @@ def test_a_course_that_the_study_meets_is_calibrated(tmp_path: Path) -> None:
     write_report(inference, tmp_path)
     assert (tmp_path / "calibrated.toml").is_file()
     assert not (tmp_path / "fitted.toml").exists()
+
+
+def test_what_one_test_tells_is_of_this_test() -> None:
+    """One volume tells K of its own test; of two the scatter between tests is in the uncertainty."""
+    wear: dict[str, str | None] = {"wear.disc": None}
+    volumes = (Measured("volume_disc", 0.0244, 0.0005), Measured("volume_disc", 0.0248, 0.0005))
+    for count in (1, 2):
+        inference = result_of(posterior_of(smooth_study(), wear, Data(values=volumes[:count])))
+        inference = replace(inference, repeats={"wear.disc": 0})
+        (line,) = (line for line in inference.sentences if "is known to" in line)
+        assert ("of this test" in line) == (count == 1)
+
+
+def test_a_prior_that_holds_an_unknown_back_is_named() -> None:
+    """A lower end with a prior that goes on below it, and a normal prior far from what the volume tells."""
+    data = Data(values=(Measured("volume_disc", 0.0244, 0.0005),))  # K = 1.27e-3
+    for prior, sentence in (
+        ("log-uniform 1.26e-3 .. 5e-3 mm^3/N/m", "'wear.disc=log-uniform 0.000252 .. 0.005 mm^3/N/m'"),
+        ("uniform 1e-4 .. 1.28e-3 mm^3/N/m", "'wear.disc=uniform 0.0001 .. 0.00246 mm^3/N/m'"),
+        ("normal 5e-4 +- 1e-4 mm^3/N/m", "from the middle of its prior, normal 0.0005 ± 0.0001 mm^3/N/m"),
+    ):
+        inference = result_of(posterior_of(smooth_study(), {"wear.disc": prior}, data))
+        assert any(sentence in line for line in inference.sentences), inference.sentences
