@@ -24,6 +24,7 @@ THRESHOLD = 4.0  # robust standard deviations of the unworn surface, smoothed, b
 CERTAIN = 5.5  # of these, by which it does so somewhere: less is chance in one of a field's many places
 JOINED = 1.0 / 40.0  # of the shorter side: worn asperities closer than this belong together
 PIECE = 0.05  # of the largest worn region: a smaller one beside it is no part of the scar
+FILLINGS = 4  # of known points, by which the error of what is filled is told
 MAIN = 0.2  # of what the largest region has lost: a smaller one beside it does not lengthen the scar
 BESIDE = 1.0  # of the scar's mean extent, within which worn asperities that stand alone belong to it
 INWARDS = 3  # rings within the edge of the smoothed scar at which it may end already: smoothing spreads it
@@ -89,6 +90,12 @@ def find_scar(
             "the scar is larger than the field, of which it reaches all four sides: a wider one is needed"
         )
     scar = replace(body, unworn=unworn).worn_patch(reach, noise=noise, hurst=hurst)
+    guessed = _filling_error(np.where(measured, lost, np.nan), patch) * body.pixel_area
+    scar = replace(
+        scar,
+        volume_error=math.hypot(scar.volume_error, guessed),
+        net_error=math.hypot(scar.net_error, guessed),
+    )
     if not scar.volume > LEAST_ERRORS * scar.volume_error:
         raise InputError(
             f"no scar was found: the deepest region has lost {scar.volume:.3g} mm³, with a standard error "
@@ -118,6 +125,24 @@ def _lengths(
     spread = [SMOOTHED / math.sqrt(12.0) * d for d in pixel]
     errors = [math.hypot(s, 0.5 * (w - n)) for s, w, n in zip(spread, whole, lengths, strict=True)]
     return *lengths, (errors[0], errors[1])
+
+
+def _filling_error(lost: FloatArray, patch: BoolArray) -> float:
+    """Return the standard error of the sum over a patch [mm] that filled points in it give.
+
+    lost [mm], NaN where missing, patch: shape (nx, ny). The holes are laid over known points next to them,
+    which are filled in the same way and compared.
+    """
+    holes = np.isnan(lost)
+    missing = int((holes & patch).sum())
+    errors = []
+    for shift in range(1, 1 + FILLINGS) if missing else ():
+        moved = np.roll(holes, [round(shift * n / (FILLINGS + 1)) for n in lost.shape], axis=(0, 1))
+        tried = moved & ~holes & patch
+        if tried.any():
+            off = float((filled(np.where(moved, np.nan, lost)) - lost)[tried].sum())
+            errors.append(off * missing / int(tried.sum()))
+    return math.sqrt(float(np.mean(np.square(errors)))) if errors else 0.0
 
 
 def _main(patch: BoolArray, lost: FloatArray) -> BoolArray:

@@ -13,6 +13,7 @@ from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.surfaces.base import BoolArray
+from warpwear.surfaces.filling import filled
 from warpwear.surfaces.levelling import without_polynomial
 from warpwear.surfaces.outliers import robust_deviation
 from warpwear.surfaces.sphere import places
@@ -47,7 +48,8 @@ LEAST_SHARE = 0.002  # of the power of all long waves that a direction has, beyo
 FADED = 6.0  # points over which heights fade out towards what is not compared
 LONG = 0.125  # waves a point, at most, of a long wave
 SHORT = 0.4  # waves a point, at least, of one that the noise is told from
-LEAST_KNOWN = 0.9  # of a line along the edge of what both show
+LEAST_KNOWN = 0.8  # of a line along the edge of what both show, over the part that is known within it
+MOST_FILLED = 0.5  # of the points about a place that may be filled ones where its height is known
 FEWEST_PIXELS = 8  # of the earlier measurement along the later one's field
 LEAST_OVERLAP = 0.25  # of the later measurement's field
 EVERYWHERE = slice(None)
@@ -84,7 +86,8 @@ class _Earlier:
             ends = zip(index, self.splines.shape, strict=True)
             outside = np.logical_or.reduce([(i < 0.0) | (i > count - 1) for i, count in ends])
         else:
-            outside = ndimage.map_coordinates(self.missing, index, order=1, mode="constant", cval=1.0) > 0.0
+            part = ndimage.map_coordinates(self.missing, index, order=1, mode="constant", cval=1.0)
+            outside = part > MOST_FILLED
         return np.where(outside, np.nan, heights)
 
 
@@ -114,9 +117,9 @@ def difference(
     maps = _Map(later, pixel), _Map(earlier, earlier_pixel)
     _check_alike(*maps)
     absent = np.isnan(earlier)
-    splines = ndimage.spline_filter(np.where(absent, 0.0, earlier), order=3, mode="nearest")
-    # a spline rings beside a hole
-    missing = ndimage.binary_dilation(absent, iterations=2).astype(np.float64) if absent.any() else None
+    # filled, a hole does not ring in the splines beside it: lost points cost themselves alone
+    splines = ndimage.spline_filter(filled(earlier), order=3, mode="nearest")
+    missing = absent.astype(np.float64) if absent.any() else None
     sampled = _Earlier(splines, missing, earlier_pixel)
     place, correlation = _coarse_place(*maps)
     if correlation >= LEAST_COARSE:
@@ -259,7 +262,7 @@ def _check_alike(later: _Map, earlier: _Map) -> None:
 def _coarse(source: _Map, step: float) -> _Earlier:
     """Return a map smoothed for sampling at a step [mm]."""
     size = [max(1, round(step / p)) for p in source.pixel]
-    smooth = ndimage.uniform_filter(np.nan_to_num(source.heights), size, mode="nearest")
+    smooth = ndimage.uniform_filter(filled(source.heights), size, mode="nearest")
     return _Earlier(ndimage.spline_filter(smooth, mode="nearest"), None, source.pixel)
 
 
@@ -391,7 +394,7 @@ def _shared(known: BoolArray) -> tuple[slice, slice]:
         part = known[first[0] : last[0], first[1] : last[1]]
         sides = [part[0].mean(), part[-1].mean(), part[:, 0].mean(), part[:, -1].mean()]
         worst = int(np.argmin(sides))
-        if sides[worst] >= LEAST_KNOWN:
+        if sides[worst] >= LEAST_KNOWN * part.mean():
             break
         axis = worst // 2
         if worst % 2:

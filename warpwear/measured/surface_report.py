@@ -211,7 +211,7 @@ def scar_rows(scar: Patch, *, filled: float = 0.0) -> list[Row]:
     if filled > MUCH_FILLED:
         notes.append(
             f"{100.0 * filled:.2g} % of the scar's points were not measured and are filled from their rim, "
-            "which the errors do not know of"
+            "which the errors hold as known points filled alike tell it"
         )
     depth, error = 1e3 * profile.depth, 1e3 * profile.band
     by_place = {"y_mm": profile.y.tolist(), "depth_um": depth.tolist(), "error_um": error}
