@@ -244,5 +244,5 @@ def test_a_key_changes_a_calibration_as_it_changes_the_run(pair: Pair) -> None:
     for when, place in (("initial", 0), ("end", -1)):
         strength = f"{told[f'shear_strength_{when}_MPa']!r} MPa"
         law = study.replace({"friction.shear_strength": strength}).friction.law
-        cof = law.coefficient(history, load=study.contact.load, finished=True, lap=lap)
+        cof = law.coefficient(history, load=study.contact.load, finished=True, laps=lap)
         assert math.isclose(cof[place], 0.7, rel_tol=1e-5), when

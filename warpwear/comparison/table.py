@@ -20,7 +20,7 @@ SHAPES = (
 )
 #: Said where a run is swept.
 PASSES = (
-    "Of swept runs area in contact, mean pressure and CoF at the end are means of the last pass; m, λ and "
+    "Of swept runs area in contact, mean pressure and CoF at the end are means of the last cycle; m, λ and "
     "differences from an experiment (rms) are of the means of whole passes."
 )
 

@@ -71,7 +71,7 @@ def asked_of(study: Study, summary: dict[str, Any]) -> str:
 def answers_of(study: Study, s: dict[str, Any]) -> list[Answer]:
     """Give the five numbers that answer the question."""
     pressure = s["pressure_MPa"]
-    of_pass = ", mean of the last pass" if "track" in s else ""
+    of_pass = f", mean of the {s['end_values']}" if "track" in s else ""
     spread = f"standard deviation {pressure['std']:.3g} MPa"
     spread = spread if pressure["std"] > 1e-6 * pressure["mean"] else "uniform"
     error = s.get("track", {}).get("parts", {}).get("estimated_error_at_most", 0.0)

@@ -8,7 +8,7 @@ import numpy as np
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BODIES, BY_NAME
 from warpwear.history.rows import Named
-from warpwear.laws import friction
+from warpwear.laws import passes
 from warpwear.laws.film import Breaking, fit_breaking
 from warpwear.results import summary_models
 from warpwear.results.file import ResultFile
@@ -31,7 +31,7 @@ def summarise(result: ResultFile) -> list[Row]:
     `record` makes summary.json of it, `summary_text` the lines of a terminal.
 
     What goes up and down along a track (approach, cof, areas in contact and at hardness, pressures) is of the
-    last pass of a swept run, as `end_values` says: the means, and the largest pressure.
+    last cycle of a swept run, as `end_values` says: the means, and the largest pressure.
     """
     end = last_values(result)
     return [
@@ -55,13 +55,21 @@ def summary_text(rows: Sequence[Row]) -> str:
 
 
 def last_values(result: ResultFile) -> dict[str, float]:
-    """Map each column of the history to its end value, which of a swept run may be of the last pass."""
+    """Map each column of the history to its end value, which of a swept run may be of the last cycle."""
     study, history = result.study, result.history
     end = Named({name: float(values[-1]) for name, values in history.items()})
     for name in OF_A_PASS:
-        end[name] = friction.mean_over(history, history[name], "end", study.lap)
-    end["pressure_max"] = float(history["pressure_max"][friction.within(history, "end", study.lap)].max())
+        end[name] = passes.mean_over(history, history[name], "end", study.laps)
+    end["pressure_max"] = float(history["pressure_max"][passes.within(history, "end", study.laps)].max())
     return end
+
+
+def _end(result: ResultFile) -> str:
+    """Return what the end values are of: both directions of a track, if it was slid over in both."""
+    laps, distance = result.study.laps, float(result.history["distance"][-1])
+    if laps is None:
+        return "last step"
+    return "last cycle" if laps.last(distance) > laps.length else "last pass"
 
 
 def _run(result: ResultFile, end: dict[str, float]) -> list[Row]:
@@ -76,7 +84,7 @@ def _run(result: ResultFile, end: dict[str, float]) -> list[Row]:
             "steps": int(result.history["distance"].size),
             "cell_um": 1.0e3 * study.grid.cell,
             "distance_mm": end["distance"],
-            "end_values": "last pass" if study.is_swept else "last step",
+            "end_values": _end(result),
             "load_N": study.contact.load,
             "hardness_MPa": finite(study.hardness),
             "wear_coefficient_mm3_per_Nm": {body: 1.0e3 * k for body, k in coefficients.items()},
@@ -89,7 +97,7 @@ def _contact(result: ResultFile, end: dict[str, float]) -> list[Row]:
     """Declare scar, areas, pressures and wear."""
     of_pass, of_steps = ", ", ""
     if result.study.is_swept:
-        of_pass, of_steps = "(mean of the last pass), ", ", of the last pass"
+        of_pass, of_steps = f"(mean of the {_end(result)}), ", f", of the {_end(result)}"
     along, across = end["patch_along"], end["patch_across"]
     real, means = end["area_contact"] / end["area_nominal"], result.history["pressure_mean"]
     of_nominal = f"{of_pass}{real:.3g} of the nominal area (the scar as an ellipse)"
@@ -153,10 +161,10 @@ def _of_one_spot(result: ResultFile) -> list[Row]:
 def _friction(result: ResultFile, end: dict[str, float]) -> list[Row]:
     """Declare friction: its course, the strength that it is made of, and those that other choices ask for."""
     study, history, section = result.study, result.history, result.study.friction
-    law, load, lap = section.law, study.contact.load, study.lap
-    first, last = finite(friction.mean_over(history, history["cof"], "initial", lap)), finite(end["cof"])
-    strength = finite(law.final_strength(history, load=load, finished=result.finished, lap=lap))
-    others = law.calibrations(history, load=load, hardness=study.indentation_hardness, lap=lap)
+    law, load, laps = section.law, study.contact.load, study.laps
+    first, last = finite(passes.mean_over(history, history["cof"], "initial", laps)), finite(end["cof"])
+    strength = finite(law.final_strength(history, load=load, finished=result.finished, laps=laps))
+    others = law.calibrations(history, load=load, hardness=study.indentation_hardness, laps=laps)
     return [
         _cof(study, first, last),
         Row("", "cof_input", section.fitted),
@@ -176,7 +184,7 @@ def _cof(study: Study, first: float | None, last: float | None) -> Row:
     if first is None or last is None:
         return Row("", "cof", ends)
     source = ASSUMED if "friction.coefficient" in render.assumptions(study) else INPUT
-    marks = {when: source if when == study.friction.fitted else "" for when in friction.WHEN}
+    marks = {when: source if when == study.friction.fitted else "" for when in passes.WHEN}
     text = shown({f"at first{marks['initial']}": first, f"at the end{marks['end']}": last}, 3)
     area = f"(area: {study.friction.area}; relative to the end: {first / last:.3g})"
     return Row("friction", "cof", ends, sentence=f"{text} {area}")
@@ -223,7 +231,7 @@ def _film(result: ResultFile) -> list[Row]:
     if law.film is None:
         return rows
     fraction = result.history["bare_fraction"]
-    first, last = (friction.mean_over(result.history, fraction, when, study.lap) for when in friction.WHEN)
+    first, last = (passes.mean_over(result.history, fraction, when, study.laps) for when in passes.WHEN)
     text = f"{shown({'at first': first, 'at the end': last}, 3)} of the area in contact"
     film = [
         Row("", "thickness_nm", 1.0e6 * law.film.thickness),

@@ -7,11 +7,11 @@ import numpy as np
 
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BODIES
-from warpwear.laws import friction
+from warpwear.laws.passes import WHEN, mean_over
 from warpwear.results.evolution import settling, surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.report import Row, entries, finite, record, shown
-from warpwear.results.track import groove, roughness_in_track
+from warpwear.results.track import both_directions, groove, roughness_in_track
 
 
 def arrangement(result: ResultFile) -> list[Row]:
@@ -37,9 +37,7 @@ def arrangement(result: ResultFile) -> list[Row]:
 def track(result: ResultFile) -> list[Row]:
     """Declare groove, passes and what was displaced, of a swept run."""
     study, history, layout = result.study, result.history, result.study.track
-    first, last = (
-        friction.mean_over(history, history["area_contact"], when, study.lap) for when in friction.WHEN
-    )
+    first, last = (mean_over(history, history["area_contact"], when, study.laps) for when in WHEN)
     passes, displaced = float(history["distance"][-1]) / layout.stroke, history["plastic_volume_disc"][-1]
     rows = [
         Row("", "length_mm", layout.cells * layout.cell),
@@ -49,12 +47,27 @@ def track(result: ResultFile) -> list[Row]:
         ),
         Row("", "shift_cells", layout.shift),
         Row("", "area_contact_mm2_of_passes", {"first": first, "last": last}),
+        *_directions(result),
         *_groove(result),
         Row("", "plastic", study.sliding.plastic),
         Row("displaced", "plastic_volume_mm3", float(displaced)),
         *_parts(history),
     ]
     return [Row("", "track", rows)]
+
+
+def _directions(result: ResultFile) -> list[Row]:
+    """Declare area and friction of both directions of the last cycle; nothing where there is none."""
+    ways = {name: both_directions(result.study, result.history, name) for name in ("area_contact", "cof")}
+    area, cof = ways["area_contact"], ways["cof"]
+    if area is None or cof is None:
+        return []
+    numbers = {
+        key: {"forward": way.forward, "backward": way.backward}
+        for key, way in (("area_contact_mm2", area), ("cof", cof))
+    }
+    text = f"area in contact {shown(numbers['area_contact_mm2'])} mm², friction {shown(numbers['cof'], 3)}"
+    return [Row("directions", "last_cycle", numbers, sentence=text)]
 
 
 def _groove(result: ResultFile) -> list[Row]:

@@ -20,6 +20,7 @@ from warpwear.history.rows import Rows
 from warpwear.history.snapshot import Snapshot
 from warpwear.results.check import check_snapshots
 from warpwear.results.seal import versions
+from warpwear.results.track import doubt_of_directions
 from warpwear.results.writer import ResultWriter
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.runs.checkpoint import Checkpoint, Checkpoints, StoredCheckpoint, checksum, opened
@@ -278,7 +279,7 @@ class StepLoop:
         history = {column.name: self._rows.column(column.name) for column in columns_of(self.study)}
         study = self.study
         history["cof"] = study.friction.law.coefficient(
-            history, load=study.contact.load, finished=finished, lap=study.lap
+            history, load=study.contact.load, finished=finished, laps=study.laps
         )
         return history
 
@@ -331,9 +332,11 @@ class StepLoop:
                 f"whose area it changes by more than {100.0 * AREA_ERROR:g} % by estimate: a smaller one is "
                 "needed."
             )
+        if doubt := doubt_of_directions(self.study, history):
+            self._add_warning(doubt)
         friction = self.study.friction
         tau = friction.law.final_strength(
-            history, load=self.study.contact.load, finished=self.finished, lap=self.study.lap
+            history, load=self.study.contact.load, finished=self.finished, laps=self.study.laps
         )
         strengths = {
             "shear strength τ0": tau,
