@@ -63,6 +63,22 @@ def test_what_is_not_known_between_patches_is_left_open() -> None:
     assert "along sliding Rq – µm" in summary_text(summarise(result))
 
 
+def test_roughness_that_is_the_length_of_a_step_is_not_printed() -> None:
+    """A ball that wears as dust is averaged along each step; one that wears in pieces is not."""
+    changes = {"grid__cell": "10 um", "output__snapshots": ["3 mm"], "contact__law": "half-space"}
+    result, rows = rows_of(small("representative", **changes))
+    ball, disc = (result.summary["inner_scar"][body] for body in ("sphere", "disc"))
+    assert "Rq" not in rows["sphere, inner sc"]
+    assert ball["rq_along_um"] is not None
+    assert ball["rq_along_of"].startswith("the length of a step")
+    assert "along sliding Rq" in rows["disc, inner scar"[:16]]
+    assert "rq_along_of" not in disc
+    pieces = {"wear__particle": "40 um", "wear__particle_thickness": "0.6 um"}
+    result, rows = rows_of(small("representative", **changes, **pieces))
+    assert "along sliding Rq" in rows["sphere, inner sc"]
+    assert "rq_along_of" not in result.summary["inner_scar"]["sphere"]
+
+
 def test_a_table_of_patches_is_no_column() -> None:
     history = warpwear.run(Study.load("v3-fine").replace(STILL)).history
     with pytest.raises(

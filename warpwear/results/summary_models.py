@@ -266,7 +266,12 @@ def _inner_scar(result: ResultFile, body: str) -> Row:
     if sq is None:
         return Row("", body, numbers)
     text = f"Sq {sq:.3g} µm" + (f" of {unworn:.3g} µm unworn" if unworn else "")
-    text += f", Sdq {shown(sdq, 2)}, along sliding Rq {shown(rq, 3)} µm"  # not known between patches
+    text += f", Sdq {shown(sdq, 2)}"
+    wear = result.study.wear
+    if body == "sphere" and result.study.is_swept and not (wear.sheds and wear.dust_fraction < 1.0):
+        numbers["rq_along_of"] = "the length of a step, which a sphere that wears as dust is averaged over"
+    else:
+        text += f", along sliding Rq {shown(rq, 3)} µm"  # not known between patches
     if not isinstance(fit, str):
         error = float(f"{fit.length_error:.2g}")
         level = f"{fit.equilibrium:.3g} ± {fit.equilibrium_error:.1g} µm"
