@@ -122,10 +122,35 @@ def _contact(result: ResultFile, end: dict[str, float]) -> list[Row]:
         Row("", "area_real_over_nominal", real),
         *_on_filled(result.load_on_filled),
         Row("pressure", "pressure_MPa", pressures, note=of_steps),
+        *_above_hardness(result),
+        *_by_scheme(result),
         Row("", "pressure_mean_over_steps_MPa", of_steps_all),
         Row("deepest wear", "depth_um", {b: 1.0e3 * end[f"wear_depth_{b}"] for b in BODIES}),
         Row("worn volume", "volume_mm3", {b: end[f"wear_volume_{b}"] for b in BODIES}, digits=5),
     ]
+
+
+def _above_hardness(result: ResultFile) -> list[Row]:
+    """Declare how far pressures of a bearing area exceed the hardness, by the balance's tolerance."""
+    study, most = result.study, float(result.history["pressure_max"].max())
+    percent = 100.0 * (most / study.hardness - 1.0)
+    if not study.uses_bearing_area or percent < 0.1:
+        return []
+    text = f"up to {most:.4g} MPa of {study.hardness:g}: the load is balanced to {study.load_tolerance:g} N"
+    return [Row("above hardness", "pressure_above_hardness_percent", percent, sentence=text)]
+
+
+def _by_scheme(result: ResultFile) -> list[Row]:
+    """Declare which area explicit and implicit steps give a rough contact that yields by wear alone."""
+    study = result.study
+    yields = study.study.model != "micro" or study.contact.law != "local" or study.contact_law().compliance
+    if yields or study.wear.sheds or not study.is_rough or not study.sliding.total or not study.caps_pressure:
+        return []
+    explicit, area = study.stepping.scheme == "explicit", study.contact.load / study.hardness
+    text = f"explicit: the area stays near load over hardness, {area:.3g} mm²; by implicit ones it grows"
+    if not explicit:
+        text = f"implicit: bodies yield by their wear; by explicit ones the area stays near {area:.3g} mm²"
+    return [Row("steps", "load_over_hardness_mm2", area, sentence=text)]
 
 
 def _on_filled(fractions: FloatArray) -> list[Row]:

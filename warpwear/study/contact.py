@@ -222,7 +222,8 @@ class Wear(Section):
     )
     particle_thickness: Length | None = shed_key(
         None,
-        "thickness t of a piece at its middle: 4 Rq of profiles of the worn ball along sliding, form removed, or of flakes in SEM",
+        "thickness t of a piece at its middle: 4 Rq of profiles of the worn ball along sliding, form "
+        "removed, or of flakes in SEM",
     )
     dust_fraction: Annotated[float, Number(Range(or_equal=True, most=1.0))] = shed_key(
         0.0,
