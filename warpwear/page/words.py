@@ -164,7 +164,7 @@ def trust_of(study: Study, s: dict[str, Any], assumptions: list[dict[str, Any]])
         if good
         else "Not as a solution of its equations: not all checks below hold, see residuals and conservation.",
         f"The contact covers {cells:,.0f} cells of {s['cell_um']:g} µm. "
-        "How much the mesh changes is told by a run with half the cell, not by this one.",
+        "Run again with half the cell to see the error of the mesh.",
     ]
     if decisive:
         which = f"{', '.join(decisive)} {'decides' if len(decisive) == 1 else 'decide'} a number above."

@@ -1,0 +1,43 @@
+"""Sentences of the pages that readers had to read twice stay as they were mended."""
+
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+#: Page -> what it says, and what it said.
+SENTENCES = [
+    (
+        "docs/theory/half-space.md",
+        "The preconditioner acts on the whole surface, but only free cells may move",
+        "To serve",
+    ),
+    ("docs/theory/track.md", "the dent is the whole overlap of such a cell", "it is all by which"),
+    (
+        "docs/theory/wear-and-friction.md",
+        "a step's wear does not soften the contact",
+        "lends the contact no compl",
+    ),
+    ("docs/theory/wear-and-friction.md", "Quote the last line, the net section", "Of its lines of sections"),
+    ("docs/theory/wear-and-friction.md", "allowing for correlated neighbours", "go together counted as such"),
+    ("docs/theory/limits.md", "60 % of the load is at first on the wrong patches", "lie at first to 60 %"),
+    ("docs/how-to/inference.md", "Their residuals are correlated over a distance", "residuals go together"),
+    ("docs/how-to/inference.md", "changes in steps of whole cells; the inference smooths it", "ring by ring"),
+    ("docs/how-to/sweeps.md", "only steady rises or falls", "falls throughout"),
+    ("docs/how-to/sweeps.md", "a warning names the folder", "is told with its folder"),
+    ("docs/validation/ball-on-plate.md", "After any sliding distance", "After any way"),
+    ("docs/validation/ball-on-plate.md", "but not where along a section", "It says nothing of where"),
+    ("docs/how-to/before-and-after.md", "so do single worn asperities", "that have worn alone"),
+    (
+        "warpwear/page/words.py",
+        "Run again with half the cell to see the error of the mesh.",
+        "How much the mesh",
+    ),
+]
+
+
+@pytest.mark.parametrize(("page", "mended", "before"), SENTENCES)
+def test_a_sentence_that_was_mended_stays_so(page: str, mended: str, before: str) -> None:
+    text = " ".join((ROOT / page).read_text(encoding="utf-8").split())
+    assert mended in text
+    assert before not in text
