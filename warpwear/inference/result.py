@@ -206,7 +206,9 @@ class Inference:
             ]
             for row in self.computed()
         ]
-        tests = [[test.label, f"± {100 * test.expected:.2g} %"] for test in self.tests]
+        tests = [
+            [test.label, _count_tests(test.repeats), f"± {100 * test.expected:.2g} %"] for test in self.tests
+        ]
         now = f"{100 * self.tests[0].now:.2g}" if tests else ""
         last = {f"next tests for {self.target}, now ± {now} %": tests}
         return "\n".join(
@@ -301,3 +303,7 @@ def _scar_by_volume(posterior: Posterior) -> list[str]:
         f"The reason: at rest all that wears lies in the scar. The {which}, {volume:.3g} mm³, makes one of "
         f"{size:.2f} mm or more, and measured is {scars[0].value:.2f} mm."
     ]
+
+
+def _count_tests(number: int) -> str:
+    return "1 test" if number == 1 else f"{number} tests"

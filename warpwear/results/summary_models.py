@@ -8,7 +8,7 @@ import numpy as np
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BODIES
 from warpwear.laws.passes import WHEN, mean_over
-from warpwear.results.evolution import settling, surface_evolution
+from warpwear.results.evolution import growth_of_view, settling, surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.report import Row, entries, finite, record, shown
 from warpwear.results.track import both_directions, groove, roughness_in_track
@@ -252,14 +252,16 @@ def _inner_scar(result: ResultFile, body: str) -> Row:
     sq, sdq, rq = (last.get(f"{name}_{body}") for name in ("sq", "sdq", "rq"))
     unworn, fit = last.get("sq_disc_unworn") if body == "disc" else 0.0, settling(result, body)
     numbers: dict[str, Any] = {"sq_um": sq, "sdq": sdq, "rq_along_um": rq, "sq_unworn_um": unworn}
+    grown = growth_of_view(result)
     if isinstance(fit, str):
         numbers |= {"settling": None, "not_settling": fit}
     else:
         numbers["settling"] = {
             "equilibrium_um": fit.equilibrium,
             "equilibrium_error_um": fit.equilibrium_error,
-            "running_in_length_mm": fit.length,
-            "running_in_length_error_mm": fit.length_error,
+            "running_in_length_mm": None if grown else fit.length,
+            "running_in_length_error_mm": None if grown else fit.length_error,
+            **({"no_length": grown} if grown else {}),
             "initial_um": fit.initial,
             "rms_um": fit.rms,
         }
@@ -275,5 +277,6 @@ def _inner_scar(result: ResultFile, body: str) -> Row:
     if not isinstance(fit, str):
         error = float(f"{fit.length_error:.2g}")
         level = f"{fit.equilibrium:.3g} ± {fit.equilibrium_error:.1g} µm"
-        text += f"; Sq settles at {level} over {fit.length:.3g} ± {error:g} mm"
+        text += f"; Sq settles at {level}"
+        text += f" ({grown})" if grown else f" over {fit.length:.3g} ± {error:g} mm"
     return Row(f"{body}, inner scar", body, numbers, sentence=text)

@@ -16,8 +16,8 @@ RESAMPLES = 1000
 class Indices:
     """Sobol's indices of one output, each of shape (factors,), with the ends of their intervals (2, factors).
 
-    first: the part of the output's variance that an input explains by itself; total: the part that goes when
-    it alone is known, interactions included.
+    first: the part of the output's variance that goes when an input alone is known; total: the part that
+    would be left if all others were known, interactions included.
     """
 
     first: FloatArray
