@@ -461,3 +461,19 @@ def test_a_hardness_that_decides_nothing_is_told_with_the_reason() -> None:
     )
     assert "contact.hardness without influence at the end: a disc at rest runs in" in late
     assert "without influence" not in early
+
+
+def test_a_table_holds_no_formula_of_a_spreadsheet(tmp_path: Path) -> None:
+    """As in the table of a comparison; the run is found again, so that the sweep may go on."""
+    names = ["=1+2", "plain"]
+    for _ in range(2):
+        warpwear.sweep(
+            small(),
+            vary={"study.description": names, "contact.load": ["8 N"]},
+            out=tmp_path / "out",
+            workers=1,
+        )
+    text = (tmp_path / "out" / "table.csv").read_text(encoding="utf-8")
+    assert "'=1+2" in text
+    assert ",=1+2" not in text
+    assert "\n=1+2" not in text
