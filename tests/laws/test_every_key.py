@@ -233,7 +233,7 @@ def test_a_key_is_no_unknown_that_nothing_follows_from(pair: Pair, tmp_path: Pat
 
 def test_a_key_changes_a_calibration_as_it_changes_the_run(pair: Pair) -> None:
     """The strength that is told makes the run's friction what was measured; energies follow the run."""
-    study, history, lap = pair.studies[1], pair.results[1].history, pair.studies[1].lap
+    study, history, laps = pair.studies[1], pair.results[1].history, pair.studies[1].laps
     energies = [json.loads(calibrate_energy(result=f, as_json=True))["energy_J"] for f in pair.folders]
     assert energies[0] != energies[1]
     how = {"result": pair.folders[1], "cof": 0.7, "as_json": True}
@@ -244,5 +244,5 @@ def test_a_key_changes_a_calibration_as_it_changes_the_run(pair: Pair) -> None:
     for when, place in (("initial", 0), ("end", -1)):
         strength = f"{told[f'shear_strength_{when}_MPa']!r} MPa"
         law = study.replace({"friction.shear_strength": strength}).friction.law
-        cof = law.coefficient(history, load=study.contact.load, finished=True, lap=lap)
+        cof = law.coefficient(history, load=study.contact.load, finished=True, laps=laps)
         assert math.isclose(cof[place], 0.7, rel_tol=1e-5), when

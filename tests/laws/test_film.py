@@ -45,6 +45,16 @@ def test_a_course_is_fitted(plateau: float, start: float, length: float) -> None
     assert_allclose(found.at(distance), exact, atol=0.01)
 
 
+@pytest.mark.parametrize("end", [300.0, 900.0, 2400.0])
+def test_errors_of_a_fit_hold_a_plateau_that_creeps(end: float) -> None:
+    """The length then depends on where the course ends, which its scatter does not show."""
+    distance = np.arange(15.0, end, 30.0)
+    rises = 0.81 * (1.0 - np.exp(-np.maximum(distance - 36.0, 0.0) / 85.0))
+    fit = fit_breaking(distance, rises + 4e-5 * distance)
+    assert isinstance(fit, Breaking)
+    assert abs(fit.length - 85.0) < 3.0 * fit.length_error
+
+
 def test_where_no_course_can_be_fitted_it_is_said_why() -> None:
     distance = np.arange(15.0, 900.0, 30.0)
     assert fit_breaking(distance[:5], 0.1 * distance[:5]) == "the course has 5 places, where 6 are needed"

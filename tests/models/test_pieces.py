@@ -306,6 +306,20 @@ def test_what_is_worn_and_what_is_pending_are_archards_volume_at_every_step(
     assert np.all((pieces["diameter"] > 0.0) & (pieces["diameter"] <= 20e-3 * (1.0 + 1e-9)))
 
 
+@pytest.mark.parametrize("shift", [1, 2, 4, 8])
+@pytest.mark.parametrize("law", ["half-space", "local"])
+def test_dust_alone_is_archards_wear_at_every_shift(shift: int, law: str) -> None:
+    """Nothing is pending then: the dust is averaged along a step, and the step divided, as without pieces."""
+    changes = {"sliding__shift": shift, "sliding__distance": "6 mm", "contact__law": law}
+    dust = warpwear.run(study_of("track", wear__dust_fraction=1.0, **changes)).history
+    names = ("particle", "particle_thickness", "dust_fraction", "pending_start")
+    plain = {name: value for name, value in SMALL.items() if name.removeprefix("wear.") not in names}
+    study = Study.load("v3-fine").replace(plain | ARRANGEMENTS["track"])
+    archard = warpwear.run(study.replace({k.replace("__", "."): v for k, v in changes.items()})).history
+    for name in ("area_contact", "cof", "wear_volume_sphere", "wear_volume_disc", "wear_depth_disc"):
+        assert_allclose(dust[name], archard[name], rtol=1e-9, err_msg=name)
+
+
 def test_no_pit_is_much_deeper_than_a_piece() -> None:
     """Cuts go down to a crack surface: pits do not run away, as those of subtracted bowls do."""
     with warpwear.run(study_of("track", sliding__distance="18 mm")) as result:

@@ -2,6 +2,8 @@
 
 import ast
 import base64
+import hashlib
+import html
 import inspect
 import json
 import re
@@ -327,3 +329,32 @@ def test_without_scripts_pictures_stand_there(browser: Any, page_of: Callable[..
     assert page.locator("img.static:visible").count() >= 5
     assert page.locator(".plot:visible").count() == 0
     page.close()
+
+
+def test_a_script_that_slipped_through_does_not_run(browser: Any, page_of: Callable[..., Path]) -> None:
+    """Escaping is not the only barrier: the page's policy names its own scripts by what they are."""
+    path = page_of("measured")
+    text = path.read_text(encoding="utf-8")
+    assert "script-src &#39;sha256-" in text
+    evil = path.with_name("evil.html")
+    evil.write_text(
+        text.replace("<body", "<body onload='document.title=1'", 1).replace(
+            "</body>", "<script>document.title = 'taken'</script></body>"
+        ),
+        encoding="utf-8",
+    )
+    page = browser.new_page()
+    page.goto(evil.as_uri())
+    page.wait_for_function("document.documentElement.classList.contains('scripted')")
+    assert page.title() not in ("taken", "1")
+    page.close()
+
+
+def test_the_policy_of_a_page_names_its_scripts(page_of: Callable[..., Path]) -> None:
+    text = page_of("measured", quick=True).read_text(encoding="utf-8")
+    script = text.rpartition("<script>")[2].partition("</script>")[0]
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    policy = html.unescape(text.partition('Content-Security-Policy" content="')[2].partition('"')[0])
+    assert f"script-src 'sha256-{digest}'" in policy
+    assert policy.startswith("default-src 'none'")
+    assert "unsafe-eval" not in policy

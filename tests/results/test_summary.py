@@ -63,6 +63,47 @@ def test_what_is_not_known_between_patches_is_left_open() -> None:
     assert "along sliding Rq – µm" in summary_text(summarise(result))
 
 
+def test_roughness_that_is_the_length_of_a_step_is_not_printed() -> None:
+    """A ball that wears as dust is averaged along each step; one that wears in pieces is not."""
+    changes = {"grid__cell": "10 um", "output__snapshots": ["3 mm"], "contact__law": "half-space"}
+    result, rows = rows_of(small("representative", **changes))
+    ball, disc = (result.summary["inner_scar"][body] for body in ("sphere", "disc"))
+    assert "Rq" not in rows["sphere, inner sc"]
+    assert ball["rq_along_um"] is not None
+    assert ball["rq_along_of"].startswith("the length of a step")
+    assert "along sliding Rq" in rows["disc, inner scar"[:16]]
+    assert "rq_along_of" not in disc
+    pieces = {"wear__particle": "40 um", "wear__particle_thickness": "0.6 um"}
+    result, rows = rows_of(small("representative", **changes, **pieces))
+    assert "along sliding Rq" in rows["sphere, inner sc"]
+    assert "rq_along_of" not in result.summary["inner_scar"]["sphere"]
+
+
+@pytest.mark.parametrize(("scheme", "times"), [("explicit", 1.1), ("implicit", 10.0)])
+def test_the_scheme_of_steps_is_told_with_the_area_that_it_gives(scheme: str, times: float) -> None:
+    """A rough contact that yields by wear alone keeps load over hardness, or grows twentyfold."""
+    changes = {"grid.cell": "10 um", "stepping.scheme": scheme, "stepping.force": True}
+    result, rows = rows_of(Study.load("v3-fine").replace(STILL | changes))
+    assert rows["steps"].startswith(f"{scheme}: ")
+    assert "0.0136 mm²" in rows["steps"]
+    area = result.summary["load_over_hardness_mm2"]
+    assert area == pytest.approx(8.0 / 590.0)
+    assert (result.summary["area_mm2"]["contact"] > times * area) == (scheme == "implicit")
+    springs = Study.load("v3-fine").replace(STILL | {"contact.stiffness": "1e6 N/mm^3"})
+    assert "steps" not in rows_of(springs)[1]
+
+
+def test_pressures_above_the_hardness_are_told() -> None:
+    """The preset v3 balances its load to 0.5 N, in cells whose number is whole."""
+    short = {"sliding.distance": "30 mm", "output.snapshots": []}
+    result, rows = rows_of(Study.load("v3").replace(short))
+    most = result.history["pressure_max"].max()
+    assert most > 600.0
+    assert rows["above hardness"] == f"up to {most:.4g} MPa of 590: the load is balanced to 0.5 N"
+    assert result.summary["pressure_above_hardness_percent"] == pytest.approx(100.0 * (most / 590.0 - 1.0))
+    assert "above hardness" not in rows_of(Study.load("v3-fine").replace(STILL))[1]
+
+
 def test_a_table_of_patches_is_no_column() -> None:
     history = warpwear.run(Study.load("v3-fine").replace(STILL)).history
     with pytest.raises(

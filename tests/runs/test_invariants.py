@@ -23,6 +23,7 @@ from warpwear.models.rest.local import OneScaleModel
 from warpwear.models.track.local import SlidingContact
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.runs.invariants import Invariants
+from warpwear.study.rules_track import worn_patch
 
 SMALL = {
     "grid.cell": "20 um",
@@ -216,7 +217,7 @@ def test_a_contact_at_the_edge_leaves_the_run_so_far(
         "warpwear: grid.extent = 0.44 mm is too small: the contact reached the domain's edge"
     )
     assert told.endswith(
-        "a larger extent is needed. The run folder out holds the steps so far. "
+        "a larger extent is needed, of about 0.49 mm. The run folder out holds the steps so far. "
         "To continue anyway, set checks.strict=false and resume it (--resume, resume=True)."
     )
     with Result.open("out") as result:
@@ -239,8 +240,28 @@ def test_a_contact_at_the_edge_leaves_the_run_so_far(
 
 
 def test_in_memory_nothing_can_be_kept() -> None:
-    with pytest.raises(InputError, match=r"domain's edge .*; a larger extent is needed\.$"):
+    with pytest.raises(
+        InputError, match=r"domain's edge .*; a larger extent is needed, of about 0\.\d+ mm\.$"
+    ):
         warpwear.run(small().replace(AT_EDGE))
+
+
+def test_the_extent_that_is_told_holds_the_contact() -> None:
+    with pytest.raises(InputError) as refused:
+        warpwear.run(small().replace(AT_EDGE))
+    needed = float(str(refused.value).rpartition("of about ")[2].removesuffix(" mm."))
+    cell = small().grid.cell
+    enough = f"{math.ceil(needed / cell) * cell:.6g} mm"
+    assert warpwear.run(small().replace(AT_EDGE | {"grid.extent": enough})).finished
+
+
+def test_an_extent_that_roughness_may_fill_is_told_before() -> None:
+    study = small().replace(AT_EDGE | {"grid.cell": "5 um"})
+    patch = worn_patch(study)
+    for factor, expected in ((1.02, True), (1.3, False)):
+        cells = math.ceil(factor * patch / study.grid.cell)
+        notices = study.replace({"grid.extent": f"{cells * study.grid.cell:.6g} mm"}).notices()
+        assert any("may be too small" in notice and "would do" in notice for notice in notices) == expected
 
 
 @pytest.mark.parametrize(

@@ -29,6 +29,7 @@ from warpwear.sweeps.figures import courses
 from warpwear.sweeps.plan import Plan, section_of
 from warpwear.sweeps.points import task_of
 from warpwear.sweeps.pool import WorkerDiedError, Workers, local_workers
+from warpwear.sweeps.report import summary_text
 from warpwear.sweeps.run_one import Row, run_one
 from warpwear.sweeps.sweep import make_runs, share_runs
 from warpwear.sweeps.table import SweepResult
@@ -449,3 +450,30 @@ def test_a_sweep_in_a_log_tells_how_far_it_is(
     told = capfd.readouterr().err
     assert "already holds a sweep; resume it (--resume), or give another folder (--out)." in told
     assert "overwrite" not in told  # the command has no such option
+
+
+def test_a_hardness_that_decides_nothing_is_told_with_the_reason() -> None:
+    """A disc at rest runs in until no cell bears the hardness; early it decides."""
+    vary = {"contact.hardness": ["500 MPa", "700 MPa"], "contact.load": ["6 N", "8 N"]}
+    late, early = (
+        summary_text(warpwear.sweep(small().replace({"sliding.distance": d}), vary=vary, workers=1))
+        for d in ("60 mm", "0.1 mm")
+    )
+    assert "contact.hardness without influence at the end: a disc at rest runs in" in late
+    assert "without influence" not in early
+
+
+def test_a_table_holds_no_formula_of_a_spreadsheet(tmp_path: Path) -> None:
+    """As in the table of a comparison; the run is found again, so that the sweep may go on."""
+    names = ["=1+2", "plain"]
+    for _ in range(2):
+        warpwear.sweep(
+            small(),
+            vary={"study.description": names, "contact.load": ["8 N"]},
+            out=tmp_path / "out",
+            workers=1,
+        )
+    text = (tmp_path / "out" / "table.csv").read_text(encoding="utf-8")
+    assert "'=1+2" in text
+    assert ",=1+2" not in text
+    assert "\n=1+2" not in text

@@ -8,7 +8,7 @@ from typing import Any
 from warpwear.calibration import options
 from warpwear.calibration.friction import FrictionFit, ShearFit, fit_friction
 from warpwear.errors import InputError
-from warpwear.laws import friction
+from warpwear.laws import friction, passes
 from warpwear.laws.friction import FrictionLaw
 from warpwear.measured.course import read_experiment
 from warpwear.measured.options import optional, quantity, refuse
@@ -117,14 +117,14 @@ def _of_run(
     """
     with Result.open(folder) as result:
         study, history, finished = result.study, result.history, result.finished
-    load, lap = study.contact.load, study.lap
+    load, laps = study.contact.load, study.laps
     ploughing = study.friction.ploughing if ploughing is None else ploughing
     law = _law(study, folder, coefficient=cof, ploughing=ploughing)
-    taus = law.calibrations(history, load=load, hardness=study.indentation_hardness, lap=lap)
+    taus = law.calibrations(history, load=load, hardness=study.indentation_hardness, laps=laps)
     sizes: dict[str, list[Row]] = {}
     for name in AREAS if area is None else (area,):
         columns = history, history[f"area_{name}"]
-        start, end = (friction.mean_over(*columns, when, lap) for when in friction.WHEN)
+        start, end = (passes.mean_over(*columns, when, laps) for when in passes.WHEN)
         sizes[name] = [
             Row("area", "", WORDS[name]),
             Row("at the start", "area_initial_mm2", start),

@@ -10,7 +10,7 @@ from warpwear.comparison.groups import RunData
 from warpwear.comparison.scar import lines_of, record_of
 from warpwear.history.end_values import END_VALUES, ENDS, Value, value_in
 from warpwear.measured.experiment import Experiment
-from warpwear.results.report import aligned, shown, to_json, without_nan
+from warpwear.results.report import aligned, quoted, shown, to_json, without_nan
 from warpwear.version import __version__
 
 SHAPES = (
@@ -20,7 +20,7 @@ SHAPES = (
 )
 #: Said where a run is swept.
 PASSES = (
-    "Of swept runs area in contact, mean pressure and CoF at the end are means of the last pass; m, λ and "
+    "Of swept runs area in contact, mean pressure and CoF at the end are means of the last cycle; m, λ and "
     "differences from an experiment (rms) are of the means of whole passes."
 )
 
@@ -129,13 +129,8 @@ def write_csv(comparison: Comparison, path: Path) -> None:
                 cells += [scatter[name].get(key) for key in names]
                 cells += [values["runs"], "; ".join(folders.get(name, []))]
             cells = [without_nan(cell) for cell in cells]
-            written = ["" if v is None else _quoted(v) if isinstance(v, str) else f"{v:.12g}" for v in cells]
-            writer.writerow([_quoted(name), values["kind"], *written])
-
-
-def _quoted(text: str) -> str:
-    """Put an apostrophe before what a spreadsheet would compute as a formula."""
-    return f"'{text}" if text.startswith(("=", "+", "-", "@", "\t", "\r")) else text
+            written = ["" if v is None else quoted(v) if isinstance(v, str) else f"{v:.12g}" for v in cells]
+            writer.writerow([quoted(name), values["kind"], *written])
 
 
 def write_json(comparison: Comparison, path: Path) -> None:

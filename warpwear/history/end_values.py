@@ -14,7 +14,7 @@ def _new(name: str, units: str, label: str, entry: str = "") -> Quantity:
 
 
 def _last(column: str, entry: str, **changes: Any) -> Quantity:
-    """Declare the last value of a column of the history, of a swept run that of the last pass."""
+    """Declare the last value of a column of the history, of a swept run the mean of the last cycle."""
     return replace(BY_NAME[column], entry=entry, **changes)
 
 

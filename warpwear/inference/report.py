@@ -93,7 +93,8 @@ def content_of(inference: Inference) -> dict[str, Any]:
         "untouched": list(inference.identified.untouched),
         "target": inference.target,
         "next_tests": [
-            {"test": t.label, "relative_now": t.now, "relative_expected": t.expected} for t in inference.tests
+            {"test": t.label, "tests": t.repeats, "relative_now": t.now, "relative_expected": t.expected}
+            for t in inference.tests
         ],
         "more_tests_to_10_percent": dict(inference.repeats),
         "samples": {

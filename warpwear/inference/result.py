@@ -238,7 +238,9 @@ class Inference:
             ]
             for row in self.computed()
         ]
-        tests = [[test.label, f"± {100 * test.expected:.2g} %"] for test in self.tests]
+        tests = [
+            [test.label, _count_tests(test.repeats), f"± {100 * test.expected:.2g} %"] for test in self.tests
+        ]
         now = f"{100 * self.tests[0].now:.2g}" if tests else ""
         last = {f"next tests for {self.target}, now ± {now} %": tests}
         return "\n".join(
@@ -285,3 +287,7 @@ def _wider(unknown: Unknown, end: str) -> str:
         low, high = first - (second - first), second + (second - first)
     ends = (max(low, unknown.least), second) if end == "lower" else (first, min(high, unknown.most))
     return f"{unknown.prior.kind} {ends[0]:.4g} .. {ends[1]:.4g} {unknown.unit}".rstrip()
+
+
+def _count_tests(number: int) -> str:
+    return "1 test" if number == 1 else f"{number} tests"

@@ -19,6 +19,7 @@ from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
 from warpwear.results.summary import course
 from warpwear.study.study import Study
+from warpwear.sweeps.plan import Plan, SweepSection
 from warpwear.sweeps.points import points_of, task_of
 from warpwear.sweeps.run_one import Row, run_one
 from warpwear.sweeps.sweep import sweep
@@ -158,6 +159,7 @@ def make_runs(
         if count < (fewest := 3 * len(inputs) + 5):
             raise InputError(f"runs = {count}: at least {fewest} are needed for {len(inputs)} unknowns")
         vary: dict[str, Any] = {unknown.key: unknown.prior for unknown in inputs}
+        _foresee(study, vary, count=count, seed=seed, device=device)
         design = sweep(study, vary=vary, design="sobol", samples=count, seed=seed, out=out, device=device)
         failed = [row.status for row in design.rows if row.status != "done"]
         if failed:
@@ -172,6 +174,21 @@ def make_runs(
     whole = tuple(_whole(row, folder) for row, folder in zip(rows, folders, strict=True))
     rough = np.array([_roughness(folder) for folder in folders]) if roughness else None
     return Runs(study, inputs, places, whole, scaled, cut, rough, part or 1.0)
+
+
+def _foresee(study: Study, vary: dict[str, Any], *, count: int, seed: int, device: str) -> None:
+    """Refuse priors of which some samples make no study, before any run. vary, count: as of a design."""
+    design = SweepSection(vary=vary, design="sobol", samples=count, seed=seed)
+    points = [point for point in Plan(study, design, device=device).points if point.study is None]
+    if not points:
+        return
+    cure = "narrower priors are needed"
+    if "explicit stability limit" in points[0].problem:
+        cure = "stepping.scheme = 'implicit', smaller increments or narrower priors are needed"
+    raise InputError(
+        f"{len(points)} of {count} runs over the priors of {', '.join(vary)} make no study: "
+        f"{points[0].problem.removesuffix('.')}. None was made; {cure}"
+    )
 
 
 def _whole(row: Row, folder: Path) -> Row:

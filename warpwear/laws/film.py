@@ -6,7 +6,7 @@ doi 10.1098/rspa.1959.0114; α is 9 to 27 there).
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -67,8 +67,21 @@ class Breaking:
 def fit_breaking(distance: FloatArray, fraction: FloatArray) -> Breaking | str:
     """Fit the course of a bare fraction by least squares; or say in half a sentence why it cannot be.
 
-    distance: [mm], rising. fraction: 0 to 1.
+    A plateau that creeps makes the constants depend on where the course ends, which the scatter about it does
+    not know: errors hold what changes without its second half. distance: [mm], rising. fraction: 0 to 1.
     """
+    whole, half = _fitted(distance, fraction), max(distance.size // 2, FEWEST_PLACES)
+    if isinstance(whole, str) or isinstance(early := _fitted(distance[:half], fraction[:half]), str):
+        return whole
+    return replace(
+        whole,
+        plateau_error=math.hypot(whole.plateau_error, whole.plateau - early.plateau),
+        length_error=math.hypot(whole.length_error, whole.length - early.length),
+    )
+
+
+def _fitted(distance: FloatArray, fraction: FloatArray) -> Breaking | str:
+    """Fit a course by least squares; errors are those of its scatter."""
     if distance.size < FEWEST_PLACES:
         return f"the course has {distance.size} places, where {FEWEST_PLACES} are needed"
     highest = float(fraction.max())

@@ -8,15 +8,14 @@ the mean over the cells in contact, of which a fraction is bare.
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from warpwear.grid import FloatArray
 from warpwear.laws.junctions import junction_strength
+from warpwear.laws.passes import WHEN, Laps, When, mean_over
 
-When = Literal["initial", "end"]
-WHEN: tuple[When, When] = ("initial", "end")
 AREAS = ("contact", "touched", "cumulative", "nominal")
 #: Keys of [friction] that the coefficient is linear in: the offset, and the shear strengths.
 PLOUGHING, STRENGTH, FILM_STRENGTH = "ploughing", "shear_strength", "film.shear_strength"
@@ -120,32 +119,32 @@ class FrictionLaw:
         return np.asarray(bare if filmed is None else filmed + (bare - filmed) * history["bare_fraction"])
 
     def final_strength(
-        self, history: Mapping[str, FloatArray], *, load: float, finished: bool, lap: float | None = None
+        self, history: Mapping[str, FloatArray], *, load: float, finished: bool, laps: Laps | None = None
     ) -> float:
         """Return τ0 [MPa], as given or as calibrated; NaN while it waits for the end.
 
-        load: F [N]. finished: whether the history is whole. lap: what is slid in a pass over a track [mm].
+        load: F [N]. finished: whether the history is whole. laps: of a sphere on a track.
         """
         when = self.values["calibrate"]
         if self.values[STRENGTH] is not None:
             return self.values[STRENGTH]
         if when == "end" and not finished:
             return math.nan
-        return self.strength_for(history, when, area=self.area, load=load, lap=lap)
+        return self.strength_for(history, when, area=self.area, load=load, laps=laps)
 
     def strength_for(
-        self, history: Mapping[str, FloatArray], when: When, *, area: str, load: float, lap: float | None
+        self, history: Mapping[str, FloatArray], when: When, *, area: str, load: float, laps: Laps | None
     ) -> float:
         """Return τ0 = (μ0 − μ_p) F / A0 [MPa], by which the measured coefficient holds (eq 4.19).
 
-        when: at the start or the end; A0 is the mean over the first or the last lap [mm], as an area changes
-        with the place on a track. A0 contains `factor`.
+        when: at the start or the end; A0 is the mean over the first pass or the last cycle, as an area
+        changes with the place on a track. A0 contains `factor`.
         """
-        sheared = mean_over(history, history[f"area_{area}"] * self.factor(history), when, lap)
+        sheared = mean_over(history, history[f"area_{area}"] * self.factor(history), when, laps)
         return fitted_strength(self.values["coefficient"], self.values[PLOUGHING], load=load, area=sheared)
 
     def calibrations(
-        self, history: Mapping[str, FloatArray], *, load: float, hardness: float, lap: float | None = None
+        self, history: Mapping[str, FloatArray], *, load: float, hardness: float, laps: Laps | None = None
     ) -> dict[str, float]:
         """Return τ0 [MPa] by which the measured coefficient holds with each area, at the start and the end.
 
@@ -155,7 +154,7 @@ class FrictionLaw:
         if self.values["coefficient"] <= self.values[PLOUGHING]:  # nothing is left to shear
             return {}
         strengths = {
-            f"{area}_{when}": self.strength_for(history, when, area=area, load=load, lap=lap)
+            f"{area}_{when}": self.strength_for(history, when, area=area, load=load, laps=laps)
             for area in AREAS
             for when in WHEN
         }
@@ -165,24 +164,3 @@ class FrictionLaw:
 def fitted_strength(coefficient: float, ploughing: float, *, load: float, area: float) -> float:
     """Return τ0 = (μ0 − μ_p) F / A [MPa] (thesis eq 4.19)."""
     return (coefficient - ploughing) * load / area
-
-
-def mean_over(history: Mapping[str, FloatArray], values: FloatArray, when: When, lap: float | None) -> float:
-    """Mean of a column over the first or the last lap [mm] slid; its first or last value without a lap."""
-    inside = within(history, when, lap)
-    if np.count_nonzero(inside) == 1:
-        return float(values[inside][0])
-    return float(np.average(values[inside], weights=history["increment"][inside]))
-
-
-def within(
-    history: Mapping[str, FloatArray], when: When, lap: float | None
-) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
-    """The steps of the first or the last lap [mm] slid; the first or the last step without a lap."""
-    distance = history["distance"]
-    if lap is None or distance[-1] == 0.0:
-        inside = np.zeros(distance.size, dtype=bool)
-        inside[-1 if when == "end" else 0] = True
-        return inside
-    middle = distance - 0.5 * history["increment"]
-    return middle > distance[-1] - lap if when == "end" else middle < lap

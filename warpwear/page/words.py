@@ -72,7 +72,7 @@ def asked_of(study: Study, distance: float) -> str:
 def answers_of(study: Study, s: dict[str, Any]) -> list[Answer]:
     """Give the five numbers that answer the question."""
     pressure = s["pressure_MPa"]
-    of_pass = ", mean of the last pass" if "track" in s else ""
+    of_pass = f", mean of the {s['end_values']}" if "track" in s else ""
     spread = f"standard deviation {pressure['std']:.3g} MPa"
     spread = spread if pressure["std"] > 1e-6 * pressure["mean"] else "uniform"
     error = s.get("track", {}).get("parts", {}).get("estimated_error_at_most", 0.0)
@@ -165,7 +165,7 @@ def trust_of(study: Study, s: dict[str, Any], assumptions: Lines, checks: Lines)
         if good
         else "Not as a solution of its equations: not all checks below hold, see residuals and conservation.",
         f"The contact covers {cells:,.0f} cells of {s['cell_um']:g} µm. "
-        "How much the mesh changes is told by a run with half the cell, not by this one.",
+        "Run again with half the cell to see the error of the mesh.",
     ]
     if decisive:
         which = f"{', '.join(decisive)} {'decides' if len(decisive) == 1 else 'decide'} a number above."

@@ -25,6 +25,8 @@ from warpwear.surfaces.worn.scar import Texture, ellipse, fine_spectrum, roughne
 MIDDLE = 0.5
 #: Most places along a track at which the disc's texture is taken.
 PLACES = 16
+#: Part by which the unworn roughness in the inner scar may change where a way to an equilibrium has a length.
+VIEW = 0.1
 
 
 @dataclass(frozen=True)
@@ -194,6 +196,21 @@ def settling_course(result: ResultFile, body: str) -> tuple[FloatArray, FloatArr
     unworn = table["sq_disc_unworn"][after]
     with np.errstate(invalid="ignore", divide="ignore"):  # a disc without roughness
         return slid, unworn[-1] * np.append(1.0, values / unworn)
+
+
+def growth_of_view(result: ResultFile) -> str | None:
+    """Say why the way to an equilibrium has no length, where the inner scar grows while it is looked at.
+
+    The disc's Sq before any wear, in the same cells, then changes, and so does what the ball takes on.
+    """
+    table = surface_evolution(result).table
+    unworn = table["sq_disc_unworn"][(table["distance"] > 0.0) & np.isfinite(table["sq_disc_unworn"])]
+    if not unworn.size or np.ptp(unworn) <= VIEW * unworn[-1]:
+        return None
+    low, high = unworn[0], unworn[-1]
+    return (
+        f"no length, as the inner scar grows: the unworn disc's Sq in it goes from {low:.3g} to {high:.3g} µm"
+    )
 
 
 def settling(result: ResultFile, body: str) -> Settling | str:

@@ -159,6 +159,11 @@ def finite(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
+def quoted(text: str) -> str:
+    """Put an apostrophe before what a spreadsheet would compute as a formula."""
+    return f"'{text}" if text.startswith(("=", "+", "-", "@", "\t", "\r")) else text
+
+
 def _entry(value: Any) -> Any:
     """Turn a row's value into what JSON has: rows into a mapping."""
     if _are_rows(value):

@@ -8,7 +8,7 @@ import numpy as np
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BODIES, BY_NAME
 from warpwear.history.rows import Named
-from warpwear.laws import friction
+from warpwear.laws import passes
 from warpwear.laws.film import Breaking, fit_breaking
 from warpwear.results import summary_models
 from warpwear.results.file import ResultFile
@@ -31,7 +31,7 @@ def summarise(result: ResultFile) -> list[Row]:
     `record` makes summary.json of it, `summary_text` the lines of a terminal.
 
     What goes up and down along a track (approach, cof, areas in contact and at hardness, pressures) is of the
-    last pass of a swept run, as `end_values` says: the means, and the largest pressure.
+    last cycle of a swept run, as `end_values` says: the means, and the largest pressure.
     """
     end = last_values(result)
     rows = [
@@ -61,13 +61,21 @@ def summary_text(rows: Sequence[Row]) -> str:
 
 
 def last_values(result: ResultFile) -> dict[str, float]:
-    """Map each column of the history to its end value, which of a swept run may be of the last pass."""
+    """Map each column of the history to its end value, which of a swept run may be of the last cycle."""
     study, history = result.study, result.history
     end = Named({name: float(values[-1]) for name, values in history.items()})
     for name in OF_A_PASS:
-        end[name] = friction.mean_over(history, history[name], "end", study.lap)
-    end["pressure_max"] = float(history["pressure_max"][friction.within(history, "end", study.lap)].max())
+        end[name] = passes.mean_over(history, history[name], "end", study.laps)
+    end["pressure_max"] = float(history["pressure_max"][passes.within(history, "end", study.laps)].max())
     return end
+
+
+def _end(result: ResultFile) -> str:
+    """Return what the end values are of: both directions of a track, if it was slid over in both."""
+    laps, distance = result.study.laps, float(result.history["distance"][-1])
+    if laps is None:
+        return "last step"
+    return "last cycle" if laps.last(distance) > laps.length else "last pass"
 
 
 def _run(result: ResultFile, end: dict[str, float]) -> list[Row]:
@@ -82,7 +90,7 @@ def _run(result: ResultFile, end: dict[str, float]) -> list[Row]:
             "steps": int(result.history["distance"].size),
             "cell_um": 1.0e3 * study.grid.cell,
             "distance_mm": end["distance"],
-            "end_values": "last pass" if study.is_swept else "last step",
+            "end_values": _end(result),
             "load_N": study.contact.load,
             "hardness_MPa": finite(study.hardness),
             "wear_coefficient_mm3_per_Nm": {body: 1.0e3 * k for body, k in coefficients.items()},
@@ -95,7 +103,7 @@ def _contact(result: ResultFile, end: dict[str, float]) -> list[Row]:
     """Declare scar, areas, pressures and wear."""
     of_pass, of_steps = ", ", ""
     if result.study.is_swept:
-        of_pass, of_steps = "(mean of the last pass), ", ", of the last pass"
+        of_pass, of_steps = f"(mean of the {_end(result)}), ", f", of the {_end(result)}"
     along, across = end["patch_along"], end["patch_across"]
     real, means = end["area_contact"] / end["area_nominal"], result.history["pressure_mean"]
     of_nominal = f"{of_pass}{real:.3g} of the nominal area (the scar as an ellipse)"
@@ -120,10 +128,35 @@ def _contact(result: ResultFile, end: dict[str, float]) -> list[Row]:
         Row("", "area_real_over_nominal", real),
         *_on_filled(result.load_on_filled),
         Row("pressure", "pressure_MPa", pressures, note=of_steps),
+        *_above_hardness(result),
+        *_by_scheme(result),
         Row("", "pressure_mean_over_steps_MPa", of_steps_all),
         Row("deepest wear", "depth_um", {b: 1.0e3 * end[f"wear_depth_{b}"] for b in BODIES}),
         Row("worn volume", "volume_mm3", {b: end[f"wear_volume_{b}"] for b in BODIES}, digits=5),
     ]
+
+
+def _above_hardness(result: ResultFile) -> list[Row]:
+    """Declare how far pressures of a bearing area exceed the hardness, by the balance's tolerance."""
+    study, most = result.study, float(result.history["pressure_max"].max())
+    percent = 100.0 * (most / study.hardness - 1.0)
+    if not study.uses_bearing_area or percent < 0.1:
+        return []
+    text = f"up to {most:.4g} MPa of {study.hardness:g}: the load is balanced to {study.load_tolerance:g} N"
+    return [Row("above hardness", "pressure_above_hardness_percent", percent, sentence=text)]
+
+
+def _by_scheme(result: ResultFile) -> list[Row]:
+    """Declare which area explicit and implicit steps give a rough contact that yields by wear alone."""
+    study = result.study
+    yields = study.study.model != "micro" or study.contact.law != "local" or study.contact_law().compliance
+    if yields or study.wear.sheds or not study.is_rough or not study.sliding.total or not study.caps_pressure:
+        return []
+    explicit, area = study.stepping.scheme == "explicit", study.contact.load / study.hardness
+    text = f"explicit: the area stays near load over hardness, {area:.3g} mm²; by implicit ones it grows"
+    if not explicit:
+        text = f"implicit: bodies yield by their wear; by explicit ones the area stays near {area:.3g} mm²"
+    return [Row("steps", "load_over_hardness_mm2", area, sentence=text)]
 
 
 def _on_filled(fractions: FloatArray) -> list[Row]:
@@ -159,10 +192,10 @@ def _of_one_spot(result: ResultFile) -> list[Row]:
 def _friction(result: ResultFile, end: dict[str, float]) -> list[Row]:
     """Declare friction: its course, the strength that it is made of, and those that other choices ask for."""
     study, history, section = result.study, result.history, result.study.friction
-    law, load, lap = section.law, study.contact.load, study.lap
-    first, last = finite(friction.mean_over(history, history["cof"], "initial", lap)), finite(end["cof"])
-    strength = finite(law.final_strength(history, load=load, finished=result.finished, lap=lap))
-    others = law.calibrations(history, load=load, hardness=study.indentation_hardness, lap=lap)
+    law, load, laps = section.law, study.contact.load, study.laps
+    first, last = finite(passes.mean_over(history, history["cof"], "initial", laps)), finite(end["cof"])
+    strength = finite(law.final_strength(history, load=load, finished=result.finished, laps=laps))
+    others = law.calibrations(history, load=load, hardness=study.indentation_hardness, laps=laps)
     return [
         _cof(study, first, last),
         Row("", "cof_input", section.fitted),
@@ -182,7 +215,7 @@ def _cof(study: Study, first: float | None, last: float | None) -> Row:
     if first is None or last is None:
         return Row("", "cof", ends)
     source = ASSUMED if "friction.coefficient" in render.assumptions(study) else INPUT
-    marks = {when: source if when == study.friction.fitted else "" for when in friction.WHEN}
+    marks = {when: source if when == study.friction.fitted else "" for when in passes.WHEN}
     text = shown({f"at first{marks['initial']}": first, f"at the end{marks['end']}": last}, 3)
     area = f"(area: {study.friction.area}; relative to the end: {first / last:.3g})"
     return Row("friction", "cof", ends, sentence=f"{text} {area}")
@@ -229,7 +262,7 @@ def _film(result: ResultFile) -> list[Row]:
     if law.film is None:
         return rows
     fraction = result.history["bare_fraction"]
-    first, last = (friction.mean_over(result.history, fraction, when, study.lap) for when in friction.WHEN)
+    first, last = (passes.mean_over(result.history, fraction, when, study.laps) for when in passes.WHEN)
     text = f"{shown({'at first': first, 'at the end': last}, 3)} of the area in contact"
     film = [
         Row("", "thickness_nm", 1.0e6 * law.film.thickness),

@@ -7,11 +7,11 @@ import numpy as np
 
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BODIES
-from warpwear.laws import friction
-from warpwear.results.evolution import settling, surface_evolution
+from warpwear.laws.passes import WHEN, mean_over
+from warpwear.results.evolution import growth_of_view, settling, surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.report import Row, entries, finite, record, shown
-from warpwear.results.track import groove, roughness_in_track
+from warpwear.results.track import both_directions, groove, roughness_in_track
 
 
 def arrangement(result: ResultFile) -> list[Row]:
@@ -37,9 +37,7 @@ def arrangement(result: ResultFile) -> list[Row]:
 def track(result: ResultFile) -> list[Row]:
     """Declare groove, passes and what was displaced, of a swept run."""
     study, history, layout = result.study, result.history, result.study.track
-    first, last = (
-        friction.mean_over(history, history["area_contact"], when, study.lap) for when in friction.WHEN
-    )
+    first, last = (mean_over(history, history["area_contact"], when, study.laps) for when in WHEN)
     passes, displaced = float(history["distance"][-1]) / layout.stroke, history["plastic_volume_disc"][-1]
     rows = [
         Row("", "length_mm", layout.cells * layout.cell),
@@ -49,12 +47,27 @@ def track(result: ResultFile) -> list[Row]:
         ),
         Row("", "shift_cells", layout.shift),
         Row("", "area_contact_mm2_of_passes", {"first": first, "last": last}),
+        *_directions(result),
         *_groove(result),
         Row("", "plastic", study.sliding.plastic),
         Row("displaced", "plastic_volume_mm3", float(displaced)),
         *_parts(history),
     ]
     return [Row("", "track", rows)]
+
+
+def _directions(result: ResultFile) -> list[Row]:
+    """Declare area and friction of both directions of the last cycle; nothing where there is none."""
+    ways = {name: both_directions(result.study, result.history, name) for name in ("area_contact", "cof")}
+    area, cof = ways["area_contact"], ways["cof"]
+    if area is None or cof is None:
+        return []
+    numbers = {
+        key: {"forward": way.forward, "backward": way.backward}
+        for key, way in (("area_contact_mm2", area), ("cof", cof))
+    }
+    text = f"area in contact {shown(numbers['area_contact_mm2'])} mm², friction {shown(numbers['cof'], 3)}"
+    return [Row("directions", "last_cycle", numbers, sentence=text)]
 
 
 def _groove(result: ResultFile) -> list[Row]:
@@ -239,23 +252,31 @@ def _inner_scar(result: ResultFile, body: str) -> Row:
     sq, sdq, rq = (last.get(f"{name}_{body}") for name in ("sq", "sdq", "rq"))
     unworn, fit = last.get("sq_disc_unworn") if body == "disc" else 0.0, settling(result, body)
     numbers: dict[str, Any] = {"sq_um": sq, "sdq": sdq, "rq_along_um": rq, "sq_unworn_um": unworn}
+    grown = growth_of_view(result)
     if isinstance(fit, str):
         numbers |= {"settling": None, "not_settling": fit}
     else:
         numbers["settling"] = {
             "equilibrium_um": fit.equilibrium,
             "equilibrium_error_um": fit.equilibrium_error,
-            "running_in_length_mm": fit.length,
-            "running_in_length_error_mm": fit.length_error,
+            "running_in_length_mm": None if grown else fit.length,
+            "running_in_length_error_mm": None if grown else fit.length_error,
+            **({"no_length": grown} if grown else {}),
             "initial_um": fit.initial,
             "rms_um": fit.rms,
         }
     if sq is None:
         return Row("", body, numbers)
     text = f"Sq {sq:.3g} µm" + (f" of {unworn:.3g} µm unworn" if unworn else "")
-    text += f", Sdq {shown(sdq, 2)}, along sliding Rq {shown(rq, 3)} µm"  # not known between patches
+    text += f", Sdq {shown(sdq, 2)}"
+    wear = result.study.wear
+    if body == "sphere" and result.study.is_swept and not (wear.sheds and wear.dust_fraction < 1.0):
+        numbers["rq_along_of"] = "the length of a step, which a sphere that wears as dust is averaged over"
+    else:
+        text += f", along sliding Rq {shown(rq, 3)} µm"  # not known between patches
     if not isinstance(fit, str):
         error = float(f"{fit.length_error:.2g}")
         level = f"{fit.equilibrium:.3g} ± {fit.equilibrium_error:.1g} µm"
-        text += f"; Sq settles at {level} over {fit.length:.3g} ± {error:g} mm"
+        text += f"; Sq settles at {level}"
+        text += f" ({grown})" if grown else f" over {fit.length:.3g} ± {error:g} mm"
     return Row(f"{body}, inner scar", body, numbers, sentence=text)

@@ -1,11 +1,14 @@
 """What a swept run leaves on its track: groove, roughness, wear of each pass. Tracks are read in parts."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from warpwear.grid import FloatArray
+from warpwear.laws.passes import Directions, directions
 from warpwear.results.file import ResultFile
+from warpwear.study.study import Study
 from warpwear.surfaces.worn.scar import LENGTHS, roughness_without_form
 
 #: Rows of a track that are read at once.
@@ -139,6 +142,33 @@ def roughness_in_track(result: ResultFile) -> dict[str, FloatArray]:
         rows.append(roughness_without_form(worn, everywhere))
     passes = np.append(0.0, result.snapshot_distances) / result.study.track.stroke
     return {"passes": passes} | {name: np.array([row[name] for row in rows]) for name in LENGTHS}
+
+
+def both_directions(study: Study, history: Mapping[str, FloatArray], name: str) -> Directions | None:
+    """Return a column's means in both directions of the last cycle; None where there is no such cycle."""
+    if not study.is_swept:
+        return None
+    margin = 0.5 * float(history["patch_along"][-1]) / study.track.track_fraction
+    return directions(history, history[name], study.laps, margin=margin)
+
+
+def doubt_of_directions(study: Study, history: Mapping[str, FloatArray]) -> str | None:
+    """Return a sentence where the directions of the last cycle differ beyond their scatter; else None."""
+    ways = both_directions(study, history, "area_contact")
+    if ways is None or not ways.differ:
+        return None
+    periodic = study.track.periodic
+    where = "the seam of sliding.track" if periodic else "the ends of the stroke"
+    if ways.by_ends:
+        cause = f"most of it at {where}" + (
+            ", so a disc without a seam there is the cure" if periodic else ""
+        )
+    else:
+        cause = f"not at {where}: the surface differs by direction, and end values are means of both"
+    return (
+        f"The area in contact of the last cycle depends on the direction: {ways.forward:.3g} mm² forward and "
+        f"{ways.backward:.3g} mm² backward, more than they scatter along the track; {cause}."
+    )
 
 
 def pass_numbers(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.int_]]":

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from warpwear.grid import FloatArray
+from warpwear.results.track import doubt_of_directions
 from warpwear.study.study import Study
 
 #: A coefficient of friction beyond this is a mistake, not a result.
@@ -74,8 +75,10 @@ def of_history(study: Study, history: Mapping[str, FloatArray], *, finished: boo
             f"whose area it changes by more than {100.0 * AREA_ERROR:g} % by estimate: a smaller one is "
             "needed."
         )
+    if doubt := doubt_of_directions(study, history):
+        yield doubt
     friction, limit = study.friction, study.shear_limit
-    tau = friction.law.final_strength(history, load=study.contact.load, finished=finished, lap=study.lap)
+    tau = friction.law.final_strength(history, load=study.contact.load, finished=finished, laps=study.laps)
     film = friction.film.shear_strength if friction.film else 0.0
     for name, strength in (("shear strength τ0", tau), ("film's", film)):
         if strength > limit:

@@ -13,6 +13,7 @@ import numpy as np
 
 from warpwear.contact.balance import TOLERANCE
 from warpwear.history.snapshot import Snapshot
+from warpwear.study.rules_track import extent_for
 from warpwear.study.study import Study
 
 #: Part of a worn volume that may be off what Archard's law asks for; rounding leaves 1e-12 of it.
@@ -127,11 +128,12 @@ class Invariants:
                 "a larger radius, or less load, wear or distance is needed",
                 sound=True,
             )
+        needed = 1.05 * extent_for(self._study, row["distance"])
         return Violation(
             "edge",
             f"grid.extent = {self._extent:g} mm is too small: the contact reached the domain's "
             f"edge {after}, so what lies beyond it would be missing",
-            "a larger extent is needed",
+            f"a larger extent is needed, of about {needed:.2g} mm",
             sound=True,
         )
 

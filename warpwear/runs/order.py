@@ -88,7 +88,7 @@ class RunOrder:
     def cof_of(self, history: dict[str, FloatArray], *, finished: bool) -> FloatArray:
         """Return the coefficient of friction of every step; NaN while it waits for the whole run."""
         law, load = self.study.friction.law, self.study.contact.load
-        return law.coefficient(history, load=load, finished=finished, lap=self.study.lap)
+        return law.coefficient(history, load=load, finished=finished, laps=self.study.laps)
 
 
 def order_of(

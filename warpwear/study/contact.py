@@ -54,7 +54,7 @@ ELASTIC = (
 #: The sentence's end where a stiffness is allowed instead.
 A_STIFFNESS = "; or a stiffness such as '2e6 N/mm^3'"
 THICKNESS = (
-    "wear.particle_thickness, such as '0.6 um': measure it as 4 times Sq of a worn patch, its form removed, "
+    "wear.particle_thickness, such as '0.6 um': measure it as 4 times Rq of the worn ball along sliding, "
     "or on flakes in the SEM"
 )
 CRITICAL = (
@@ -222,7 +222,8 @@ class Wear(Section):
     )
     particle_thickness: Length | None = shed_key(
         None,
-        "thickness t of a piece at its middle: 4 Sq of a worn patch, form removed, or of flakes in SEM",
+        "thickness t of a piece at its middle: 4 Rq of profiles of the worn ball along sliding, form "
+        "removed, or of flakes in SEM",
     )
     dust_fraction: Annotated[float, Number(Range(or_equal=True, most=1.0))] = shed_key(
         0.0,

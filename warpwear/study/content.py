@@ -10,6 +10,7 @@ from warpwear.laws.elastic import Hertz, effective_modulus
 from warpwear.laws.film import Film, grown_cap
 from warpwear.laws.foundation import CappedFoundation
 from warpwear.laws.junctions import critical_junction, junction_strength
+from warpwear.laws.passes import Laps
 from warpwear.laws.patches import Patches
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
@@ -72,6 +73,11 @@ class Content(Section):
     def lap(self) -> float | None:
         """Distance that a pass over the track slides [mm]; None where the disc lies still."""
         return self.sliding.lap if self.is_swept else None
+
+    @property
+    def laps(self) -> Laps | None:
+        """How the passes of a swept study repeat; None where the disc lies still."""
+        return None if self.lap is None else Laps(self.lap, self.sliding.track_radius is None)
 
     @property
     def track(self) -> Track:

@@ -10,6 +10,8 @@ from warpwear.study.keys import check_keys
 
 #: More steps than anybody waits for, or than a history holds.
 MOST_STEPS = 1_000_000
+#: Extent over worn patch below which roughness may fill the domain, and that a sentence recommends.
+CLOSE, SPARE = 1.05, 1.1
 
 
 def check(study: Content) -> None:
@@ -141,6 +143,7 @@ def _tolerance(study: Content) -> None:
 
 def doubts(study: Content) -> Iterator[str]:
     """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
+    yield from _of_extent(study)
     yield from _of_hardness(study)
     yield from _of_film(study)
     yield from rules_pieces.doubts(study)
@@ -245,8 +248,26 @@ def too_small(study: Content) -> str | None:
         return None
     return (
         f"grid.extent = {study.grid.extent:g} mm is too small: the worn patch will be {patch:.3g} mm wide or "
-        "more; a larger grid.extent is needed"
+        f"more; a grid.extent of {_spared(patch):g} mm would do"
     )
+
+
+def _spared(patch: float) -> float:
+    """Return an extent [mm] with some room beside a patch [mm]."""
+    digit = 10.0 ** (math.floor(math.log10(patch)) - 1)
+    return float(f"{math.ceil(SPARE * patch / digit) * digit:.3g}")
+
+
+def _of_extent(study: Content) -> Iterator[str]:
+    """Yield a sentence where a worn patch will all but fill the domain: roughness makes it wider."""
+    if study.sphere.curvature == 0.0 or not study.is_rough:
+        return
+    patch, extent = rules_track.worn_patch(study), study.grid.extent
+    if patch <= extent < CLOSE * patch:
+        yield (
+            f"grid.extent = {extent:g} mm may be too small: without roughness the worn patch will be "
+            f"{patch:.3g} mm wide at the end, and with it wider; {_spared(patch):g} mm would do."
+        )
 
 
 def _steps(study: Content) -> None:

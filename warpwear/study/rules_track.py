@@ -23,7 +23,9 @@ def check(study: Content) -> None:
         steps = length / step
         if not is_whole(steps):
             least, most = math.ceil(extent / step * (1.0 - WHOLE)), math.floor(lap / step * (1.0 + WHOLE))
-            near = min(max(round(steps), least), most) * step
+            # What a file has too little of, a longer track would lack as well.
+            of_file = study.disc.synthetic is None and study.disc.extend == "refuse"
+            near = min(max(math.floor(steps) if of_file else round(steps), least), most) * step
             allowed = f"the nearest allowed is {near:.9g} mm"
             raise ValueError(
                 f"sliding.track = {length:g} mm is not a whole number of steps of sliding.shift = "
@@ -71,14 +73,17 @@ def _in_words(length: float) -> str:
     return f"{length:.9g} mm" if length >= 0.1 else f"{1e3 * length:.6g} µm"
 
 
-def worn_patch(study: Content) -> float:
-    """Return the width of smooth bodies' worn patch at the end of the test [mm]; roughness makes it wider.
+def worn_patch(study: Content, distance: float | None = None) -> float:
+    """Return the width of smooth bodies' worn patch after a distance [mm]; roughness makes it wider.
+
+    distance: by default the whole test [mm].
 
     On a disc that lies still both bodies lose the overlap of a sphere with a plane, π a⁴/4R of a paraboloid,
     whatever the pressure. A sphere that slides loses that overlap alone; or, where it hardly wears, its
     groove is a segment of its own circle, 2a³/3R in section.
     """
-    curvature, load, total = study.sphere.curvature, study.contact.load, study.sliding.total
+    curvature, load = study.sphere.curvature, study.contact.load
+    total = study.sliding.total if distance is None else distance
     if curvature == 0.0:
         return study.grid.extent
     sphere, disc = (load * law.wear_per_pressure(0.0, total) for law in study.wear_laws)
@@ -88,6 +93,14 @@ def worn_patch(study: Content) -> float:
     patch = (4.0 * sphere / (math.pi * curvature)) ** 0.25
     groove = (1.5 * disc / (lap * curvature)) ** (1.0 / 3.0) if total > lap else 0.0
     return float(2.0 * max(patch, groove))
+
+
+def extent_for(study: Content, distance: float) -> float:
+    """Return the extent [mm] that a test needs whose contact fills its own after a distance [mm].
+
+    What the contact is wider by than the worn patch of smooth bodies stays, as that grows.
+    """
+    return study.grid.extent + worn_patch(study) - worn_patch(study, distance)
 
 
 def unstable(study: Content) -> str | None:

@@ -22,7 +22,7 @@ EXAMPLES = {
     "N": "a force such as '8 N'",
     "MPa": "a pressure such as '590 MPa'",
     "N/mm^3": "a foundation stiffness such as '2e5 N/mm^3'",
-    "mm/s": "a speed such as '20 mm/min'",
+    "mm/s": "a speed such as '20 mm/min' (of revolutions: sliding.frequency = '60 rpm')",
     "s": "a time such as '2 min'",
     "deg": "an angle such as '90 deg'",
     "Hz": "a frequency such as '1 Hz'",

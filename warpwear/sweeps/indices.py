@@ -19,8 +19,8 @@ WELL_KNOWN = 0.1
 class Indices:
     """Hold Sobol's indices of one output, (factors,) each, with the ends of their intervals, (2, factors).
 
-    first: the part of the output's variance that goes when an input is known; total: the part that stays
-    when all others are known, its interactions with them included. Those of few samples may exceed 1.
+    first: the part of the output's variance that goes when an input alone is known; total: the part that
+    would be left if all others were known, interactions included. Those of few samples may exceed 1.
     samples: of the design, (keys + 2) runs each.
     """
 

@@ -20,6 +20,8 @@ from warpwear.sweeps.table import TABLES, SweepResult
 PAGE = "sweep.html"
 #: Sentences of runs that failed, and numbers of them that one sentence names.
 MOST_FAILURES = 8
+#: Index or correlation below which a key decides nothing.
+IDLE = 0.02
 
 
 def write_report(result: SweepResult, folder: Path, experiments: tuple[Experiment, ...] = ()) -> list[Path]:
@@ -90,7 +92,19 @@ def summary_text(result: SweepResult) -> str:
         lines.append(f"what decides it ({what}): {shares}")
         indices = result.sobol()
         lines += [indices.doubt] if indices is not None and indices.doubt else []
+        lines += _without_influence(result)
     return "\n".join([*lines, *failures(result)])
+
+
+def _without_influence(result: SweepResult) -> list[str]:
+    """Say why a hardness that is varied decides nothing: of a disc at rest that has run in."""
+    study, influence = result.plan.study, result.influence()
+    idle = [key for key in influence if key.endswith(".hardness") and abs(influence[key]) < IDLE]
+    runs_in = not study.is_swept and study.study.model == "micro" and study.stepping.scheme == "implicit"
+    if not idle or not runs_in:
+        return []
+    why = "a disc at rest runs in until no cell is at the hardness; it decides early friction, and a track"
+    return [f"{' and '.join(idle)} without influence at the end: {why}"]
 
 
 def _end_of(row: dict[str, Any]) -> str:

@@ -17,6 +17,7 @@ from warpwear.result import Result
 from warpwear.results.ensemble import at, band, is_label
 from warpwear.results.formats.netcdf import require_free_space
 from warpwear.results.frames import package
+from warpwear.results.report import quoted
 from warpwear.study.keys import value_of
 from warpwear.study.units import parse
 from warpwear.sweeps.indices import Indices, sobol
@@ -163,9 +164,12 @@ class SweepResult:
         table = self.table
         with (folder / "table.csv").open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
-            writer.writerow(table)
+            writer.writerow(map(quoted, table))
             for row in zip(*table.values(), strict=True):
-                writer.writerow([repr(v) if isinstance(v, float) else v for v in row])
+                cells = [repr(v) if isinstance(v, float) else v for v in row]
+                writer.writerow(
+                    [quoted(v) if isinstance(w, str) else v for v, w in zip(cells, row, strict=True)]
+                )
         try:
             pandas.DataFrame(table).to_parquet(folder / "table.parquet", index=False)
             courses = self._dataset()

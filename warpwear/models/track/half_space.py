@@ -133,7 +133,9 @@ class SlidingHalfSpace:
         #: Relative error of the area by each cell of a part, and by each beyond the first, as of late.
         self._outline, self._asperities = math.inf if moves and task.curvature > 0.0 else 0.0, 0.0
         self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
-        if self.pieces is not None:
+        #: Whether bodies wear in pieces alone or in part: those of dust alone never leave.
+        self._sheds = self.pieces is not None and task.dust < 1.0
+        if self._sheds:
             self._outline = 0.0  # no mean shortens it
         #: Contacts without wear in the step, which start from nothing: those with it are as they would be.
         self._static = None
@@ -253,7 +255,7 @@ class SlidingHalfSpace:
             # The last pressure is then no better a start, neither where it is nor carried on with the disc.
             self._half_space.forget()
         if self.task.curvature > 0.0:  # a flat has no outline
-            if self.pieces is None:
+            if not self._sheds:
                 self._outline = OF_OUTLINE * bearing / along
             elastic = 1.0 - total["capped"] / total["contact"]
             self._asperities = self.task.dust * OF_ELASTIC_CELL * elastic * max(1.0 - bearing, 0.0)
@@ -360,7 +362,7 @@ class SlidingHalfSpace:
     def cells_passing(self, increment: float) -> int:
         """Cells of the disc that pass over one of the sphere in an increment [mm]; under a flat the line."""
         grid = self._executor.grid
-        if not self._moves or self.pieces is not None:  # which cut what a mean would smear
+        if not self._moves or self._sheds:  # pieces cut what a mean would smear
             return 1
         if self.task.curvature == 0.0:
             return grid.nx
