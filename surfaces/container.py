@@ -95,8 +95,7 @@ def check_sums(path: Path) -> None:
             )
             if name is None or stated is None or not stated[1].strip("0"):
                 continue
-            with archive.open(name[1]) as part:
-                digest = hashlib.file_digest(part, lambda: hashlib.md5(usedforsecurity=False)).hexdigest()
+            digest = hashlib.md5(archive.read(name[1]), usedforsecurity=False).hexdigest()
             if digest != stated[1].lower():
                 raise ValueError(f"its part {name[1]} is damaged, its MD5 is not the one that {X3P} states")
 
@@ -169,7 +168,7 @@ def unzipped(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def _poured(path: Path, packed: IO[bytes], name: str, *, kind: str) -> Iterator[Path]:
+def _poured(path: Path, packed: IO[bytes] | gzip.GzipFile, name: str, *, kind: str) -> Iterator[Path]:
     """Write what comes out of a packed file into one of its own, with the ending of a name."""
     most, size = most_unpacked(path), 0
     with tempfile.TemporaryDirectory(prefix="warpwear-") as folder:
