@@ -281,7 +281,7 @@ def _titled(title: str, cells: list[list[str]]) -> list[str]:
 def _wider(unknown: Unknown, end: str) -> str:
     """Write a uniform prior that goes on beyond an end, as far as the key allows."""
     first, second = unknown.prior.first, unknown.prior.second
-    if unknown.is_logarithmic:
+    if unknown.prior.is_logarithmic:
         low, high = first / FARTHER, second * FARTHER
     else:
         low, high = first - (second - first), second + (second - first)

@@ -6,6 +6,7 @@ a column is not checked for it.
 
 import math
 from collections.abc import Iterator, Mapping
+from functools import partial
 from dataclasses import dataclass
 from typing import Any
 
@@ -128,7 +129,7 @@ class Invariants:
                 "a larger radius, or less load, wear or distance is needed",
                 sound=True,
             )
-        needed = 1.05 * extent_for(self._study, row["distance"])
+        needed = 1.05 * self._extent_for(row["distance"])
         return Violation(
             "edge",
             f"grid.extent = {self._extent:g} mm is too small: the contact reached the domain's "
