@@ -45,6 +45,7 @@ class Invariants:
     """Checks the steps of one study."""
 
     def __init__(self, study: Study) -> None:
+        self._extent_for = partial(extent_for, study)
         self._shape, self._extent, self._curvature = (
             study.cells.shape,
             study.grid.extent,
