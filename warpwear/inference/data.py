@@ -139,7 +139,7 @@ class Data:
 
     @property
     def between(self) -> float:
-        """Standard deviation of the levels of repeated courses over their last thirds; 0 of one."""
+        """Return the standard deviation of levels of repeated courses over their last thirds; 0 of one."""
         levels = [float(course.cof[course.thirds[-1]].mean()) for course in self.courses if course.thirds]
         return float(np.std(levels, ddof=1)) if len(levels) > 1 else 0.0
 

@@ -6,8 +6,8 @@ a column is not checked for it.
 
 import math
 from collections.abc import Iterator, Mapping
-from functools import partial
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np

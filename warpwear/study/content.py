@@ -307,7 +307,7 @@ class Content(Section):
 
     @property
     def wear_hardness(self) -> float:
-        """H of V = k F L / H [MPa]: contact.hardness, or the softer body's."""
+        """Return H of V = k F L / H [MPa]: contact.hardness, or the softer body's."""
         limit = self.contact.hardness
         return (self.softer_hardness or math.inf) if limit is None else limit
 

@@ -132,7 +132,7 @@ class SweepResult:
         return sobol(self.ends(name), len(self.plan.keys))
 
     def influence_in_words(self, name: str = "cof") -> dict[str, str]:
-        """`influence` for people: Sobol's total indices with their intervals, cut off at 0 and 1."""
+        """Write `influence` for people: Sobol's total indices with their intervals, cut off at 0 and 1."""
         indices, influence = self.sobol(name), self.influence(name)
         if indices is None:
             return {key: f"{value:.2f}".replace("-", "−") for key, value in influence.items()}
