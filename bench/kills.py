@@ -231,8 +231,8 @@ def main() -> None:
                         resumed += (out / "checkpoint.h5").stat().st_size > 0
                 wrong = differences(alone, out)
                 # The lock that a killed process leaves is free, and stays where nothing was left to do.
-                left = (p.name for p in out.iterdir() if p.name.startswith((".", "checkpoint")))
-                wrong += sorted(name for name in left if name != LOCK)
+                names = (p.name for p in out.iterdir() if p.name.startswith((".", "checkpoint")))
+                wrong += sorted(name for name in names if name != LOCK)
                 print(f"{case}: {here} kills, {', '.join(wrong) or 'bit for bit the same'}", flush=True)
                 left, kills, runs, alike = left - here, kills + here, runs + 1, alike + (not wrong)
                 shutil.rmtree(out)

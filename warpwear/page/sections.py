@@ -32,11 +32,16 @@ def _figures(plot: Plotter, data: FigureData, *names: str) -> dict[str, Figure]:
     }
 
 
+def _of_section(section: str) -> list[str]:
+    """Name the figures that are declared for a section, in the order of their declaration."""
+    return [name for name, entry in FIGURES.items() if entry.section == section]
+
+
 def maps(plot: Plotter, data: FigureData) -> Section:
     """Show pressure and state of contact over more snapshots than paper holds, in the window of the scar."""
     indices = chosen(data.result.snapshot_distances.size, SNAPSHOTS)
     more = data.with_snapshots(indices, int(SIDE * min(1.0, math.sqrt(FULL_MAPS / max(len(indices), 1)))))
-    figures = _figures(plot, more, "pressure_map", "contact_map", "bare_map")
+    figures = _figures(plot, more, *_of_section("maps"))
     text = ""
     if figures:
         n = more.window.factor
@@ -51,7 +56,7 @@ def maps(plot: Plotter, data: FigureData) -> Section:
 
 def courses(plot: Plotter, data: FigureData) -> Section:
     """Show everything that has one value a step."""
-    figures = _figures(plot, data, "areas", "cof", "pressure", "volumes", "bare_fraction")
+    figures = _figures(plot, data, *_of_section("courses"))
     text = "Move over a chart to read its values."
     if data.steps > POINTS:
         text += f" Of {data.steps} steps about {POINTS} are shown, as they are; history.csv has all."

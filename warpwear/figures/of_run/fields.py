@@ -62,7 +62,7 @@ def pressure_scale(fields: Sequence[FloatArray], means: Sequence[float], label: 
     return Scale(label, max(0.8 * low, most / SPAN), most, log=True, beyond="min")
 
 
-@words.figure(*words.FIELD, essential=True)
+@words.figure(*words.FIELD, essential=True, section="maps")
 def pressure_map(data: FigureData) -> Figure:
     """Pressure of the cells in contact {when}, all on one scale; above each its mean and standard
     deviation over these cells.{blocks}
@@ -126,7 +126,7 @@ def pressure_profiles(data: FigureData) -> Figure:
     return Figure(panels, legend=4, shared="y")
 
 
-@words.figure(*words.FIELD, essential=True)
+@words.figure(*words.FIELD, essential=True, section="maps")
 def contact_map(data: FigureData) -> Figure:
     """State of the cells {when}; above each the area in contact.{blocks}"""
     area = data.history["area_contact"]
@@ -134,7 +134,7 @@ def contact_map(data: FigureData) -> Figure:
     return _of_states(data, "State of contact", STATES, lambda view: view.state, notes)
 
 
-@words.figure(words.NO_FILM, *words.FIELD, essential=True)
+@words.figure(words.NO_FILM, *words.FIELD, essential=True, section="maps")
 def bare_map(data: FigureData) -> Figure:
     """Where the film is gone {when}; above each the bare part of the area in contact.{blocks}"""
     fraction = data.history["bare_fraction"]

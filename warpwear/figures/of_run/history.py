@@ -37,7 +37,7 @@ def axis_of(quantity: Quantity) -> Axis:
     return Axis(quantity.axis, "auto") if quantity.log else Axis(quantity.axis, low=0.0)
 
 
-@words.figure(words.NO_COURSE, words.NO_COF, essential=True)
+@words.figure(words.NO_COURSE, words.NO_COF, essential=True, section="courses")
 def cof(data: FigureData) -> Figure:
     """Coefficient of friction over the sliding distance. {friction}{passes}"""
     return _of_cof(data, data.course["distance"], _course(data, "cof"), describe.DISTANCE)
@@ -90,7 +90,7 @@ def _course(
     return [means] if largest else [steps, means]
 
 
-@words.figure(words.NO_FILM, words.NO_COURSE, essential=True)
+@words.figure(words.NO_FILM, words.NO_COURSE, essential=True, section="courses")
 def bare_fraction(data: FigureData) -> Figure:
     """Part of the area in contact that is bare of film over the sliding distance, and its fitted
     course.{passes}
@@ -106,7 +106,7 @@ def bare_fraction(data: FigureData) -> Figure:
     return Figure([chart], legend=0 if isinstance(fit, str) else 1)
 
 
-@words.figure(words.NO_COURSE, essential=True)
+@words.figure(words.NO_COURSE, essential=True, section="courses")
 def areas(data: FigureData) -> Figure:
     """Real areas of contact and the nominal area of the scar, its ellipse, over the sliding
     distance.{passes}
@@ -125,7 +125,7 @@ def areas(data: FigureData) -> Figure:
     return Figure([Chart("Areas", over_distance(data.course["distance"]), area, lines)], legend=3)
 
 
-@words.figure(words.NO_COURSE)
+@words.figure(words.NO_COURSE, section="courses")
 def pressure(data: FigureData) -> Figure:
     """Mean and largest pressure of the cells in contact over the sliding distance.{fall}{passes}"""
     course, hardness = data.course, data.study.hardness
@@ -155,7 +155,7 @@ def contact_radius(data: FigureData) -> Figure:
     return Figure([Chart("Radii", *axes, lines)], legend=2)
 
 
-@words.figure(words.NO_COURSE, words.UNWORN, essential=True)
+@words.figure(words.NO_COURSE, words.UNWORN, essential=True, section="courses")
 def volumes(data: FigureData) -> Figure:
     """Worn volume and depth of the deepest cell of {slider} and disc over the sliding distance."""
     panels = []

@@ -125,12 +125,13 @@ ROUGHNESS = (TRACK, SMOOTH_DISC, ONE_SNAPSHOT, UNWORN_DISC)
 class Entry(NamedTuple):
     """A figure of a run: what declares it, and why a run may have none.
 
-    essential: whether it goes into a paper, and is drawn by default.
+    essential: whether it goes into a paper, and is drawn by default. section: of the page that shows it.
     """
 
     declare: Declare
     reasons: tuple[Reason, ...]
     essential: bool
+    section: str = ""
 
     @property
     def template(self) -> str:
@@ -153,11 +154,14 @@ FIGURES: dict[str, Entry] = {}
 OF_ANY_RUN = {"slider": "sphere", "when": "at the snapshots", "end": "at the end"}
 
 
-def figure(*reasons: Reason, essential: bool = False) -> Callable[[Declare], Declare]:
-    """Enter a function among the figures of a run; the start of its docstring is the caption."""
+def figure(*reasons: Reason, essential: bool = False, section: str = "") -> Callable[[Declare], Declare]:
+    """Enter a function among the figures of a run; the start of its docstring is the caption.
+
+    section: of the run's page that shows it, of `warpwear.page.sections`; empty for none.
+    """
 
     def enter(declare: Declare) -> Declare:
-        FIGURES[declare.__name__] = Entry(declare, reasons, essential)
+        FIGURES[declare.__name__] = Entry(declare, reasons, essential, section)
         return declare
 
     return enter
