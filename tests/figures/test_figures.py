@@ -322,3 +322,8 @@ def test_a_notebook_shows_a_result(results: dict[str, Result]) -> None:
     assert "<script" not in html
     assert len(html) < 200_000
     assert len(re.findall("data:image", results["static"]._repr_html_())) == 1
+
+
+def test_a_notebook_shows_a_figure_without_pyplot(results: dict[str, Result]) -> None:
+    figure = next(iter(results.values())).plot.areas()
+    assert figure._repr_png_().startswith(b"\x89PNG")

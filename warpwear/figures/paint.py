@@ -23,6 +23,8 @@ from warpwear.figures.paint_others import PAINT_3D, PAINT_OTHERS
 CHARACTER, LEGEND_LINE = 0.05, 0.45
 #: Inches around square maps: labels at the left, a colour bar, what lies below, a line of a title, a gap.
 LEFT, BAR, BELOW, TITLE, GAP = 0.6, 0.66, 0.42, 0.135, 0.1
+#: Dots per inch of figures that a notebook shows.
+SCREEN = 120
 #: A row of a legend [inch].
 LEGEND_ROW = 0.165
 #: Left, bottom, width and height of a colour bar beside a map, over the map's.
@@ -31,6 +33,13 @@ BESIDE = (1.04, 0.0, 0.05, 1.0)
 CORNER = 0.05
 #: Decades of a colour bar up to which 2 and 5 have numbers.
 BAR_NUMBERED = 2.5
+
+
+class Sheet(sheets.Figure):
+    """A figure that a notebook shows, whichever backend Matplotlib has there."""
+
+    def _repr_png_(self) -> bytes:
+        return style.bytes_of(self, dpi=SCREEN)
 
 
 def paint(figure: Figure) -> sheets.Figure:
@@ -44,7 +53,7 @@ def paint(figure: Figure) -> sheets.Figure:
         rows = -(-len(cells) // columns)
         width = figure.width or (describe.COLUMN if columns == 1 else describe.PAGE)
         layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.04, wspace=0.02, hspace=0.02)
-        sheet = sheets.Figure(figsize=(width, figure.height * rows), layout=layout)
+        sheet = Sheet(figsize=(width, figure.height * rows), layout=layout)
         FigureCanvasAgg(sheet)
         grid = sheet.subplots(rows, columns, squeeze=False)
         for axes, cell in zip_longest(grid.ravel(), cells):
@@ -222,7 +231,7 @@ def stretch(panel: Axes) -> float:
 
 def _sheet_3d(cells: Sequence[Any]) -> sheets.Figure:
     """Draw one or two boxes, placed by hand: layouts cut off the labels of 3-D."""
-    sheet = sheets.Figure(figsize=(describe.COLUMN if len(cells) == 1 else describe.PAGE, 2.75))
+    sheet = Sheet(figsize=(describe.COLUMN if len(cells) == 1 else describe.PAGE, 2.75))
     FigureCanvasAgg(sheet)
     width = 1.0 / len(cells)
     for number, cell in enumerate(cells):
