@@ -65,7 +65,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
             "grid.cell": "10 um",
             "wear.law": "running-in",
             "wear.running_in": "100 mm",
-            "wear.initial_sphere": "3e-3 mm^3/N/m",
+            "wear.initial_counter": "3e-3 mm^3/N/m",
             "sliding.distance": "300 mm",
         },
     ),

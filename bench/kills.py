@@ -62,7 +62,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
             "sliding.distance": "10 mm",
             "wear.law": "running-in",
             "wear.running_in": "5 mm",
-            "wear.initial_sphere": "3e-3 mm^3/N/m",
+            "wear.initial_counter": "3e-3 mm^3/N/m",
         },
     ),
     "bearing area": (

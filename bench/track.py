@@ -161,7 +161,7 @@ def pass_of_full() -> Table:
 @click.option("--distance", type=float, default=2400.0, show_default=True, help="mm")
 @click.option("--pass-of-full", "full", is_flag=True, help="One pass of the whole track at 1 µm too.")
 def main(out: Path, cells: str, shifts: str, seeds: int, distance: float, full: bool) -> None:
-    """All variants of the sliding sphere in one table and one plot."""
+    """All variants of the sliding counter-body in one table and one plot."""
     started = time.perf_counter()
     sizes = [float(cell) for cell in cells.split(",")]
     steps = [int(shift) for shift in shifts.split(",")]

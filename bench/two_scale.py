@@ -177,7 +177,7 @@ def show(title: str, table: Table) -> None:
 
 def draw(found: list[Course], load: Table, drawn: dict[tuple[str, int], Any], times: Table) -> Figure:
     """Six panels."""
-    colours = [fs.SPHERE, fs.DISC, fs.CONTACT, fs.MEAN_PRESSURE]
+    colours = [fs.COUNTER, fs.DISC, fs.CONTACT, fs.MEAN_PRESSURE]
     kinds = ["-", "--", "-.", ":"]
 
     def curves(axes: Any) -> None:

@@ -16,7 +16,7 @@ for preset in ("v1", "v3-fine"):
     history = warpwear.run(study).history
     distance = history["distance"][-1]
     print(f"{preset}: {distance:g} mm in {history['distance'].size} steps")
-    for body, coefficient in (("sphere", 9.4e-4), ("disc", 12.7e-4)):  # mm³/N/m
+    for body, coefficient in (("counter", 9.4e-4), ("disc", 12.7e-4)):  # mm³/N/m
         volume = history[f"wear_volume_{body}"][-1]
         expected = coefficient * 1.0e-3 * load * distance
         print(

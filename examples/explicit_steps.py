@@ -20,7 +20,7 @@ fig, axes = plt.subplots(figsize=(6, 3), layout="constrained")
 for name, changes in cases.items():
     history = warpwear.run(study.replace(changes)).history
     late = history["distance"] > 500.0
-    area, volume = history["area_contact"][late], history["wear_volume_sphere"][-1]
+    area, volume = history["area_contact"][late], history["wear_volume_counter"][-1]
     print(
         f"{name}: area over the last 100 mm {area.mean():.3f} mm², {area.min():.3f} to {area.max():.3f}; "
         f"volume over K F L {volume / (9.4e-7 * 8.0 * 600.0):.6f}"

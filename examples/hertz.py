@@ -19,7 +19,7 @@ exact = {"radius, mm": a, "peak pressure, MPa": 1.5 * load / (math.pi * a**2), "
 for cells_per_radius in (10, 20, 40):
     n = 3 * cells_per_radius
     contact = warpwear.solve_contact(
-        np.zeros((n, n)), cell=a / cells_per_radius, load=load, modulus=modulus, sphere_radius=radius
+        np.zeros((n, n)), cell=a / cells_per_radius, load=load, modulus=modulus, counter_radius=radius
     )
     found = (math.sqrt(contact.area / math.pi), contact.pressure.max(), contact.approach)
     print(f"{cells_per_radius} cells a radius: {contact}")

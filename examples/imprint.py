@@ -14,7 +14,7 @@ table = result.surface_evolution.table
 print("distance, mm   Sq of the disc, µm   of the ball   of the disc unworn")
 for row in range(len(table["distance"])):
     print(
-        f"{table['distance'][row]:12g} {table['sq_disc'][row]:20.3f} {table['sq_sphere'][row]:13.3f} "
+        f"{table['distance'][row]:12g} {table['sq_disc'][row]:20.3f} {table['sq_counter'][row]:13.3f} "
         f"{table['sq_disc_unworn'][row]:20.3f}"
     )
 print(f"the part of the wear that the ball takes: {9.4 / (9.4 + 12.7):.3f}")
@@ -23,7 +23,7 @@ last = result.snapshots[-1]
 middle = result.y.size // 2
 fig, axes = plt.subplots(figsize=(6, 3), layout="constrained")
 axes.plot(result.x, -1e3 * last.wear_disc[:, middle], label="lost by the disc")
-axes.plot(result.x, 1e3 * last.wear_sphere[:, middle], label="lost by the ball")
+axes.plot(result.x, 1e3 * last.wear_counter[:, middle], label="lost by the ball")
 axes.plot(result.x, 1e3 * last.gap[:, middle], label="gap")
 axes.set(xlabel="x (sliding), mm", ylabel="µm", ylim=(-22, 22), xlim=(-0.6, 0.6))
 axes.legend()

@@ -23,7 +23,7 @@ study = warpwear.Study.load("track").replace(
 result = warpwear.run(study)
 for distance in ("30 mm", "300 mm"):
     snapshot = result.at(distance)
-    track, ball = snapshot.wear_disc, snapshot.wear_sphere  # mm; of the disc over the whole track
+    track, ball = snapshot.wear_disc, snapshot.wear_counter  # mm; of the disc over the whole track
     middle = track[:, track.shape[1] // 2]
     print(
         f"after {distance}: the track has lost {1e3 * middle.mean():.2f} µm in its middle, "

@@ -13,7 +13,7 @@ import warp as wp
 LANES = 8
 Cells = wp.types.vector(LANES, wp.float64)
 
-#: Gap of a place where there is no surface (padding, beyond the sphere's edge) [mm].
+#: Gap of a place where there is no surface (padding, beyond the counter-body's edge) [mm].
 PADDING = 1.0e30
 ABSENT = wp.constant(wp.float64(PADDING))
 #: Stands for "no cell" in partial maxima, and for a step without limit.
@@ -66,7 +66,7 @@ class TrackMost(IntEnum):
     """Names the maxima of a step that wears two bodies."""
 
     PRESSURE = 0
-    WEAR_SPHERE = 1
+    WEAR_COUNTER = 1
     WEAR_DISC = 2
     FIRST_COLUMN = 3
     LAST_COLUMN = 4
@@ -80,14 +80,14 @@ class PressureSum(IntEnum):
     CONTACT = 2
     CAPPED = 3
     TOUCHED = 4  # this and the next: of the whole fields, not of the step
-    WEAR_SPHERE = 5  # [mm]
+    WEAR_COUNTER = 5  # [mm]
 
 
 class PressureMost(IntEnum):
     """Names the maxima of a step that wears two bodies by a stored pressure."""
 
     PRESSURE = 0
-    WEAR_SPHERE = 1
+    WEAR_COUNTER = 1
     WEAR_DISC = 2
     FIRST_ROW = 3
     LAST_ROW = 4

@@ -18,7 +18,7 @@ from warpwear.kernels.two_scale.steps import Books, Courses, Now, Steps
 
 @wp.struct
 class Ball:
-    """Tells where the domain's first cell lies under the sphere, or a rigid flat."""
+    """Tells where the domain's first cell lies under the counter-body, or a rigid flat."""
 
     cell: wp.float64  # [mm]
     x_first: wp.float64

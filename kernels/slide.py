@@ -11,15 +11,15 @@ class Slide:
 
     number: wp.int32  # of the step in its replay
     rows: wp.int32  # of cells that are visited
-    shift: wp.int32  # the disc's row under the sphere's first
-    window: wp.int32  # rows of the disc that pass over one of the sphere
+    shift: wp.int32  # the disc's row under the counter-body's first
+    window: wp.int32  # rows of the disc that pass over one of the counter-body
     first_column: wp.int32  # first column that was ever touched, and the one after the last
     end_column: wp.int32
     start: wp.float64  # sliding distance at its start and at its end [mm]
     end: wp.float64
-    of_sphere: wp.float64  # K ΔL of what leaves at once [mm³/N]
+    of_counter: wp.float64  # K ΔL of what leaves at once [mm³/N]
     of_disc: wp.float64
-    pending_sphere: wp.float64  # K ΔL of what leaves in pieces [mm³/N]
+    pending_counter: wp.float64  # K ΔL of what leaves in pieces [mm³/N]
     pending_disc: wp.float64
     own: wp.float64  # compliance that is not wear [mm³/N]
     full_depth: wp.float64  # overlap of a cell at the hardness [mm]; NONE: the disc springs back
@@ -29,6 +29,6 @@ class Slide:
 
 @wp.func
 def beneath(row: wp.int32, shift: wp.int32, rows: wp.int32):
-    """Return the disc's row under a row of the sphere; 0 ≤ shift < rows."""
+    """Return the disc's row under a row of the counter-body; 0 ≤ shift < rows."""
     displaced = row + shift
     return wp.where(displaced < rows, displaced, displaced - rows)

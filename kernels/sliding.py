@@ -1,8 +1,8 @@
-"""A disc displaced under the sphere by whole cells: which tiles can touch, their gap, and the wear of both.
+"""A disc displaced under the counter by whole cells: which tiles can touch, their gap, and the wear of both.
 
-Heights of the sphere and of the disc are kept apart, as worn. Below the sphere's row i lies the disc's row
+Heights of the counter and of the disc are kept apart, as worn. Below the counter's row i lies the disc's row
 i + shift, modulo the disc's length: the same vectors of another row, so nothing is copied. Of every tile of
-the sphere the lowest height is kept and of every tile of the disc the highest, eight tiles in one vector like
+the ball the lowest height is kept and of every tile of the disc the highest, eight tiles in one vector like
 the cells of a field; their difference bounds the gap of a pair of tiles from below. The loops are C++:
 native/sliding.h.
 """
@@ -39,21 +39,21 @@ class OfCells:
 class Bodies:
     """Fields of both bodies [mm], and the gap of the tiles listed."""
 
-    sphere: wp.array2d(dtype=Cells)  # height, as worn
+    counter: wp.array2d(dtype=Cells)  # height, as worn
     disc: wp.array2d(dtype=Cells)
-    wear_sphere: wp.array2d(dtype=Cells)
+    wear_counter: wp.array2d(dtype=Cells)
     wear_disc: wp.array2d(dtype=Cells)
     plastic_disc: wp.array2d(dtype=Cells)  # displaced for good; not looked at of a disc that springs back
-    reached: wp.array2d(dtype=Cells)  # 1 where a sphere that does not wear was in contact; else one row
+    reached: wp.array2d(dtype=Cells)  # 1 where a ball that does not wear was in contact; else one row
     gap: wp.array2d(dtype=Cells)
 
 
 @wp.struct
 class OfRows:
-    """Holds the sums of `OfTiles` over every row of the sphere and of the disc."""
+    """Holds the sums of `OfTiles` over every row of the counter-body and of the disc."""
 
     touched: wp.array(dtype=wp.float64)
-    worn_sphere: wp.array(dtype=wp.float64)
+    worn_counter: wp.array(dtype=wp.float64)
     worn_disc: wp.array(dtype=wp.float64)
     pressed_disc: wp.array(dtype=wp.float64)
 
@@ -62,11 +62,11 @@ class OfRows:
 class OfTiles:
     """Bounds and sums that are kept of every tile of either body, rows × tiles."""
 
-    lowest: wp.array2d(dtype=wp.float64)  # height of the sphere [mm]
+    lowest: wp.array2d(dtype=wp.float64)  # height of the counter-body [mm]
     highest: wp.array2d(dtype=wp.float64)  # of the disc [mm]
     gap: wp.array2d(dtype=wp.float64)  # lowest, of tiles listed; none where more than wear changes it [mm]
-    touched: wp.array2d(dtype=wp.float64)  # cells of the sphere
-    worn_sphere: wp.array2d(dtype=wp.float64)  # sums [mm]
+    touched: wp.array2d(dtype=wp.float64)  # cells of the counter-body
+    worn_counter: wp.array2d(dtype=wp.float64)  # sums [mm]
     worn_disc: wp.array2d(dtype=wp.float64)
     pressed_disc: wp.array2d(dtype=wp.float64)  # displaced for good; one row where the disc springs back
     rows: OfRows
@@ -76,9 +76,9 @@ class OfTiles:
 class Bounds:
     """What gaps of pairs of tiles are bounded by [mm]. It may be out of date: wear only opens gaps."""
 
-    lowest_of_eight: wp.array2d(dtype=wp.float64)  # of neighbouring tiles of the sphere
+    lowest_of_eight: wp.array2d(dtype=wp.float64)  # of neighbouring tiles of the counter-body
     highest_of_row: wp.array(dtype=wp.float64)  # of the disc
-    lowest: wp.array2d(dtype=Cells)  # of the sphere's tiles, eight in a vector
+    lowest: wp.array2d(dtype=Cells)  # of the counter-body's tiles, eight in a vector
     highest: wp.array2d(dtype=Cells)  # of the disc's
     gap: wp.array2d(dtype=Cells)  # lowest of pairs of tiles; 0 where it was never made
     stays: wp.int32  # 1 where that and the gap stay as they are made and worn

@@ -1,4 +1,4 @@
-"""Steps of a sphere on a disc that moves under it, or lies still, have a plan, searches and a history.
+"""Steps of a ball on a disc that moves under it, or lies still, have a plan, searches and a history.
 
 A step is a list of tiles, as each displacement has its own, a search for the load balance, see `balance` and
 `bearing`, a pass that wears, see `sliding`, and a row of the history. The search begins at the last approach,
@@ -22,11 +22,11 @@ TOGETHER = wp.get_module("warpwear.kernels.sliding")
 #: Columns of the plan, a row a step: of `Slide`, the compliance of a cell that slides as far as the middle
 #: [mm³/N], and 1/c where that is of all cells, else 0 [N/mm³].
 PLAN = (
-    *("shift", "start", "end", "of_sphere", "of_disc", "pending_sphere", "pending_disc", "own"),
+    *("shift", "start", "end", "of_counter", "of_disc", "pending_counter", "pending_disc", "own"),
     *("compliance", "stiffness"),
 )
 #: Sums over tiles and rows: columns of the history after those of `BALANCE`, `TrackSum` and `TrackMost`.
-KEPT = ("touched", "worn_sphere", "worn_disc", "pressed_disc")
+KEPT = ("touched", "worn_counter", "worn_disc", "pressed_disc")
 #: What follows them.
 LAST = ("first_row", "last_row", "bearing")
 TOTALS = wp.constant(wp.int32(len(BALANCE)))
@@ -103,9 +103,9 @@ def begin_step(springs: Springs, steps: Steps):
     slide.shift = wp.int32(steps.plan[n, 0])
     slide.start = steps.plan[n, 1]
     slide.end = steps.plan[n, 2]
-    slide.of_sphere = steps.plan[n, 3]
+    slide.of_counter = steps.plan[n, 3]
     slide.of_disc = steps.plan[n, 4]
-    slide.pending_sphere = steps.plan[n, 5]
+    slide.pending_counter = steps.plan[n, 5]
     slide.pending_disc = steps.plan[n, 6]
     slide.own = steps.plan[n, 7]
     slide.full_depth = NONE
@@ -218,7 +218,7 @@ def record(
     total_of(tables.maxima, 0, history, row, MAXIMA)
     total_of(tables.bearing, 1, history, row, OF_ROWS + 6)
     touched = _sum_of(of_rows.touched)
-    worn_sphere = _sum_of(of_rows.worn_sphere)
+    worn_counter = _sum_of(of_rows.worn_counter)
     worn_disc = _sum_of(of_rows.worn_disc)
     pressed_disc = _sum_of(of_rows.pressed_disc)
     first_row = _end_of(of_rows.touched, 0)
@@ -227,7 +227,7 @@ def record(
         c = steps.course[0]
         enter_balance(history, row, springs, steps.slides[0].reference)
         history[row, OF_ROWS] = touched
-        history[row, OF_ROWS + 1] = worn_sphere
+        history[row, OF_ROWS + 1] = worn_counter
         history[row, OF_ROWS + 2] = worn_disc
         history[row, OF_ROWS + 3] = pressed_disc
         history[row, OF_ROWS + 4] = first_row

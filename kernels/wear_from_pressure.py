@@ -1,7 +1,7 @@
 """A stored pressure wears both bodies by Archard's law: of a grid at rest, on a track, and of patches.
 
-While a disc moves under the sphere, its asperities and the pressure move with it during a step. A cell of the
-disc is worn by its own pressure, one of the sphere by the mean of those that pass over it along x.
+While a disc moves under the ball, its asperities and the pressure move with it during a step. A cell of the
+disc is worn by its own pressure, one of the counter-body by the mean of those that pass over it along x.
 
 A row of the fields is a row of a grid, which is one line of a `Layout`, or a patch with its lines one after
 another. The loops are C++: native/wear_from_pressure.h.
@@ -47,7 +47,7 @@ def gaps(
 ):
     """Return the gap that a cell of the displaced disc meets on its way through a step.
 
-    means_in: of the sphere's wear along that way, instead of the wear at its middle.
+    means_in: of the counter-body's wear along that way, instead of the wear at its middle.
     """
     ...
 
@@ -62,9 +62,9 @@ def wear(
     sums_out: wp.array2d(dtype=wp.float64),
     maxima_out: wp.array2d(dtype=wp.float64),
 ):
-    """Wear an increment in place: the disc loses K ΔL p, the sphere K ΔL times the mean that passes it.
+    """Wear an increment in place: the disc loses K ΔL p, the counter-body K ΔL times the mean that passes it.
 
-    Without a disc all wear is the sphere's, whose height is then the gap. A disc that keeps its dents is
+    Without a disc all wear is the counter's, whose height is then the gap. A disc that keeps its dents is
     displaced for good by what is beyond the gap after the step. Sums are lines of `PressureSum`, maxima of
     `PressureMost`, over what is visited; those of the disc are left in `of_rows`, a sum a row.
     """

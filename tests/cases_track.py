@@ -1,4 +1,4 @@
-"""Small studies of a sphere that slides over a track, shared by tests."""
+"""Small studies of a ball that slides over a track, shared by tests."""
 
 from typing import Any
 
@@ -28,7 +28,7 @@ def small(track: str, **changes: Any) -> Study:
     """A rough study of 31² cells on one of the TRACKS; changes: keys with __ for the dot."""
     dotted = {k.replace("__", "."): v for k, v in changes.items()}
     base = {"grid.cell": "20 um", "grid.extent": "0.62 mm", "sliding.kinematics": "swept"}
-    base |= {"sliding.distance": "7.37 mm", "sphere.radius": "1 mm", "output.snapshots": []}
+    base |= {"sliding.distance": "7.37 mm", "counter.radius": "1 mm", "output.snapshots": []}
     return Study.load("v3-fine").replace(base | TRACKS[track][0] | dotted)
 
 

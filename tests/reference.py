@@ -75,7 +75,7 @@ class Run:
     """A worn contact: fields, the pressure of the last step, and one value a step of every quantity."""
 
     gap: FloatArray
-    wear_sphere: FloatArray
+    wear_counter: FloatArray
     wear_disc: FloatArray
     pressure: FloatArray
     history: dict[str, list[float]] = field(default_factory=dict)
@@ -97,7 +97,7 @@ def wear_run(
     """Archard wear of both bodies, Δw = K p ΔL each, the disc's ΔL times a factor (eqs 4.16 and 4.22).
 
     explicit: p of the gap before the step, so c = 1/k. implicit: p of the gap after it, so
-    c = 1/k + (K_sphere + K_disc factor) ΔL. tolerance: of the bearing area, which c = 0 leaves.
+    c = 1/k + (K_counter + K_disc factor) ΔL. tolerance: of the bearing area, which c = 0 leaves.
     """
     run = Run(gap.copy(), np.zeros_like(gap), np.zeros_like(gap), np.zeros_like(gap))
     touched = np.zeros(gap.shape, dtype=bool)
@@ -109,9 +109,9 @@ def wear_run(
         else:
             contact = bearing(run.gap, load, hardness, cell, tolerance)
         p = run.pressure = contact.pressure
-        run.wear_sphere += depth_per_pressure[0] * p
+        run.wear_counter += depth_per_pressure[0] * p
         run.wear_disc += depth_per_pressure[1] * p
-        run.gap = gap + run.wear_sphere + run.wear_disc
+        run.gap = gap + run.wear_counter + run.wear_disc
         touched |= p > 0.0
         along, across = (np.ptp(np.flatnonzero(touched.any(axis))) + 1 for axis in (1, 0))
         row = {
@@ -126,9 +126,9 @@ def wear_run(
             "pressure_mean": p[p > 0.0].mean(),
             "pressure_std": p[p > 0.0].std(),
             "pressure_max": p.max(),
-            "wear_volume_sphere": run.wear_sphere.sum() * cell**2,
+            "wear_volume_counter": run.wear_counter.sum() * cell**2,
             "wear_volume_disc": run.wear_disc.sum() * cell**2,
-            "wear_depth_sphere": run.wear_sphere.max(),
+            "wear_depth_counter": run.wear_counter.max(),
             "wear_depth_disc": run.wear_disc.max(),
         }
         for name, value in row.items():
@@ -136,8 +136,8 @@ def wear_run(
     return run
 
 
-def sphere_gap(x: FloatArray, y: FloatArray, radius: float, heights: float | FloatArray = 0.0) -> FloatArray:
-    """Gap between a sphere and a rough disc from the mean planes, R − √(R² − r²) without its cancellation."""
+def counter_gap(x: FloatArray, y: FloatArray, radius: float, heights: float | FloatArray = 0.0) -> FloatArray:
+    """Gap between a ball and a rough disc from the mean planes, R − √(R² − r²) without its cancellation."""
     squared = x[:, None] ** 2 + y[None, :] ** 2
     sag = squared / (radius + np.sqrt(radius**2 - squared)) if np.isfinite(radius) else 0.0 * squared
     return sag - heights

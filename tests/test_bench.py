@@ -57,13 +57,13 @@ def test_contenders_agree(kind: str) -> None:
         traces[name] = [loop.advance(d) for d in increments]
     in_numpy = NumpyLoop(problem, gap_of(study))
     traces["NumPy"] = [in_numpy.advance(d) for d in increments]
-    sphere = sag_of(study.cells.x, study.cells.y, study.sphere.curvature)
-    published = PublishedLoop(problem, sphere, heights_of(study).copy())
+    counter = sag_of(study.cells.x, study.cells.y, study.counter.curvature)
+    published = PublishedLoop(problem, counter, heights_of(study).copy())
     tolerance = None if kind == "explicit" else TIGHT * problem.load
     traces["published"] = [published.advance(d, tolerance=tolerance) for d in increments]
     check(kind, traces)
     worn = problem.load * sum(increments)
-    assert_allclose(traces["NumPy"][-1].volume_sphere, problem.wear_sphere * worn, rtol=1e-12)
+    assert_allclose(traces["NumPy"][-1].volume_counter, problem.wear_counter * worn, rtol=1e-12)
 
 
 @pytest.mark.parametrize("script", sorted(BENCH.glob("*.py")), ids=lambda path: path.stem)
@@ -94,7 +94,7 @@ def test_disagreement_is_told() -> None:
     from contenders.baselines import Solved
     from contenders.roster import DisagreementError, check
 
-    one = Solved(approach=1.0, volume_sphere=1.0, volume_disc=1.0, area=1.0, evaluations=3)
+    one = Solved(approach=1.0, volume_counter=1.0, volume_disc=1.0, area=1.0, evaluations=3)
     check("equal", {"warpwear": [one], "NumPy": [one._replace(evaluations=4)]})
     with pytest.raises(DisagreementError, match=r"step 2: approach .* by warpwear, .* by NumPy"):
         check("other", {"warpwear": [one, one], "NumPy": [one, one._replace(approach=1.0 + 1e-8)]})
@@ -112,7 +112,7 @@ def test_published_way_goes_on_from_a_loop() -> None:
     for loop in loops:
         for d in INCREMENTS:
             loop.advance(d)
-    published = PublishedLoop.after(loops[0], study.cells.x, study.cells.y, study.sphere.curvature)
+    published = PublishedLoop.after(loops[0], study.cells.x, study.cells.y, study.counter.curvature)
     found = published.advance(3.0, tolerance=TIGHT * problem.load)
     check("after", {"NumPy": [loops[1].advance(3.0)], "published": [found]})
 
@@ -123,16 +123,23 @@ def test_sliding_step() -> None:
 
     random = np.random.default_rng(1)
     places = (np.arange(24) - 11.5) * 0.01
-    sphere = reference.sphere_gap(places, places, 3.0)
+    counter = reference.counter_gap(places, places, 3.0)
     track = 1.0e-3 * random.standard_normal((64, 24))
-    unworn_sphere, unworn_track = sphere.copy(), track.copy()
-    removals = {"removal_sphere": 1.0e-7, "removal_disc": 3.0e-7}
+    unworn_counter, unworn_track = counter.copy(), track.copy()
+    removals = {"removal_counter": 1.0e-7, "removal_disc": 3.0e-7}
     total = 0.0
     for step in range(4):
         start = 8 * step
-        gap, before = sphere - track[start : start + 24], track.copy()
+        gap, before = counter - track[start : start + 24], track.copy()
         found = sliding_step(
-            sphere, track, start=start, load=8.0, hardness=590.0, cell=0.01, work=work_for(sphere), **removals
+            counter,
+            track,
+            start=start,
+            load=8.0,
+            hardness=590.0,
+            cell=0.01,
+            work=work_for(counter),
+            **removals,
         )
         expected = reference.bearing(gap, 8.0, 590.0, 0.01, 0.5 * 590.0 * 0.01**2)
         assert found.cells == np.count_nonzero(expected.pressure)
@@ -142,7 +149,9 @@ def test_sliding_step() -> None:
         assert not lost[:start].any()
         assert not lost[start + 24 :].any()
         total += 8.0
-    assert_allclose((sphere - unworn_sphere).sum() * 0.01**2, total * removals["removal_sphere"], rtol=1e-9)
+    assert_allclose(
+        (counter - unworn_counter).sum() * 0.01**2, total * removals["removal_counter"], rtol=1e-9
+    )
     assert_allclose((unworn_track - track).sum() * 0.01**2, total * removals["removal_disc"], rtol=1e-9)
 
 

@@ -1,4 +1,4 @@
-"""A disc that moves by whole cells under the sphere: the package's step, its parts, and NumPy's."""
+"""A disc that moves by whole cells under the counter-body: the package's step, its parts, and NumPy's."""
 
 import statistics
 import time
@@ -34,7 +34,7 @@ class Package:
     def advance(self) -> None:
         row = self._contact.step(SHIFT * self.steps, self._increment).row
         self.steps += 1
-        found = row["wear_volume_sphere"], row["wear_volume_disc"], row["area_contact"]
+        found = row["wear_volume_counter"], row["wear_volume_disc"], row["area_contact"]
         self.trace.append(Solved(1.0, *found, int(row["evaluations"])))  # an area has many approaches
 
     def together(self) -> float:
@@ -51,14 +51,14 @@ class InNumpy:
     def __init__(self, study: Study, track: FloatArray) -> None:
         self.trace: Trace = []
         self._problem = problem = Problem.of(study)
-        self._unworn = sag_of(study.cells.x, study.cells.y, study.sphere.curvature)
-        self._sphere = self._unworn.copy()
+        self._unworn = sag_of(study.cells.x, study.cells.y, study.counter.curvature)
+        self._counter = self._unworn.copy()
         self._track = track.copy()
-        self._work = work_for(self._sphere)
+        self._work = work_for(self._counter)
         removal = SHIFT * problem.cell
         self._step: Callable[..., object] = partial(
-            sliding_step, self._sphere, self._track, load=problem.load, hardness=problem.hardness,
-            cell=problem.cell, removal_sphere=problem.wear_sphere * removal,
+            sliding_step, self._counter, self._track, load=problem.load, hardness=problem.hardness,
+            cell=problem.cell, removal_counter=problem.wear_counter * removal,
             removal_disc=problem.wear_disc * removal, work=self._work,
         )  # fmt: skip
 
@@ -67,8 +67,8 @@ class InNumpy:
         found = self._step(start=SHIFT * len(self.trace))
         took = time.perf_counter() - start
         area = self._problem.cell**2
-        worn = float((self._sphere - self._unworn).sum()) * area
-        disc = worn * self._problem.wear_disc / self._problem.wear_sphere
+        worn = float((self._counter - self._unworn).sum()) * area
+        disc = worn * self._problem.wear_disc / self._problem.wear_counter
         self.trace.append(Solved(1.0, worn, disc, found.cells * area, found.trials))  # type: ignore[attr-defined]
         return took
 
@@ -127,6 +127,6 @@ def _check_archard(study: Study, trace: Trace) -> None:
     problem = Problem.of(study)
     worn = SHIFT * problem.cell * problem.load * len(trace)
     expected = trace[-1]._replace(
-        volume_sphere=problem.wear_sphere * worn, volume_disc=problem.wear_disc * worn
+        volume_counter=problem.wear_counter * worn, volume_disc=problem.wear_disc * worn
     )
     check("sliding", {"K F L": [expected], "warpwear": [trace[-1]]})

@@ -59,7 +59,7 @@ CASES: dict[str, tuple[str, dict[str, Any], dict[str, str | None]]] = {
         "v1",
         {"stepping.scheme": "implicit", "grid.cell": "20 um", "grid.extent": "1.8 mm"},
         {
-            "wear.sphere": "log-normal 9.4e-4 +- 3e-4 mm^3/N/m",
+            "wear.counter": "log-normal 9.4e-4 +- 3e-4 mm^3/N/m",
             "wear.disc": "uniform 6e-4 .. 20e-4 mm^3/N/m",
             "friction.shear_strength": "log-uniform 1.5 .. 8 MPa",
             "friction.ploughing": "normal 0.2 +- 0.02",
@@ -80,7 +80,7 @@ CASES: dict[str, tuple[str, dict[str, Any], dict[str, str | None]]] = {
             "sliding.distance": "600 mm",
         },
         {
-            "wear.sphere": "log-uniform 5e-4 .. 20e-4 mm^3/N/m",
+            "wear.counter": "log-uniform 5e-4 .. 20e-4 mm^3/N/m",
             "contact.hardness": "log-uniform 400 .. 900 MPa",
             "friction.shear_strength": "log-uniform 100 .. 300 MPa",
             "friction.ploughing": "normal 0.2 +- 0.02",
@@ -103,7 +103,7 @@ class Case:
     @property
     def like(self) -> Data:
         """What a test measures: two courses, a coefficient, a volume and a diameter; values are drawn."""
-        volume = Measured("volume_disc" if self.name == "rest" else "volume_sphere", 1.0, 0.0015)
+        volume = Measured("volume_disc" if self.name == "rest" else "volume_counter", 1.0, 0.0015)
         values = (volume, Measured("diameter", 1.0, 0.02))
         end = Measured("cof", 0.5, 0.02, self.study.sliding.total)
         return Data((course_like(self.study), course_like(self.study)), (end,), values)

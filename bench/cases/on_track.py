@@ -1,4 +1,4 @@
-"""The sphere that slides over a track: a finer step, and runs on a representative and on the whole track."""
+"""The counter that slides over a track: a finer step, and runs on a representative and on the whole track."""
 
 import time
 

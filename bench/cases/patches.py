@@ -27,7 +27,7 @@ class Patched:
     def advance(self, increment: float) -> Solved:
         step = self._model.advance(increment, then=increment)
         row = step.row
-        worn = row["wear_volume_sphere"], row["wear_volume_disc"]
+        worn = row["wear_volume_counter"], row["wear_volume_disc"]
         return Solved(step.balance.approach, *worn, row["area_contact"], step.balance.evaluations)
 
 

@@ -25,7 +25,7 @@ class Solved(NamedTuple):
     """What every contender says of a step."""
 
     approach: float  # [mm]
-    volume_sphere: float  # worn so far [mm³]
+    volume_counter: float  # worn so far [mm³]
     volume_disc: float
     area: float  # in contact [mm²]
     evaluations: int  # of the load at an approach
@@ -38,7 +38,7 @@ class Problem:
     load: float
     hardness: float
     cell: float
-    wear_sphere: float  # K [mm²/N]
+    wear_counter: float  # K [mm²/N]
     wear_disc: float
     compliance: float  # 1/k of the local foundation [mm³/N]
     implicit: bool
@@ -50,13 +50,13 @@ class Problem:
         """From a study with constant K and a factor that is none or across (eq 4.22)."""
         y = study.cells.y
         across = study.wear.distance_factor == "across"
-        factor = np.sqrt(1.0 - (y * study.sphere.curvature) ** 2) if across else np.ones_like(y)
-        sphere, disc = (law.steady for law in study.wear_laws)
+        factor = np.sqrt(1.0 - (y * study.counter.curvature) ** 2) if across else np.ones_like(y)
+        counter, disc = (law.steady for law in study.wear_laws)
         return cls(
             load=study.contact.load,
             hardness=study.hardness,
             cell=study.grid.cell,
-            wear_sphere=sphere,
+            wear_counter=counter,
             wear_disc=disc,
             compliance=1.0 / study.contact.stiffness,
             implicit=study.stepping.scheme == "implicit",
@@ -66,12 +66,12 @@ class Problem:
 
     def compliance_of(self, increment: float) -> float:
         """c of a step [mm³/N]; the implicit one's is of a disc without a factor."""
-        worn = (self.wear_sphere + self.wear_disc) * increment if self.implicit else 0.0
+        worn = (self.wear_counter + self.wear_disc) * increment if self.implicit else 0.0
         return self.compliance + worn
 
 
 def sag_of(x: FloatArray, y: FloatArray, curvature: float, *, out: FloatArray | None = None) -> FloatArray:
-    """Height of the sphere over its apex [mm], r²/(R + √(R² − r²)), shape (x.size, y.size)."""
+    """Height of the counter-body over its apex [mm], r²/(R + √(R² − r²)), shape (x.size, y.size)."""
     sag = np.empty((x.size, y.size)) if out is None else out
     squared = y * y
     for first in range(0, x.size, BLOCK):
@@ -93,7 +93,7 @@ class NumpyLoop:
         """gap: of the unworn bodies from the mean planes [mm], shape (nx, ny); worn in place."""
         self.problem = problem
         self.gap = gap
-        self.wear_sphere = np.zeros_like(gap)
+        self.wear_counter = np.zeros_like(gap)
         self.wear_disc = np.zeros_like(gap)
         self.last: tuple[float, float] | None = None  # approach and mean pressure of the last step
         self.allocate()
@@ -108,7 +108,7 @@ class NumpyLoop:
         """Balance the load, then wear over an increment [mm]."""
         problem = self.problem
         area = problem.cell**2
-        sphere, disc = problem.wear_sphere * increment, problem.wear_disc * increment
+        counter, disc = problem.wear_counter * increment, problem.wear_disc * increment
         c = problem.compliance_of(increment)
         if c == 0.0:
             low, high = self.bounds()
@@ -117,15 +117,15 @@ class NumpyLoop:
                 problem.tolerance / (problem.hardness * area),
             )  # fmt: skip
             mean = problem.load / (found * area)
-            sums = self.wear_bearing(approach, sphere * mean, disc * mean)
+            sums = self.wear_bearing(approach, counter * mean, disc * mean)
         else:
             deepest = problem.hardness * c
-            base, offset, trials = self._balanced(c, deepest, sphere + disc)
+            base, offset, trials = self._balanced(c, deepest, counter + disc)
             approach = base + offset
-            sums = self.wear_overlap(offset, deepest, sphere / c, disc / c)
-        contact, worn_sphere, worn_disc = sums
+            sums = self.wear_overlap(offset, deepest, counter / c, disc / c)
+        contact, worn_counter, worn_disc = sums
         self.last = approach, problem.load / (contact * area)
-        return Solved(approach, worn_sphere * area, worn_disc * area, contact * area, trials)
+        return Solved(approach, worn_counter * area, worn_disc * area, contact * area, trials)
 
     def _balanced(self, c: float, deepest: float, removal: float) -> tuple[float, float, int]:
         """Base, offset and evaluations of the contact with compliance, balanced to TOLERANCE."""
@@ -179,23 +179,23 @@ class NumpyLoop:
         return float(np.count_nonzero(np.less_equal(self.gap, approach, out=self._flags)))
 
     def wear_overlap(
-        self, offset: float, deepest: float, sphere: float, disc: float
+        self, offset: float, deepest: float, counter: float, disc: float
     ) -> tuple[float, float, float]:
         """Each body loses its share of the overlaps; cells in contact, summed wear of both [mm]."""
-        return self._wear(self._pressed(offset, deepest), sphere, disc)
+        return self._wear(self._pressed(offset, deepest), counter, disc)
 
-    def wear_bearing(self, approach: float, sphere: float, disc: float) -> tuple[float, float, float]:
+    def wear_bearing(self, approach: float, counter: float, disc: float) -> tuple[float, float, float]:
         """Each body loses the same depth [mm] in every cell not higher than the approach."""
         contact = self.count(approach)
         self.work[...] = self._flags
-        return self._wear(contact, sphere, disc)
+        return self._wear(contact, counter, disc)
 
-    def _wear(self, contact: float, sphere: float, disc: float) -> tuple[float, float, float]:
-        for wear, share in ((self.wear_sphere, sphere), (self.wear_disc, disc * self.problem.factor)):
+    def _wear(self, contact: float, counter: float, disc: float) -> tuple[float, float, float]:
+        for wear, share in ((self.wear_counter, counter), (self.wear_disc, disc * self.problem.factor)):
             np.multiply(self.work, share, out=self.overlap)
             self.gap += self.overlap
             wear += self.overlap
-        return float(contact), float(self.wear_sphere.sum()), float(self.wear_disc.sum())
+        return float(contact), float(self.wear_counter.sum()), float(self.wear_disc.sum())
 
 
 class Slid(NamedTuple):
@@ -208,30 +208,30 @@ class Slid(NamedTuple):
 
 
 def sliding_step(
-    sphere: FloatArray,
+    counter: FloatArray,
     track: FloatArray,
     *,
     start: int,
     load: float,
     hardness: float,
     cell: float,
-    removal_sphere: float,
+    removal_counter: float,
     removal_disc: float,
     work: tuple[FloatArray, NDArray[np.bool_]],
 ) -> Slid:
-    """A bearing area of a sphere over one window of a track, and the wear of both, in place.
+    """A bearing area of a ball over one window of a track, and the wear of both, in place.
 
-    sphere: its surface over the unworn apex, as worn [mm], shape (nx, ny). track: heights of the disc as worn
+    ball: its surface over the unworn apex, as worn [mm], shape (nx, ny). track: heights of the disc as worn
     [mm], shape (≥ start + nx, ny); the window is its rows start … start + nx, so a disc that moves by 8 cells
-    a step has start = 8 i. The gap is sphere − window; the approach is bisected until the load is met to half
+    a step has start = 8 i. The gap is ball − window; the approach is bisected until the load is met to half
     a cell's force (gaps do not tie on a rough track), the pressure is load over area. removal_*: K ΔL of a
-    body in this step [mm³/N]; a swept track's ΔL is the shift. work: arrays of the sphere's shape.
+    body in this step [mm³/N]; a swept track's ΔL is the shift. work: arrays of the counter-body's shape.
 
     ArithmeticError where cells tie so that no approach meets the load.
     """
     gap, flags = work
-    window = track[start : start + sphere.shape[0]]
-    np.subtract(sphere, window, out=gap)
+    window = track[start : start + counter.shape[0]]
+    np.subtract(counter, window, out=gap)
 
     def count(approach: float) -> float:
         return float(np.count_nonzero(np.less_equal(gap, approach, out=flags)))
@@ -240,13 +240,13 @@ def sliding_step(
         count, float(gap.min()), float(gap.max()) + 2.0 * TIE, load / (hardness * cell**2), 0.5
     )
     pressure = load / (cells * cell**2)
-    np.multiply(flags, removal_sphere * pressure, out=gap)
-    sphere += gap
+    np.multiply(flags, removal_counter * pressure, out=gap)
+    counter += gap
     np.multiply(flags, removal_disc * pressure, out=gap)
     window -= gap
     return Slid(approach, int(cells), pressure, trials)
 
 
-def work_for(sphere: FloatArray) -> tuple[FloatArray, NDArray[Any]]:
+def work_for(counter: FloatArray) -> tuple[FloatArray, NDArray[Any]]:
     """Work arrays of `sliding_step`."""
-    return np.empty_like(sphere), np.empty(sphere.shape, dtype=bool)
+    return np.empty_like(counter), np.empty(counter.shape, dtype=bool)

@@ -50,56 +50,56 @@ void bounds(long n, const double *restrict gap, double *restrict sums)
     sums[1] = high;
 }
 
-/* One increment of wear in place, rows of `columns` cells: overlaps up to `deepest` times `sphere` and
- * `disc × factor[column]` come off the bodies and open the gap. Sums: cells in contact, wear of the sphere, of
- * the disc; what is worn is gap − unworn, of which `share[column]` is the sphere's. */
-void wear_overlap(long n, long columns, double base, double offset, double deepest, double sphere,
+/* One increment of wear in place, rows of `columns` cells: overlaps up to `deepest` times `counter` and
+ * `disc × factor[column]` come off the bodies and open the gap. Sums: cells in contact, wear of the counter, of
+ * the disc; what is worn is gap − unworn, of which `share[column]` is the counter's. */
+void wear_overlap(long n, long columns, double base, double offset, double deepest, double counter,
                   double disc, const double *restrict factor, const double *restrict share,
                   double *restrict gap, const double *restrict unworn, double *restrict sums)
 {
     sums[0] = sums[1] = sums[2] = 0.0;
     for (long row = 0; row < n; row += columns) {
-        double contact = 0.0, worn_sphere = 0.0, worn = 0.0;
+        double contact = 0.0, worn_counter = 0.0, worn = 0.0;
         double *restrict g = gap + row;
         const double *restrict u = unworn + row;
-#pragma omp simd reduction(+ : contact, worn_sphere, worn)
+#pragma omp simd reduction(+ : contact, worn_counter, worn)
         for (long i = 0; i < columns; i++) {
             double q = (base - g[i]) + offset;
             double p = q > 0.0 ? q : 0.0;
             p = p < deepest ? p : deepest;
-            g[i] += (sphere + disc * factor[i]) * p;
+            g[i] += (counter + disc * factor[i]) * p;
             double w = g[i] - u[i];
             contact += q > 0.0 ? 1.0 : 0.0;
-            worn_sphere += share[i] * w;
+            worn_counter += share[i] * w;
             worn += w;
         }
         sums[0] += contact;
-        sums[1] += worn_sphere;
-        sums[2] += worn - worn_sphere;
+        sums[1] += worn_counter;
+        sums[2] += worn - worn_counter;
     }
 }
 
 /* The same where every cell not higher than the approach carries one pressure. */
-void wear_bearing(long n, long columns, double approach, double sphere, double disc,
+void wear_bearing(long n, long columns, double approach, double counter, double disc,
                   const double *restrict factor, const double *restrict share, double *restrict gap,
                   const double *restrict unworn, double *restrict sums)
 {
     sums[0] = sums[1] = sums[2] = 0.0;
     for (long row = 0; row < n; row += columns) {
-        double contact = 0.0, worn_sphere = 0.0, worn = 0.0;
+        double contact = 0.0, worn_counter = 0.0, worn = 0.0;
         double *restrict g = gap + row;
         const double *restrict u = unworn + row;
-#pragma omp simd reduction(+ : contact, worn_sphere, worn)
+#pragma omp simd reduction(+ : contact, worn_counter, worn)
         for (long i = 0; i < columns; i++) {
             double here = g[i] <= approach ? 1.0 : 0.0;
-            g[i] += (sphere + disc * factor[i]) * here;
+            g[i] += (counter + disc * factor[i]) * here;
             double w = g[i] - u[i];
             contact += here;
-            worn_sphere += share[i] * w;
+            worn_counter += share[i] * w;
             worn += w;
         }
         sums[0] += contact;
-        sums[1] += worn_sphere;
-        sums[2] += worn - worn_sphere;
+        sums[1] += worn_counter;
+        sums[2] += worn - worn_counter;
     }
 }

@@ -71,7 +71,7 @@ class CLoop(NumpyLoop):
         self._pool = ThreadPoolExecutor(chunks - 1) if chunks > 1 else None
         self._base = 0.0
         self._factor = np.ascontiguousarray(problem.factor)
-        self._share = problem.wear_sphere / (problem.wear_sphere + problem.wear_disc * self._factor)
+        self._share = problem.wear_counter / (problem.wear_counter + problem.wear_disc * self._factor)
         self._unworn = gap.copy()
         super().__init__(problem, gap)
 
@@ -95,19 +95,19 @@ class CLoop(NumpyLoop):
         return float(self._each("count", (DOUBLE(approach),), (self.gap,), 1).sum())
 
     def wear_overlap(
-        self, offset: float, deepest: float, sphere: float, disc: float
+        self, offset: float, deepest: float, counter: float, disc: float
     ) -> tuple[float, float, float]:
-        return self._worn("wear_overlap", (self._base, offset, deepest, sphere, disc))
+        return self._worn("wear_overlap", (self._base, offset, deepest, counter, disc))
 
-    def wear_bearing(self, approach: float, sphere: float, disc: float) -> tuple[float, float, float]:
-        return self._worn("wear_bearing", (approach, sphere, disc))
+    def wear_bearing(self, approach: float, counter: float, disc: float) -> tuple[float, float, float]:
+        return self._worn("wear_bearing", (approach, counter, disc))
 
     def _worn(self, name: str, numbers: tuple[float, ...]) -> tuple[float, float, float]:
         rows = _address(self._factor), _address(self._share)
         arguments = LONG(self.gap.shape[1]), *map(DOUBLE, numbers), *rows
         fields = self.gap, self._unworn
-        contact, sphere, disc = self._each(name, arguments, fields, 3).sum(axis=0)
-        return float(contact), float(sphere), float(disc)
+        contact, counter, disc = self._each(name, arguments, fields, 3).sum(axis=0)
+        return float(contact), float(counter), float(disc)
 
     def _each(
         self, name: str, numbers: tuple[Any, ...], fields: tuple[FloatArray, ...], columns: int

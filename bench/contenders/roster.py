@@ -71,7 +71,7 @@ class Package:
         row = step.row
         return Solved(
             step.balance.approach,
-            row["wear_volume_sphere"],
+            row["wear_volume_counter"],
             row["wear_volume_disc"],
             row["area_contact"],
             step.balance.evaluations,
@@ -106,7 +106,7 @@ def heights_of(study: Study) -> FloatArray:
 
 def gap_of(study: Study) -> FloatArray:
     """Return the gap of the unworn bodies [mm], made by NumPy."""
-    gap = sag_of(study.cells.x, study.cells.y, study.sphere.curvature)
+    gap = sag_of(study.cells.x, study.cells.y, study.counter.curvature)
     gap -= heights_of(study)
     return gap
 
@@ -128,7 +128,7 @@ def check(case: str, traces: Mapping[str, Sequence[Solved]]) -> None:
     (first, reference), *others = traces.items()
     for name, trace in others:
         for i, (one, other) in enumerate(zip(reference, trace, strict=False)):
-            for quantity in ("approach", "volume_sphere", "volume_disc", "area"):
+            for quantity in ("approach", "volume_counter", "volume_disc", "area"):
                 expected, found = getattr(one, quantity), getattr(other, quantity)
                 if not abs(found - expected) <= AGREEMENT * abs(expected):
                     raise DisagreementError(
@@ -177,7 +177,7 @@ def steps(
         timed(name, made())
     in_numpy = NumpyLoop(Problem.of(study), gap_of(study))
     timed("NumPy", in_numpy)
-    published = PublishedLoop.after(in_numpy, study.cells.x, study.cells.y, study.sphere.curvature)
+    published = PublishedLoop.after(in_numpy, study.cells.x, study.cells.y, study.counter.curvature)
     del in_numpy
     # Compared in the step after those of NumPy, balanced as tightly; timed as published.
     compared = published.advance(increment, tolerance=TIGHT * study.contact.load)

@@ -18,9 +18,9 @@ class Unit:
 
     def seconds(self) -> float:
         """Time of a pass now."""
-        sphere, disc, gap = self._arrays
+        counter, disc, gap = self._arrays
         start = time.perf_counter()
-        np.subtract(sphere, disc, out=gap)
+        np.subtract(counter, disc, out=gap)
         return time.perf_counter() - start
 
 

@@ -1,9 +1,9 @@
 #pragma once
-// A sphere and a disc displaced under it by whole rows.
+// A ball and a disc displaced under it by whole rows.
 
 #include "lanes.h"
 
-// The disc's row under a row of the sphere; 0 <= shift < rows of the disc.
+// The disc's row under a row of the counter-body; 0 <= shift < rows of the disc.
 WARPWEAR_FN int under_row(int row, int shift, int rows)
 {
     const int displaced = row + shift;

@@ -30,7 +30,7 @@ WARPWEAR_FN void look_at_film(int slot, int slots, const Slides& slides, const F
 {
     const auto& slide = wp::index(slides, 0);
     const int first = first_lanes(slide), end = end_lanes(slide);
-    const bool on_sphere = films.sphere.wear.shape[0] > 0, on_disc = films.disc.wear.shape[0] > 0;
+    const bool on_counter = films.counter.wear.shape[0] > 0, on_disc = films.disc.wear.shape[0] > 0;
     const Lanes zero = 0.0, one = 1.0, cap_bare = films.cap_bare, cap_filmed = films.cap_filmed;
     for (int row = slot; row < films.bare.shape[0]; row += slots) {
         const int under = on_disc ? under_row(row, slide.shift, films.disc.wear.shape[0]) : 0;
@@ -38,8 +38,8 @@ WARPWEAR_FN void look_at_film(int slot, int slots, const Slides& slides, const F
         Stored* const parts = films.parts.shape[0] > 0 ? row_of(films.parts, row) : nullptr;
         for (int i = first + lane_of_slot(); i < end; i += width_of_slot()) {
             Lanes here = one;
-            if (on_sphere) {
-                const Lanes depth = lost(films.sphere, row, i, slide.start, films.regrowth);
+            if (on_counter) {
+                const Lanes depth = lost(films.counter, row, i, slide.start, films.regrowth);
                 here = depth > films.thickness ? here : zero;
             }
             if (on_disc) {
@@ -70,7 +70,7 @@ WARPWEAR_FN void rub_film(int slot, int slots, const Slides& slides, const Films
 {
     const auto& slide = wp::index(slides, 0);
     for (int row = slot; row < films.bare.shape[0]; row += slots) {
-        if (films.sphere.seen.shape[0] > 0) rub_coat(films.sphere, row, slide);
+        if (films.counter.seen.shape[0] > 0) rub_coat(films.counter, row, slide);
         if (films.disc.seen.shape[0] > 0)
             rub_coat(films.disc, under_row(row, slide.shift, films.disc.seen.shape[0]), slide);
     }

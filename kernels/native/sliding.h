@@ -1,5 +1,5 @@
 #pragma once
-// A disc displaced under a sphere: the tiles that can touch, the wear of both bodies, and their sums by rows.
+// A disc displaced under a ball: the tiles that can touch, the wear of both bodies, and their sums by rows.
 
 #include "bodies.h"
 #include "wear.h"
@@ -28,12 +28,12 @@ WARPWEAR_FN double of_team(double value, bool adds)
 }
 
 // Make the gap of a tile; the lowest of the cells that a thread makes.
-WARPWEAR_FN Lanes gap_of_tile(int t, int of_row, const Stored* sphere, const Stored* disc, Stored* gap)
+WARPWEAR_FN Lanes gap_of_tile(int t, int of_row, const Stored* counter, const Stored* disc, Stored* gap)
 {
     Lanes low = ABSENT;
     const int last = (t + 1) * OF_TILE < of_row ? (t + 1) * OF_TILE : of_row;
     for (int i = t * OF_TILE + lane_of_team(); i < last; i += TEAM) {
-        const Lanes g = sphere[i] - disc[i];
+        const Lanes g = counter[i] - disc[i];
         gap[i] = g;
         low = smaller_of(low, g);
     }
@@ -43,7 +43,7 @@ WARPWEAR_FN Lanes gap_of_tile(int t, int of_row, const Stored* sphere, const Sto
 // List, row by row, the tiles with a gap that does not exceed the limit, and make their gaps. Where the
 // bounds of a pair of tiles let it touch, its gap decides: a list holds no tile too many. The lowest gap of a
 // tile is noted; under a disc that lies still it stays known, as 0 where the gap was never made. The lowest
-// of eight tiles of the sphere with the highest of the disc's row spares a CPU most bounds.
+// of eight tiles of the counter-body with the highest of the disc's row spares a CPU most bounds.
 template <typename Lists, typename Slides, typename Bounds, typename Bodies, typename List, typename Count>
 WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Slides& slides,
                               const Bounds& bounds, const Bodies& bodies, const List& list,
@@ -55,12 +55,12 @@ WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Sli
     const bool stays = bounds.stays == 1;
     for (int row = slot; row < bodies.gap.shape[0]; row += slots) {
         const int under = under_row(row, shift, bodies.disc.shape[0]);
-        const Stored *const sphere = row_of(bodies.sphere, row), *const disc = row_of(bodies.disc, under);
+        const Stored *const counter = row_of(bodies.counter, row), *const disc = row_of(bodies.disc, under);
         const Stored *const lowest = row_of(bounds.lowest, row), *const highest =
                                                                      row_of(bounds.highest, under);
         Stored *const gap = row_of(bodies.gap, row), *const of_tiles = row_of(bounds.gap, row);
         const auto lowest_gap = [&](int t) {
-            const double low = -of_team(most(-gap_of_tile(t, of_row, sphere, disc, gap)), false);
+            const double low = -of_team(most(-gap_of_tile(t, of_row, counter, disc, gap)), false);
             if (lane_of_team() == 0) ((double*)of_tiles)[t] = low;
             return low;
         };
@@ -151,8 +151,8 @@ template <typename Numbers> WARPWEAR_FN double sum_of_tiles(const Numbers& numbe
     return of_slot(total(sum), true);
 }
 
-// Sum the tiles of a row of the sphere, and of the disc's row beneath it. Sums over the fields as they are:
-// increments added up would drift.
+// Sum the tiles of a row of the counter-body, and of the disc's row beneath it. Sums over the fields as they
+// are: increments added up would drift.
 template <typename OfTiles>
 WARPWEAR_FN void total_rows(int row, int under, bool presses, const OfTiles& of_tiles)
 {
@@ -160,12 +160,12 @@ WARPWEAR_FN void total_rows(int row, int under, bool presses, const OfTiles& of_
     __syncthreads(); // other threads have worn tiles of the row
 #endif
     const double touched = sum_of_tiles(of_tiles.touched, row);
-    const double sphere = sum_of_tiles(of_tiles.worn_sphere, row);
+    const double counter = sum_of_tiles(of_tiles.worn_counter, row);
     const double disc = sum_of_tiles(of_tiles.worn_disc, under);
     const double pressed = presses ? sum_of_tiles(of_tiles.pressed_disc, under) : 0.0;
     if (lane_of_slot() != 0) return;
     of_tiles.rows.touched.data[row] = touched;
-    of_tiles.rows.worn_sphere.data[row] = sphere;
+    of_tiles.rows.worn_counter.data[row] = counter;
     of_tiles.rows.worn_disc.data[under] = disc;
     if (presses) of_tiles.rows.pressed_disc.data[under] = pressed;
 }
@@ -174,7 +174,7 @@ WARPWEAR_FN void total_rows(int row, int under, bool presses, const OfTiles& of_
 // displaced from the disc for good, not worn. Bounds and sums of the tiles and rows are made anew; tiles that
 // do not touch stay as they are, where their lowest gaps are known. Each sum grows lane by lane, in the order
 // of the cells. FACTORED: the sliding distance of the disc's cells has a factor each; RARE: cells have a
-// stiffness or a part of the cap each, carry a film, keep their dents, or belong to a sphere that does not
+// stiffness or a part of the cap each, carry a film, keep their dents, or belong to a ball that does not
 // wear.
 template <bool FACTORED, bool RARE, typename List, typename Count, typename Slides, typename Springs,
           typename OfCells, typename Bodies, typename OfTiles, typename Tables>
@@ -189,7 +189,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
     const auto& law = wp::index(springs.law, 0);
     const double base = law.base, offset = law.offset, cap = law.cap, tie_width = law.tie_width;
     const double tie_pressure = law.tie_pressure, full_depth = step.full_depth, reference = step.reference;
-    const double of_sphere = step.of_sphere, of_disc = step.of_disc;
+    const double of_counter = step.of_counter, of_disc = step.of_disc;
     const double stiffness_of_all = wp::index(springs.search, 0).stiffness;
     const bool keeps_reached = RARE && bodies.reached.shape[0] == bodies.gap.shape[0];
     const bool presses = RARE && full_depth < NO_LIMIT, factored = FACTORED;
@@ -198,7 +198,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
     const int of_row = bodies.gap.shape[1] * OF_VECTOR;
     const Lanes zero = 0.0, one = 1.0, none = NO_INDEX;
     const Counts no = 0, yes = 1;
-    Lanes pressure = 0.0, weighted = 0.0, deviation = 0.0, highest = 0.0, deepest_sphere = 0.0;
+    Lanes pressure = 0.0, weighted = 0.0, deviation = 0.0, highest = 0.0, deepest_counter = 0.0;
     Lanes deepest_disc = 0.0, bared = 0.0;
     Counts contact = 0, capped = 0;
     double first_column = NO_INDEX, last_column = NO_INDEX;
@@ -207,10 +207,10 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
         const int listed = wp::index(counts, row);
         if (listed == 0) continue; // most rows
         const int under = under_row(row, step.shift, bodies.disc.shape[0]);
-        Stored *const gap = row_of(bodies.gap, row), *const sphere = row_of(bodies.sphere, row);
+        Stored *const gap = row_of(bodies.gap, row), *const counter = row_of(bodies.counter, row);
         Stored *const disc = row_of(bodies.disc, under), *const plastic = row_of(bodies.plastic_disc, under);
-        Stored *const wear_sphere = row_of(bodies.wear_sphere, row), *const reached =
-                                                                         row_of(bodies.reached, row);
+        Stored *const wear_counter = row_of(bodies.wear_counter, row), *const reached =
+                                                                           row_of(bodies.reached, row);
         Stored* const wear_disc = row_of(bodies.wear_disc, under);
         const Stored* const stiffness = own ? row_of(of_cells.stiffness, row) : nullptr;
         const Stored* const factor = row_of(of_cells.factor, under);
@@ -223,7 +223,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
             wears = true;
             // Extents are known up to tiles that lie beyond them: all but a few of the first steps'.
             const bool beyond_known = first * LANES < step.first_column || last * LANES > step.end_column;
-            Lanes low = ABSENT, high = -ABSENT, apart = ABSENT, worn_sphere = 0.0, worn_disc = 0.0,
+            Lanes low = ABSENT, high = -ABSENT, apart = ABSENT, worn_counter = 0.0, worn_disc = 0.0,
                   pressed = 0.0;
             Counts touched = 0;
             Lanes was_touched[OF_TILE / TEAM];
@@ -241,14 +241,14 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
                     plastic[i] = x;
                     pressed += x;
                 }
-                const Lanes f = factored ? (Lanes)factor[i] : one, da = of_sphere * p, db = of_disc * f * p;
-                const Lanes s = sphere[i] + da, a = wear_sphere[i] + da, b = wear_disc[i] + db;
+                const Lanes f = factored ? (Lanes)factor[i] : one, da = of_counter * p, db = of_disc * f * p;
+                const Lanes s = counter[i] + da, a = wear_counter[i] + da, b = wear_disc[i] + db;
                 d -= db;
                 const Lanes g = s - d;
                 gap[i] = g;
-                sphere[i] = s;
+                counter[i] = s;
                 disc[i] = d;
-                wear_sphere[i] = a;
+                wear_counter[i] = a;
                 wear_disc[i] = b;
                 pressure += p;
                 weighted += p * f;
@@ -261,9 +261,9 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
                 low = smaller_of(low, s);
                 high = larger_of(high, d);
                 apart = smaller_of(apart, g);
-                worn_sphere += a;
+                worn_counter += a;
                 worn_disc += b;
-                deepest_sphere = larger_of(deepest_sphere, a);
+                deepest_counter = larger_of(deepest_counter, a);
                 deepest_disc = larger_of(deepest_disc, b);
                 const Lanes ever = p + (keeps_reached ? (Lanes)reached[i] : a) > zero ? one : zero;
                 touched += ever > zero ? yes : no;
@@ -277,13 +277,13 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
             }
             const double lowest = -of_team(most(-low), false), largest = of_team(most(high), false);
             const double smallest = is_known ? -of_team(most(-apart), false) : 0.0;
-            const double sums[] = {of_team(total(worn_sphere), true), of_team(total(worn_disc), true),
+            const double sums[] = {of_team(total(worn_counter), true), of_team(total(worn_disc), true),
                                    of_team(count(touched), true), of_team(total(pressed), true)};
             if (lane_of_team() != 0) continue;
             wp::index(of_tiles.lowest, row, t) = lowest;
             wp::index(of_tiles.highest, under, t) = largest;
             if (is_known) wp::index(of_tiles.gap, row, t) = smallest;
-            wp::index(of_tiles.worn_sphere, row, t) = sums[0];
+            wp::index(of_tiles.worn_counter, row, t) = sums[0];
             wp::index(of_tiles.worn_disc, under, t) = sums[1];
             wp::index(of_tiles.touched, row, t) = sums[2];
             if (presses) wp::index(of_tiles.pressed_disc, under, t) = sums[3];
@@ -302,7 +302,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
     }
     leave_each({sum(0, total(pressure)), sum(1, total(deviation)), sum(2, count(contact)),
                 sum(3, count(capped)), sum(4, total(weighted)), sum(5, total(bared)),
-                largest(0, most(highest)), largest(1, most(deepest_sphere)), largest(2, most(deepest_disc)),
+                largest(0, most(highest)), largest(1, most(deepest_counter)), largest(2, most(deepest_disc)),
                 largest(3, first_column), largest(4, last_column)});
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Wear of a sphere and a disc by a stored pressure, and the gap that the disc's asperities meet on their way.
+// Wear of a ball and a disc by a stored pressure, and the gap that the disc's asperities meet on their way.
 
 #include "bodies.h"
 
@@ -46,7 +46,7 @@ WARPWEAR_FN Stored* mean_of(const Field& field, const Field& means, int row, int
 }
 
 // The gap that a cell of the disc meets on its way through a step: that of the bodies, with the mean of the
-// sphere's wear along the way instead of the wear at its middle.
+// counter-body's wear along the way instead of the wear at its middle.
 template <typename Slides, typename Bodies, typename Field>
 WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& bodies, const Field& means,
                       const Field& gaps)
@@ -57,20 +57,20 @@ WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& b
     const auto& slide = wp::index(slides, 0);
     const int of_row = gaps.shape[1] * OF_VECTOR, window = slide.window;
     for (int row = slot; row < gaps.shape[0]; row += slots) {
-        const Stored *const sphere = row_of(bodies.sphere, row), *const wear =
-                                                                     row_of(bodies.wear_sphere, row);
+        const Stored *const counter = row_of(bodies.counter, row), *const wear =
+                                                                       row_of(bodies.wear_counter, row);
         const Stored* const disc = row_of(bodies.disc, under_row(row, slide.shift, bodies.disc.shape[0]));
-        const Stored* const met = mean_of(bodies.wear_sphere, means, row, window);
+        const Stored* const met = mean_of(bodies.wear_counter, means, row, window);
         Stored* const gap = row_of(gaps, row);
         for (int i = lane_of_slot(); i < of_row; i += width_of_slot())
-            gap[i] = (sphere[i] + (met[i] - wear[i])) - disc[i];
+            gap[i] = (counter[i] + (met[i] - wear[i])) - disc[i];
     }
 }
 
-// One increment of wear in place: the disc loses K dL p, the sphere K dL times the mean of p that passes it.
-// Without a disc all wear is the sphere's, whose height is then the gap. Where the gap after the step is
-// below the approach at the cap, a disc that keeps its dents is displaced for good by the difference. Sums of
-// the disc are left by its rows.
+// One increment of wear in place: the disc loses K dL p, the counter-body K dL times the mean of p that
+// passes it. Without a disc all wear is the counter-body's, whose height is then the gap. Where the gap after
+// the step is below the approach at the cap, a disc that keeps its dents is displaced for good by the
+// difference. Sums of the disc are left by its rows.
 template <typename Slides, typename Layout, typename Pressed, typename Bodies, typename OfRows,
           typename Table>
 WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, const Layout& layout,
@@ -81,15 +81,15 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
 #pragma clang fp contract(fast)
 #endif
     const auto& slide = wp::index(slides, 0);
-    const double of_sphere = slide.of_sphere, of_disc = slide.of_disc, cap = pressed.cap;
+    const double of_counter = slide.of_counter, of_disc = slide.of_disc, cap = pressed.cap;
     const double approach = slide.approach, reference = slide.reference;
-    const int of_line = layout.vectors * OF_VECTOR, lines = bodies.sphere.shape[1] / layout.vectors;
+    const int of_line = layout.vectors * OF_VECTOR, lines = bodies.counter.shape[1] / layout.vectors;
     const bool parted = pressed.parts.shape[0] > 0, has_disc = bodies.disc.shape[0] > 0;
     const bool keeps = has_disc && bodies.plastic_disc.shape[0] == bodies.disc.shape[0];
-    const bool shows = bodies.reached.shape[0] != bodies.sphere.shape[0];
+    const bool shows = bodies.reached.shape[0] != bodies.counter.shape[0];
     const Lanes zero = 0.0, one = 1.0, none = NO_INDEX;
     const Counts no = 0, yes = 1;
-    Lanes pressure = 0.0, deviation = 0.0, worn_sphere = 0.0, highest = 0.0, deepest_sphere = 0.0;
+    Lanes pressure = 0.0, deviation = 0.0, worn_counter = 0.0, highest = 0.0, deepest_counter = 0.0;
     Lanes deepest_disc = 0.0, first = NO_INDEX, last = NO_INDEX;
     Counts contact = 0, capped = 0, touched = 0;
     double first_row = NO_INDEX, last_row = NO_INDEX;
@@ -99,8 +99,8 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                                                                       row_of(pressed.gradient, row);
         const Stored* const passing = mean_of(pressed.pressure, pressed.means, row, slide.window);
         const Stored* const parts = parted ? row_of(pressed.parts, row) : nullptr;
-        Stored *const sphere = row_of(bodies.sphere, row), *const wear_sphere =
-                                                               row_of(bodies.wear_sphere, row);
+        Stored *const counter = row_of(bodies.counter, row), *const wear_counter =
+                                                                 row_of(bodies.wear_counter, row);
         Stored* const reached = shows ? nullptr : row_of(bodies.reached, row);
         Stored* const disc = has_disc ? row_of(bodies.disc, under) : nullptr;
         Stored* const wear_disc = has_disc ? row_of(bodies.wear_disc, under) : nullptr;
@@ -112,19 +112,19 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
             Mask in_line = zero > one;
             for (int v = lane_of_slot(); v < of_line; v += width_of_slot()) {
                 const int i = line * of_line + v;
-                const Lanes p = p_of[i], m = passing[i], removed = of_sphere * m;
-                const Lanes s = sphere[i] + removed, was = shows ? wear_sphere[i] : reached[i];
-                const Lanes a = wear_sphere[i] + removed, most_here = parted ? cap * parts[i] : cap * one;
-                sphere[i] = s;
-                wear_sphere[i] = a;
+                const Lanes p = p_of[i], m = passing[i], removed = of_counter * m;
+                const Lanes s = counter[i] + removed, was = shows ? wear_counter[i] : reached[i];
+                const Lanes a = wear_counter[i] + removed, most_here = parted ? cap * parts[i] : cap * one;
+                counter[i] = s;
+                wear_counter[i] = a;
                 pressure += p;
                 const Lanes away = p > zero ? p - reference : zero;
                 deviation += away * away;
                 contact += p > zero ? yes : no;
                 capped += p >= most_here ? yes : no;
-                worn_sphere += a;
+                worn_counter += a;
                 highest = larger_of(highest, p);
-                deepest_sphere = larger_of(deepest_sphere, a);
+                deepest_counter = larger_of(deepest_counter, a);
                 const Mask ever = m + was > zero;
                 const Lanes column = columns_from(domain_column + v * LANES);
                 touched += ever ? yes : no;
@@ -164,8 +164,8 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
     }
     leave_lines(sums, slot, 6,
                 {total(pressure), total(deviation), count(contact), count(capped), count(touched),
-                 total(worn_sphere)});
+                 total(worn_counter)});
     leave_lines(maxima, slot, 0,
-                {most(highest), most(deepest_sphere), most(deepest_disc), first_row, last_row, most(first),
+                {most(highest), most(deepest_counter), most(deepest_disc), first_row, last_row, most(first),
                  most(last)});
 }

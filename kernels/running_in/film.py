@@ -2,7 +2,7 @@
 
 A body's cell has lost its film where more than the film's thickness was worn off it since the film was last
 whole. A cell of the contact is bare where that holds of every body that carries one. Fields are those of the
-sphere, or of patches; the disc's rows lie under them displaced, as in `sliding`. The loops are C++:
+counter-body, or of patches; the disc's rows lie under them displaced, as in `sliding`. The loops are C++:
 native/film.h.
 """
 
@@ -31,7 +31,7 @@ class Coat:
 class Films:
     """Holds the films of both bodies, and what they make of the cells of the contact."""
 
-    sphere: Coat
+    counter: Coat
     disc: Coat
     thickness: wp.float64  # [mm]
     regrowth: wp.float64  # sliding distance without wear after which a film is whole again [mm]

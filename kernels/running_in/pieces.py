@@ -54,8 +54,8 @@ class Body:
     counts: wp.array(dtype=wp.int32)  # by `CANDIDATES` and so on
     of_rows: wp.array2d(dtype=wp.float64)  # sums of wear and pending, and the deepest wear, of each row [mm]
     start: wp.float64  # sum of what was pending at first [mm]
-    down: wp.float64  # 1 where heights grow as a body is worn, as those of the sphere; −1 of the disc
-    number: wp.int32  # 0 the sphere, 1 the disc
+    down: wp.float64  # 1 where heights grow as a body is worn, as those of the counter-body; −1 of the disc
+    number: wp.int32  # 0 the counter-body, 1 the disc
     columns: wp.int32  # without padding
     periodic: wp.int32  # 1 where after the last row comes the first
 
@@ -65,7 +65,7 @@ class Both:
     """Holds both bodies of a contact."""
 
     footprint: Footprint
-    sphere: Body
+    counter: Body
     disc: Body
 
 
@@ -102,8 +102,8 @@ def add_pending(row: wp.int32, column: wp.int32, depth: wp.float64, footprint: F
 def share_out(row: wp.int32, column: wp.int32, pressure: wp.float64, slide: Slide, both: Both):
     """Make the wear by the pressure of one cell pending."""
     if pressure > ZERO:
-        if slide.pending_sphere > ZERO:
-            add_pending(row, column, slide.pending_sphere * pressure, both.footprint, both.sphere)
+        if slide.pending_counter > ZERO:
+            add_pending(row, column, slide.pending_counter * pressure, both.footprint, both.counter)
         if slide.pending_disc > ZERO:
             under = beneath(row, slide.shift, both.disc.pending.shape[0])
             add_pending(under, column, slide.pending_disc * pressure, both.footprint, both.disc)

@@ -62,7 +62,7 @@ def stiffness(
     """
     slot = first_slot + wp.tid() // wp.block_dim()
     slide = slides[0]
-    compliance = slide.own + slide.of_sphere
+    compliance = slide.own + slide.of_counter
     of_disc = slide.of_disc
     for row in range(slot, stiffness_out.shape[0], slots):
         factor_row = wp.min(row, factor_in.shape[0] - 1)
@@ -116,7 +116,7 @@ def borne(
     slots: wp.int32,
     laws: wp.array(dtype=Law),
     curve: Curve,
-    sphere_in: wp.array2d(dtype=Cells),
+    counter_in: wp.array2d(dtype=Cells),
     disc_in: wp.array2d(dtype=Cells),
     wear_disc_in: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
@@ -125,9 +125,9 @@ def borne(
     slot = first_slot + wp.tid() // wp.block_dim()
     law = laws[0]
     bears = ZERO + ZERO
-    for row in range(slot, sphere_in.shape[0], slots):
-        for k in range(wp.tid() % wp.block_dim(), sphere_in.shape[1], wp.block_dim()):
-            g = sphere_in[row, k] - disc_in[row, k]
+    for row in range(slot, counter_in.shape[0], slots):
+        for k in range(wp.tid() % wp.block_dim(), counter_in.shape[1], wp.block_dim()):
+            g = counter_in[row, k] - disc_in[row, k]
             v = wear_disc_in[row, k]
             for j in range(LANES):
                 if (law.base - g[j]) + law.offset > ZERO:

@@ -283,7 +283,7 @@ def note(
 def end_step(
     first_slot: wp.int32,
     slots: wp.int32,
-    sphere: Body,
+    counter: Body,
     disc: Body,
     release: Release,
     goes_out: wp.array(dtype=wp.int32),
@@ -292,7 +292,7 @@ def end_step(
     if wp.tid() == 0:
         ends = wp.where(release.full[0] == 0, 1, 0)
         if ends == 1:
-            sphere.counts[STAGE] = TAKES
+            counter.counts[STAGE] = TAKES
             disc.counts[STAGE] = TAKES
         else:
             goes_out[0] = 0

@@ -67,7 +67,7 @@ def test_diagonals_of_a_ball() -> None:
         "3.691e-13 m²/N (Pa⁻¹)",
         "2.178e-4 dimensionless",
         "0.0070435 mm³ for a small scar: K 3.668e-4, -0.61%; not used, K is of the exact volume",
-        'sphere = "3.691e-4 mm^3/N/m"',
+        'counter = "3.691e-4 mm^3/N/m"',
         "half the difference of the two diameters",
     ):
         assert words in done.output
@@ -119,7 +119,7 @@ def test_replicates_give_mean_scatter_and_count() -> None:
     assert found["standard_error_mm3_per_Nm"] == pytest.approx(values.std(ddof=1) / math.sqrt(3))
     page = calibrate("wear", *volumes, *TEST).output
     assert "of 3 tests" in page
-    assert "sphere or disc" in page
+    assert "counter-body or disc" in page
 
 
 def test_topographies(files: Path) -> None:

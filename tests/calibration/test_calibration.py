@@ -33,7 +33,7 @@ def k_of(*volumes, **more):
 def test_cap_is_the_volume_beyond_a_plane(diameter):
     found = cap(diameter, radius=3.0)
     plane = math.sqrt(9.0 - 0.25 * diameter**2)
-    # of thin shells around the axis: height of the sphere over the plane
+    # of thin shells around the axis: height of the counter-body over the plane
     volume = integrate.quad(
         lambda r: 2 * math.pi * r * (9.0 - r * r - plane**2) / (math.sqrt(9.0 - r * r) + plane),
         0.0,

@@ -14,7 +14,7 @@ from warpwear.comparison.groups import Group, RunData
 from warpwear.figures.describe import Chart, Line
 
 FLAT = {
-    "sphere.radius": "inf mm",
+    "counter.radius": "inf mm",
     "contact.hardness": "inf MPa",
     "grid.cell": "2 um",
     "grid.extent": "0.4 mm",

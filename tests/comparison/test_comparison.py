@@ -91,9 +91,9 @@ def test_a_run_and_an_experiment(runs: Path, measured: Path, tmp_path: Path, qui
     expected = {
         "patch_along [mm]": summary["scar_mm"]["along"],
         "patch_across [mm]": summary["scar_mm"]["across"],
-        "depth_sphere [um]": summary["depth_um"]["sphere"],
+        "depth_counter [um]": summary["depth_um"]["counter"],
         "depth_disc [um]": summary["depth_um"]["disc"],
-        "volume_sphere [mm^3]": summary["volume_mm3"]["sphere"],
+        "volume_counter [mm^3]": summary["volume_mm3"]["counter"],
         "volume_disc [mm^3]": summary["volume_mm3"]["disc"],
         "area_contact [mm^2]": summary["area_mm2"]["contact"],
         "pressure_mean [MPa]": summary["pressure_MPa"]["mean"],
@@ -146,7 +146,7 @@ def test_runs_that_are_unlike_and_named_alike(runs: Path, tmp_path: Path, quick_
     assert "differ in load (a 8 N, light 4 N, soft 8 N, still 8 N)" in notes
     assert "differ in sliding distance (a 30 mm, light 60 mm" in notes
     assert "differ in wear coefficient of the disc (a 0.00127 mm³/(N·m), light 0.00127" in notes
-    assert "wear coefficient of the sphere" not in notes
+    assert "wear coefficient of the counter-body" not in notes
     # The legend of each names every run; SVG keeps text as paths and names as comments.
     for name in FIGURES.keys() - set(OF_SCARS):
         drawn = (out / f"{name}.svg").read_text(encoding="utf-8")

@@ -56,13 +56,13 @@ def flat(shape: tuple[int, int], seed: int) -> FloatArray:
     return np.full(shape, 1.0e-3 * (seed + 1))
 
 
-def sphere(shape: tuple[int, int], seed: int) -> FloatArray:
-    """A smooth sphere (seed 0) or a rough one: symmetric ties, and gaps up to far beyond the contact."""
+def counter(shape: tuple[int, int], seed: int) -> FloatArray:
+    """A smooth ball (seed 0) or a rough one: symmetric ties, and gaps up to far beyond the contact."""
     grid = Grid(*shape, CELL)
-    return reference.sphere_gap(grid.x, grid.y, 3.0, rough(shape, seed) if seed else 0.0)
+    return reference.counter_gap(grid.x, grid.y, 3.0, rough(shape, seed) if seed else 0.0)
 
 
-GAPS: list[Callable[[tuple[int, int], int], FloatArray]] = [rough, spike, plateaus, ties, flat, sphere]
+GAPS: list[Callable[[tuple[int, int], int], FloatArray]] = [rough, spike, plateaus, ties, flat, counter]
 
 
 class Solver:
@@ -199,7 +199,7 @@ def test_bearing_area_within_a_loose_tolerance(tolerance: float, device: str, th
 
 
 def study(**changes: object) -> Study:
-    """A rough sphere on a disc; the fields come from the test, so that the grid may be a rectangle."""
+    """A rough counter-body on a disc; the fields come from the test, so that the grid may be a rectangle."""
     return Study.load("v3").replace(
         {
             "grid.cell": "10 um",
@@ -241,7 +241,7 @@ def worn_as_expected(kind: str, factor: str, shape: tuple[int, int]) -> referenc
     this, grid = worn_study(kind, factor), Grid(*shape, CELL)
     d2 = grid.y[None, :] ** 2 + (grid.x[:, None] ** 2 if factor == "radial" else 0.0)
     return reference.wear_run(
-        reference.sphere_gap(grid.x, grid.y, 3.0, rough(shape, 3)),
+        reference.counter_gap(grid.x, grid.y, 3.0, rough(shape, 3)),
         load=this.contact.load,
         hardness=this.hardness,
         cell=CELL,
@@ -267,7 +267,7 @@ def test_worn_run_equals_reference(
         model = model_at_rest(this.contact_task, heights.copy(), executor)
         steps = list(model.steps((d, True) for d in increments.tolist()))
         last = model.snapshot(steps[-1], 0.0)
-        fields, gap = {"wear_sphere": last.wear_sphere, "wear_disc": last.wear_disc}, last.gap.copy()
+        fields, gap = {"wear_counter": last.wear_counter, "wear_disc": last.wear_disc}, last.gap.copy()
     history = {name: np.array([step.row[name] for step in steps]) for name in expected.history}
     for name, values in expected.history.items():
         if name.startswith(("area", "patch")):
@@ -297,7 +297,7 @@ def test_threads_do_not_change_a_bit(kind: str, device: str, threads: int) -> No
             steps = list(model.steps([(0.1, True)] * 30))
             rows = [list(step.row.values()) for step in steps]
             last = model.snapshot(steps[-1], 0.0)
-            fields = [field.copy() for field in (last.gap, last.wear_sphere, last.wear_disc)]
+            fields = [field.copy() for field in (last.gap, last.wear_counter, last.wear_disc)]
             outcomes.append((rows, fields))
     assert_array_equal(outcomes[0][0], outcomes[1][0])
     for one, two in zip(outcomes[0][1], outcomes[1][1], strict=True):

@@ -27,10 +27,10 @@ LAWS: dict[str, dict[str, Any]] = {
     "springs": {"stiffness": 2.0},
     "springs, capped": {"stiffness": 2.0, "hardness": 0.7},
     "bearing area": {"hardness": 0.7},
-    "sphere": {"modulus": 5.0, "sphere_radius": 40.0},
-    "sphere, capped": {"modulus": 5.0, "hardness": 0.9, "sphere_radius": 40.0},
-    "sphere on springs": {"stiffness": 2.0, "sphere_radius": 40.0},
-    "sphere, bearing area": {"hardness": 0.7, "sphere_radius": 40.0},
+    "counter": {"modulus": 5.0, "counter_radius": 40.0},
+    "counter-body, capped": {"modulus": 5.0, "hardness": 0.9, "counter_radius": 40.0},
+    "counter-body on springs": {"stiffness": 2.0, "counter_radius": 40.0},
+    "counter-body, bearing area": {"hardness": 0.7, "counter_radius": 40.0},
 }
 
 
@@ -53,7 +53,7 @@ def test_hertz(device: str, threads: int) -> None:
         cell=cell,
         load=load,
         modulus=modulus,
-        sphere_radius=radius,
+        counter_radius=radius,
         device=device,
         threads=threads,
     )
@@ -138,7 +138,7 @@ def test_springs_against_a_bisection(
         mean_pressure=mean,
         stiffness=stiffness,
         hardness=hardness,
-        sphere_radius=radius,
+        counter_radius=radius,
         device=device,
         threads=threads,
     )
@@ -248,7 +248,7 @@ def test_units_change_nothing(name: str, length: float, pressure: float) -> None
         "hardness": pressure,
         "modulus": pressure,
         "stiffness": pressure / length,
-        "sphere_radius": length,
+        "counter_radius": length,
     }
     law = LAWS[name]
     scaled = {key: value * units.get(key, 1.0) if key in units else value for key, value in law.items()}
@@ -273,12 +273,12 @@ def test_units_change_nothing_of_a_flat(length: float) -> None:
     results = []
     for unit in (1.0, length):
         flat = {"heights": np.full(cells, 0.1 * unit), "cell": 0.01 * unit}
-        sphere = solve_contact(**flat, load=unit**2, modulus=100.0, sphere_radius=10.0 * unit)
+        counter = solve_contact(**flat, load=unit**2, modulus=100.0, counter_radius=10.0 * unit)
         punch = solve_contact(**flat, load=unit**2, modulus=100.0, boundary="free")
         plane = solve_contact(**flat, load=unit**2, modulus=100.0)
         springs = solve_contact(**flat, load=unit**2, stiffness=100.0 / unit)
         bearing = solve_contact(**flat, load=unit**2, hardness=5.0)
-        results.append([sphere, punch, plane, springs, bearing])
+        results.append([counter, punch, plane, springs, bearing])
     for one, other in zip(*results, strict=True):
         assert_allclose(other.pressure, one.pressure, atol=1e-9 * one.pressure.max())
         assert other.approach / length == pytest.approx(one.approach, rel=1e-9, abs=1e-15)

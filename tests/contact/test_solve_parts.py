@@ -35,12 +35,12 @@ def test_the_largest_contact_of_a_gpu_needs_little_of_its_host(
         memory.check_memory((32768, 32768), "cuda:0", "periodic")
 
 
-@pytest.mark.parametrize("sphere_radius", [None, 30.0])
+@pytest.mark.parametrize("counter_radius", [None, 30.0])
 def test_blocks_of_rows_change_nothing(
-    monkeypatch: pytest.MonkeyPatch, device: str, sphere_radius: float | None
+    monkeypatch: pytest.MonkeyPatch, device: str, counter_radius: float | None
 ) -> None:
     options: dict[str, Any] = {"cell": 0.5, "mean_pressure": 0.02, "modulus": 2.0, "hardness": 0.5}
-    options |= {"sphere_radius": sphere_radius, "tolerance": 1e-9, "device": device}
+    options |= {"counter_radius": counter_radius, "tolerance": 1e-9, "device": device}
     whole = solve_contact(HEIGHTS, **options)
     monkeypatch.setattr(staging, "TOGETHER", 500)
     blocks = solve_contact(HEIGHTS, **options)

@@ -64,13 +64,17 @@ MISUSES: dict[str, tuple[Any, dict[str, Any], str]] = {
         {"modulus": None, "hardness": 1.0, "boundary": "periodic"},
         "boundary = 'periodic' is only for a half-space",
     ),
-    "periodic sphere": (
+    "periodic counter-body": (
         HEIGHTS,
-        {"sphere_radius": 3.0, "boundary": "periodic"},
-        'boundary = "periodic" is not possible with sphere_radius = 3',
+        {"counter_radius": 3.0, "boundary": "periodic"},
+        'boundary = "periodic" is not possible with counter_radius = 3',
     ),
-    "sphere": (HEIGHTS, {"sphere_radius": -3.0}, "sphere_radius = -3 is not possible"),
-    "tiny sphere": (HEIGHTS, {"sphere_radius": 0.01}, "sphere_radius = 0.01 is not possible; it must reach"),
+    "counter": (HEIGHTS, {"counter_radius": -3.0}, "counter_radius = -3 is not possible"),
+    "tiny counter-body": (
+        HEIGHTS,
+        {"counter_radius": 0.01},
+        "counter_radius = 0.01 is not possible; it must reach",
+    ),
     "too much": (
         HEIGHTS,
         {"hardness": 0.005},
@@ -81,9 +85,9 @@ MISUSES: dict[str, tuple[Any, dict[str, Any], str]] = {
         {"load": None, "mean_pressure": 0.6, "hardness": 0.5},
         "mean_pressure = 0.6 is not possible; with all cells at the hardness it is 0.5",
     ),
-    "too much for a small sphere": (
+    "too much for a small counter-body": (
         HEIGHTS,
-        {"load": 40.0, "hardness": 1.0, "sphere_radius": 3.0},
+        {"load": 40.0, "hardness": 1.0, "counter_radius": 3.0},
         "load = 40 is not possible; with all cells at the hardness it is 28",
     ),
     "beyond the mean plane": (
@@ -134,7 +138,7 @@ def test_a_contact_at_the_edge_is_told() -> None:
     radius, modulus, load = 3.0, 1.0e5, 8.0
     a = (0.75 * load * radius / modulus) ** (1.0 / 3.0)
     with pytest.warns(UserWarning, match=r"the edge of heights, of the shape \(16, 16\)"):
-        solve_contact(np.zeros((16, 16)), cell=a / 20, load=load, modulus=modulus, sphere_radius=radius)
+        solve_contact(np.zeros((16, 16)), cell=a / 20, load=load, modulus=modulus, counter_radius=radius)
 
 
 def test_a_large_contact_says_what_memory_it_needs(

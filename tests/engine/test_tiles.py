@@ -26,7 +26,7 @@ def run(
         model.tiles.lists.set(is_fixed=int(every))
         steps = list(model.steps((increment, True) for increment in increments))
         last = model.snapshot(steps[-1], 0.0)
-        fields = [field.copy() for field in (last.gap, last.wear_sphere, last.wear_disc)]
+        fields = [field.copy() for field in (last.gap, last.wear_counter, last.wear_disc)]
     return steps, fields
 
 
@@ -55,7 +55,7 @@ def test_listed_tiles_give_what_every_tile_gives(
         for name in ("area_contact", "area_plastic", "area_touched", "patch_along", "patch_across"):
             assert one.row[name] == pytest.approx(other.row[name], rel=1e-13), name
         assert one.row["approach"] == pytest.approx(other.row["approach"], rel=1e-12)
-        for name in ("wear_volume_sphere", "wear_volume_disc", "wear_depth_disc", "pressure_max"):
+        for name in ("wear_volume_counter", "wear_volume_disc", "wear_depth_disc", "pressure_max"):
             assert one.row[name] == pytest.approx(other.row[name], rel=1e-11), name
     for one, other in zip(some_fields, every_fields, strict=True):
         assert_allclose(one, other, rtol=1e-11, atol=1e-15)

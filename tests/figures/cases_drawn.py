@@ -7,7 +7,7 @@ RUNS: dict[str, dict[str, Any]] = {
     "rough": {"output.snapshots": ["0.3 mm", "3 mm", "10 mm"]},
     "end only": {"output.snapshots": []},
     "static": {"sliding.distance": "0 mm", "output.snapshots": []},
-    "flat": {"sphere.radius": "inf mm", "sliding.distance": "3 mm", "output.snapshots": ["1 mm"]},
+    "flat": {"counter.radius": "inf mm", "sliding.distance": "3 mm", "output.snapshots": ["1 mm"]},
     "smooth": {
         "study.model": "macro",
         "wear.distance_factor": "across",

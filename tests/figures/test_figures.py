@@ -36,7 +36,12 @@ from warpwear.figures.wording import short, with_scatter
 
 #: What a run without sliding has not.
 NOT_STATIC = left_out_for(
-    words.NO_COURSE, words.ONE_SNAPSHOT, words.UNWORN, words.UNWORN_SPHERE, words.UNWORN_DISC, words.NO_GROOVE
+    words.NO_COURSE,
+    words.ONE_SNAPSHOT,
+    words.UNWORN,
+    words.UNWORN_COUNTER,
+    words.UNWORN_DISC,
+    words.NO_GROOVE,
 )
 
 
@@ -129,13 +134,13 @@ def test_all_maps_of_pressure_share_one_scale(results: dict[str, Result]) -> Non
 
 def test_a_body_that_hardly_wears_is_seen(results: dict[str, Result]) -> None:
     """On a scale of its own, which is said; bodies that wear alike have one scale."""
-    study = Study.load("v3-fine").replace(SMALL | {"wear.sphere": "9.4e-6 mm^3/N/m", "output.snapshots": []})
+    study = Study.load("v3-fine").replace(SMALL | {"wear.counter": "9.4e-6 mm^3/N/m", "output.snapshots": []})
     for result, own in ((results["rough"], False), (warpwear.run(study), True)):
-        sphere, disc = result.plot.wear_map().axes[:2]
-        assert ("a scale of its own" in sphere.get_title()) == own
-        shown = float(np.nanmax(sphere.images[0].get_array().filled(np.nan)))
-        assert (sphere.images[0].norm.vmax == pytest.approx(shown)) == own
-        assert (sphere.images[0].norm.vmax == disc.images[0].norm.vmax) != own
+        counter, disc = result.plot.wear_map().axes[:2]
+        assert ("a scale of its own" in counter.get_title()) == own
+        shown = float(np.nanmax(counter.images[0].get_array().filled(np.nan)))
+        assert (counter.images[0].norm.vmax == pytest.approx(shown)) == own
+        assert (counter.images[0].norm.vmax == disc.images[0].norm.vmax) != own
 
 
 def test_friction_that_was_calibrated_is_called_so(results: dict[str, Result]) -> None:

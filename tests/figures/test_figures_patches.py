@@ -21,7 +21,7 @@ RUNS: dict[str, dict[str, Any]] = {
     | {"sliding.distance": "60 mm"},
     "no smooth contact": {"disc.material": None, "patches.bulk": "none"},
 }
-OF_FIELDS = {"setup", "pressure_map", "contact_map", "wear_map", "sphere_3d", "disc_profiles", "islands"}
+OF_FIELDS = {"setup", "pressure_map", "contact_map", "wear_map", "counter_3d", "disc_profiles", "islands"}
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +79,7 @@ def test_fields_with_holes_are_not_drawn(results: dict[str, Result], tmp_path: P
     folders = [r.folder for r in (sampled, results["all covered"]) if r.folder]
     found = gather(folders)
     assert not found.runs[0].wear
-    assert set(found.runs[1].wear) == {"sphere", "disc"}
+    assert set(found.runs[1].wear) == {"counter", "disc"}
     assert any("no whole field, so no profile" in note for note in found.notes)
 
 

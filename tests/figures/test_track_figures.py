@@ -1,4 +1,4 @@
-"""What a sphere leaves on its track: groove, passes and roughness in numbers, figures and film."""
+"""What a ball leaves on its track: groove, passes and roughness in numbers, figures and film."""
 
 import re
 import shutil
@@ -56,7 +56,7 @@ def test_the_groove_holds_what_the_disc_lost(result: Result) -> None:
 def test_passes_add_up(result: Result) -> None:
     passes = by_pass(result, "area_contact")
     assert passes["distance"] == pytest.approx([3.0, 3.0, 1.37])
-    assert passes["wear_volume_sphere"][:2] == pytest.approx([9.4e-7 * 24.0] * 2, rel=1e-10)
+    assert passes["wear_volume_counter"][:2] == pytest.approx([9.4e-7 * 24.0] * 2, rel=1e-10)
     areas, increments = result.history["area_contact"], result.history["increment"]
     last = result.history["distance"] > 6.0 + 1e-9
     assert increments[last][-1] < 0.6 * increments[last][0]  # counts as far as it slid
@@ -98,7 +98,7 @@ def test_figures_of_a_track(result: Result, tmp_path: Path, monkeypatch: pytest.
         assert frames.n_frames == 3  # type: ignore[attr-defined]
 
 
-def test_what_was_touched_is_the_sphere_s(result: Result) -> None:
+def test_what_was_touched_is_the_counter_s(result: Result) -> None:
     """Not what earlier contacts left on the part of the track that lies under the domain's ends."""
     touched = result.snapshot(-1).touched
     area = np.count_nonzero(touched) * result.study.cells.cell_area
@@ -118,7 +118,7 @@ def test_a_track_is_compared_by_its_groove(result: Result, tmp_path: Path) -> No
     assert 3.0 * run.wear["disc"].sum() * cell == pytest.approx(
         result.history["wear_volume_disc"][-1], rel=1e-12
     )
-    assert run.wear["disc"].shape == run.wear["sphere"].shape == run.across.shape
+    assert run.wear["disc"].shape == run.wear["counter"].shape == run.across.shape
 
 
 def test_a_groove_that_was_only_pressed() -> None:

@@ -28,12 +28,12 @@ def smooth_study(**changes: str) -> Study:
 
 def worn_paraboloid(study: Study) -> Runs:
     """What a run of the smooth study comes to, in closed form: A = π a², a = (4 R (K_s + K_d) F L/π)^¼."""
-    sphere, disc = (BEYOND * k for k in study.wear_coefficients)
-    texts = {"wear.sphere": f"{1e3 * sphere!r} mm^3/N/m", "wear.disc": f"{1e3 * disc!r} mm^3/N/m"}
+    counter, disc = (BEYOND * k for k in study.wear_coefficients)
+    texts = {"wear.counter": f"{1e3 * counter!r} mm^3/N/m", "wear.disc": f"{1e3 * disc!r} mm^3/N/m"}
     wide = study.replace({"grid.extent": "4 mm", **texts})
     distance = np.geomspace(1e-3, study.sliding.total, 200)
-    assert study.sphere.radius is not None
-    a2 = np.sqrt(4.0 * study.sphere.radius * (sphere + disc) * study.contact.load * distance / np.pi)
+    assert study.counter.radius is not None
+    a2 = np.sqrt(4.0 * study.counter.radius * (counter + disc) * study.contact.load * distance / np.pi)
     across = 2.0 * np.sqrt(a2)
     courses = {
         "distance": distance,

@@ -30,7 +30,7 @@ def test_a_course_is_thinned_by_means() -> None:
 def test_priors_have_their_quantiles() -> None:
     """z of an unknown is standard normal before the data, and `normal` is its inverse."""
     asked = {
-        "wear.sphere": "log-normal 9e-4 +- 2e-4 mm^3/N/m",
+        "wear.counter": "log-normal 9e-4 +- 2e-4 mm^3/N/m",
         "wear.disc": "log-uniform 1e-4 .. 1e-3 mm^3/N/m",
         "friction.ploughing": "normal 0.02 +- 0.02",
         "friction.shear_strength": "uniform 1 .. 5 MPa",
@@ -48,8 +48,8 @@ def test_priors_have_their_quantiles() -> None:
 
 
 def test_priors_that_exclude_the_data_are_refused() -> None:
-    data = Data(values=(Measured("volume_sphere", 0.18, 0.01),))
-    posterior = posterior_of(smooth_study(), {"wear.sphere": "uniform 8e-4 .. 1e-3 mm^3/N/m"}, data)
+    data = Data(values=(Measured("volume_counter", 0.18, 0.01),))
+    posterior = posterior_of(smooth_study(), {"wear.counter": "uniform 8e-4 .. 1e-3 mm^3/N/m"}, data)
     with pytest.raises(
         InputError,
         match=r"the priors exclude the data: .* 0\.0154 to 0\.0192 mm³, and measured is worn volume",
@@ -62,7 +62,7 @@ def test_priors_that_exclude_the_data_are_refused() -> None:
 
 
 def test_a_coefficient_without_a_unit_has_a_prior_about_its_k() -> None:
-    study = smooth_study(**{"wear.sphere": 9.4e-4, "contact.hardness": "590 MPa"})
-    (unknown,) = unknowns_of(study, {"wear.sphere": None})
+    study = smooth_study(**{"wear.counter": 9.4e-4, "contact.hardness": "590 MPa"})
+    (unknown,) = unknowns_of(study, {"wear.counter": None})
     middle = float(unknown.values(np.zeros(1))[0])
     assert middle == pytest.approx(1e3 * 9.4e-4 / 590.0)

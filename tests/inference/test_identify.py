@@ -17,16 +17,16 @@ from warpwear.sweeps.plan import read_plan
 def test_the_ball_and_the_disc_are_not_told_apart_by_a_scar() -> None:
     """At rest a scar follows from K_s + K_d alone: the program says so, and a volume resolves it."""
     study = smooth_study()
-    asked: dict[str, str | None] = {"wear.sphere": None, "wear.disc": None}
+    asked: dict[str, str | None] = {"wear.counter": None, "wear.disc": None}
     data = Data(values=(Measured("diameter", 1.26, 0.02),))
     posterior = posterior_of(study, asked, data)
     values, z = found_for(posterior)
     found = identify(posterior, values, z)
-    assert [set(group.keys) for group in found.indistinct] == [{"wear.sphere", "wear.disc"}]
+    assert [set(group.keys) for group in found.indistinct] == [{"wear.counter", "wear.disc"}]
     told = found.sentences[0]
     assert "cannot be told apart" in told
-    assert "the sum wear.sphere + wear.disc" in told
-    total = values["wear.sphere"] + values["wear.disc"]
+    assert "the sum wear.counter + wear.disc" in told
+    total = values["wear.counter"] + values["wear.disc"]
     assert total.mean() == pytest.approx(2.21e-3 * (1.26 / 1.269) ** 4, abs=total.std())
     assert total.std() / total.mean() == pytest.approx(4.0 * np.hypot(0.02, 0.02 / 6**0.5) / 1.26, rel=0.15)
     with_volume = posterior_of(
@@ -39,13 +39,13 @@ def test_the_ball_and_the_disc_are_not_told_apart_by_a_scar() -> None:
 def test_strength_and_area_are_not_told_apart_by_one_coefficient() -> None:
     """Friction at the end is τ0 times the level of the area, here √(K_s + K_d)."""
     study = smooth_study(**{"wear.disc": "0 mm^3/N/m"})
-    asked: dict[str, str | None] = {"friction.shear_strength": None, "wear.sphere": None}
+    asked: dict[str, str | None] = {"friction.shear_strength": None, "wear.counter": None}
     data = Data(points=(Measured("cof", 0.4, 0.02, study.sliding.total),))
     posterior = posterior_of(study, asked, data)
     values, z = found_for(posterior)
     (group,) = identify(posterior, values, z).indistinct
     assert set(group.keys) == set(asked)
-    assert group.known.startswith("the product friction.shear_strength · wear.sphere^0.5")
+    assert group.known.startswith("the product friction.shear_strength · wear.counter^0.5")
     assert "A scar or a worn volume" in str(group)
     with_scar = posterior_of(study, asked, replace(data, values=(Measured("diameter", 1.0, 0.02),)))
     assert not identify(with_scar, *found_for(with_scar)).indistinct
@@ -55,8 +55,8 @@ def test_an_unknown_of_which_data_say_nothing_is_named() -> None:
     study = smooth_study()
     posterior = posterior_of(
         study,
-        {"wear.sphere": None, "friction.shear_strength": None},
-        Data(values=(Measured("volume_sphere", 0.018, 0.001),)),
+        {"wear.counter": None, "friction.shear_strength": None},
+        Data(values=(Measured("volume_counter", 0.018, 0.001),)),
     )
     found = identify(posterior, *found_for(posterior))
     assert found.untouched == ("friction.shear_strength",)
@@ -67,7 +67,7 @@ def test_data_that_a_study_cannot_bring_together_are_named() -> None:
     """The disc's volume asks for a scar of 1.1 mm at rest, and 0.80 mm was measured."""
     data = Data(values=(Measured("diameter", 0.80, 0.02), Measured("volume_disc", 0.0244, 0.001)))
     asked: dict[str, str | None] = {
-        "wear.sphere": "log-uniform 1e-5 .. 9e-4 mm^3/N/m",
+        "wear.counter": "log-uniform 1e-5 .. 9e-4 mm^3/N/m",
         "wear.disc": "log-uniform 1e-4 .. 3e-3 mm^3/N/m",
     }
     found = result_of(posterior_of(smooth_study(), asked, data))
@@ -75,7 +75,7 @@ def test_data_that_a_study_cannot_bring_together_are_named() -> None:
     assert "cannot bring all data together" in str(found)
     (why,) = (sentence for sentence in found.conflicts if sentence.startswith("The reason"))
     # a volume V at rest is a paraboloid's of the diameter d, V = π d⁴/(64 R)
-    size = (64.0 * smooth_study().sphere.radius * 0.0244 / np.pi) ** 0.25
+    size = (64.0 * smooth_study().counter.radius * 0.0244 / np.pi) ** 0.25
     assert f"0.0244 mm³, makes one of {size:.2f} mm or more, and measured is 0.80 mm" in why
     assert "So either a measurement or the study is wrong" in str(found)
     assert "2 unknowns for 2 measured values" in str(found)

@@ -51,15 +51,15 @@ def test_one_run_serves_all_wear_coefficients(tmp_path: Path) -> None:
     assert scales(study)
     like = data_of(study, [], {"diameter": "0.72 +- 0.02 mm", "cof": "0.2 +- 0.02"})
     asked = {
-        "wear.sphere": "log-uniform 2e-4 .. 9.4e-4 mm^3/N/m",
+        "wear.counter": "log-uniform 2e-4 .. 9.4e-4 mm^3/N/m",
         "friction.shear_strength": "normal 4 +- 0.4 MPa",
     }
     found = infer_from(study, asked, like, out=tmp_path / "found")
     model = found.posterior.model
     assert len(model.runs.rows) == 1
-    other = study.replace({"wear.sphere": "3e-4 mm^3/N/m"})
+    other = study.replace({"wear.counter": "3e-4 mm^3/N/m"})
     with warpwear.run(other, device="cpu") as result:
-        one = {"wear.sphere": np.array([3e-4]), "friction.shear_strength": np.array([3.83])}
+        one = {"wear.counter": np.array([3e-4]), "friction.shear_strength": np.array([3.83])}
         history = result.history
         some = history["distance"] > 100.0  # before, an area of whole cells of 20 µm is too coarse a stair
         expected = 3.83 * history["area_contact"][some] / 8.0
@@ -67,8 +67,8 @@ def test_one_run_serves_all_wear_coefficients(tmp_path: Path) -> None:
         assert model.cof(one, history["distance"][-1:])[0, 0] == pytest.approx(expected[-1], rel=0.03)
         scar = 0.5 * (history["patch_along"][-1] + history["patch_across"][-1])
         assert model.value(one, "diameter")[0][0] == pytest.approx(scar, abs=0.02)
-        assert model.value(one, "volume_sphere")[0][0] == pytest.approx(
-            history["wear_volume_sphere"][-1], rel=1e-9
+        assert model.value(one, "volume_counter")[0][0] == pytest.approx(
+            history["wear_volume_counter"][-1], rel=1e-9
         )
     page = (tmp_path / "found" / "inference.html").read_text(encoding="utf-8")
     assert "unknowns after the test" in page

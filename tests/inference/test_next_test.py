@@ -37,19 +37,19 @@ def test_the_next_test_is_that_of_a_linear_problem(linear: Data) -> None:
 def test_repeats_that_reach_ten_percent() -> None:
     """A volume known to 30 % needs nine tests in all; a wear coefficient that none tells is never reached."""
     study = smooth_study()
-    data = Data(values=(Measured("volume_sphere", 0.018, 0.0054),))
-    wide = {"wear.sphere": "uniform 0 .. 5e-3 mm^3/N/m", "wear.disc": None}
+    data = Data(values=(Measured("volume_counter", 0.018, 0.0054),))
+    wide = {"wear.counter": "uniform 0 .. 5e-3 mm^3/N/m", "wear.disc": None}
     posterior = posterior_of(study, wide, data)
     values, _ = found_for(posterior)
-    assert repeats_needed(posterior, values, "wear.sphere") in (7, 8, 9)
+    assert repeats_needed(posterior, values, "wear.counter") in (7, 8, 9)
     assert repeats_needed(posterior, values, "wear.disc") is None
 
 
 def test_the_calibrated_study_is_ready_for_a_sweep(tmp_path: Path) -> None:
     """Unknowns that go together are drawn together, others by distributions."""
     study = smooth_study()
-    volumes = Data(values=(Measured("volume_sphere", 0.018, 0.0005), Measured("volume_disc", 0.024, 0.0005)))
-    asked: dict[str, str | None] = {"wear.sphere": None, "wear.disc": None}
+    volumes = Data(values=(Measured("volume_counter", 0.018, 0.0005), Measured("volume_disc", 0.024, 0.0005)))
+    asked: dict[str, str | None] = {"wear.counter": None, "wear.disc": None}
     for data, design, runs in (
         (volumes, "sobol", 64),
         (Data(values=(Measured("diameter", 1.26, 0.02),)), "zip", 64),
@@ -67,12 +67,12 @@ def test_another_test_whose_scar_is_larger_is_computed_on_a_wider_field(tmp_path
     """Twice the load, distance or radius makes a scar 2^¼ as large: the scar tells the sum of both wears as
     well or better, its error and a cell's rounding being a smaller part of it."""
     study = smooth_study(**{"wear.disc": "0 mm^3/N/m"})
-    tests = ("contact.load=16 N", "sliding.distance=4800 mm", "sphere.radius=6 mm")
+    tests = ("contact.load=16 N", "sliding.distance=4800 mm", "counter.radius=6 mm")
     inference = warpwear.infer(
         study,
-        unknown={"wear.sphere": "log-uniform 4e-4 .. 1e-2 mm^3/N/m"},
+        unknown={"wear.counter": "log-uniform 4e-4 .. 1e-2 mm^3/N/m"},
         measured={"diameter": "1.28 +- 0.03 mm"},
-        target="wear.sphere",
+        target="wear.counter",
         candidates=(*tests, "repeats=1"),
         out=tmp_path / "out",
     )
@@ -102,11 +102,11 @@ def test_tests_are_tried_before_anything_is_sampled(tmp_path: Path, monkeypatch:
 
     monkeypatch.setattr("warpwear.inference.runs.run_one", run_one)
 
-    def infer(candidate: str, target: str = "wear.sphere") -> warpwear.Inference:
+    def infer(candidate: str, target: str = "wear.counter") -> warpwear.Inference:
         return warpwear.infer(
             smooth_study(**{"sliding.distance": "100 mm"}),
-            unknown={"wear.sphere": "log-uniform 4e-4 .. 2e-3 mm^3/N/m"},
-            measured={"volume_sphere": "0.00075 +- 0.00003 mm^3"},
+            unknown={"wear.counter": "log-uniform 4e-4 .. 2e-3 mm^3/N/m"},
+            measured={"volume_counter": "0.00075 +- 0.00003 mm^3"},
             target=target,
             candidates=[candidate],
             out=tmp_path / candidate,

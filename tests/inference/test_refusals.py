@@ -77,10 +77,10 @@ def test_a_wrong_course_ends_in_one_sentence(tmp_path: Path, text: str, sentence
         ({}, "no unknown is named"),
         ({"wear.spere": None}, "wear.spere"),
         ({"contact.law": None}, "it is no number"),
-        ({"wear.sphere": "normal 1 +- 0.1 mm"}, "has the unit mm"),
-        ({"wear.sphere": "normal 1 +- 0.1"}, "needs its unit"),
-        ({"wear.sphere": "between 1 and 2"}, "the prior of 'wear.sphere' = 'between 1 and 2'"),
-        ({"wear.sphere": "uniform -1e-4 .. 1e-3 mm^3/N/m"}, "goes beyond what is allowed: from 0"),
+        ({"wear.counter": "normal 1 +- 0.1 mm"}, "has the unit mm"),
+        ({"wear.counter": "normal 1 +- 0.1"}, "needs its unit"),
+        ({"wear.counter": "between 1 and 2"}, "the prior of 'wear.counter' = 'between 1 and 2'"),
+        ({"wear.counter": "uniform -1e-4 .. 1e-3 mm^3/N/m"}, "goes beyond what is allowed: from 0"),
         ({"friction.initial_ratio": "uniform 0.1 .. 1"}, "needs friction.running_in"),
         (
             {"wear.decay": "uniform 0.1 .. 1 1/m"},
@@ -93,7 +93,7 @@ def test_a_wrong_course_ends_in_one_sentence(tmp_path: Path, text: str, sentence
 )
 def test_wrong_unknowns_end_in_one_sentence(unknown: dict[str, str | None], sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
-        warpwear.infer(smooth_study(), unknown=unknown, measured={"volume_sphere": "0.018 +- 0.001 mm^3"})
+        warpwear.infer(smooth_study(), unknown=unknown, measured={"volume_counter": "0.018 +- 0.001 mm^3"})
 
 
 @pytest.mark.parametrize(
@@ -106,7 +106,7 @@ def test_wrong_unknowns_end_in_one_sentence(unknown: dict[str, str | None], sent
         ("[infer]\ntarget = 3", "infer.target = 3 is not allowed: text in quotes is expected"),
         ("[infer.measured]\ndiameter = 0.8", "infer.measured.diameter = 0.8 is not allowed: text in quotes"),
         ("[infer.measured]\nweight = '3 +- 1 mm'", "infer.measured.weight is nothing that can be measured"),
-        ("[infer.unknown]\nwear.sphere = 3", "infer.unknown.wear.sphere = 3: a prior such as"),
+        ("[infer.unknown]\nwear.counter = 3", "infer.unknown.wear.counter = 3: a prior such as"),
     ],
 )
 def test_a_wrong_section_is_one_sentence(tmp_path: Path, section: str, sentence: str) -> None:
@@ -143,6 +143,6 @@ def test_wrong_data_end_the_command_in_one_sentence(tmp_path: Path) -> None:
 def test_priors_beyond_the_explicit_limit_are_refused_before_any_run(monkeypatch: pytest.MonkeyPatch) -> None:
     """The limit goes with the wear coefficients, so that the prior says it."""
     monkeypatch.setattr("warpwear.inference.runs.sweep", lambda *_, **__: pytest.fail("a run was made"))
-    priors = {"wear.sphere": "log-uniform 1e-4 .. 5e-2 mm^3/N/m"}
+    priors = {"wear.counter": "log-uniform 1e-4 .. 5e-2 mm^3/N/m"}
     with pytest.raises(InputError, match=r"of 16 runs .* explicit .*None was made; .*scheme = 'implicit'"):
         warpwear.infer("v1", unknown=priors, measured={"diameter": "1.3 +- 0.1 mm"})

@@ -44,7 +44,7 @@ EXPONENTIAL = {"wear.law": "exponential", "wear.decay": "0.02 1/mm"}
 RUNNING_IN = {
     "wear.law": "running-in",
     "wear.running_in": "20 mm",
-    "wear.initial_sphere": "4e-3 mm^3/N/m",
+    "wear.initial_counter": "4e-3 mm^3/N/m",
     "wear.initial_disc": "4e-3 mm^3/N/m",
 }
 PIECES = {"wear.particle": "60 um", "wear.particle_thickness": "0.2 um", "wear.pending_start": "uniform"}
@@ -57,7 +57,7 @@ FILM = {
 
 
 TRACK = {"sliding.kinematics": "swept", "sliding.stroke": "0.9 mm", "sliding.shift": 7, "grid.cell": "20 um"}
-TRACK |= {"grid.extent": "0.62 mm", "sphere.radius": "1 mm"}
+TRACK |= {"grid.extent": "0.62 mm", "counter.radius": "1 mm"}
 
 
 @dataclass(frozen=True)
@@ -77,12 +77,12 @@ class Case:
 TWO_STRENGTHS = {"calibrate friction": "which needs friction.shear_strength itself; allowed is"}
 NOT_GIVEN = {"inference": "friction.shear_strength is neither given nor unknown"}
 CASES = {
-    "wear.sphere": Case("4e-4 mm^3/N/m"),
+    "wear.counter": Case("4e-4 mm^3/N/m"),
     "wear.disc": Case("4e-4 mm^3/N/m"),
     "wear.law": Case("exponential", beside={"wear.decay": "0.02 1/mm"}),
     "wear.decay": Case("0.1 1/mm", EXPONENTIAL),
     "wear.running_in": Case("5 mm", RUNNING_IN),
-    "wear.initial_sphere": Case("1e-4 mm^3/N/m", RUNNING_IN),
+    "wear.initial_counter": Case("1e-4 mm^3/N/m", RUNNING_IN),
     "wear.initial_disc": Case("1e-4 mm^3/N/m", RUNNING_IN),
     "wear.distance_factor": Case("radial"),
     "wear.particle": Case("100 um", PIECES, "v3-fine"),
@@ -106,7 +106,7 @@ CASES = {
     "friction.film.regrowth": Case("0.5 mm", FILM | TRACK, "v3-fine", refused=TWO_STRENGTHS),
 }
 #: Words of a comparison for keys whose values are made of others too.
-CALLED = {f"wear.{body}": f"wear coefficient of the {body}" for body in ("sphere", "disc")}
+CALLED = {f"wear.{body}": f"wear coefficient of the {body}" for body in ("counter", "disc")}
 
 
 def keys() -> list[str]:
@@ -202,9 +202,9 @@ def test_a_key_changes_an_inference_as_it_changes_the_run(pair: Pair, tmp_path: 
         runs = make_runs(one, unknowns, samples=None, seed=0, out=tmp_path / str(number), device="cpu")
         model = Model(one, unknowns, runs)
         values = {"friction.ploughing": np.array([one.friction.ploughing])}
-        volumes = [model.value(values, f"volume_{body}")[0][0] for body in ("sphere", "disc")]
+        volumes = [model.value(values, f"volume_{body}")[0][0] for body in ("counter", "disc")]
         computed.append(np.array([*model.cof(values, distance[places])[0], *volumes]))
-    volumes = [history[f"wear_volume_{body}"][-1] for body in ("sphere", "disc")]
+    volumes = [history[f"wear_volume_{body}"][-1] for body in ("counter", "disc")]
     np.testing.assert_allclose(computed[1], [*cof[places], *volumes], rtol=0.06)
     assert not np.array_equal(*computed)
 

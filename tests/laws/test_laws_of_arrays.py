@@ -9,7 +9,7 @@ from warpwear.laws.archard import WEAR_LAWS, WearLaw, said
 from warpwear.study.contact import Friction, Wear
 
 #: Numbers of keys of [wear], three of each, K in mm²/N.
-NUMBERS = {"sphere": [1e-6, 2e-6, 0.0], "initial_sphere": [4e-6, 2e-6, 1e-6]}
+NUMBERS = {"counter": [1e-6, 2e-6, 0.0], "initial_counter": [4e-6, 2e-6, 1e-6]}
 NUMBERS |= {"decay": [0.02, 1e-4, 3.0], "running_in": [20.0, 1e3, 0.1]}
 STARTS = np.array([0.0, 3.0, 80.0])
 
@@ -17,11 +17,11 @@ STARTS = np.array([0.0, 3.0, 80.0])
 @pytest.mark.parametrize("law", WEAR_LAWS.values(), ids=WEAR_LAWS)
 def test_a_wear_law_of_arrays(law: type[WearLaw]) -> None:
     increments = np.array([[1e-9, 0.5, 40.0]])
-    many = law.of("sphere", lambda key: np.array(NUMBERS[key])[:, None])
+    many = law.of("counter", lambda key: np.array(NUMBERS[key])[:, None])
     for start in STARTS:
         worn = many.wear_per_pressure(float(start), increments)
         for place in range(3):
-            one = law.of("sphere", lambda key, place=place: NUMBERS[key][place])
+            one = law.of("counter", lambda key, place=place: NUMBERS[key][place])
             each = [one.wear_per_pressure(float(start), float(increment)) for increment in increments[0]]
             np.testing.assert_allclose(np.broadcast_to(worn, (3, 3))[place], each, rtol=1e-14)
 
@@ -52,7 +52,7 @@ def test_a_friction_law_of_arrays() -> None:
     ],
 )
 def test_a_law_says_its_numbers(keys: dict[str, Any], words: str) -> None:
-    wear = Wear(sphere="1e-3 mm^3/N/m", disc="2e-3 mm^3/N/m", **keys)
+    wear = Wear(counter="1e-3 mm^3/N/m", disc="2e-3 mm^3/N/m", **keys)
     sentence = said(wear.laws(590.0))
     assert words in sentence
     assert bool(sentence) == bool(keys)

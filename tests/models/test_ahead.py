@@ -37,7 +37,7 @@ def heights() -> np.ndarray:
 
 
 def study(kind: str) -> Study:
-    return Study.load("v3-fine").replace({"wear.sphere": "9.4e-4 mm^3/N/m"} | (LAWS | RARE)[kind])
+    return Study.load("v3-fine").replace({"wear.counter": "9.4e-4 mm^3/N/m"} | (LAWS | RARE)[kind])
 
 
 @pytest.mark.parametrize("kind", LAWS)
@@ -93,9 +93,9 @@ def test_wear_of_both_bodies_is_what_the_pressures_took(kind: str) -> None:
                 worn += law.wear_per_pressure(distance, increment) * slid * step.pressure
             distance += increment
         last = model.snapshot(step, distance)
-        for worn, found in zip(expected, (last.wear_sphere, last.wear_disc), strict=True):
+        for worn, found in zip(expected, (last.wear_counter, last.wear_disc), strict=True):
             assert_allclose(found, worn, rtol=1e-10, atol=1e-12 * worn.max())
-    for name, worn in zip(("sphere", "disc"), expected, strict=True):
+    for name, worn in zip(("counter", "disc"), expected, strict=True):
         assert step.row[f"wear_volume_{name}"] == pytest.approx(worn.sum() * CELL**2, rel=1e-11)
         assert step.row[f"wear_depth_{name}"] == pytest.approx(worn.max(), rel=1e-11)
 

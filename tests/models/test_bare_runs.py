@@ -43,7 +43,7 @@ BARED = [
     (law, regrowth, bodies)
     for law in ("track", "track, bearing area", "rest, half-space")
     for n, regrowth in enumerate(("never", "0.5 mm", "4 mm"))
-    for m, bodies in enumerate(("both", "sphere", "disc"))
+    for m, bodies in enumerate(("both", "counter", "disc"))
     if n == m or law == "track"
 ]
 
@@ -61,7 +61,7 @@ def test_what_is_bare(law: str, regrowth: str, bodies: str, device: str) -> None
     for step in warpwear.steps(study, device=device):
         fields, shot = step.fields, step.snapshot()
         if not books:
-            names = ("sphere", "disc") if bodies == "both" else (bodies,)
+            names = ("counter", "disc") if bodies == "both" else (bodies,)
             books = {name: Books(fields[f"wear_{name}"].shape, 2e-4, after) for name in names}
         nx, bare = fields["pressure"].shape[0], np.ones(fields["pressure"].shape, dtype=bool)
         for name, kept in books.items():
@@ -242,5 +242,5 @@ def test_what_only_some_models_cannot_be_is_refused() -> None:
         Study.load("v1").replace(bearing | {"friction.junction_growth": 9.0, "contact.hardness": "590 MPa"})
     with pytest.raises(InputError, match=r"patches\.coupling = 'load' does not go with \[friction\.film\]"):
         STUDIES["two scales"].replace(FILM | {"patches.coupling": "load"})
-    unworn = STUDIES["track"].replace(FILM | {"wear.sphere": "0 mm^3/N/m"})
-    assert any("wear.sphere = 0: the sphere keeps its film" in notice for notice in unworn.notices())
+    unworn = STUDIES["track"].replace(FILM | {"wear.counter": "0 mm^3/N/m"})
+    assert any("wear.counter = 0: the counter-body keeps its film" in notice for notice in unworn.notices())

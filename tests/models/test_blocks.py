@@ -45,7 +45,7 @@ KINDS: dict[str, dict[str, Any]] = {
     "explicit, radial": EXPLICIT | {"wear.distance_factor": "radial", "contact.stiffness": "2e5 N/mm^3"},
     "bearing area": EXPLICIT | ACROSS | {"stepping.load_tolerance": "0.0074 N"},
     "running in": {"wear.law": "running-in", "wear.running_in": "1 mm", "wear.initial_disc": "1e-2 mm^3/N/m"},
-    "no wear of the sphere": ACROSS | SPRINGS | {"wear.sphere": "0 mm^3/N/m"},
+    "no wear of the counter-body": ACROSS | SPRINGS | {"wear.counter": "0 mm^3/N/m"},
 }
 INCREMENTS = (0.003 * 1.05 ** np.arange(90)).tolist()
 
@@ -206,7 +206,7 @@ def test_against_plain_numpy(kind: str) -> None:
     task, grid = this.contact_task, Grid(*shape, CELL)
     heights = np.random.default_rng(3).normal(0.0, 5e-4, shape)
     expected = reference.wear_run(
-        reference.sphere_gap(grid.x, grid.y, 1.0 / task.curvature, heights),
+        reference.counter_gap(grid.x, grid.y, 1.0 / task.curvature, heights),
         load=task.load,
         hardness=task.hardness,
         cell=CELL,

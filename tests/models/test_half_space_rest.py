@@ -45,7 +45,7 @@ def at_rest(asked: Study, heights: FloatArray, executor: Executor) -> SlidingHal
 
 
 def gap_of(contact: SlidingHalfSpace, executor: Executor) -> FloatArray:
-    return executor.to_numpy(contact.state.sphere) - executor.to_numpy(contact.state.disc)
+    return executor.to_numpy(contact.state.counter) - executor.to_numpy(contact.state.disc)
 
 
 def test_hertz_through_a_study() -> None:
@@ -92,13 +92,14 @@ def test_what_is_worn_is_what_archard_says(changes: dict[str, Any], device: str)
         history, asked = result.history, result.study
         snapshots = [result.snapshot(index) for index in range(3)]
     volumes = [
-        [getattr(s, f"wear_{b}").sum() * asked.cells.cell_area for b in ("sphere", "disc")] for s in snapshots
+        [getattr(s, f"wear_{b}").sum() * asked.cells.cell_area for b in ("counter", "disc")]
+        for s in snapshots
     ]
     for snapshot, found in zip(snapshots, volumes, strict=True):
         at = int(np.searchsorted(history["distance"], snapshot.distance))
         expected = [law.wear_per_pressure(0.0, snapshot.distance) * 8.0 for law in asked.wear_laws]
         assert_allclose(found, expected, rtol=1e-10)
-        assert_allclose([history[f"wear_volume_{b}"][at] for b in ("sphere", "disc")], expected, rtol=1e-10)
+        assert_allclose([history[f"wear_volume_{b}"][at] for b in ("counter", "disc")], expected, rtol=1e-10)
         pressure = snapshot.pressure
         assert pressure.sum() * asked.cells.cell_area == pytest.approx(8.0, rel=1e-12)
         assert history["pressure_std"][at] == pytest.approx(pressure[pressure > 0.0].std(), rel=1e-6)
@@ -109,7 +110,7 @@ def test_what_is_worn_is_what_archard_says(changes: dict[str, Any], device: str)
         x, y = np.nonzero(snapshot.wear_disc)
         assert history["patch_along"][at] == pytest.approx((np.ptp(x) + 1) * asked.cells.cell)
         assert history["patch_across"][at] == pytest.approx((np.ptp(y) + 1) * asked.cells.cell)
-        assert history["wear_depth_sphere"][at] == pytest.approx(snapshot.wear_sphere.max(), rel=1e-9)
+        assert history["wear_depth_counter"][at] == pytest.approx(snapshot.wear_counter.max(), rel=1e-9)
     assert np.abs(history["load_residual"]).max() <= 2e-12 * 8.0
 
 
@@ -133,7 +134,7 @@ def test_every_step_wears_what_its_pressure_says() -> None:
 
 def test_bodies_without_compliance_wear_as_on_the_capped_foundation() -> None:
     """What is left of c is K ΔL, as with the other law."""
-    stiff = study(**{"sphere.young": "1e9 GPa", "disc.young": "1e9 GPa"})
+    stiff = study(**{"counter.young": "1e9 GPa", "disc.young": "1e9 GPa"})
     grid = Grid(60, 60, 0.02)
     heights = np.random.default_rng(1).normal(0.0, 1e-3, grid.shape)
     with Executor(grid) as executor:
@@ -144,7 +145,7 @@ def test_bodies_without_compliance_wear_as_on_the_capped_foundation() -> None:
             for name in (
                 "area_contact",
                 "area_plastic",
-                "wear_volume_sphere",
+                "wear_volume_counter",
                 "wear_depth_disc",
                 "pressure_std",
             ):
@@ -154,7 +155,7 @@ def test_bodies_without_compliance_wear_as_on_the_capped_foundation() -> None:
 
 def test_a_flat_is_periodic_unless_it_is_said_otherwise() -> None:
     flat = {
-        "sphere.radius": "inf mm",
+        "counter.radius": "inf mm",
         "contact.load": "8 N",
         "sliding.distance": "0 mm",
         "grid.extent": "0.2 mm",
@@ -198,12 +199,12 @@ def test_a_model_goes_on_from_any_step(changes: dict[str, Any]) -> None:
     ("changes", "words"),
     [
         ({"study.model": "macro"}, "needs study.model = 'micro' or 'two-scale', not 'macro'"),
-        ({"sphere.material": None}, "needs Young's modulus and Poisson's ratio of both bodies"),
+        ({"counter.material": None}, "needs Young's modulus and Poisson's ratio of both bodies"),
         ({"stepping.scheme": "explicit"}, "needs stepping.scheme = 'implicit'"),
         ({"wear.distance_factor": "across"}, "wear.distance_factor = 'across' does not go with"),
-        ({"contact.boundary": "periodic"}, "would repeat the sphere beside itself"),
+        ({"contact.boundary": "periodic"}, "would repeat the counter-body beside itself"),
         ({"contact.boundary": "open"}, "contact.boundary = 'open' is not allowed"),
-        ({"contact.hardness": "3 MPa"}, "more than the domain under the sphere carries"),
+        ({"contact.hardness": "3 MPa"}, "more than the domain under the counter-body carries"),
     ],
 )
 def test_what_does_not_fit_is_refused_in_one_sentence(changes: dict[str, Any], words: str) -> None:
@@ -220,9 +221,9 @@ def test_keys_of_the_other_law_are_told() -> None:
     assert any("contact.boundary does not apply to contact.law = 'local'" in note for note in told)
     again = Study(**tomllib.loads(study().to_toml()))
     assert again.boundary == "free"
-    # Shown as assumed, and still open: a flat in the sphere's place gets its own.
+    # Shown as assumed, and still open: a flat in the counter-body's place gets its own.
     for radius, boundary in (("3 mm", "free"), ("inf mm", "periodic")):
-        shown = to_marked_toml(again.replace({"sphere.radius": radius, "sliding.distance": "0 mm"}))
+        shown = to_marked_toml(again.replace({"counter.radius": radius, "sliding.distance": "0 mm"}))
         assert re.search(rf'^boundary = "{boundary}" +# ASSUMED: ', shown, re.MULTILINE)
     given = study(contact__boundary="free")
     assert re.search(r'^boundary = "free"$', to_marked_toml(given), re.MULTILINE)

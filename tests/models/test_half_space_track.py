@@ -1,4 +1,4 @@
-"""The half-space under a sphere that slides: against dense matrices, closed forms and the local law."""
+"""The half-space under a ball that slides: against dense matrices, closed forms and the local law."""
 
 import json
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ CELL, ROWS = 0.02, 24
 GRID = Grid(16, 9, CELL)
 SHARE = 0.2
 KEEPS = {"sliding.plastic": "keep"}
-FLAT = {"sphere.radius": "inf mm", "contact.hardness": "200 MPa"}
+FLAT = {"counter.radius": "inf mm", "contact.hardness": "200 MPa"}
 #: Almost to the last digit, so that it is not the search which differs.
 TIGHT = 1.0e-11
 
@@ -77,26 +77,26 @@ class Dense:
         assert modulus is not None
         of_unit = {"free": cases_half_space.dense_free, "periodic": cases_half_space.dense_periodic}
         self.elastic = of_unit[self.boundary](GRID) * cases_half_space.MODULUS / modulus
-        self.sphere = reference.sphere_gap(GRID.x, GRID.y, self.study.sphere.radius or np.inf)
-        self.wear_sphere, self.wear_disc = np.zeros(GRID.shape), np.zeros_like(self.disc)
+        self.counter = reference.counter_gap(GRID.x, GRID.y, self.study.counter.radius or np.inf)
+        self.wear_counter, self.wear_disc = np.zeros(GRID.shape), np.zeros_like(self.disc)
         self.plastic_disc = np.zeros_like(self.disc)
 
     def step(self, shift: int, increment: float, approach: float) -> FloatArray:
         """Pressure at an approach, and the wear by it."""
         beneath = (np.arange(GRID.nx) + shift) % ROWS
-        of_sphere, of_disc = 9.4e-7 * increment, SHARE * 12.7e-7 * increment
+        of_counter, of_disc = 9.4e-7 * increment, SHARE * 12.7e-7 * increment
         window = round(SHARE * increment / CELL) if self.boundary == "free" else None
         matrix = self.elastic + of_disc * np.eye(GRID.cells)
-        matrix += of_sphere * cases_half_space.dense_streak(GRID, self.boundary, window)
+        matrix += of_counter * cases_half_space.dense_streak(GRID, self.boundary, window)
         hardness = self.study.hardness
-        met = self.wear_sphere if window is None else averaged(self.wear_sphere, window)
-        gap = self.sphere + met - self.disc[beneath]
+        met = self.wear_counter if window is None else averaged(self.wear_counter, window)
+        gap = self.counter + met - self.disc[beneath]
         p = cases_half_space.bounded(matrix, gap, approach, hardness)
         below = approach - gap - (matrix @ p.ravel()).reshape(GRID.shape)
         at_cap = p >= hardness * (1.0 - 1e-12)  # the active sets leave it by a digit
         beyond = np.where(at_cap, np.maximum(below, 0.0), 0.0)
         passing = np.broadcast_to(p.mean(axis=0), p.shape) if window is None else averaged(p, window)
-        self.wear_sphere += of_sphere * passing
+        self.wear_counter += of_counter * passing
         self.disc[beneath] -= of_disc * p + beyond
         self.wear_disc[beneath] += of_disc * p
         self.plastic_disc[beneath] += beyond
@@ -117,9 +117,9 @@ def averaged(p: FloatArray, window: int) -> FloatArray:
     return (integral(middle + 0.5 * window) - integral(middle - 0.5 * window)) / window
 
 
-@pytest.mark.parametrize("changes", [KEEPS, KEEPS | FLAT], ids=["sphere", "flat"])
+@pytest.mark.parametrize("changes", [KEEPS, KEEPS | FLAT], ids=["counter", "flat"])
 def test_every_step_is_that_of_the_dense_matrix(changes: dict[str, Any], device: str) -> None:
-    """Windows of one to five cells under a sphere, of the line under a flat; dents are kept."""
+    """Windows of one to five cells under a ball, of the line under a flat; dents are kept."""
     study = study_of().replace(changes)
     disc = heights()
     dense = Dense(study, disc.copy())
@@ -134,23 +134,23 @@ def test_every_step_is_that_of_the_dense_matrix(changes: dict[str, Any], device:
             assert expected.sum() * CELL**2 == pytest.approx(study.contact.load, rel=1e-6)
             assert 0.0 < step.row["area_plastic"] < step.row["area_contact"] < GRID.area
         fields = fields_of(contact, executor)
-        for name in ("disc", "wear_sphere", "wear_disc", "plastic_disc"):
+        for name in ("disc", "wear_counter", "wear_disc", "plastic_disc"):
             asked = getattr(dense, name)
-            assert_allclose(fields[name], asked, atol=1e-6 * dense.wear_sphere.max(), err_msg=name)
-        assert_allclose(fields["sphere"], dense.sphere + fields["wear_sphere"], atol=1e-15)
+            assert_allclose(fields[name], asked, atol=1e-6 * dense.wear_counter.max(), err_msg=name)
+        assert_allclose(fields["counter"], dense.counter + fields["wear_counter"], atol=1e-15)
         assert dense.plastic_disc.max() > dense.wear_disc.max() > 0.0
         assert step.row["wear_volume_disc"] == pytest.approx(fields["wear_disc"].sum() * CELL**2 / SHARE)
         assert step.row["plastic_volume_disc"] == pytest.approx(
             fields["plastic_disc"].sum() * CELL**2 / SHARE
         )
-        assert step.row["wear_depth_sphere"] == pytest.approx(fields["wear_sphere"].max())
-        assert step.row["area_touched"] == pytest.approx(np.count_nonzero(fields["wear_sphere"]) * CELL**2)
+        assert step.row["wear_depth_counter"] == pytest.approx(fields["wear_counter"].max())
+        assert step.row["area_touched"] == pytest.approx(np.count_nonzero(fields["wear_counter"]) * CELL**2)
 
 
 @pytest.mark.parametrize("changes", [{}, KEEPS], ids=["forgets", "keeps"])
 def test_stiff_bodies_wear_as_by_the_local_law(changes: dict[str, Any]) -> None:
     """Where a step covers one cell, cell by cell: what is left of the compliance is K ΔL."""
-    stiff = {"sphere.young": "2e11 GPa", "disc.young": "2e11 GPa", "contact.load": "1 N"}
+    stiff = {"counter.young": "2e11 GPa", "disc.young": "2e11 GPa", "contact.load": "1 N"}
     study = study_of().replace(stiff | changes)
     disc = heights()
     moves = [(0, 0.02), (1, 0.02), (2, 0.02), (1, 0.02), (8, 0.01)]
@@ -164,7 +164,7 @@ def test_stiff_bodies_wear_as_by_the_local_law(changes: dict[str, Any]) -> None:
             assert expected.pressure is not None
             assert_allclose(found.pressure, expected.pressure, atol=1e-4)
             assert found.balance.approach == pytest.approx(expected.balance.approach, abs=1e-11)
-            for name in ("area_contact", "wear_volume_sphere", "wear_volume_disc", "plastic_volume_disc"):
+            for name in ("area_contact", "wear_volume_counter", "wear_volume_disc", "plastic_volume_disc"):
                 assert found.row[name] == pytest.approx(expected.row[name], rel=1e-6), name
         fields, asked = (fields_of(contact, executor) for contact in (elastic, local))
         for name, field in fields.items():
@@ -183,23 +183,23 @@ def test_every_step_conserves_both_bodies(changes: dict[str, Any], device: str) 
             increment = window * CELL / SHARE
             row = contact.step(shift, increment).row
             now = fields_of(contact, executor)
-            worn = [(now[name] - before[name]).sum() * CELL**2 for name in ("wear_sphere", "wear_disc")]
+            worn = [(now[name] - before[name]).sum() * CELL**2 for name in ("wear_counter", "wear_disc")]
             asked = [9.4e-7 * 2.0 * increment, SHARE * 12.7e-7 * 2.0 * increment]
             assert worn == pytest.approx(asked, rel=1e-12)
             lost = before["disc"] - now["disc"]
             displaced = (now["plastic_disc"] - before["plastic_disc"]).sum()
             assert lost.sum() == pytest.approx(asked[1] / CELL**2 + displaced, rel=1e-10)
             assert (displaced > 0.0) == ("sliding.plastic" in changes)
-            for body in ("sphere", "disc"):
+            for body in ("counter", "disc"):
                 of_body = row[f"wear_volume_{body}"], row[f"archard_volume_{body}"]
                 assert of_body[0] == pytest.approx(of_body[1], rel=1e-12)
             before = now
         if changes.keys() >= FLAT.keys():
-            assert_array_equal(now["wear_sphere"], now["wear_sphere"][:1].repeat(GRID.nx, axis=0))
-            assert np.ptp(now["wear_sphere"], axis=1).max() > 0.0
+            assert_array_equal(now["wear_counter"], now["wear_counter"][:1].repeat(GRID.nx, axis=0))
+            assert np.ptp(now["wear_counter"], axis=1).max() > 0.0
 
 
-def test_waves_on_the_sphere_do_not_grow() -> None:
+def test_waves_on_the_counter_do_not_grow() -> None:
     """Of a length between half the window and the window S is negative: worn where they are low."""
     grid, amplitude = Grid(24, 24, CELL), 1e-5
     wave = amplitude * np.cos(2.0 * np.pi * np.arange(24) / 3.0)[:, None] * np.ones(24)
@@ -209,11 +209,11 @@ def test_waves_on_the_sphere_do_not_grow() -> None:
             contact = contact_of(
                 study_of(), np.zeros(grid.shape), executor, periodic=True, track_fraction=SHARE
             )
-            for field in (contact.state.wear_sphere, contact.state.sphere):
+            for field in (contact.state.wear_counter, contact.state.counter):
                 executor.fill(field, executor.to_numpy(field) + start)
             for step in range(8):
                 contact.step(4 * step, 4 * CELL / SHARE)
-            lost.append(executor.to_numpy(contact.state.wear_sphere).copy())
+            lost.append(executor.to_numpy(contact.state.wear_counter).copy())
     assert np.abs(lost[1] - lost[0]).max() <= 1.05 * amplitude
 
 
@@ -233,7 +233,7 @@ def test_the_mean_that_passes_keeps_the_sum(window: int, device: str) -> None:
 
 def test_a_flat_on_a_lap_of_its_own_length_feels_no_displacement() -> None:
     """The domain repeats as the disc does."""
-    unworn = {"wear.sphere": "0 mm^3/N/m", "wear.disc": "0 mm^3/N/m"}
+    unworn = {"wear.counter": "0 mm^3/N/m", "wear.disc": "0 mm^3/N/m"}
     with Executor(GRID) as executor:
         study = study_of(**FLAT).replace(unworn)
         contact = contact_of(study, heights(GRID.nx), executor, periodic=True)
@@ -253,7 +253,7 @@ def test_a_track_goes_on_from_any_step(
     """In every number of every row and in every cell, on one thread and on two; dents are kept."""
     monkeypatch.setattr("warpwear.models.track.half_space.LARGEST_ERROR", 0.4)  # parts of a few cells
     study = small(track, contact__law="half-space", sliding__plastic="keep", sliding__distance="0.9 mm")
-    study = study if wears else study.replace({"wear.sphere": "0 mm^3/N/m"})
+    study = study if wears else study.replace({"wear.counter": "0 mm^3/N/m"})
     path = study.track
     plan = [(increment, True) for increment, _, _ in plan_of(study)]
 
@@ -272,7 +272,7 @@ def test_a_track_goes_on_from_any_step(
 
     rows, *fields = outcome(1, None)
     assert 1 < rows[1]["parts"] < path.shift  # the contact of the step before decides
-    touched = fields[-1] if not wears else fields[3]  # reached, or the sphere's wear
+    touched = fields[-1] if not wears else fields[3]  # reached, or the counter-body's wear
     assert rows[-1]["area_touched"] == pytest.approx(np.count_nonzero(touched) * TRACK_CELL**2)
     for restart in (None, 1):
         again, *fields_again = outcome(threads, restart)
@@ -290,9 +290,9 @@ def test_a_run_on_every_kind_of_track(track: str, device: str) -> None:
     local = warpwear.run(study.replace({"contact.law": "local"}), device="cpu").history
     history, last = result.history, result.snapshot(-1)
     area = TRACK_CELL**2
-    assert history["wear_volume_sphere"][-1] == pytest.approx(9.4e-7 * 8.0 * 2.17, rel=1e-9)
+    assert history["wear_volume_counter"][-1] == pytest.approx(9.4e-7 * 8.0 * 2.17, rel=1e-9)
     assert history["wear_volume_disc"][-1] == pytest.approx(12.7e-7 * 8.0 * 2.17, rel=1e-9)
-    assert last.wear_sphere.sum() * area == pytest.approx(history["wear_volume_sphere"][-1])
+    assert last.wear_counter.sum() * area == pytest.approx(history["wear_volume_counter"][-1])
     assert last.plastic_disc is not None
     displaced = last.plastic_disc.sum() * area / study.track.track_fraction
     assert history["plastic_volume_disc"][-1] == pytest.approx(displaced) != 0.0
@@ -314,7 +314,7 @@ def test_a_step_over_a_smooth_disc_is_one_of_single_cells(track: str) -> None:
     ends = np.round(np.cumsum(found["parts"])).astype(int)
     assert found["parts"].max() == shift
     assert ends[-1] == expected["parts"].sum() == expected["parts"].size
-    for name in ("distance", "wear_volume_sphere", "wear_volume_disc", "area_touched", "wear_depth_disc"):
+    for name in ("distance", "wear_volume_counter", "wear_volume_disc", "area_touched", "wear_depth_disc"):
         assert_allclose(found[name], expected[name][ends - 1], rtol=1e-9, err_msg=name)
     for name, of_parts in (("area_contact", np.mean), ("approach", np.mean), ("pressure_max", np.max)):
         asked = [of_parts(part) for part in np.split(expected[name], ends[:-1])]
@@ -364,7 +364,7 @@ def test_a_ball_on_a_smooth_disc_has_the_exact_area(cell: str, shift: int, passe
     assert of_passes(history)[-1] == pytest.approx(exact.mean(), rel=0.03)
     late = history["distance"] > 30.0 * passes - 15.0
     assert (history["pressure_max"] / history["pressure_mean"])[late].max() <= 1.7
-    for body in ("sphere", "disc"):
+    for body in ("counter", "disc"):
         worn, asked = (history[f"{kind}_volume_{body}"] for kind in ("wear", "archard"))
         assert_allclose(worn, asked, rtol=1e-12, atol=1e-18)
 
@@ -383,7 +383,7 @@ def test_the_area_on_a_rough_track_does_not_depend_on_the_length_of_a_step(ra: f
     assert_allclose(long[1:], short[1:], rtol=0.03)
 
 
-def test_the_first_contact_of_a_smooth_sphere_is_hertz_s() -> None:
+def test_the_first_contact_of_a_smooth_counter_is_hertz_s() -> None:
     smooth = {"disc.synthetic": {"kind": "flat"}, "contact.hardness": "inf MPa", "grid.cell": "2.5 um"}
     smooth |= {"grid.extent": "0.16 mm", "sliding.kinematics": "swept", "sliding.stroke": "0.3 mm"}
     study = Study.load("v3-fine").replace(smooth | {"contact.law": "half-space", "sliding.distance": "0 mm"})

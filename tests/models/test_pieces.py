@@ -139,17 +139,17 @@ DISC = np.random.default_rng(1).normal(0.0, 2e-4, (ROWS, GRID.ny))
 
 
 def shifts_of(pieces: Pieces, *, periodic: bool) -> list[int]:
-    """Rows of the track under the sphere's first, step by step."""
+    """Rows of the track under the counter-body's first, step by step."""
     steps = range(2 if pieces.diameter == CELL else 6)
     return [(7 * step) % ROWS if periodic else 2 * step for step in steps]
 
 
 @cache
 def expected_of(
-    name: str, sphere: bytes, *, periodic: bool
+    name: str, counter: bytes, *, periodic: bool
 ) -> tuple[tuple[Reference, Reference], list[tuple[float, float, float]]]:
     """Both references after the last step; worn, pending and deepest of each after every step. It is slow."""
-    pieces, z = PIECES[name], np.frombuffer(sphere).reshape(GRID.shape)
+    pieces, z = PIECES[name], np.frombuffer(counter).reshape(GRID.shape)
     references = Reference(z, pieces, periodic=False), Reference(-DISC, pieces, periodic=periodic)
     begun, sums = [reference.z.copy() for reference in references], []
     for step, shift in enumerate(shifts_of(pieces, periodic=periodic)):
@@ -181,8 +181,8 @@ class Shedding:
 
     def step(self, number: int, shift: int) -> list[list[float]]:
         """Numbers of `OF_BODY` of both bodies after a step."""
-        sphere, disc = self.share * REMOVALS[0], self.share * FRACTION * REMOVALS[1]
-        self._slides.set(shift=shift, pending_sphere=sphere, pending_disc=disc)
+        counter, disc = self.share * REMOVALS[0], self.share * FRACTION * REMOVALS[1]
+        self._slides.set(shift=shift, pending_counter=counter, pending_disc=disc)
         self._executor.fill(self._pressure, pressure_of(number))
         self._program.run()
         while self.pieces.drain():
@@ -200,13 +200,13 @@ def test_the_same_pieces_as_by_a_serial_reference(
     with Executor(GRID, device=device, threads=threads) as executor:
         shed = Shedding(executor, pieces, periodic=periodic)
         bodies = shed.bodies
-        sphere = executor.to_numpy(bodies.sphere).tobytes()
-        references, sums = expected_of(name, sphere, periodic=periodic)
+        counter = executor.to_numpy(bodies.counter).tobytes()
+        references, sums = expected_of(name, counter, periodic=periodic)
         expected = iter(sums)
         for step, shift in enumerate(shifts_of(pieces, periodic=periodic)):
             for _, *found in shed.step(step, shift):
                 assert_allclose(found, next(expected), rtol=1e-12)
-        depth, height = executor.to_numpy(bodies.sphere), executor.to_numpy(bodies.disc)
+        depth, height = executor.to_numpy(bodies.counter), executor.to_numpy(bodies.disc)
         pending = [executor.to_numpy(body.pending) for body in shed.pieces.both]
     table = shed.pieces.book.table
     for number, (reference, values) in enumerate(zip(references, (depth, -height), strict=True)):
@@ -235,7 +235,7 @@ def test_pieces_do_not_depend_on_how_many_a_table_holds(device: str, monkeypatch
 
 #: A small test on the half-space at 5 µm cells; a pass of 3 mm is a lap of 0.4 mm.
 SMALL: dict[str, Any] = {
-    "sphere.radius": "3 mm",
+    "counter.radius": "3 mm",
     "disc.synthetic.ra": "0.3 um",
     "disc.synthetic.roll_off": "80 um",
     "disc.synthetic.cut_off": "12 um",
@@ -293,7 +293,7 @@ def test_what_is_worn_and_what_is_pending_are_archards_volume_at_every_step(
     result = warpwear.run(study, device=device)
     history, pieces = result.history, result.pieces
     share = study.track.track_fraction if study.is_swept else 1.0
-    for number, (body, of_stroke) in enumerate((("sphere", 1.0), ("disc", share))):
+    for number, (body, of_stroke) in enumerate((("counter", 1.0), ("disc", share))):
         worn, asked = history[f"wear_volume_{body}"], history[f"archard_volume_{body}"]
         assert_allclose(worn + history[f"pending_volume_{body}"], asked, rtol=1e-10)
         left = pieces["volume"][pieces["body"] == number]
@@ -301,7 +301,7 @@ def test_what_is_worn_and_what_is_pending_are_archards_volume_at_every_step(
         dust = study.wear.dust_fraction * asked[-1]
         assert worn[-1] == pytest.approx(dust + left.sum() / of_stroke, rel=1e-9)
         assert np.all(left <= study.pieces.volume(study.grid.cell) * (1.0 + 1e-9))
-    assert history["pieces_sphere"].sum() > 20
+    assert history["pieces_counter"].sum() > 20
     assert np.all(np.diff(pieces["step"]) >= 0.0)
     assert np.all((pieces["diameter"] > 0.0) & (pieces["diameter"] <= 20e-3 * (1.0 + 1e-9)))
 
@@ -316,7 +316,7 @@ def test_dust_alone_is_archards_wear_at_every_shift(shift: int, law: str) -> Non
     plain = {name: value for name, value in SMALL.items() if name.removeprefix("wear.") not in names}
     study = Study.load("v3-fine").replace(plain | ARRANGEMENTS["track"])
     archard = warpwear.run(study.replace({k.replace("__", "."): v for k, v in changes.items()})).history
-    for name in ("area_contact", "cof", "wear_volume_sphere", "wear_volume_disc", "wear_depth_disc"):
+    for name in ("area_contact", "cof", "wear_volume_counter", "wear_volume_disc", "wear_depth_disc"):
         assert_allclose(dust[name], archard[name], rtol=1e-9, err_msg=name)
 
 
@@ -324,11 +324,11 @@ def test_no_pit_is_much_deeper_than_a_piece() -> None:
     """Cuts go down to a crack surface: pits do not run away, as those of subtracted bowls do."""
     with warpwear.run(study_of("track", sliding__distance="18 mm")) as result:
         last = result.snapshots[-1]
-        for wear in (last.wear_sphere, last.wear_beneath):
+        for wear in (last.wear_counter, last.wear_beneath):
             wide = np.lib.stride_tricks.sliding_window_view(wear, (9, 9))  # 45 µm: twice a piece
             around = np.median(wide.reshape(*wide.shape[:2], -1), axis=2)
             assert np.all(wear[4:-4, 4:-4] - around < 3.0 * 0.6e-3)
-        assert last.wear_sphere.max() > 2.0 * 0.6e-3  # or there is nothing to see
+        assert last.wear_counter.max() > 2.0 * 0.6e-3  # or there is nothing to see
 
 
 def test_pieces_of_a_cell_are_archards_dust() -> None:
@@ -337,7 +337,7 @@ def test_pieces_of_a_cell_are_archards_dust() -> None:
     study = study_of(
         "at rest",
         disc__synthetic__ra="3 um",
-        wear__sphere="10e-4 mm^3/N/m",
+        wear__counter="10e-4 mm^3/N/m",
         wear__disc="10e-4 mm^3/N/m",
         wear__particle="5 um",
         wear__particle_thickness=f"{0.5 * 590.0 * wear * increment} mm",
@@ -352,7 +352,7 @@ def test_pieces_of_a_cell_are_archards_dust() -> None:
     grid = study.cells
     with Executor(grid) as executor:
         bodies = SlidingBodies.of(study.contact_task, executor, surface_in(study).heights(grid.x, grid.y))
-        gap = executor.to_numpy(bodies.sphere) - executor.to_numpy(bodies.disc)
+        gap = executor.to_numpy(bodies.counter) - executor.to_numpy(bodies.disc)
         half_space = HalfSpace(executor, modulus=study.effective_modulus, boundary="free", hardness=590.0)
         expected = []
         for _ in found:
@@ -439,7 +439,7 @@ def test_critical_pieces_are_those_of_the_softer_body() -> None:
     critical = {
         "wear__particle": "critical",
         "junctions__surface_energy": "2 J/m^2",
-        "sphere__hardness": "4000 MPa",
+        "counter__hardness": "4000 MPa",
         "disc__hardness": "2000 MPa",
     }
     study = study_of("track", **critical)
@@ -463,14 +463,14 @@ def test_pieces_of_a_run_are_shown(tmp_path: Path) -> None:
     told = result.summary["pieces"]
     per_mm = result.history["pieces_disc"].sum() / 6.0
     assert told["disc"]["per_minute"] == pytest.approx(20.0 * per_mm)
-    assert told["sphere"]["number"] == np.count_nonzero(result.pieces["body"] == 0.0)
+    assert told["counter"]["number"] == np.count_nonzero(result.pieces["body"] == 0.0)
     told = summary_text(summarise(result))
     assert (
         "diameter d* 20 µm and thickness t 0.6 µm of a piece, dust 0 %, start zero (nothing pending)" in told
     )
     x, y = result.pieces["x"], result.pieces["y"]
-    on_sphere = result.pieces["body"] == 0.0
-    assert np.abs(x[on_sphere]).max() < 0.5 * 0.3
+    on_counter = result.pieces["body"] == 0.0
+    assert np.abs(x[on_counter]).max() < 0.5 * 0.3
     assert np.abs(x).max() <= 0.5 * 0.4
     assert np.abs(y).max() < 0.5 * 0.3
     assert result.plot.pieces().axes

@@ -57,11 +57,11 @@ class Plain:
     """The same contact in NumPy, every cell at every step."""
 
     study: Study
-    sphere: FloatArray
+    counter: FloatArray
     disc: FloatArray
 
     def __post_init__(self) -> None:
-        self.wear_sphere = np.zeros_like(self.sphere)
+        self.wear_counter = np.zeros_like(self.counter)
         self.wear_disc = np.zeros_like(self.disc)
         self.plastic_disc = np.zeros_like(self.disc)
         self.reached = np.zeros((1, SHAPE[1]))  # wear shows it
@@ -72,7 +72,7 @@ class Plain:
         load, hardness = study.contact.load, study.hardness
         removal = [law.wear_per_pressure(0.0, increment) for law in study.wear_laws]
         c = study.contact_law().compliance + (sum(removal) if study.stepping.scheme == "implicit" else 0.0)
-        gap = self.sphere - self.disc[beneath]
+        gap = self.counter - self.disc[beneath]
         if c > 0.0:
             contact = reference.foundation(gap, c, load, hardness, CELL)
         else:
@@ -81,8 +81,8 @@ class Plain:
             beyond = np.maximum(contact.approach - gap - c * hardness, 0.0)
             self.disc[beneath] -= beyond
             self.plastic_disc[beneath] += beyond
-        self.sphere += removal[0] * contact.pressure
-        self.wear_sphere += removal[0] * contact.pressure
+        self.counter += removal[0] * contact.pressure
+        self.wear_counter += removal[0] * contact.pressure
         self.disc[beneath] -= removal[1] * contact.pressure
         self.wear_disc[beneath] += removal[1] * contact.pressure
         return contact
@@ -132,7 +132,7 @@ def expected_of(
     """The plain contact after the last step; of each the cells in contact, the approach, and the row."""
     rng = np.random.default_rng(7)
     disc, grid, found = make(rng), Grid(*SHAPE, CELL), []
-    plain = Plain(study, reference.sphere_gap(grid.x, grid.y, study.sphere.radius), disc)
+    plain = Plain(study, reference.counter_gap(grid.x, grid.y, study.counter.radius), disc)
     for shift, increment in displacements(rng, periodic=periodic):
         expected = plain.step(shift, increment)
         pressure = expected.pressure
@@ -140,11 +140,11 @@ def expected_of(
             "area_plastic": np.count_nonzero(expected.plastic) * CELL**2,
             "pressure_mean": pressure[pressure > 0.0].mean(),
             "pressure_max": pressure.max(),
-            "wear_volume_sphere": plain.wear_sphere.sum() * CELL**2,
+            "wear_volume_counter": plain.wear_counter.sum() * CELL**2,
             "wear_volume_disc": plain.wear_disc.sum() * CELL**2,
-            "wear_depth_sphere": plain.wear_sphere.max(),
+            "wear_depth_counter": plain.wear_counter.max(),
             "wear_depth_disc": plain.wear_disc.max(),
-            "area_touched": np.count_nonzero(plain.wear_sphere) * CELL**2,
+            "area_touched": np.count_nonzero(plain.wear_counter) * CELL**2,
             "plastic_volume_disc": plain.plastic_disc.sum() * CELL**2,
         }
         found.append((np.count_nonzero(pressure), expected.approach, row))

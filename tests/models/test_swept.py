@@ -1,4 +1,4 @@
-"""A sphere that slides over a track: against an independent loop over all cells, and against closed forms."""
+"""A ball that slides over a track: against an independent loop over all cells, and against closed forms."""
 
 import itertools
 import json
@@ -26,7 +26,7 @@ from warpwear.runs.plan import plan_of
 
 
 def positions(track: str, rows: int) -> Iterator[tuple[int, int]]:
-    """First row under the sphere and cells covered, step after step: walked, not computed."""
+    """First row under the counter-body and cells covered, step after step: walked, not computed."""
     lengths = TRACKS[track][1]
     starts = [0, *itertools.accumulate(lengths)][: len(lengths)]
     there = list(zip(starts, lengths, strict=True))
@@ -45,34 +45,38 @@ def plain_run(study: Study, track: str, disc: FloatArray) -> dict[str, FloatArra
     cells = sum(TRACKS[track][1])
     share = 1.0 if track == "full" else cells * CELL / lap
     grid = Grid(WINDOW, WINDOW, CELL)
-    sphere = reference.sphere_gap(grid.x, grid.y, 1.0)
+    counter = reference.counter_gap(grid.x, grid.y, 1.0)
     disc, slid, areas = disc.copy(), 0.0, []
-    worn_sphere, worn, dents = np.zeros_like(sphere), np.zeros_like(disc), np.zeros_like(disc)
+    worn_counter, worn, dents = np.zeros_like(counter), np.zeros_like(disc), np.zeros_like(disc)
     for row, length in positions(track, disc.shape[0]):
         increment = min(length * lap / cells, sliding.total - slid)
         if increment < 1e-9:
             break
         slid += increment
-        of_sphere, of_disc = 9.4e-7 * increment, 12.7e-7 * increment * share
+        of_counter, of_disc = 9.4e-7 * increment, 12.7e-7 * increment * share
         beneath = (row + np.arange(WINDOW)) % disc.shape[0]
-        gap = sphere - disc[beneath]
-        c = 1.0 / study.contact.stiffness + of_sphere + of_disc
+        gap = counter - disc[beneath]
+        c = 1.0 / study.contact.stiffness + of_counter + of_disc
         contact = reference.foundation(gap, c, study.contact.load, hardness, CELL)
         areas.append(np.count_nonzero(contact.pressure) * CELL**2)
         if sliding.plastic == "keep":
             beyond = np.maximum(contact.approach - gap - c * hardness, 0.0)
             dents[beneath] += beyond
             disc[beneath] -= beyond
-        worn_sphere += of_sphere * contact.pressure
-        sphere += of_sphere * contact.pressure
+        worn_counter += of_counter * contact.pressure
+        counter += of_counter * contact.pressure
         worn[beneath] += of_disc * contact.pressure
         disc[beneath] -= of_disc * contact.pressure
     return {
-        "wear_sphere": worn_sphere,
+        "wear_counter": worn_counter,
         "wear_disc": worn,
         "plastic_disc": dents,
         "area": areas,
-        "volumes": [worn_sphere.sum() * CELL**2, worn.sum() / share * CELL**2, dents.sum() / share * CELL**2],
+        "volumes": [
+            worn_counter.sum() * CELL**2,
+            worn.sum() / share * CELL**2,
+            dents.sum() / share * CELL**2,
+        ],
     }
 
 
@@ -156,16 +160,16 @@ def test_a_track_is_that_of_every_cell(track: str, loses: str, threads: int) -> 
             k: executor.to_numpy(getattr(model.contact.state, k)).copy() for k in model.contact.state.FIELDS
         }
     assert [step.row["area_contact"] for step in steps] == pytest.approx(plain["area"], rel=1e-12)
-    for name in ("wear_sphere", "wear_disc", *(["plastic_disc"] if loses != "forgets" else [])):
+    for name in ("wear_counter", "wear_disc", *(["plastic_disc"] if loses != "forgets" else [])):
         assert_allclose(state[name], plain[name], rtol=1e-10, atol=1e-15, err_msg=name)
-    names = ("wear_volume_sphere", "wear_volume_disc", "plastic_volume_disc")
+    names = ("wear_volume_counter", "wear_volume_disc", "plastic_volume_disc")
     assert [steps[-1].row[name] for name in names] == pytest.approx(plain["volumes"], rel=1e-11)
     assert (plain["volumes"][2] > 0.0) == (loses != "forgets")  # type: ignore[operator]
 
 
-def test_a_sphere_that_does_not_wear_was_touched_all_the_same(threads: int) -> None:
+def test_a_counter_that_does_not_wear_was_touched_all_the_same(threads: int) -> None:
     """Its wear does not show where, so that the union of the contacts counts; across a restart too."""
-    study = small("representative", wear__sphere="0 mm^3/N/m")
+    study = small("representative", wear__counter="0 mm^3/N/m")
     plan = [(increment, True) for increment, _, _ in plan_of(study)]
     track = study.track
     touched = np.zeros((WINDOW, WINDOW), dtype=bool)
@@ -188,14 +192,14 @@ def test_a_sphere_that_does_not_wear_was_touched_all_the_same(threads: int) -> N
 def test_volumes_are_exact_under_reversal(shift: int, device: str) -> None:
     """K F L of both bodies over seven and a third passes, also where the shift does not divide the stroke."""
     changes = {"sliding.stroke": "1.5 mm", "sliding.distance": "11 mm", "sliding.shift": shift}
-    changes |= {"grid.extent": "0.8 mm", "sphere.radius": "3 mm", "wear.disc": "3e-3 mm^3/N/m"}
+    changes |= {"grid.extent": "0.8 mm", "counter.radius": "3 mm", "wear.disc": "3e-3 mm^3/N/m"}
     result = warpwear.run(
         small("full", **{k.replace(".", "__"): v for k, v in changes.items()}), device=device
     )
     history = result.history
     assert history["distance"][-1] == pytest.approx(11.0, rel=1e-14)
     assert history["increment"].sum() == pytest.approx(11.0, rel=1e-12)
-    assert history["wear_volume_sphere"][-1] == pytest.approx(9.4e-7 * 8.0 * 11.0, rel=1e-9)
+    assert history["wear_volume_counter"][-1] == pytest.approx(9.4e-7 * 8.0 * 11.0, rel=1e-9)
     assert history["wear_volume_disc"][-1] == pytest.approx(3e-6 * 8.0 * 11.0, rel=1e-9)
     turns = np.flatnonzero(np.diff(np.sign(np.diff(history["position"]))))
     assert 6 <= turns.size <= 14  # into and out of the step that is made twice at each end
@@ -230,8 +234,8 @@ def test_a_run_keeps_its_track(tmp_path: Path) -> None:
         assert snapshot.row is not None
         disc = unworn - snapshot.wear_disc - snapshot.plastic_disc
         beneath = disc[(snapshot.row + np.arange(31)) % 40]
-        sphere = reference.sphere_gap(result.x, result.y, 1.0) + snapshot.wear_sphere
-        assert_allclose(snapshot.gap, sphere - beneath, atol=1e-15)
+        counter = reference.counter_gap(result.x, result.y, 1.0) + snapshot.wear_counter
+        assert_allclose(snapshot.gap, counter - beneath, atol=1e-15)
         assert_allclose(
             snapshot.lost_beneath, (unworn - disc)[(snapshot.row + np.arange(31)) % 40], atol=1e-15
         )
@@ -330,7 +334,7 @@ def test_a_track_that_memory_does_not_hold(monkeypatch: pytest.MonkeyPatch) -> N
         warpwear.run(study)
 
 
-def test_a_domain_too_narrow_for_the_patch_of_a_swept_sphere() -> None:
+def test_a_domain_too_narrow_for_the_patch_of_a_swept_counter() -> None:
     """Its patch ends 1.025 mm wide, where a disc that lies still makes 1.27 mm."""
     swept = {"grid.cell": "10 um", "sliding.kinematics": "swept", "sliding.track": "3.2 mm"}
     study = Study.load("v3-fine").replace(swept)
@@ -376,12 +380,12 @@ def middle_areas(result: Result) -> FloatArray:
 
 @pytest.mark.slow
 def test_a_smooth_disc_wears_as_known() -> None:
-    """Patch √√ of sphere only, groove K_d F L/(stroke·width), volumes, section K_d ∫p dx per pass."""
+    """Patch √√ of counter-body only, groove K_d F L/(stroke·width), volumes, section K_d ∫p dx per pass."""
     result = warpwear.run(smooth(sliding__track="3.2 mm"))
     history, last = result.history, result.snapshot(-1)
     for name in ("patch_along", "patch_across"):  # (4 R K_s F L/π)^¼ = 1.025 mm, to a cell a side
         assert history[name][-1] == pytest.approx(1.025, abs=0.02)
-    assert history["wear_volume_sphere"][-1] == pytest.approx(9.4e-7 * 8.0 * 2400.0, rel=1e-9)
+    assert history["wear_volume_counter"][-1] == pytest.approx(9.4e-7 * 8.0 * 2400.0, rel=1e-9)
     assert history["wear_volume_disc"][-1] == pytest.approx(12.7e-7 * 8.0 * 2400.0, rel=1e-9)
     section = last.wear_disc.mean(axis=0)
     width = (section > 0.0).sum() * 0.01
@@ -407,7 +411,7 @@ def test_a_representative_track_stands_for_the_whole_one() -> None:
     round_whole, round_part = (
         warpwear.run(smooth().replace(way | {"sliding.track_radius": rotating})) for way in ways
     )
-    for name in ("wear_volume_sphere", "wear_volume_disc", "patch_across", "patch_along"):
+    for name in ("wear_volume_counter", "wear_volume_disc", "patch_across", "patch_along"):
         for one, other in ((part, whole), (round_part, round_whole)):
             assert one.history[name][-1] == pytest.approx(other.history[name][-1], rel=0.02)
     inside = np.abs(whole.track_x) < 14.0
@@ -424,7 +428,7 @@ def test_a_representative_track_on_a_rough_disc() -> None:
     """Within the scatter of five seeds and 2 %: the area of five passes, the patch.
 
     Steps are short: near F/H an implicit step spreads the load over cells that it has not worn down yet, by
-    an area that goes with its length; on a representative track the sphere's steps are S/P as long.
+    an area that goes with its length; on a representative track the counter-body's steps are S/P as long.
     """
     found: dict[str, list[list[float]]] = {"full": [], "3.2 mm": []}
     for (track, shift), seed in itertools.product((("full", 2), ("3.2 mm", 1)), range(5)):

@@ -110,7 +110,7 @@ def test_a_sweep_leads_to_pages_that_are_there(swept: Any, quick_pictures: Any) 
 @pytest.mark.slow
 def test_indices_of_a_sampled_design(tmp_path: Path) -> None:
     """Bars with intervals and dots are Sobol's indices in the order of their size."""
-    vary = {"contact.load": "uniform 2 .. 8 N", "wear.sphere": "normal 9.4e-4 +- 0.7e-4 mm^3/N/m"}
+    vary = {"contact.load": "uniform 2 .. 8 N", "wear.counter": "normal 9.4e-4 +- 0.7e-4 mm^3/N/m"}
     study = Study.load("v3-fine").replace(SMALL)
     found = warpwear.sweep(study, vary=vary, design="saltelli", samples=2, out=tmp_path / "s", workers=1)
     page, _ = check_page(tmp_path / "s/sweep.html")

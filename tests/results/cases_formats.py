@@ -30,7 +30,7 @@ def result() -> Result:
             {
                 "grid.cell": "20 um",
                 "sliding.distance": "30 mm",
-                "sphere.radius": "0.6 mm",
+                "counter.radius": "0.6 mm",
                 "output.snapshots": ["1 mm", "3 mm"],
                 "study.description": EVIL,
             }

@@ -72,11 +72,11 @@ def test_the_rim_does_not_count(result: Result) -> None:
     """
     study = result.study.replace({"sliding.distance": "600 mm", "output.snapshots": []})
     worn = warpwear.run(study)
-    sphere, disc = study.wear_coefficients
+    counter, disc = study.wear_coefficients
     snapshot = worn.snapshot(-1)
     before = worn_heights(worn, snapshot, "disc") + snapshot.wear_disc
     share = surface_evolution(worn).table["sq"][-1] / (1e3 * before[snapshot.touched].std())
-    assert share == pytest.approx(sphere / (sphere + disc), rel=0.08)
+    assert share == pytest.approx(counter / (counter + disc), rel=0.08)
 
 
 def test_a_flat_disc_has_no_roughness() -> None:
@@ -90,26 +90,26 @@ def test_a_flat_disc_has_no_roughness() -> None:
     )
     table = surface_evolution(warpwear.run(study)).table
     assert table["islands"].tolist() == [1.0]
-    # What is left of the sphere's form under a paraboloid, and the step at the scar's edge.
+    # What is left of the counter-body's form under a paraboloid, and the step at the scar's edge.
     assert table["sq"][0] < 0.2
 
 
 def test_both_bodies_in_the_inner_scar(result: Result) -> None:
     """Bodies that conform are rough alike; their courses are those of the table, from before wear on."""
     table = surface_evolution(result).table
-    assert_allclose(table["sq_sphere"][-1], table["sq_disc"][-1], rtol=0.01)
-    assert table["sq_sphere"][0] < 0.2 < 2.0 < table["sq_disc"][0] <= table["sq_disc_unworn"][0]
+    assert_allclose(table["sq_counter"][-1], table["sq_disc"][-1], rtol=0.01)
+    assert table["sq_counter"][0] < 0.2 < 2.0 < table["sq_disc"][0] <= table["sq_disc_unworn"][0]
     assert np.all(table["sq_disc"][1:] < table["sq_disc_unworn"][1:])
-    assert_allclose(table["sdq_sphere"][-1], table["sdq_disc"][-1], rtol=0.01)
-    slid, course = settling_course(result, "sphere")
+    assert_allclose(table["sdq_counter"][-1], table["sdq_disc"][-1], rtol=0.01)
+    slid, course = settling_course(result, "counter")
     assert_array_equal(slid, [0.0, *table["distance"]])
-    assert_array_equal(course, [0.0, *table["sq_sphere"]])
+    assert_array_equal(course, [0.0, *table["sq_counter"]])
     _, course = settling_course(result, "disc")
     assert course[0] == table["sq_disc_unworn"][-1]
     assert course[-1] == pytest.approx(table["sq_disc"][-1])
     assert "5 places, where 6 are needed" in str(settling(result, "disc"))
     assert result.summary["inner_scar"]["disc"]["settling"] is None
-    assert result.summary["inner_scar"]["sphere"]["sq_um"] == table["sq_sphere"][-1]
+    assert result.summary["inner_scar"]["counter"]["sq_um"] == table["sq_counter"][-1]
 
 
 def test_unworn_heights_of_a_track_are_those_of_its_surface() -> None:

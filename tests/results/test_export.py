@@ -21,19 +21,19 @@ def result() -> Result:
 
 def test_worn_heights_are_the_bodies(result: Result) -> None:
     last = result.snapshot(-1)
-    sphere, disc = (worn_heights(result, last, body) for body in ("sphere", "disc"))
+    counter, disc = (worn_heights(result, last, body) for body in ("counter", "disc"))
     # At contact the two bodies are an approach apart, less the gap.
-    np.testing.assert_allclose(-sphere - disc, last.gap, atol=1e-15)
+    np.testing.assert_allclose(-counter - disc, last.gap, atol=1e-15)
     # What was worn off both is what they are short of the unworn bodies.
     x, y = np.meshgrid(result.x, result.y, indexing="ij")
-    np.testing.assert_allclose(sphere + last.wear_sphere, np.sqrt(9.0 - x**2 - y**2) - 3.0, atol=1e-15)
+    np.testing.assert_allclose(counter + last.wear_counter, np.sqrt(9.0 - x**2 - y**2) - 3.0, atol=1e-15)
     from warpwear.study.surface import surface_of
 
     unworn = surface_of(result.study.disc).heights(result.x, result.y)
     np.testing.assert_allclose(disc + last.wear_disc, unworn, atol=1e-15)
 
 
-@pytest.mark.parametrize("body", ["sphere", "disc"])
+@pytest.mark.parametrize("body", ["counter", "disc"])
 def test_round_trips(tmp_path: Path, result: Result, body: str) -> None:
     sdfio = pytest.importorskip("sdfio")
     paths = {p.name: p for p in export(result, tmp_path / "out")}
@@ -75,19 +75,19 @@ def test_bad_input(tmp_path: Path, result: Result) -> None:
         export(result, tmp_path / "out", snapshot=7)
     assert not (tmp_path / "out").exists()
     export(result, tmp_path / "out", formats=["npy"])
-    with pytest.raises(InputError, match=r"already holds sphere_worn\.npy"):
+    with pytest.raises(InputError, match=r"already holds counter_worn\.npy"):
         export(result, tmp_path / "out", formats=["npy"])
     export(result, tmp_path / "out", formats=["npy"], overwrite=True)
 
 
-def test_beyond_the_sphere_there_is_nothing() -> None:
+def test_beyond_the_counter_there_is_nothing() -> None:
     study = Study.load("v3-fine").replace(
-        {"grid.cell": "20 um", "sliding.distance": "0 mm", "sphere.radius": "0.6 mm"}
+        {"grid.cell": "20 um", "sliding.distance": "0 mm", "counter.radius": "0.6 mm"}
     )
     result = warpwear.run(study)
-    sphere = worn_heights(result, result.snapshot(-1), "sphere")
-    assert np.isnan(sphere[0, 0])
-    assert np.isfinite(sphere[37, 37])
+    counter = worn_heights(result, result.snapshot(-1), "counter")
+    assert np.isnan(counter[0, 0])
+    assert np.isfinite(counter[37, 37])
     disc = worn_heights(result, result.snapshot(-1), "disc")
     from warpwear.study.surface import surface_of
 

@@ -87,7 +87,7 @@ def test_images_hold_the_fields(images: Path, result: Result) -> None:
         for name, values in snapshot.fields.items():
             expected = np.where(values > NO_SURFACE, np.nan, values) if name == "gap" else values
             np.testing.assert_array_equal(image.arrays[f"{name} [{FIELDS[name].units}]"], expected)
-        for body in ("sphere", "disc"):
+        for body in ("counter", "disc"):
             found = image.arrays[f"height_{body} [mm]"]
             np.testing.assert_array_equal(found, worn_heights(result, snapshot, body))
         origin, spacing = ([float(v) for v in image.grid.attrib[k].split()] for k in ("Origin", "Spacing"))
@@ -101,7 +101,7 @@ def test_surfaces_lie_in_space_as_the_bodies_do(tmp_path: Path, result: Result) 
         row = int(np.argmin(np.abs(result.history["distance"] - snapshot.distance)))
         approach = result.history["approach"][row]
         places = {}
-        for body in ("sphere", "disc"):
+        for body in ("counter", "disc"):
             surface = Vtk(tmp_path / f"{body}_{number:04d}.vts")
             points = surface.arrays["points [mm]"]
             np.testing.assert_allclose(points[:, 0, 0], result.x, rtol=1e-7)
@@ -111,16 +111,16 @@ def test_surfaces_lie_in_space_as_the_bodies_do(tmp_path: Path, result: Result) 
             np.testing.assert_array_equal(surface.arrays[f"height_{body} [mm]"], heights)
             hidden = surface.arrays.get("vtkGhostType", np.zeros(surface.shape))
             np.testing.assert_array_equal(hidden, np.where(np.isnan(heights), 2, 0))
-            assert f"wear_{'disc' if body == 'sphere' else 'sphere'} [mm]" not in surface.arrays
+            assert f"wear_{'disc' if body == 'counter' else 'counter'} [mm]" not in surface.arrays
             places[body] = np.where(hidden == 0, points[:, :, 2] / 3.0, np.nan)
         # The gap of the result is that of bodies which have not come down on each other.
         gap = np.where(snapshot.gap > NO_SURFACE, np.nan, snapshot.gap)
-        np.testing.assert_allclose(places["sphere"] - places["disc"], gap - approach, atol=1e-7)
-    assert np.isnan(places["sphere"]).any()
+        np.testing.assert_allclose(places["counter"] - places["disc"], gap - approach, atol=1e-7)
+    assert np.isnan(places["counter"]).any()
 
 
 def test_a_film_is_timed_by_the_distance(images: Path, result: Result) -> None:
-    for name, ending in (("fields", "vti"), ("sphere", "vts"), ("disc", "vts")):
+    for name, ending in (("fields", "vti"), ("counter", "vts"), ("disc", "vts")):
         entries = [one.attrib for one in ElementTree.parse(images / f"{name}.pvd").iter("DataSet")]
         assert [float(entry["timestep"]) for entry in entries] == result.snapshot_distances.tolist()
         assert [entry["file"] for entry in entries] == [f"{name}_{n:04d}.{ending}" for n in range(3)]
@@ -137,9 +137,9 @@ def test_vtk_itself_reads_them(images: Path, result: Result) -> None:
     )
     np.testing.assert_allclose(image.bounds[:2], (result.x[0], result.x[-1]))
     assert image.field_data["study"][0] == result.study.study.name
-    surface = pyvista.read(images / "sphere_0002.vts")
-    heights = surface["height_sphere [mm]"].reshape(last.pressure.shape, order="F")
-    np.testing.assert_array_equal(heights, worn_heights(result, last, "sphere"))
+    surface = pyvista.read(images / "counter_0002.vts")
+    heights = surface["height_counter [mm]"].reshape(last.pressure.shape, order="F")
+    np.testing.assert_array_equal(heights, worn_heights(result, last, "counter"))
     film = pyvista.get_reader(str(images / "disc.pvd"))
     assert film.time_values == result.snapshot_distances.tolist()
 
@@ -160,10 +160,10 @@ def test_netcdf_is_labelled(tmp_path: Path, result: Result) -> None:
             np.testing.assert_array_equal(column_found, column)
             assert column_found.attrs["units"] == result.units[name]
         for number, snapshot in enumerate(result.snapshots):
-            for name in ("pressure", "wear_sphere", "wear_disc"):
+            for name in ("pressure", "wear_counter", "wear_disc"):
                 np.testing.assert_array_equal(found[name][number], snapshot.fields[name])
                 assert found[name].attrs["units"] == FIELDS[name].units
-            for body in ("sphere", "disc"):
+            for body in ("counter", "disc"):
                 heights = worn_heights(result, snapshot, body)
                 np.testing.assert_array_equal(found[f"height_{body}"][number], heights)
         assert found.attrs["Conventions"].startswith("CF-")
@@ -194,7 +194,7 @@ def test_fields_can_be_chosen(tmp_path: Path, result: Result) -> None:
     export(result, tmp_path, formats=["vti", "csv"], fields=["pressure"], bodies=["disc"])
     assert set(Vtk(tmp_path / "fields_0000.vti").arrays) == {"pressure [MPa]"}
     assert (tmp_path / "fields.csv").read_text().splitlines()[0] == "x [mm],y [mm],pressure [MPa]"
-    assert not (tmp_path / "sphere_0000.vts").exists()
+    assert not (tmp_path / "counter_0000.vts").exists()
 
 
 def test_several_snapshots_have_numbers(tmp_path: Path, result: Result) -> None:
@@ -203,11 +203,11 @@ def test_several_snapshots_have_numbers(tmp_path: Path, result: Result) -> None:
     assert np.array_equal(np.load(paths[0]), worn_heights(result, result.snapshot(0), "disc"))
 
 
-def test_a_track_shows_the_sphere_where_it_is(tmp_path: Path, swept: Result) -> None:
-    export(swept, tmp_path, formats=["vti"], bodies=["sphere", "track"])
+def test_a_track_shows_the_counter_where_it_is(tmp_path: Path, swept: Result) -> None:
+    export(swept, tmp_path, formats=["vti"], bodies=["counter", "track"])
     last = swept.snapshot(-1)
-    sphere = Vtk(tmp_path / "sphere_0001.vts").arrays["points [mm]"]
-    middle = sphere[sphere.shape[0] // 2, 0, 0]
+    counter = Vtk(tmp_path / "counter_0001.vts").arrays["points [mm]"]
+    middle = counter[counter.shape[0] // 2, 0, 0]
     assert middle == pytest.approx(swept.history["position"][-1], abs=swept.study.grid.cell)
     track = Vtk(tmp_path / "track_fields_0001.vti")
     np.testing.assert_array_equal(track.arrays["wear_disc [mm]"], last.wear_disc)
@@ -279,7 +279,7 @@ def test_bad_input(tmp_path: Path, result: Result, swept: Result) -> None:
     refused(
         "format = 'obj' is not known; allowed: sdf, xyz, npy, x3p, stl, csv, vti, netcdf", formats=["obj"]
     )
-    refused("body = 'track' is not known; allowed: sphere, disc", formats=["stl"], bodies=["track"])
+    refused("body = 'track' is not known; allowed: counter, disc", formats=["stl"], bodies=["track"])
     refused("field = 'heat' is not known; allowed: pressure", formats=["csv"], fields=["heat"])
     refused("fields changes nothing in stl; it is for csv, vti, netcdf", formats=["stl"], fields=["gap"])
     refused("points = 1 make no surface; allowed: 2 or more", formats=["stl"], points=1)
@@ -288,7 +288,7 @@ def test_bad_input(tmp_path: Path, result: Result, swept: Result) -> None:
     refused("snapshot = 3 is not in this result; allowed: 0 to 2, -1 is the last, a", snapshot=3)
     refused("'7 mm': no snapshot is kept there; allowed: 1 mm, 3 mm, 30 mm", snapshot="7 mm")
     refused(
-        "field = 'bare' is not known; .*gap, height_sphere, height_disc", formats=["csv"], fields=["bare"]
+        "field = 'bare' is not known; .*gap, height_counter, height_disc", formats=["csv"], fields=["bare"]
     )
     assert not (tmp_path / "out").exists()
 

@@ -17,7 +17,7 @@ from warpwear.results.formats.bodies import worn_heights
 __all__ = ["result", "swept"]  # the fixtures
 
 
-@pytest.mark.parametrize("body", ["sphere", "disc"])
+@pytest.mark.parametrize("body", ["counter", "disc"])
 def test_x3p_is_what_the_standard_says(tmp_path: Path, result: Result, body: str) -> None:
     export(result, tmp_path, formats=["x3p"], bodies=[body])
     data, texts, parts = read_x3p(tmp_path / f"{body}_worn.x3p")
@@ -38,7 +38,7 @@ def test_x3p_is_what_the_standard_says(tmp_path: Path, result: Result, body: str
     assert (
         texts["Record3/DataLink/MD5ChecksumPointData"] == hashlib.md5(parts["bindata/data.bin"]).hexdigest()
     )
-    if body == "sphere":
+    if body == "counter":
         valid = np.unpackbits(np.frombuffer(parts["bindata/valid.bin"], "u1"), bitorder="little")
         np.testing.assert_array_equal(
             valid[: heights.size].reshape(heights.shape[::-1]).T, np.isfinite(heights)
@@ -89,7 +89,7 @@ def is_closed(corners: Any) -> bool:
     return bool((counts == 1).all()) and np.array_equal(there, back)
 
 
-@pytest.mark.parametrize("body", ["sphere", "disc"])
+@pytest.mark.parametrize("body", ["counter", "disc"])
 @pytest.mark.parametrize("exaggeration", [1.0, 10.0])
 def test_stl_is_a_closed_solid(tmp_path: Path, result: Result, body: str, exaggeration: float) -> None:
     export(result, tmp_path, formats=["stl"], bodies=[body], exaggeration=exaggeration)
@@ -117,7 +117,7 @@ def test_stl_is_a_closed_solid(tmp_path: Path, result: Result, body: str, exagge
 def test_another_reader_reads_the_stl(tmp_path: Path, result: Result) -> None:
     trimesh = pytest.importorskip("trimesh")
     export(result, tmp_path, formats=["stl"])
-    for body in ("sphere", "disc"):
+    for body in ("counter", "disc"):
         mesh = trimesh.load(tmp_path / f"{body}_worn.stl")
         assert mesh.is_watertight
         assert mesh.is_winding_consistent
@@ -141,14 +141,14 @@ def test_csv_has_labelled_columns(tmp_path: Path, result: Result) -> None:
     snapshot = result.at("3 mm")
     with (tmp_path / "fields.csv").open(newline="", encoding="utf-8") as file:
         header, *rows = list(csv.reader(file))
-    assert header[:4] == ["x [mm]", "y [mm]", "pressure [MPa]", "wear_sphere [mm]"]
-    assert header[-2:] == ["height_sphere [mm]", "height_disc [mm]"]
+    assert header[:4] == ["x [mm]", "y [mm]", "pressure [MPa]", "wear_counter [mm]"]
+    assert header[-2:] == ["height_counter [mm]", "height_disc [mm]"]
     table = np.array(rows, dtype=float)
     shape = snapshot.pressure.shape
     np.testing.assert_allclose(table[:, 0].reshape(shape)[:, 0], result.x, rtol=1e-11)
     np.testing.assert_allclose(table[:, 1].reshape(shape)[0], result.y, rtol=1e-11)
     np.testing.assert_allclose(table[:, 2].reshape(shape), snapshot.pressure, rtol=1e-11)
-    heights = worn_heights(result, snapshot, "sphere")
+    heights = worn_heights(result, snapshot, "counter")
     np.testing.assert_allclose(table[:, -2].reshape(shape), heights, rtol=1e-11)
     middle = shape[0] // 2
     along = np.loadtxt(tmp_path / "profile_along.csv", delimiter=",", skiprows=1)

@@ -18,7 +18,7 @@ def rows_of(study: Study) -> tuple[warpwear.Result, dict[str, str]]:
 
 
 def test_a_disc_at_rest_is_told_with_its_section_on_a_track() -> None:
-    """Scar and depths under the sphere are those of no test in which it moves."""
+    """Scar and depths under the counter-body are those of no test in which it moves."""
     result, rows = rows_of(Study.load("v3-fine").replace(STILL | {"sliding.stroke": "5 mm"}))
     found = result.summary["on_a_track"]
     section = result.history["wear_volume_disc"][-1] / 5.0
@@ -67,16 +67,16 @@ def test_roughness_that_is_the_length_of_a_step_is_not_printed() -> None:
     """A ball that wears as dust is averaged along each step; one that wears in pieces is not."""
     changes = {"grid__cell": "10 um", "output__snapshots": ["3 mm"], "contact__law": "half-space"}
     result, rows = rows_of(small("representative", **changes))
-    ball, disc = (result.summary["inner_scar"][body] for body in ("sphere", "disc"))
-    assert "Rq" not in rows["sphere, inner sc"]
+    ball, disc = (result.summary["inner_scar"][body] for body in ("counter", "disc"))
+    assert "Rq" not in rows["counter-body, inner sc"]
     assert ball["rq_along_um"] is not None
     assert ball["rq_along_of"].startswith("the length of a step")
     assert "along sliding Rq" in rows["disc, inner scar"[:16]]
     assert "rq_along_of" not in disc
     pieces = {"wear__particle": "40 um", "wear__particle_thickness": "0.6 um"}
     result, rows = rows_of(small("representative", **changes, **pieces))
-    assert "along sliding Rq" in rows["sphere, inner sc"]
-    assert "rq_along_of" not in result.summary["inner_scar"]["sphere"]
+    assert "along sliding Rq" in rows["counter-body, inner sc"]
+    assert "rq_along_of" not in result.summary["inner_scar"]["counter"]
 
 
 @pytest.mark.parametrize(("scheme", "times"), [("explicit", 1.1), ("implicit", 10.0)])
@@ -120,9 +120,9 @@ def test_asperities_that_yield_elastically_are_told_of(known: bool) -> None:
     elastic = {"disc.young": "210 GPa", "disc.poisson": 0.3} if known else {}
     text = """
         contact.load = "5 N"
-        sphere = {radius = "3 mm", young = "210 GPa", poisson = 0.3}
+        counter = {radius = "3 mm", young = "210 GPa", poisson = 0.3}
         sliding.distance = "0 mm"
-        wear = {sphere = "0 mm^3/N/m", disc = "0 mm^3/N/m"}
+        wear = {counter = "0 mm^3/N/m", disc = "0 mm^3/N/m"}
         friction.coefficient = 0.6
         grid = {cell = "4 um", extent = "0.4 mm"}
         [disc]

@@ -118,9 +118,9 @@ def test_looking_changes_no_number(tmp_path: Path) -> None:
 def test_a_share_is_of_the_load(tmp_path: Path) -> None:
     pressure = np.array([[1.0, 0.0], [2.0, 1.0]])
     filled = np.array([[False, True], [True, False]])
-    fields = {"wear_sphere": pressure, "gap": pressure}
+    fields = {"wear_counter": pressure, "gap": pressure}
     assert Snapshot(1.0, pressure, wear_disc=pressure, **fields).share_on(filled) == 0.5
-    # on a track: the wear of all its rows, or what lies under the sphere where the disc does not wear
+    # on a track: the wear of all its rows, or what lies under the counter-body where the disc does not wear
     track = np.array([[False, False], [True, True], [False, False], [False, True]])
     worn = np.arange(8.0).reshape(4, 2)
     assert Snapshot(1.0, pressure, wear_disc=worn, row=3, **fields).share_on(track) == 12.0 / 28.0

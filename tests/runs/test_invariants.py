@@ -36,9 +36,9 @@ ROW = {
     "distance": 3.0,
     "approach": 1e-3,
     "load_residual": 0.0,
-    "wear_volume_sphere": 1e-5,
+    "wear_volume_counter": 1e-5,
     "wear_volume_disc": 2e-5,
-    "archard_volume_sphere": 1e-5,
+    "archard_volume_counter": 1e-5,
     "archard_volume_disc": 2e-5,
 }
 
@@ -59,8 +59,8 @@ def small(**changes: Any) -> Study:
             r"wear_volume_disc = 2\.0001e-05 mm³ after 3 mm of sliding is off the 2e-05 mm³ of Archard's law "
             r"by 5e-05 of it, where 1e-10 is allowed",
         ),
-        ({"wear_volume_sphere": 1e-5 * (1 - 2e-10)}, r"wear_volume_sphere = .*Archard's law"),
-        ({"archard_volume_sphere": 0.0}, r"wear_volume_sphere = .* by all of it"),
+        ({"wear_volume_counter": 1e-5 * (1 - 2e-10)}, r"wear_volume_counter = .*Archard's law"),
+        ({"archard_volume_counter": 0.0}, r"wear_volume_counter = .* by all of it"),
     ],
 )
 def test_rows_that_break_a_law(changes: dict[str, float], message: str) -> None:
@@ -71,14 +71,14 @@ def test_rows_that_break_a_law(changes: dict[str, float], message: str) -> None:
 
 def test_rows_that_break_none() -> None:
     invariants = Invariants(small())
-    sound = {"load_residual": 7e-12, "wear_volume_sphere": 1e-5 * (1 + 5e-11)}
+    sound = {"load_residual": 7e-12, "wear_volume_counter": 1e-5 * (1 + 5e-11)}
     assert not [*invariants.of_row(ROW | sound)]
     assert not [*invariants.of_row(ROW | {"time": math.nan, "cof": math.nan})]
     assert not [*invariants.of_row({"distance": 1.0, "approach": 0.1})]  # of a model without those columns
     published = Invariants(Study.load("v3"))
     assert not [*published.of_row(ROW | {"load_residual": 0.49})]
     assert [*published.of_row(ROW | {"load_residual": 0.51})]
-    assert not [*Invariants(small(sphere__radius="inf mm")).of_row(ROW, touches_edge=True)]
+    assert not [*Invariants(small(counter__radius="inf mm")).of_row(ROW, touches_edge=True)]
 
 
 def broken(monkeypatch: pytest.MonkeyPatch, name: str, how: Any, *, step: int = 10) -> None:
@@ -132,7 +132,7 @@ def alone(device: str) -> dict[str, Any]:
         # It carries no load.
         ("gap", not_a_number, r"is no finite number|N of 8 N are left"),
         ("share", not_a_number, r"is no finite number"),
-        ("gap", less_worn, r"wear_volume_sphere = .* of Archard's law"),
+        ("gap", less_worn, r"wear_volume_counter = .* of Archard's law"),
     ],
     ids=["gap", "share", "worn"],
 )
@@ -172,7 +172,7 @@ def test_without_strict_checks_it_goes_on_and_says_so_once(
     with warpwear.run(study, out=tmp_path / "out", plots=False) as result:
         assert result.finished
         told = [w for w in result.summary["warnings"] if "Archard" in w]
-        assert sorted(w.partition(" =")[0] for w in told) == ["wear_volume_disc", "wear_volume_sphere"]
+        assert sorted(w.partition(" =")[0] for w in told) == ["wear_volume_disc", "wear_volume_counter"]
 
 
 def test_numbers_that_are_none_are_written_as_such(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -362,25 +362,25 @@ def test_the_wear_of_a_much_harder_body_is_no_difference_of_large_numbers() -> N
             "patches.width": None,
             "sliding.distance": "1 mm",
         }
-        | {"wear.sphere": "1e-3 mm^3/N/m", "wear.disc": "1e-11 mm^3/N/m"}
+        | {"wear.counter": "1e-3 mm^3/N/m", "wear.disc": "1e-11 mm^3/N/m"}
     )
     with warpwear.run(study) as result:
         assert abs(result.summary["conservation_relative"]["disc"]) < 1e-12
         last = result.snapshot(-1)
-        np.testing.assert_allclose(last.wear_disc, 1e-8 * last.wear_sphere, rtol=1e-12)
+        np.testing.assert_allclose(last.wear_disc, 1e-8 * last.wear_counter, rtol=1e-12)
 
 
 @pytest.mark.parametrize("law", ["local", "half-space"])
-@pytest.mark.parametrize("least", ["sphere", "disc"])
+@pytest.mark.parametrize("least", ["counter", "disc"])
 def test_a_body_that_hardly_wears_has_its_own_digits(law: str, least: str) -> None:
     """Its wear is no difference of two that are nearly equal."""
     study = small(contact__law=law).replace({f"wear.{least}": "1e-12 mm^3/N/m"})
     with warpwear.run(study) as result:
-        for body in ("sphere", "disc"):
+        for body in ("counter", "disc"):
             worn = result.history[f"wear_volume_{body}"][-1]
             assert worn == pytest.approx(result.history[f"archard_volume_{body}"][-1], rel=1e-12)
         at_end = result.snapshot(-1)
-        k_sphere, k_disc = study.wear_coefficients
-        np.testing.assert_allclose(at_end.wear_disc, k_disc / k_sphere * at_end.wear_sphere, rtol=1e-14)
-        depths = [result.history[f"wear_depth_{body}"][-1] for body in ("sphere", "disc")]
-        assert depths[1] / depths[0] == pytest.approx(k_disc / k_sphere, rel=1e-14)
+        k_counter, k_disc = study.wear_coefficients
+        np.testing.assert_allclose(at_end.wear_disc, k_disc / k_counter * at_end.wear_counter, rtol=1e-14)
+        depths = [result.history[f"wear_depth_{body}"][-1] for body in ("counter", "disc")]
+        assert depths[1] / depths[0] == pytest.approx(k_disc / k_counter, rel=1e-14)

@@ -81,7 +81,7 @@ def test_a_spike_decides_the_contact_unless_it_is_removed(tmp_path: Path) -> Non
     reading = read(needs(SHARED / "sur-2.sur"))
     heights = 1e3 * reading.heights
     spiked = heights.copy()
-    spiked[396, 242] += 50.0  # 0.4 mm from the middle, where the sphere is 27 µm up
+    spiked[396, 242] += 50.0  # 0.4 mm from the middle, where the counter-body is 27 µm up
     seen = {}
     for name, field in (("clean", heights), ("spiked", spiked)):
         np.save(tmp_path / f"{name}.npy", field)

@@ -54,7 +54,7 @@ def test_the_hdf5_file_is_as_documented(folder: Path) -> None:
             assert file["history"][column.name].dtype == np.float64
         assert [g.attrs["distance"] for g in file["snapshots"].values()] == [3.0, 30.0]
         for group in file["snapshots"].values():
-            fields = {"pressure", "wear_sphere", "wear_disc", "gap"}
+            fields = {"pressure", "wear_counter", "wear_disc", "gap"}
             assert set(group) == fields | {"x", "y"}
             assert {group[name].shape for name in fields} == {(75, 75)}
             assert all(group[name].compression for name in fields)
@@ -133,7 +133,7 @@ def test_the_tables_agree_with_the_result(folder: Path) -> None:
         on_the_grid = summary["surface"]["on_the_grid"]
         last = result.snapshot(-1)
         x, y = np.meshgrid(result.x, result.y, indexing="ij")
-        disc = 3.0 - np.sqrt(9.0 - x**2 - y**2) + last.wear_sphere + last.wear_disc - last.gap
+        disc = 3.0 - np.sqrt(9.0 - x**2 - y**2) + last.wear_counter + last.wear_disc - last.gap
         assert on_the_grid["sq_um"] == pytest.approx(1e3 * disc.std(), rel=1e-9)
         assert 0.1 < on_the_grid["rms_slope"] < 0.4
 
@@ -148,11 +148,11 @@ def test_snapshots_and_history_describe_one_state(folder: Path) -> None:
         assert last.pressure[contact].mean() == pytest.approx(history["pressure_mean"])
         assert last.pressure[contact].std() == pytest.approx(history["pressure_std"])
         assert last.pressure.max() == history["pressure_max"]
-        for body in ("sphere", "disc"):
+        for body in ("counter", "disc"):
             wear = getattr(last, f"wear_{body}")
             assert wear.max() == history[f"wear_depth_{body}"]
             assert wear.sum() * area == pytest.approx(history[f"wear_volume_{body}"])
-        touched = last.wear_sphere > 0.0
+        touched = last.wear_counter > 0.0
         assert touched.sum() * area == pytest.approx(history["area_touched"])
         rows, columns = np.flatnonzero(touched.any(axis=1)), np.flatnonzero(touched.any(axis=0))
         cell = result.study.grid.cell
@@ -192,7 +192,7 @@ def test_a_static_contact_has_one_row(tmp_path: Path, quick_pictures: Any) -> No
 
 
 def test_a_rigid_flat_has_no_edge() -> None:
-    result = warpwear.run(quick(sphere__radius="inf mm", sliding__distance="0.3 mm"))
+    result = warpwear.run(quick(counter__radius="inf mm", sliding__distance="0.3 mm"))
     assert result.history["area_contact"][-1] > 0.0
     assert result.finished
 
@@ -329,7 +329,7 @@ def test_a_preset_runs_by_its_name(tmp_path: Path) -> None:
 
 def test_a_smooth_wear_rate_that_is_very_low_still_balances() -> None:
     # Steps of picometres and less: the approach needs more digits than it has from the lowest gap.
-    low = {"wear.sphere": "1e-8 mm^3/N/m", "wear.disc": "1e-8 mm^3/N/m"}
+    low = {"wear.counter": "1e-8 mm^3/N/m", "wear.disc": "1e-8 mm^3/N/m"}
     for kind in ("flat", "self-affine"):
         result = warpwear.run(quick().replace(low | {"disc.synthetic.kind": kind}))
         assert np.abs(result.history["load_residual"]).max() < 1e-12 * 8.0
@@ -346,7 +346,7 @@ def test_no_hardness_is_no_number_in_the_summary(tmp_path: Path) -> None:
 def test_hertz_is_told_when_the_bodies_are_known() -> None:
     steel = {"young": "193 GPa", "poisson": 0.29}
     alloy = {"young": "200 GPa", "poisson": 0.29}
-    hertz = warpwear.run(quick(sliding__distance="0 mm").replace(disc=steel, sphere=alloy)).summary["hertz"]
+    hertz = warpwear.run(quick(sliding__distance="0 mm").replace(disc=steel, counter=alloy)).summary["hertz"]
     assert hertz["effective_modulus_MPa"] == pytest.approx(1.072e5, rel=1e-3)
     assert hertz["radius_um"] == pytest.approx(55.16, rel=1e-3)
     assert hertz["peak_pressure_MPa"] == pytest.approx(1255.0, rel=1e-3)
@@ -354,9 +354,9 @@ def test_hertz_is_told_when_the_bodies_are_known() -> None:
     assert hertz["area_mm2"] == pytest.approx(0.00956, rel=1e-3)
 
 
-def test_a_sphere_that_is_worn_away_is_no_result() -> None:
-    tiny = {"sphere.radius": "0.1 mm", "grid.extent": "0.4 mm", "disc.synthetic.kind": "flat"}
-    with pytest.raises(InputError, match=r"sphere\.radius = 0\.1 mm is too small: .*the sphere's rim"):
+def test_a_counter_that_is_worn_away_is_no_result() -> None:
+    tiny = {"counter.radius": "0.1 mm", "grid.extent": "0.4 mm", "disc.synthetic.kind": "flat"}
+    with pytest.raises(InputError, match=r"counter\.radius = 0\.1 mm is too small: .*the counter-body's rim"):
         warpwear.run(quick(grid__cell="5 um").replace(tiny | {"sliding.distance": "2400 mm"}))
 
 
@@ -369,7 +369,7 @@ def test_the_edge_is_watched_on_every_side(side: tuple[int, int]) -> None:
     with Executor(study.cells, threads=1) as executor:
         for place, expected in (((12, 12), False), (side, True)):
             peaks = heights.copy()
-            peaks[place] = 1.0  # far above the sphere's sag
+            peaks[place] = 1.0  # far above the counter-body's sag
             peaks[12, 12] = max(peaks[12, 12], 0.9999)
             one_cell = study.replace({"contact.load": "0.3 N"})
             step = OneScaleModel(one_cell.contact_task, peaks, executor).advance(0.003)

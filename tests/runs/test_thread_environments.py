@@ -43,7 +43,7 @@ found = {
     "milled": Milled(ra=0.003, fine_ra=0.0, lay=30.0, cut_off=0.016).heights(x, x),
     "plane": without_polynomial(tilted, degree=1),
     "degree 12": without_polynomial(tilted, degree=12),
-    "sphere": fit_sphere(rough - sag(x, x, radius=3.0), pixel=(2e-3, 2e-3)).apex,
+    "counter": fit_sphere(rough - sag(x, x, radius=3.0), pixel=(2e-3, 2e-3)).apex,
     "points": _axis(np.arange(20000) * 1e-3 + 1e-9 * np.sin(np.arange(20000)), "x")[2],
     "friction": fit_friction(
         record, np.sin(record), run_distance=record, run_area=record, load=1.0

@@ -37,7 +37,7 @@ KEYS = [
     "study.name.x",
     "",
     ".",
-    "sphere.",
+    "counter.",
     "a" * 300,
     "a." * 50_000,
 ]
@@ -170,12 +170,12 @@ SMALL = {
 }
 SCALES = st.sampled_from([1e-300, 1e-30, 1e-9, 1e-3, 0.5, 1.0, 3.0, 1e3, 1e9, 1e30, 1e300])
 TO_SCALE = {
-    "sphere.radius": "mm",
+    "counter.radius": "mm",
     "contact.load": "N",
     "contact.hardness": "MPa",
     "contact.stiffness": "N/mm^3",
     "contact.bulk_stiffness": "N/mm^3",
-    "wear.sphere": "mm^3/N/m",
+    "wear.counter": "mm^3/N/m",
     "wear.disc": "mm^3/N/m",
     "sliding.distance": "mm",
     "stepping.first": "mm",

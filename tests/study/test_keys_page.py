@@ -47,12 +47,12 @@ def test_what_keys_apply_to_and_demand_is_there() -> None:
     ("key", "says"),
     [
         ("contact.load", "above 0 N"),
-        ("sphere.poisson", "0 to 0.5"),
-        ("sphere.radius", "above 0 mm, also `inf`"),
+        ("counter.poisson", "0 to 0.5"),
+        ("counter.radius", "above 0 mm, also `inf`"),
         ("disc.level", '`"none"`, `"plane"`, `"sphere"`, whole numbers 0 to 12'),
         ("disc.synthetic.hurst", "above 0, at most 1"),
         ("disc.synthetic.lay", "-360 to 360 deg"),
-        ("wear.sphere", "0 mm^3/N/m or more"),
+        ("wear.counter", "0 mm^3/N/m or more"),
         ("sliding.shift", "whole numbers 1 to 100,000"),
         ("checks.strict", "`true`, `false`"),
     ],
@@ -72,5 +72,5 @@ def test_every_number_has_bounds() -> None:
         if "*allowed*" not in facts
     ]
     assert free == [
-        "study.name", "study.description", "sphere.material", "disc.material", "disc.surface", "disc.array"
+        "study.name", "study.description", "counter.material", "disc.material", "disc.surface", "disc.array"
     ]  # fmt: skip

@@ -52,18 +52,18 @@ def test_a_hardness_that_plays_no_part_says_so() -> None:
 
 
 def test_a_coefficient_without_a_unit_says_whose_hardness_it_takes() -> None:
-    bare = Study.load("v3-fine").replace({"wear.sphere": 1e-4})
+    bare = Study.load("v3-fine").replace({"wear.counter": 1e-4})
     assert bare.notices() == [
-        "wear.sphere = 0.0001: k of V = k F L / H, with one H for both bodies, contact.hardness = 590 MPa."
+        "wear.counter = 0.0001: k of V = k F L / H, with one H for both bodies, contact.hardness = 590 MPa."
     ]
-    nested = bare.replace({"wear.disc": 2e-4, "sphere.hardness": "3 GPa"}).model_dump(exclude_unset=True)
+    nested = bare.replace({"wear.disc": 2e-4, "counter.hardness": "3 GPa"}).model_dump(exclude_unset=True)
     del nested["contact"]["hardness"]
     softer = Study(**nested)
     assert softer.wear_coefficients == pytest.approx((1e-4 / 1520.0, 2e-4 / 1520.0))
     assert any(
-        "wear.sphere = 0.0001 and wear.disc = 0.0002: k" in n and "1520 MPa" in n for n in softer.notices()
+        "wear.counter = 0.0001 and wear.disc = 0.0002: k" in n and "1520 MPa" in n for n in softer.notices()
     )
-    assert Study.load("v3-fine").replace({"wear.sphere": 0}).notices() == []
+    assert Study.load("v3-fine").replace({"wear.counter": 0}).notices() == []
 
 
 @pytest.mark.parametrize(
@@ -201,7 +201,7 @@ def test_the_gap_is_gone_and_the_roughness_is_not() -> None:
     def rough(heights: Any) -> Any:
         return heights[inside] - bowl @ np.linalg.lstsq(bowl, heights[inside], rcond=None)[0]
 
-    before, after, imprint = rough(unworn), rough(unworn - end.wear_disc), rough(end.wear_sphere)
+    before, after, imprint = rough(unworn), rough(unworn - end.wear_disc), rough(end.wear_counter)
     kept = study.wear_coefficients[0] / sum(study.wear_coefficients)
     assert kept == pytest.approx(0.425, abs=5e-4)
     assert np.std(after) / np.std(before) == pytest.approx(kept, rel=0.01)

@@ -17,7 +17,7 @@ from warpwear.study.text import assumptions, to_marked_toml
 
 BAD = [
     ({"run.threads": 2}, r"^'run\.threads' is no key of a study; allowed are run\.checkpoint\.$"),
-    ({"radius": "3 mm"}, r"^'radius' is no key of a study; did you mean 'sphere\.radius'\?$"),
+    ({"radius": "3 mm"}, r"^'radius' is no key of a study; did you mean 'counter\.radius'\?$"),
     ({"contact.load": "8"}, r"^contact\.load = '8': needs its unit: a force such as '8 N'\.$"),
     ({"contact.hardnes": "3 MPa"}, r"'contact\.hardnes' .*did you mean 'contact\.hardness'"),
     ({"contcat": {}}, r"'contcat' .*did you mean 'contact'"),
@@ -32,13 +32,13 @@ BAD = [
     ({"sliding.distance": "2 400 mm"}, r"sliding\.distance = '2 400 mm': is not one number with one unit"),
     ({"contact.load": "2*4 N"}, r"contact\.load = '2\*4 N': is not one number with one unit"),
     ({"contact.load": "8 N + 1 N"}, r"contact\.load = '8 N \+ 1 N': is not one number with one unit"),
-    ({"wear.sphere": "9,4e-4 mm^3/N/m"}, r"wear\.sphere = '9,4e-4 mm\^3/N/m': has a comma"),
+    ({"wear.counter": "9,4e-4 mm^3/N/m"}, r"wear\.counter = '9,4e-4 mm\^3/N/m': has a comma"),
     ({"study.name": "../x"}, r"study\.name = '\.\./x'"),
     ({"output.snapshots": "5 mm"}, r"output\.snapshots = '5 mm': must be a list in brackets"),
-    ({"wera": {"sphere": "1 mm"}}, r"'wera' is no key .*did you mean 'wear'"),
+    ({"wera": {"counter": "1 mm"}}, r"'wera' is no key .*did you mean 'wear'"),
     (
         {"contact.load": "9 kN"},
-        r"contact\.load = 9000 N is more than the domain under the sphere carries .*13\d\d N",
+        r"contact\.load = 9000 N is more than the domain under the counter-body carries .*13\d\d N",
     ),
     ({"contact.hardness": "nan MPa"}, r"contact\.hardness = 'nan MPa'"),
     ({"contact.hardness": "inf MPa", "stepping.scheme": "explicit"}, r"contact\.hardness = inf MPa needs"),
@@ -46,8 +46,8 @@ BAD = [
     ({"grid.cell": "0 um"}, r"grid\.cell = '0 um': must be greater than 0 mm"),
     ({"grid.cell": "7 um"}, r"grid\.extent = 1\.5 mm is not a whole number .*cells of 7 µm.*1\.498 mm"),
     (
-        {"sphere.radius": "3 mm", "sphere.diameter": "6 mm"},
-        r"^sphere\.radius and sphere\.diameter exclude each",
+        {"counter.radius": "3 mm", "counter.diameter": "6 mm"},
+        r"^counter\.radius and counter\.diameter exclude each",
     ),
     ({"sliding.distance": "1 m", "sliding.passes": 3}, r"^sliding\.distance and sliding\.passes exclude"),
     (
@@ -59,8 +59,8 @@ BAD = [
         r"^sliding\.frequency = 1 Hz needs sliding\.stroke or",
     ),
     (
-        {"sphere.radius": "2 um"},
-        r"^sphere\.radius = 0\.002 mm is too small: .* carries 0\.007414 N .*load = 8 N needs .*0\.0657 mm",
+        {"counter.radius": "2 um"},
+        r"^counter\.radius = 0\.002 mm is too small: .* carries 0\.007414 N .*load = 8 N needs .*0\.0657 mm",
     ),
     (
         {"friction.coefficient": "0,55"},
@@ -79,15 +79,15 @@ BAD = [
     ({"disc.surface": "a.sur", "disc.synthetic": {"kind": "flat"}}, r"disc\.surface .*\[disc\.synthetic\]"),
     ({"disc.level": "cubic"}, r"disc\.level = 'cubic' is not allowed; allowed: 'none', 'plane' or 'sphere'"),
     ({"disc.synthetic.kind": "sandy"}, r"disc\.synthetic\.kind = 'sandy' is not allowed; .*'flat'"),
-    ({"wear.sphere": "-1e-4 mm^3/N/m"}, r"wear\.sphere = '-1e-4 mm\^3/N/m': must be at least 0"),
+    ({"wear.counter": "-1e-4 mm^3/N/m"}, r"wear\.counter = '-1e-4 mm\^3/N/m': must be at least 0"),
     ({"wear.disc": "1 mm"}, r"wear\.disc = '1 mm': has the wrong dimension"),
     ({"output.snapshots": ["3 N"]}, r"output\.snapshots\.0 = '3 N': has the wrong dimension"),
     ({"study": 3}, r"study = 3 is not a section"),
     ({"contact.load": {"a": 1}}, r"contact\.load = \{'a': 1\}: needs its unit"),
-    ({"wear.sphere": 1e-4, "contact.hardness": "inf MPa"}, r"wear\.sphere = 0\.0001 is k of .*finite"),
+    ({"wear.counter": 1e-4, "contact.hardness": "inf MPa"}, r"wear\.counter = 0\.0001 is k of .*finite"),
     ({"disc.material": "kryptonite"}, r"disc\.material = 'kryptonite'"),
     ({"study.model": "two-scale", "patches.seed": -1}, r"patches\.seed = -1: "),
-    ({"study.model": "macro", "sphere.radius": "inf mm"}, r"contact\.bulk_stiffness = 'area' needs a sphere"),
+    ({"study.model": "macro", "counter.radius": "inf mm"}, r"contact\.bulk_stiffness = 'area' needs a ball"),
     (
         {"study.model": "macro", "disc.material": None},
         r"contact\.bulk_stiffness = 'area' needs Young's modulus .*",
@@ -102,19 +102,22 @@ BAD = [
     ),
     ({"contact.bulk_stiffness": "volume"}, r"contact\.bulk_stiffness = 'volume'"),
     ({"wear.law": "exponential"}, r"wear\.law = 'exponential' needs wear\.decay"),
-    ({"wear.law": "running-in", "wear.running_in": "1 mm"}, r"needs wear\.initial_sphere or"),
+    ({"wear.law": "running-in", "wear.running_in": "1 mm"}, r"needs wear\.initial_counter or"),
     ({"wear.decay": "3 mm"}, r"wear\.decay = '3 mm': has the wrong dimension: an inverse length"),
     ({"friction.initial_ratio": 2.0}, r"^friction\.initial_ratio = 2 needs friction\.running_in"),
-    ({"wear.sphere": 10**400}, r"wear\.sphere = 1000.*: is too large"),
+    ({"wear.counter": 10**400}, r"wear\.counter = 1000.*: is too large"),
     ({"sliding.passes": 10**400}, r"sliding\.passes = 1000"),
-    ({"sphere.radius": "1 mm", "grid.extent": "4 mm", "contact.hardness": "1 MPa"}, r"carries .*3\.142 N"),
+    ({"counter.radius": "1 mm", "grid.extent": "4 mm", "contact.hardness": "1 MPa"}, r"carries .*3\.142 N"),
     ({"stepping.increment": "1 nm"}, r"sliding\.distance = 2400 mm takes 2\.4e\+09 steps .*1,000,000"),
     ({"stepping.largest": "1 nm", "stepping.first": "0.1 nm"}, r"takes 2\.4e\+09 steps"),
     ({"stepping.first": "3 um", "stepping.largest": "1 um"}, r"stepping\.first = 0\.003 mm must not exceed"),
     ({"grid.cell": "1e-25 mm"}, r"grid\.cell = 1e-25 mm makes more than 1,000,000 cells"),
     ({"study.name": "x" * 300}, r"study\.name = "),
     ({"assumed": 3}, r"assumed"),
-    ({"sphere": 3, "sphere.radius": "3 mm"}, r"'sphere\.radius' is no key|sphere = 3 is not a section"),
+    (
+        {"counter": 3, "counter.radius": "3 mm"},
+        r"'counter\.radius' is no key|counter = 3 is not a section",
+    ),
     ({"contact.load.x": 3}, r"'contact\.load\.x' is no key"),
 ]
 
@@ -129,7 +132,7 @@ def test_bad_input_is_one_sentence(changes: dict[str, Any], message: str) -> Non
 
 
 def test_a_missing_key_is_named() -> None:
-    with pytest.raises(InputError, match=r"^sphere is missing: a section \[sphere\] with .*radius"):
+    with pytest.raises(InputError, match=r"^counter is missing: a section \[counter] with .*radius"):
         Study()
     with pytest.raises(InputError, match=r"contact\.load is missing: normal load"):
         Study.load("v3").replace({"contact": {"hardness": "590 MPa"}})
@@ -140,7 +143,7 @@ def test_a_missing_key_is_named() -> None:
     [
         (b"[contact\n", "is not TOML"),
         (b"\xff\xfe\x00", "is not text"),
-        (b"", "sphere is missing"),
+        (b"", "counter is missing"),
         (b"disc = 3", "missing"),
     ],
 )
@@ -219,14 +222,14 @@ def test_show_marks_what_the_thesis_does_not_give() -> None:
 
 def test_replacing_one_way_of_saying_drops_the_other() -> None:
     fine = Study.load("v3-fine")
-    assert fine.replace({"sphere.diameter": "8 mm"}).sphere.curvature == 0.25
+    assert fine.replace({"counter.diameter": "8 mm"}).counter.curvature == 0.25
     assert fine.replace({"stepping.increment": "0.3 mm"}).stepping.plan == (0.3, 1.0, 0.3)
     assert fine.replace(sliding={"passes": 2}).sliding.total == 60.0
     assert fine.replace({"disc.surface": "a.sur"}).disc.synthetic is None
     lower = fine.replace({"disc.synthetic.sq": "1 um"}).disc.synthetic
     assert lower is not None
     assert (lower.ra, lower.sq) == (None, pytest.approx(1e-3))
-    assert fine.sphere.radius == 3.0  # the original is untouched
+    assert fine.counter.radius == 3.0  # the original is untouched
 
 
 def test_keys_that_do_not_apply_are_noticed() -> None:
@@ -247,8 +250,8 @@ def test_every_rule_asks_for_what_a_study_has() -> None:
 
 
 def test_a_rough_study_becomes_a_smooth_one() -> None:
-    macro = Study.load("v3-fine").replace({"study.model": "macro", "sphere.material": "inconel718"})
-    assert macro.sphere.material == "Inconel 718"
+    macro = Study.load("v3-fine").replace({"study.model": "macro", "counter.material": "inconel718"})
+    assert macro.counter.material == "Inconel 718"
     assert macro.study.model == "macro"
     assert "synthetic" not in macro.to_toml()
     told = [n for n in macro.notices() if "smooth disc" in n]
@@ -258,7 +261,7 @@ def test_a_rough_study_becomes_a_smooth_one() -> None:
 
 def test_a_material_fills_what_is_not_given() -> None:
     v1 = Study.load("v1")
-    assert v1.sphere.elastic == (200e3, 0.29)
+    assert v1.counter.elastic == (200e3, 0.29)
     assert v1.disc.elastic == (193e3, 0.29)
     assert v1.hertz is not None
     # E* = 1.072e5 MPa: radius 55.2 µm, peak 1255 MPa, approach 1.014 µm, area 0.00956 mm².
@@ -267,13 +270,13 @@ def test_a_material_fills_what_is_not_given() -> None:
     assert v1.hertz.peak_pressure == pytest.approx(1255.0, rel=1e-3)
     assert v1.hertz.approach == pytest.approx(1.014e-3, rel=1e-3)
     assert v1.hertz.area == pytest.approx(0.00956, rel=1e-3)
-    assert "Inconel 718" in assumptions(v1)["sphere.young"]
-    given = v1.replace({"sphere.young": "210 GPa"})
-    assert given.sphere.elastic == (210e3, 0.29)
-    assert "sphere.young" not in assumptions(given)
+    assert "Inconel 718" in assumptions(v1)["counter.young"]
+    given = v1.replace({"counter.young": "210 GPa"})
+    assert given.counter.elastic == (210e3, 0.29)
+    assert "counter.young" not in assumptions(given)
     # Another material brings its own constants, also into what was read back from a resolved text.
-    back = Study(**tomllib.loads(given.to_toml())).replace({"sphere.material": "alumina"})
-    assert back.sphere.elastic == Study.load("v1").replace({"sphere.material": "Al2O3"}).sphere.elastic
+    back = Study(**tomllib.loads(given.to_toml())).replace({"counter.material": "alumina"})
+    assert back.counter.elastic == Study.load("v1").replace({"counter.material": "Al2O3"}).counter.elastic
 
 
 def test_the_macro_model_has_a_cell_of_its_own_and_no_cap() -> None:
@@ -309,9 +312,9 @@ def test_foundations_match_one_of_hertz_values(match: str, constant: float) -> N
 def test_wear_coefficients_in_every_unit() -> None:
     study = Study.load("v3")
     for text in ("9.4e-4 mm^3/N/m", "9.4e-4 mm**3/(N*m)", "9.4e-13 m^2/N", "9.4e-13 / Pa"):
-        assert study.replace({"wear.sphere": text}).wear_coefficients[0] == pytest.approx(9.4e-7)
+        assert study.replace({"wear.counter": text}).wear_coefficients[0] == pytest.approx(9.4e-7)
     # A bare number is Archard's k of V = k F L / H.
-    assert study.replace({"wear.sphere": 5.546e-4}).wear_coefficients[0] == pytest.approx(9.4e-7)
+    assert study.replace({"wear.counter": 5.546e-4}).wear_coefficients[0] == pytest.approx(9.4e-7)
 
 
 def test_sliding_in_every_way() -> None:
@@ -327,7 +330,7 @@ def test_sliding_in_every_way() -> None:
 
 def test_the_hardness_defaults_to_the_softer_body() -> None:
     softer = Study.load("v3").replace(
-        contact={"load": "8 N"}, sphere={"hardness": "3 GPa"}, disc={"hardness": "1.8 GPa"}
+        contact={"load": "8 N"}, counter={"hardness": "3 GPa"}, disc={"hardness": "1.8 GPa"}
     )
     nested = softer.model_dump(exclude_unset=True)
     del nested["contact"]["hardness"]

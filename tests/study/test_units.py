@@ -33,8 +33,8 @@ def value_of(study: Study, key: str) -> Any:
         ("contact.load", (np.int64(4), "N"), 4.0),
         ("contact.load", REGISTRY.Quantity(0.008, "kN"), 8.0),
         ("contact.load", OTHER.Quantity(1.0, "lbf"), 4.4482216152605),
-        ("sphere.radius", OTHER.Quantity(0.0375, "palm"), 3.0),
-        ("sphere.radius", (float("inf"), "mm"), float("inf")),
+        ("counter.radius", OTHER.Quantity(0.0375, "palm"), 3.0),
+        ("counter.radius", (float("inf"), "mm"), float("inf")),
         ("contact.stiffness", (1e6, "N/mm^3"), 1e6),
         ("contact.bulk_stiffness", REGISTRY.Quantity(2e5, "N/mm^3"), 2e5),
         ("sliding.speed", 20 * REGISTRY.mm / REGISTRY.minute, 1.0 / 3.0),
@@ -50,7 +50,7 @@ def value_of(study: Study, key: str) -> Any:
         ("contact.hardness", "200HV10", 1961.33),
         ("disc.hardness", (187, "HBW"), 187 * 9.80665),
         ("disc.hardness", "187 HBW 10/3000", 187 * 9.80665),
-        ("sphere.hardness", "200 kgf/mm2", 1961.33),
+        ("counter.hardness", "200 kgf/mm2", 1961.33),
         ("contact.hardness", "590 N/mm2", 590.0),
         ("junctions.surface_energy", "2 J/m2", 2e-3),
         ("disc.synthetic.lay", "0.25 turn", 90.0),
@@ -95,7 +95,7 @@ def test_wear_coefficients_as_quantities() -> None:
         REGISTRY.Quantity(9.4e-13, "m^2/N"),
         OTHER.Quantity(9.4e-13, "1/Pa"),
     ):
-        study = BASE.replace({"wear.sphere": value})
+        study = BASE.replace({"wear.counter": value})
         assert study.wear_coefficients[0] == pytest.approx(9.4e-7, rel=1e-12)
 
 
@@ -110,7 +110,7 @@ def test_wear_coefficients_as_quantities() -> None:
         ("contact.load", (8, "mm"), r"contact\.load = \(8, 'mm'\): has the wrong dimension"),
         ("contact.load", "8 Nm", r"contact\.load = '8 Nm': has the wrong dimension"),
         ("contact.load", REGISTRY.Quantity(8.0), r"contact\.load = '8\.0.*': needs its unit: a force"),
-        ("sphere.radius", "3 mm*turn", r"sphere\.radius = '3 mm\*turn': has the wrong dimension"),
+        ("counter.radius", "3 mm*turn", r"counter\.radius = '3 mm\*turn': has the wrong dimension"),
         (
             "sliding.speed",
             "60 rpm",

@@ -183,17 +183,17 @@ def test_friction_over_wear_and_load_follows_the_closed_form() -> None:
     """A paraboloid on springs k sinks by what is worn and pressed in: A² = 4π R (K F s + F/k)."""
     study = Study.load("v1").replace({"sliding.distance": "600 mm", "wear.disc": "0 mm^3/N/m"})
     study = study.replace({"output.snapshots": []})
-    vary = {"wear.sphere": ["5e-4 mm^3/N/m", "1e-3 mm^3/N/m"], "contact.load": ["4 N", "8 N"]}
+    vary = {"wear.counter": ["5e-4 mm^3/N/m", "1e-3 mm^3/N/m"], "contact.load": ["4 N", "8 N"]}
     found = warpwear.sweep(study, vary=vary, executor=Here())
-    wear, load = found.numbers("wear.sphere")[0], found.numbers("contact.load")[0]
+    wear, load = found.numbers("wear.counter")[0], found.numbers("contact.load")[0]
     stiffness = np.array([point.study.bulk_stiffness() for point in found.plan.points])
     worn = 1.0e-3 * wear * load * 600.0
-    area = np.sqrt(4.0 * np.pi / study.sphere.curvature * (worn + load / stiffness))
-    assert found.ends("wear_volume_sphere") == pytest.approx(worn, rel=1e-9)
+    area = np.sqrt(4.0 * np.pi / study.counter.curvature * (worn + load / stiffness))
+    assert found.ends("wear_volume_counter") == pytest.approx(worn, rel=1e-9)
     assert found.ends("area_contact") == pytest.approx(area, rel=0.01)
     assert found.ends("cof") == pytest.approx(study.friction.shear_strength * area / load, rel=0.01)
     influence = found.influence("cof")
-    assert influence["wear.sphere"] > 0.0 > influence["contact.load"]
+    assert influence["wear.counter"] > 0.0 > influence["contact.load"]
 
 
 # Workers of this machine.

@@ -79,8 +79,8 @@ NUMBERS = {
     "v1.pressure_fallen_early": 0.9615,
     "v1.pressure_unevenness": 2.299e-10,
     "v1.radius_grown_early": 0.4538,
-    "v1.sphere_pattern_um": 0.005653,
-    "v1.sphere_volume_error": -1.069e-13,
+    "v1.counter_pattern_um": 0.005653,
+    "v1.counter_volume_error": -1.069e-13,
     "v1.volume_straightness_R2": 1.0,
     "v2.cof_change_end": -0.001275,
     "v2.cof_change_largest": 0.01246,
@@ -90,10 +90,10 @@ NUMBERS = {
     "v2.factor_at_edge": 0.9781,
     "v2.patch_by_depth_mm": 1.264,
     "v2.skewness_um": 0.09274,
-    "v2.sphere_change_um": 0.06193,
-    "v2.sphere_depth_change": -0.001075,
-    "v2.sphere_depth_um": 28.6,
-    "v2.sphere_volume_change": 9.548e-15,
+    "v2.counter_change_um": 0.06193,
+    "v2.counter_depth_change": -0.001075,
+    "v2.counter_depth_um": 28.6,
+    "v2.counter_volume_change": 9.548e-15,
     "v2.true_factor_at_edge": 0.1257,
     "v3.area_sum_mm2": 108.8,
     "v3.area_touched_mm2": 1.239,
@@ -113,7 +113,7 @@ NUMBERS = {
     "v3.pressure_scatter_MPa": 20.31,
     "v3.pressure_smallest_MPa": 555.6,
     "v3.pressures_within_printed": 0.2661,
-    "v3.sphere_pattern_um": 1.589,
+    "v3.counter_pattern_um": 1.589,
     "v3.sum_over_worn_patch": 86.73,
     "v3.sum_straightness_R2": 1.0,
     "v3.touched_straightness_R2": 0.9588,
@@ -135,7 +135,7 @@ CASES = {
     "figure-4.25": (AGREES, {"v2.edge_pressure_excess": -0.01}, DISAGREES),
     "figure-4.26": (AGREES, {"v2.disc_volume_change": 0.01}, DISAGREES),
     "figure-4.27": (WRONG, {"v2.cof_change_largest": 0.3}, AGREES),
-    "figure-4.28": (AGREES, {"v3.sphere_pattern_um": 0.006}, DISAGREES),
+    "figure-4.28": (AGREES, {"v3.counter_pattern_um": 0.006}, DISAGREES),
     "figure-4.30": (DISAGREES, {"v3.pressure_smallest_MPa": 581.0, "v3.pressure_largest_MPa": 599.0}, AGREES),
     "figure-4.31": (WRONG, {"v3.mean_disc_depth_um": 25.0}, AGREES),
     "figure-4.32": (DISAGREES, {"surfaces.patch_largest_mm": 1.36}, AGREES),
@@ -145,7 +145,7 @@ CASES = {
     "figure-4.35": (WRONG, {"v1.disc_depth_um": 1.5}, AGREES),
     "figure-4.36": (WRONG, {"v1.patch_by_depth_mm": 0.81}, AGREES),
     "figure-A.8": (DISAGREES, {"v1.area_over_hertz": 1.0}, AGREES),
-    "figure-A.9": (AGREES, {"v2.sphere_depth_change": 0.1}, DISAGREES),
+    "figure-A.9": (AGREES, {"v2.counter_depth_change": 0.1}, DISAGREES),
     "figure-A.10": (WRONG, {"v3.touched_straightness_R2": 0.9999}, AGREES),
     "volume": (HOLDS, {"surfaces.disc_volume_over_v2_largest": 0.01}, FAILS),
     "patch": (HOLDS, {"experiment.patch_of_printed_K_mm": 0.8}, FAILS),
@@ -239,9 +239,9 @@ def test_a_patch_that_no_surface_reaches_does_not_agree() -> None:
 def test_a_line_of_the_summary_is_judged_by_its_own_numbers() -> None:
     found = {line.row.quantity: line.judge(NUMBERS | {"fine.patch_along_mm": 1.29}) for line in SUMMARY}
     assert {name: kind for name, kind in found.items() if kind is not None} == {
-        "worn patch of the sphere, smooth: diameter": AGREES,
-        "worn patch of the sphere, rough: along sliding": DISAGREES,
-        "worn patch of the sphere, models beside the experiment": DISAGREES,
+        "worn patch of the counter-body, smooth: diameter": AGREES,
+        "worn patch of the counter-body, rough: along sliding": DISAGREES,
+        "worn patch of the counter-body, models beside the experiment": DISAGREES,
         "mean pressure of V3, smallest of all steps": DISAGREES,
         "mean pressure of V3, largest of all steps": DISAGREES,
     }
@@ -375,7 +375,7 @@ def test_page_says_what_the_numbers_say(page: str, content: dict) -> None:
 def test_numbers_are_those_of_the_runs(content: dict) -> None:
     """Against Archard's law: K F L in mm³, whatever the contact."""
     numbers = content["numbers"]
-    assert numbers["v1.sphere_volume_mm3"] == pytest.approx(9.4e-7 * 8.0 * 240.0, rel=1e-10)
+    assert numbers["v1.counter_volume_mm3"] == pytest.approx(9.4e-7 * 8.0 * 240.0, rel=1e-10)
     assert numbers["fine.disc_volume_mm3"] == pytest.approx(12.7e-7 * 8.0 * 240.0, rel=1e-10)
     # The rim of a cap of height h, V = π h² (3R − h)/3, h by Newton; (4 R K F L/π)^¼ of a paraboloid.
     height = math.sqrt(22.1e-7 * 1920.0 / (math.pi * 3.0))
@@ -405,7 +405,7 @@ def test_printed_numbers_look_as_printed() -> None:
     from warpwear.thesis.printed import PATCH_DIAMETERS, WEAR_COEFFICIENTS
 
     assert as_printed(PATCH_DIAMETERS["experiment"]) == "0.80"
-    assert as_printed(WEAR_COEFFICIENTS["sphere"], 1e4) == "9.4"
+    assert as_printed(WEAR_COEFFICIENTS["counter"], 1e4) == "9.4"
 
 
 def test_a_report_is_not_overwritten_unasked(folder: Path) -> None:
@@ -460,12 +460,12 @@ def test_quick_report_of_the_published_studies(tmp_path: Path) -> None:
     assert n["paraboloid_patch_mm"] == pytest.approx(1.2690, abs=0.0001)
     for patch in ("v1.patch_along_mm", "v1.patch_by_area_mm", "v1.patch_by_depth_mm"):
         assert n[patch] == pytest.approx(1.264, abs=0.01)
-    # The rim of a sphere; a paraboloid's would be 7 µm wider.
-    sphere = diameter_of_cap(22.1e-7 * 8.0 * 2400.0, radius=3.0)
-    assert n["v1.patch_by_depth_mm"] == pytest.approx(sphere, abs=0.002)
-    assert n["v1.sphere_depth_um"] == pytest.approx(28.5, rel=0.01)
+    # The rim of a ball; a paraboloid's would be 7 µm wider.
+    counter = diameter_of_cap(22.1e-7 * 8.0 * 2400.0, radius=3.0)
+    assert n["v1.patch_by_depth_mm"] == pytest.approx(counter, abs=0.002)
+    assert n["v1.counter_depth_um"] == pytest.approx(28.5, rel=0.01)
     assert n["v1.disc_depth_um"] == pytest.approx(38.6, rel=0.01)
-    assert n["v1.sphere_volume_mm3"] == pytest.approx(0.018048, rel=1e-10)
+    assert n["v1.counter_volume_mm3"] == pytest.approx(0.018048, rel=1e-10)
     assert n["v1.disc_volume_mm3"] == pytest.approx(0.024384, rel=1e-10)
     assert n["v1.exponent_m"] == pytest.approx(0.50, abs=0.01)
     assert n["v1.levelling_lambda"] == pytest.approx(0.25, abs=0.01)

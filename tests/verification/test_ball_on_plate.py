@@ -87,10 +87,10 @@ def worn_pair(volume_ball: float, ratio: float) -> WornPair:
 def sliding(**changes: Any) -> Study:
     """A smooth ball to and fro on a smooth plate, rigid but for wear, on a periodic piece of the track."""
     study = Study(
-        sphere={"radius": f"{R} mm"},
+        counter={"radius": f"{R} mm"},
         disc={"synthetic": {"kind": "flat"}},
         contact={"load": f"{F} N", "hardness": "inf MPa"},
-        wear={"sphere": "9.4e-4 mm^3/N/m", "disc": "12.7e-4 mm^3/N/m"},
+        wear={"counter": "9.4e-4 mm^3/N/m", "disc": "12.7e-4 mm^3/N/m"},
         grid={"cell": "40 um", "extent": "1.2 mm"},
         sliding={"passes": 80, "stroke": "30 mm", "kinematics": "swept", "track": "1.2 mm", "shift": 1},
     )
@@ -99,9 +99,9 @@ def sliding(**changes: Any) -> Study:
 
 def expected(study: Study) -> WornPair:
     """The closed form of a study made by `sliding`."""
-    sphere, disc = study.wear_laws[0].steady, study.wear_laws[1].steady
+    counter, disc = study.wear_laws[0].steady, study.wear_laws[1].steady
     assert study.sliding.stroke is not None
-    return worn_pair(sphere * F * study.sliding.total, disc / (sphere * study.sliding.stroke))
+    return worn_pair(counter * F * study.sliding.total, disc / (counter * study.sliding.stroke))
 
 
 def groove_of(result: Result, study: Study) -> tuple[np.ndarray, np.ndarray]:
@@ -134,7 +134,7 @@ def test_scar_and_groove(changes: dict[str, Any], device: str) -> None:
     assert groove_error(result, study) < 3e-3  # 2e-3 at most on cells of 40 µm
     assert history["patch_along"][-1] == pytest.approx(pair.along, abs=cell)
     assert history["patch_across"][-1] == pytest.approx(pair.across, abs=cell)
-    assert history["wear_depth_sphere"][-1] == pytest.approx(pair.approach - pair.groove.max(), rel=0.02)
+    assert history["wear_depth_counter"][-1] == pytest.approx(pair.approach - pair.groove.max(), rel=0.02)
 
 
 def test_groove_converges_with_the_cells() -> None:

@@ -15,7 +15,7 @@ from warpwear.models.rest.local import OneScaleModel
 
 
 @pytest.mark.parametrize(("cell", "below", "touching"), [(10, 124, 140), (5, 540, 548), (2, 3388, 3396)])
-def test_smooth_sphere_shares_the_tied_orbit(cell: int, below: int, touching: int, device: str) -> None:
+def test_smooth_counter_shares_the_tied_orbit(cell: int, below: int, touching: int, device: str) -> None:
     """δ ≈ F/(2πRH) = 0.719 µm within one orbit; F/H is never a whole number of orbits, so one is shared."""
     result = run(
         smooth(
@@ -78,7 +78,7 @@ def test_symmetry_survives_wear(device: str) -> None:
     assert step.row["area_touched"] == pytest.approx(
         math.pi * radius**2, abs=2 * math.pi * radius * grid.cell
     )
-    assert step.row["wear_volume_disc"] + step.row["wear_volume_sphere"] == pytest.approx(K * F * 300.0)
+    assert step.row["wear_volume_disc"] + step.row["wear_volume_counter"] == pytest.approx(K * F * 300.0)
 
 
 def test_orbits_are_worn_in_turns(device: str) -> None:
@@ -94,14 +94,14 @@ def test_orbits_are_worn_in_turns(device: str) -> None:
     )
     history = run(study, device=device).history
     assert np.abs(history["load_residual"]).max() < study.load_tolerance
-    assert history["wear_volume_sphere"][-1] == pytest.approx(9.4e-7 * 0.5 * 6.0, rel=1e-10)
+    assert history["wear_volume_counter"][-1] == pytest.approx(9.4e-7 * 0.5 * 6.0, rel=1e-10)
 
 
 def rigid_flat(heights: FloatArray, fraction: float, device: str) -> Step:
     """A rigid flat pressed on the heights until it bears on this fraction of the area."""
     grid = Grid(*heights.shape, 0.01)
     study = smooth(
-        sphere__radius="inf mm",
+        counter__radius="inf mm",
         contact__hardness=f"{H} MPa",
         contact__load=f"{fraction * H * grid.area} N",
         grid__extent=f"{0.01 * math.isqrt(grid.cells)} mm",

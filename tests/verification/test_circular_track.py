@@ -48,7 +48,7 @@ def test_a_ball_loses_less() -> None:
     """By a²/(12 R_t²): pressures of a conforming ball go with 1/ρ, its wear with the cap."""
     study = smooth(wear__disc="1e-12 mm^3/N/m", sliding__distance="240 mm")
     result = warpwear.run(study)
-    wear = np.asarray(result.snapshot(-1).wear_sphere)
+    wear = np.asarray(result.snapshot(-1).wear_counter)
     a = 0.5 * result.history["patch_along"][-1]
     for track_radius in (1.0, 2.0, 5.0):
         found = 1.0 - worn_over_straight(wear, study.cells.x, study.cells.y, track_radius)

@@ -14,19 +14,19 @@ from warpwear.laws.elastic import Hertz
 from warpwear.surfaces.made.self_affine import SelfAffine
 
 
-def sphere(grid: Grid, radius: float) -> FloatArray:
-    """Sag of a sphere over its apex [mm]."""
+def counter(grid: Grid, radius: float) -> FloatArray:
+    """Sag of a ball over its apex [mm]."""
     squared = np.add.outer(grid.x**2, grid.y**2)
     return np.asarray(squared / (radius + np.sqrt(radius**2 - squared)))
 
 
 def test_hertz() -> None:
-    """The reference test's sphere, 512² cells over five contact radii."""
-    hertz = Hertz(modulus=1.072e5, sphere_radius=3.0, load=8.0)
+    """The reference test's counter-body, 512² cells over five contact radii."""
+    hertz = Hertz(modulus=1.072e5, counter_radius=3.0, load=8.0)
     grid = Grid(512, 512, 5.0 * hertz.radius / 512)
     with Executor(grid) as executor:
         solver = HalfSpace(executor, modulus=hertz.modulus, boundary="free")
-        contact = solver.solve(executor.field(sphere(grid, 3.0)), mean_pressure=hertz.load / grid.area)
+        contact = solver.solve(executor.field(counter(grid, 3.0)), mean_pressure=hertz.load / grid.area)
         assert contact.approach == pytest.approx(1.0143e-3, rel=1e-2)
         assert contact.approach == pytest.approx(hertz.approach, rel=2e-3)
         assert contact.pressure.max() == pytest.approx(hertz.peak_pressure, rel=1e-2)
@@ -34,7 +34,7 @@ def test_hertz() -> None:
         assert area == pytest.approx(hertz.area, rel=2.0 * grid.cell / hertz.radius)
         # dF/dδ = 2 E* a
         step = 1e-2 * hertz.approach
-        gap = executor.field(sphere(grid, 3.0))
+        gap = executor.field(counter(grid, 3.0))
         low, high = (solver.solve(gap, approach=hertz.approach + s).mean_pressure for s in (-step, step))
         slope = (high - low) * grid.area / (2.0 * step)
         assert slope == pytest.approx(2.0 * hertz.modulus * hertz.radius, rel=1e-2)
@@ -44,7 +44,7 @@ def test_hertz() -> None:
 def test_hertz_under_the_conditions_of_a_peer(by: str) -> None:
     """Those of ContactMechanics' test_hertz: R = 20, E* = 102, 5 × 5, load 15 or approach 0.1, 512² cells."""
     load = 15.0 if by == "load" else 4.0 / 3.0 * 102.0 * math.sqrt(20.0) * 0.1**1.5
-    hertz = Hertz(modulus=102.0, sphere_radius=20.0, load=load)
+    hertz = Hertz(modulus=102.0, counter_radius=20.0, load=load)
     grid = Grid(512, 512, 5.0 / 512)
     squared = np.add.outer(grid.x**2, grid.y**2)
     with Executor(grid) as executor:

@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 from numpy.testing import assert_allclose
-from thesis import K_DISC, K_SPHERE, F, H, L
+from thesis import K_COUNTER, K_DISC, F, H, L
 
 from warpwear import Result, Study, run
 
@@ -40,14 +40,14 @@ def test_friction_is_a_straight_line(device: str) -> None:
 
 
 def test_volumes(device: str) -> None:
-    """Sphere K F L, disc the factor-weighted sum near 0.996 K F L (eq 4.22), both to 1e-10."""
+    """Counter-body K F L, disc the factor-weighted sum near 0.996 K F L (eq 4.22), both to 1e-10."""
     result = published(device)
     history = result.history
-    assert_allclose(history["wear_volume_sphere"], K_SPHERE * F * history["distance"], rtol=1e-10)
+    assert_allclose(history["wear_volume_counter"], K_COUNTER * F * history["distance"], rtol=1e-10)
     assert_allclose(history["wear_volume_disc"], history["archard_volume_disc"], rtol=1e-10)
     fields = result.snapshot(-1)
     factor = np.sqrt(1.0 - (result.y[None, :] / 3.0) ** 2)
-    weighted = K_DISC / K_SPHERE * (fields.wear_sphere * factor).sum() * 0.01**2
+    weighted = K_DISC / K_COUNTER * (fields.wear_counter * factor).sum() * 0.01**2
     assert_allclose(history["wear_volume_disc"][-1], weighted, rtol=1e-10)
-    assert_allclose(fields.wear_disc, K_DISC / K_SPHERE * factor * fields.wear_sphere, rtol=1e-10)
+    assert_allclose(fields.wear_disc, K_DISC / K_COUNTER * factor * fields.wear_counter, rtol=1e-10)
     assert abs(history["wear_volume_disc"][-1] / (K_DISC * F * L) - 0.996) < 0.001

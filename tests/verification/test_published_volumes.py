@@ -73,9 +73,9 @@ def test_a_run_at_the_printed_wear_makes_the_printed_scar() -> None:
     row = ROUND_ROBIN[0]
     coefficient = 1e-3 * row.printed / (10.0 * 1e6)  # [mm²/N]
     study = smooth(
-        sphere__radius=f"{BALL} mm",
+        counter__radius=f"{BALL} mm",
         contact__load="10 N",
-        wear__sphere=f"{1e3 * coefficient} mm^3/N/m",
+        wear__counter=f"{1e3 * coefficient} mm^3/N/m",
         wear__disc="1e-15 mm^3/N/m",
         grid__cell="20 um",
         grid__extent="2.4 mm",

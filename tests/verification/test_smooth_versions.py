@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import reference
 from numpy.testing import assert_allclose
-from thesis import K_DISC, K_SPHERE, F, K, L, R, patch_radius
+from thesis import K_COUNTER, K_DISC, F, K, L, R, patch_radius
 
 from warpwear import InputError, Result, Study, run
 from warpwear.results.summary import shape_of_growth
@@ -25,9 +25,9 @@ def test_v1_patch_depths_and_volumes(device: str) -> None:
     for extent in ("patch_along", "patch_across"):
         assert history[extent][-1] == pytest.approx(1.269, abs=0.01)
     sag = patch_radius(K, L) ** 2 / (2.0 * R)
-    assert history["wear_depth_sphere"][-1] == pytest.approx(K_SPHERE / K * sag, rel=0.01)
+    assert history["wear_depth_counter"][-1] == pytest.approx(K_COUNTER / K * sag, rel=0.01)
     assert history["wear_depth_disc"][-1] == pytest.approx(K_DISC / K * sag, rel=0.01)
-    assert_allclose(history["wear_volume_sphere"], K_SPHERE * F * history["distance"], rtol=1e-10)
+    assert_allclose(history["wear_volume_counter"], K_COUNTER * F * history["distance"], rtol=1e-10)
     assert_allclose(history["wear_volume_disc"], K_DISC * F * history["distance"], rtol=1e-10)
 
 
@@ -65,16 +65,16 @@ def test_implicit_results_do_not_depend_on_the_increment(device: str) -> None:
         for step in (0.3, 3, 30)
     ]
     explicit = smooth_model(device)
-    for name in ("area_contact", "wear_depth_disc", "wear_depth_sphere"):
+    for name in ("area_contact", "wear_depth_disc", "wear_depth_counter"):
         assert_allclose([r.history[name][-1] for r in runs], explicit.history[name][-1], rtol=0.01)
 
 
 def test_v2_wears_the_disc_less_and_presses_its_sides_more(device: str) -> None:
-    """Disc volume 0.37 ± 0.05 % below V1, sphere the same, about 1.3 % more pressure at the edge across."""
+    """Disc volume 0.37 ± 0.05 % below V1, counter the same, about 1.3 % more pressure at the edge across."""
     one, two = smooth_model(device), smooth_model(device, "v2")
     volumes = [r.history["wear_volume_disc"][-1] for r in (one, two)]
     assert 100.0 * (1.0 - volumes[1] / volumes[0]) == pytest.approx(0.37, abs=0.05)
-    assert two.history["wear_volume_sphere"][-1] == pytest.approx(K_SPHERE * F * L, rel=1e-10)
+    assert two.history["wear_volume_counter"][-1] == pytest.approx(K_COUNTER * F * L, rel=1e-10)
     pressure = two.snapshot(-1).pressure
     middle = pressure.shape[0] // 2
     across, along = pressure[middle], pressure[:, middle]
@@ -90,7 +90,7 @@ def test_unstable_steps_are_refused_and_if_forced_keep_all_volumes(device: str) 
         Study.load("v1").replace(unstable)
     forced = smooth_model(device, "v1", ("contact.bulk_stiffness", "area"), ("stepping.force", True)).history
     stable = smooth_model(device).history
-    for name in ("wear_volume_sphere", "wear_volume_disc", "wear_depth_disc", "patch_along"):
+    for name in ("wear_volume_counter", "wear_volume_disc", "wear_depth_disc", "patch_along"):
         assert_allclose(forced[name][-1], stable[name][-1], rtol=1e-3)
     late = stable["distance"] > 0.5 * L
     missing = 1.0 - forced["area_contact"][late] / stable["area_contact"][late]
@@ -123,7 +123,7 @@ def test_a_foundation_that_follows_the_patch(device: str) -> None:
         {
             "wear.law": "running-in",
             "wear.running_in": "100 mm",
-            "wear.initial_sphere": "9.400000001e-4 mm^3/N/m",
+            "wear.initial_counter": "9.400000001e-4 mm^3/N/m",
         },
         {"wear.distance_factor": "radial"},
     ],

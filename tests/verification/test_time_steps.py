@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from thesis import K_DISC, K_SPHERE, F, H, K, L, cap, observed_order, smooth
+from thesis import K_COUNTER, K_DISC, F, H, K, L, cap, observed_order, smooth
 
 from warpwear import InputError, run
 from warpwear.grid import FloatArray
@@ -25,7 +25,7 @@ def area_of_cap(distance: FloatArray) -> FloatArray:
 
 @cache
 def springs(device: str, scheme: str, increment: float, distance: float) -> History:
-    """A smooth sphere on Winkler springs, 10 µm cells."""
+    """A smooth ball on Winkler springs, 10 µm cells."""
     study = smooth(
         contact__stiffness=f"{STIFFNESS} N/mm^3",
         sliding__distance=f"{distance} mm",
@@ -73,7 +73,7 @@ def test_unstable_above_the_limit_with_perfect_volumes(device: str) -> None:
     assert (history["pressure_std"] / history["pressure_mean"])[-1000:].max() > 0.5
     assert np.abs(np.diff(history["area_contact"][-1000:])).max() > 0.1
     height, radius = cap(K * F * L)
-    assert_allclose(history["wear_volume_sphere"], K_SPHERE * F * history["distance"], rtol=1e-10)
+    assert_allclose(history["wear_volume_counter"], K_COUNTER * F * history["distance"], rtol=1e-10)
     assert_allclose(history["wear_volume_disc"], K_DISC * F * history["distance"], rtol=1e-10)
     assert history["wear_depth_disc"][-1] == pytest.approx(K_DISC / K * height, rel=0.01)
     assert history["patch_along"][-1] == pytest.approx(2.0 * radius, abs=0.01)

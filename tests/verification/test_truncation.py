@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 from reference import FloatArray
 from scipy.optimize import brentq
 from scipy.stats import norm
-from thesis import K_DISC, K_SPHERE, F, H, K, R, smooth
+from thesis import K_COUNTER, K_DISC, F, H, K, R, smooth
 
 from warpwear import Result, Study, run
 from warpwear.study.surface import surface_of
@@ -32,7 +32,7 @@ def test_gaussian_surface_worn_by_a_plane(seed: int, device: str) -> None:
     sigma, targets = 3.75e-3, {0.139: 0.237, 0.384: 0.488, 1.06: 0.835}
     distances = [v * sigma / (K * F) for v in targets]  # on 1 mm²
     study = smooth(
-        sphere__radius="inf mm",
+        counter__radius="inf mm",
         disc__synthetic={
             "kind": "self-affine",
             "sq": f"{sigma} mm",
@@ -79,7 +79,7 @@ def test_headline_is_the_truncated_gap(cell: int, device: str) -> None:
     """From 30 mm on: δ to 1e-10, the area to one cell, the gap field, and the pressure of all worn cells."""
     result = headline(cell, device)
     history, grid = result.history, result.study.cells
-    initial = reference.sphere_gap(grid.x, grid.y, R, heights(result.study))
+    initial = reference.counter_gap(grid.x, grid.y, R, heights(result.study))
     assert result.snapshot_distances.tolist() == list(STOPS)
     for number, distance in enumerate(STOPS):
         row = int(np.argmin(np.abs(history["distance"] - distance)))
@@ -93,7 +93,7 @@ def test_headline_is_the_truncated_gap(cell: int, device: str) -> None:
         fields = result.snapshot(number)
         removed = np.maximum(approach - initial, 0.0)
         assert_allclose(fields.gap, initial + removed, rtol=0, atol=1e-12)
-        assert_allclose(fields.wear_sphere, K_SPHERE / K * removed, rtol=0, atol=1e-12)
+        assert_allclose(fields.wear_counter, K_COUNTER / K * removed, rtol=0, atol=1e-12)
         assert_allclose(fields.wear_disc, K_DISC / K * removed, rtol=0, atol=1e-12)
         worn_before = fields.pressure[initial < history["approach"][row - 1]]
         assert np.ptp(worn_before) <= 1e-8 * worn_before.mean()
@@ -106,7 +106,7 @@ def test_headline_is_balanced_and_conserves(cell: int, device: str) -> None:
     assert np.abs(history["load_residual"]).max() <= 1e-12 * F
     assert_allclose(history["pressure_mean"] * history["area_contact"], F, rtol=1e-11)
     assert history["pressure_max"].max() <= H
-    assert_allclose(history["wear_volume_sphere"], K_SPHERE * F * history["distance"], rtol=1e-10)
+    assert_allclose(history["wear_volume_counter"], K_COUNTER * F * history["distance"], rtol=1e-10)
     assert_allclose(history["wear_volume_disc"], K_DISC * F * history["distance"], rtol=1e-10)
 
 
@@ -140,7 +140,7 @@ def test_one_surface_on_four_meshes(device: str) -> None:
 
 
 def test_independent_of_the_increment(device: str) -> None:
-    """One step, 40 equal ones or 230 growing ones: the same fields and areas, on a rough sphere too."""
+    """One step, 40 equal ones or 230 growing ones: the same fields and areas, on a rough counter-body too."""
     rough = {
         "kind": "self-affine",
         "ra": "1 um",

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from thesis import K_DISC, K_SPHERE, F, smooth
+from thesis import K_COUNTER, K_DISC, F, smooth
 
 from warpwear import InputError, Study, run
 from warpwear.laws.bearing_curve import Logistic
@@ -23,7 +23,7 @@ def test_exponential_law(increment: str, device: str) -> None:
         sliding__distance="300 mm",
     )
     history = run(study, device=device, plots=False).history
-    for name, coefficient in (("sphere", K_SPHERE), ("disc", K_DISC)):
+    for name, coefficient in (("counter", K_COUNTER), ("disc", K_DISC)):
         expected = coefficient * F * -np.expm1(-alpha * history["distance"]) / alpha
         assert_allclose(history[f"wear_volume_{name}"], expected, rtol=1e-10)
 
@@ -34,14 +34,14 @@ def test_running_in_law(increment: str, device: str) -> None:
     study = smooth(
         wear__law="running-in",
         wear__running_in="50 mm",
-        wear__initial_sphere="9.4e-3 mm^3/N/m",
+        wear__initial_counter="9.4e-3 mm^3/N/m",
         stepping__increment=increment,
         sliding__distance="300 mm",
     )
     history = run(study, device=device, plots=False).history
     distance = history["distance"]
-    extra = 9.0 * K_SPHERE * 50.0 * -np.expm1(-distance / 50.0)
-    assert_allclose(history["wear_volume_sphere"], F * (K_SPHERE * distance + extra), rtol=1e-10)
+    extra = 9.0 * K_COUNTER * 50.0 * -np.expm1(-distance / 50.0)
+    assert_allclose(history["wear_volume_counter"], F * (K_COUNTER * distance + extra), rtol=1e-10)
     assert_allclose(history["wear_volume_disc"], F * K_DISC * distance, rtol=1e-10)
 
 
@@ -59,12 +59,12 @@ def flat_on_flat(**changes: str) -> Study:
     given = {"disc.synthetic.kind": "milled", "disc.synthetic.ra": "3 um"}
     return smooth(
         study__model="macro",
-        sphere__radius="inf mm",
+        counter__radius="inf mm",
         contact__bulk_stiffness="1e6 N/mm^3",
         grid__extent="1 mm",
         grid__cell="100 um",
         wear__law="bearing-curve",
-        wear__sphere="0 mm^3/N/m",
+        wear__counter="0 mm^3/N/m",
         wear__disc="1e-3 mm^3/N/m",
         sliding__distance="3000 mm",
         stepping__increment="10 mm",

@@ -1,4 +1,4 @@
-"""A sphere on a Winkler foundation (thesis eqs 4.1–4.7): π K_N δ² (R − δ/3) = F."""
+"""A ball on a Winkler foundation (thesis eqs 4.1–4.7): π K_N δ² (R − δ/3) = F."""
 
 import math
 
@@ -17,7 +17,7 @@ def approach_of_paraboloid() -> float:
     return math.sqrt(F / (math.pi * K_N * R))
 
 
-def approach_of_sphere() -> float:
+def approach_of_counter() -> float:
     """π K_N δ² (R − δ/3) = F."""
     approach = approach_of_paraboloid()
     for _ in range(50):
@@ -34,7 +34,7 @@ def relative_errors(cell: float, device: str) -> tuple[float, float, float]:
         sliding__distance="0 mm",
     )
     history = run(study, device=device, plots=False).history
-    delta = approach_of_sphere()
+    delta = approach_of_counter()
     area = math.pi * (2.0 * R * delta - delta**2)
     assert_allclose(history["pressure_mean"] * history["area_contact"], F, rtol=1e-12)
     return (
@@ -45,19 +45,19 @@ def relative_errors(cell: float, device: str) -> tuple[float, float, float]:
 
 
 def test_closed_forms_are_the_published_numbers() -> None:
-    """δ = 0.67627 µm (paraboloid) and 0.67630 µm (sphere)."""
+    """δ = 0.67627 µm (paraboloid) and 0.67630 µm (counter-body)."""
     assert approach_of_paraboloid() == pytest.approx(0.67627e-3, abs=5e-9)
-    assert approach_of_sphere() == pytest.approx(0.67630e-3, abs=5e-9)
+    assert approach_of_counter() == pytest.approx(0.67630e-3, abs=5e-9)
 
 
 def test_approach_area_and_peak_pressure(device: str) -> None:
-    """1 µm cells: all three within 1e-3 of the sphere's closed form."""
+    """1 µm cells: all three within 1e-3 of the counter-body's closed form."""
     assert_allclose(relative_errors(1.0, device), 0.0, atol=1e-3)
 
 
-def test_fine_cells_tell_a_sphere_from_a_paraboloid(device: str) -> None:
+def test_fine_cells_tell_a_counter_from_a_paraboloid(device: str) -> None:
     """The two differ by 4e-5 in δ, which 0.5 µm cells resolve."""
-    of_paraboloid = approach_of_paraboloid() / approach_of_sphere() - 1.0
+    of_paraboloid = approach_of_paraboloid() / approach_of_counter() - 1.0
     assert abs(relative_errors(0.5, device)[0]) < 0.1 * abs(of_paraboloid)
 
 
@@ -80,5 +80,5 @@ def test_pressure_field(device: str) -> None:
     )
     result = run(study, device=device, plots=False)
     r2 = result.x[:, None] ** 2 + result.y[None, :] ** 2
-    expected = K_N * np.maximum(approach_of_sphere() - r2 / (2.0 * R), 0.0)
+    expected = K_N * np.maximum(approach_of_counter() - r2 / (2.0 * R), 0.0)
     assert_allclose(result.snapshot(0).pressure, expected, atol=1e-3 * expected.max())

@@ -1,4 +1,4 @@
-"""The reference test of the thesis, its closed forms, and studies of a smooth sphere on a smooth disc."""
+"""The reference test of the thesis, its closed forms, and studies of a smooth ball on a smooth disc."""
 
 import math
 from typing import Any
@@ -10,9 +10,9 @@ from warpwear import Study
 R = 3.0  # [mm]
 F = 8.0  # [N]
 H = 590.0  # [MPa]
-K_SPHERE = 9.4e-7  # [mm²/N]
+K_COUNTER = 9.4e-7  # [mm²/N]
 K_DISC = 12.7e-7
-K = K_SPHERE + K_DISC
+K = K_COUNTER + K_DISC
 L = 2400.0  # [mm]
 
 
@@ -22,7 +22,7 @@ def patch_radius(coefficient: float, distance: float) -> float:
 
 
 def cap(volume: float) -> tuple[float, float]:
-    """Height h and base radius a [mm] of a cap of the sphere, V = πh²(3R − h)/3, a² = 2Rh − h²."""
+    """Height h and base radius a [mm] of a cap of the counter-body, V = πh²(3R − h)/3, a² = 2Rh − h²."""
     h = math.sqrt(volume / (math.pi * R))
     for _ in range(50):
         h = math.sqrt(volume / (math.pi * (R - h / 3.0)))
@@ -30,12 +30,12 @@ def cap(volume: float) -> tuple[float, float]:
 
 
 def smooth(**changes: Any) -> Study:
-    """A smooth sphere on a smooth disc, rigid but for wear: implicit, no cap, 10 µm cells."""
+    """A smooth ball on a smooth disc, rigid but for wear: implicit, no cap, 10 µm cells."""
     study = Study(
-        sphere={"radius": f"{R} mm"},
+        counter={"radius": f"{R} mm"},
         disc={"synthetic": {"kind": "flat"}},
         contact={"load": f"{F} N", "hardness": "inf MPa"},
-        wear={"sphere": "9.4e-4 mm^3/N/m", "disc": "12.7e-4 mm^3/N/m"},
+        wear={"counter": "9.4e-4 mm^3/N/m", "disc": "12.7e-4 mm^3/N/m"},
         grid={"cell": "10 um", "extent": "1.5 mm"},
         sliding={"distance": f"{L} mm"},
         stepping={"scheme": "implicit", "first": "3 um", "growth": 1.02, "largest": "3 mm"},

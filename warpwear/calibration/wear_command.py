@@ -41,15 +41,15 @@ class Source:
 _CAP = "two diameters of the worn patch; flat cap, its width their mean"
 _SEGMENT = "width of a circular track; an unworn ball's circular section"
 _TRACK = "topography of the track; mean net section × length"
-_BALL = "topography of the ball; lost below the sphere through what is unworn"
+_BALL = "topography of the ball; lost below the counter-body through what is unworn"
 SOURCES = {
     "--volume": Source("a measured volume", unit="mm^3"),
-    "--diagonals": Source(_CAP, "sphere", needs=("--radius",)),
-    "--scar": Source("diameter of the worn patch; flat cap", "sphere", needs=("--radius",)),
+    "--diagonals": Source(_CAP, "counter", needs=("--radius",)),
+    "--scar": Source("diameter of the worn patch; flat cap", "counter", needs=("--radius",)),
     "--width": Source(_SEGMENT, "disc", needs=("--radius", "--track-radius")),
     "--section": Source("cross-section of a groove × length", "disc", "mm^2", may_have=("--length",)),
     "--track": Source(_TRACK, "disc", may_have=("--length", "--track-width")),
-    "--ball": Source(_BALL, "sphere", may_have=("--radius",)),
+    "--ball": Source(_BALL, "counter", may_have=("--radius",)),
 }
 #: Sources whose volume is a section times a length.
 GROOVES = ("--section", "--track")
@@ -197,8 +197,8 @@ def _of_ball(file: Path, preparation: Preparation, *, radius: float | None) -> W
     """Find what a ball lost, from its topography. radius [mm], None to fit it. Raises InputError."""
     surface = read_surface(file, {**preparation, "level": "none"})
     ball = find_worn_ball(surface.measured, pixel=surface.pixel, radius=radius)
-    sphere = f"a radius of {ball.sphere.radius:.5g} mm ({'fitted' if radius is None else 'given'})"
-    measured = f"patch {ball.along:.4g} × {ball.across:.4g} mm on {sphere}"
+    counter = f"a radius of {ball.sphere.radius:.5g} mm ({'fitted' if radius is None else 'given'})"
+    measured = f"patch {ball.along:.4g} × {ball.across:.4g} mm on {counter}"
     return _of_topography(file, ball.volume, ball.volume_error, depth=ball.depth, measured=measured)
 
 
@@ -228,7 +228,7 @@ def wear_rows(wear: WearCalibration, *, relation: str, worn: str | None) -> list
     if wear.hardness:
         by_hardness = f"dimensionless, with the hardness {wear.hardness:g} MPa (V = k F L/H)"
     spread, k = _times(1e3, deviation), wear.dimensionless
-    in_study = f'[wear] {worn or "sphere or disc"} = "{scientific(1e3 * wear.mean)} mm^3/N/m"'
+    in_study = f'[wear] {worn or "counter or disc"} = "{scientific(1e3 * wear.mean)} mm^3/N/m"'
     return [
         Row("from", "relation", relation),
         Row("", "worn", worn),

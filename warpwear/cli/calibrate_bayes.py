@@ -10,11 +10,11 @@ from warpwear.cli.study import CHANGES, STUDY, parsed_changes
 
 #: Option of a measured value -> its name in the inference, and its help.
 MEASURED = {
-    "--volume-sphere": ("volume_sphere", "Worn volume of the ball, e.g. '0.0072 +- 0.0008 mm^3'."),
+    "--volume-counter": ("volume_counter", "Worn volume of the ball, e.g. '0.0072 +- 0.0008 mm^3'."),
     "--volume-disc": ("volume_disc", "Worn volume of the disc."),
     "--section": ("section", "Mean cross-section of the groove, e.g. '812 +- 30 um^2'."),
     "--diameter": ("diameter", "Diameter of the scar, mean of two diagonals, e.g. '0.80 +- 0.02 mm'."),
-    "--sq-sphere": ("sq_sphere", "Sq in the scar of the ball, form removed, e.g. '0.55 +- 0.03 um'."),
+    "--sq-counter": ("sq_counter", "Sq in the scar of the ball, form removed, e.g. '0.55 +- 0.03 um'."),
     "--sq-disc": ("sq_disc", "Sq in the scar of the disc."),
     "--cof": ("cof", "Coefficient of friction, e.g. '0.2 +- 0.02 at 30 mm'. [default: at the end]"),
 }
@@ -38,9 +38,9 @@ def bayes(study: str, changes: tuple[str, ...], **options: Any) -> None:
     """Unknowns of STUDY from a test, with uncertainty, and which test to make next.
 
     \b
-    warpwear calibrate bayes v1 --set stepping.scheme=implicit --unknown wear.sphere --unknown wear.disc \\
+    warpwear calibrate bayes v1 --set stepping.scheme=implicit --unknown wear.counter --unknown wear.disc \\
         --unknown friction.shear_strength --experiment test.csv \\
-        --diameter "1.28 +- 0.03 mm" --volume-disc "0.0244 +- 0.002 mm^3" --target wear.sphere --out found
+        --diameter "1.28 +- 0.03 mm" --volume-disc "0.0244 +- 0.002 mm^3" --target wear.counter --out found
 
     \b
     inference.html    the unknowns, what cannot be told apart, figures, the next test

@@ -53,7 +53,13 @@ def animate(folder: Path, out: Path | None, fps: float, overwrite: bool) -> None
 @click.option("--out", type=PATH, help="Folder to write. [default: DIR/export]")
 @repeated("--format", "NAME", "One of those above.", "formats", default="sdf, xyz and npy")
 @repeated("--snapshot", "WHICH", "Number, '30 mm', or all.", default="the end; all for vti and netcdf")
-@repeated("--body", "NAME", "sphere, disc, or track of a swept run.", "bodies", default="sphere and disc")
+@repeated(
+    "--body",
+    "NAME",
+    "counter, disc, or track of a swept run.",
+    "bodies",
+    default="counter-body and disc",
+)
 @repeated("--field", "NAME", "Field of csv, vti and netcdf, e.g. pressure.", "fields", default="all")
 @click.option(
     "--points", type=int, help="Most points along a side, means of blocks. [default: 250 for stl, else all]"

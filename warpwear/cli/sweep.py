@@ -33,7 +33,7 @@ def sweep(study: str, changes: tuple[str, ...], vary: tuple[str, ...], **options
     \b
     warpwear sweep v3-fine --vary "contact.load=2 N,4 N,8 N" --vary disc.synthetic.seed=1:20 \\
         --band-over disc.synthetic.seed
-    warpwear sweep mine.toml --vary "wear.sphere=normal 9.4e-4 +- 0.7e-4 mm^3/N/m" \\
+    warpwear sweep mine.toml --vary "wear.counter=normal 9.4e-4 +- 0.7e-4 mm^3/N/m" \\
         --design sobol --samples 64
 
     \b

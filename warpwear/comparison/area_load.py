@@ -9,11 +9,11 @@ from warpwear.comparison.gather import Comparison
 from warpwear.comparison.groups import Group
 from warpwear.figures.describe import (
     CONTACT,
+    COUNTER,
     DASHES,
     DISC,
     MARKERS,
     MEAN_PRESSURE,
-    SPHERE,
     Axis,
     Chart,
     Figure,
@@ -33,7 +33,7 @@ LINES = 60
 #: Points in a surface's shortest wave; with more than two the mean squares of its slopes are exact.
 POINTS_PER_CUT_OFF = 2.5
 #: Colour of each series.
-COLOURS = (CONTACT, DISC, SPHERE, MEAN_PRESSURE)
+COLOURS = (CONTACT, DISC, COUNTER, MEAN_PRESSURE)
 
 
 def has_loads(comparison: Comparison) -> bool:
@@ -102,7 +102,7 @@ def theories_of(comparison: Comparison, load: FloatArray) -> dict[str, FloatArra
     studies = [run.study for run in comparison.runs]
     first = studies[0]
     areas: dict[str, FloatArray] = {}
-    if any((s.sphere, s.disc, s.grid) != (first.sphere, first.disc, first.grid) for s in studies):
+    if any((s.counter, s.disc, s.grid) != (first.counter, first.disc, first.grid) for s in studies):
         return areas
     hardness = {s.hardness for s in studies if np.isfinite(s.hardness)}
     if len(hardness) == 1:
@@ -110,12 +110,12 @@ def theories_of(comparison: Comparison, load: FloatArray) -> dict[str, FloatArra
     modulus, moments = first.effective_modulus, _moments(first)
     if modulus is None:
         return areas
-    if first.sphere.curvature:
+    if first.counter.curvature:
         if moments is not None:
             # As long as erf(x) is 2x/√π it does not matter how the load is spread.
             slope = moments.rms_slope
             areas["Persson, light loads"] = np.sqrt(8.0 / np.pi) * load / (modulus * slope)
-        of_hertz = [Hertz(modulus, 1.0 / first.sphere.curvature, float(force)).area for force in load]
+        of_hertz = [Hertz(modulus, 1.0 / first.counter.curvature, float(force)).area for force in load]
         areas["Hertz, smooth bodies"] = np.array(of_hertz)
     elif moments is not None:
         nominal = first.cells.area

@@ -33,12 +33,12 @@ CONDITIONS: dict[str, tuple[str, Callable[[Study], float | str | None]]] = {
     "length of the track": ("mm", lambda s: s.lap if s.is_swept else None),
     "load": ("N", lambda s: s.contact.load),
     "sliding distance": ("mm", lambda s: s.sliding.total),
-    "wear coefficient of the sphere": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[0]),
+    "wear coefficient of the counter-body": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[0]),
     "wear coefficient of the disc": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[1]),
-    "sphere's curvature": ("1/mm", lambda s: s.sphere.curvature),
+    "counter-body's curvature": ("1/mm", lambda s: s.counter.curvature),
 }
 #: Sections whose keys make runs unlike too, and those of them that stand above.
-LAWS, ABOVE = ("wear.", "friction."), ("wear.sphere", "wear.disc")
+LAWS, ABOVE = ("wear.", "friction."), ("wear.counter", "wear.disc")
 
 
 def _conditions_of(study: Study) -> dict[str, str]:

@@ -28,7 +28,7 @@ from warpwear.version import __version__
 #: End values that answer a comparison.
 ANSWERS = (
     *("patch_along", "patch_across", "area_contact", "pressure_mean"),
-    *("volume_sphere", "volume_disc", "cof", "shear_strength"),
+    *("volume_counter", "volume_disc", "cof", "shear_strength"),
 )
 #: More groups than this are rows of what differs, not columns; values of a key listed for a group.
 BESIDE, LISTED = 4, 4

@@ -13,7 +13,7 @@ from warpwear.results.ensemble import band
 #: Quantities of a step whose courses are laid over each other, in the order of figures and pages.
 OVERLAID = tuple(
     BY_NAME[name]
-    for name in ("cof", "area_contact", "pressure_mean", "wear_volume_sphere", "wear_volume_disc")
+    for name in ("cof", "area_contact", "pressure_mean", "wear_volume_counter", "wear_volume_disc")
 )
 
 

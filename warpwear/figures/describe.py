@@ -17,13 +17,13 @@ COLUMN, PAGE, ROW = 3.5, 7.0, 2.6
 
 # Okabe and Ito's colours, told apart by colour-blind readers. A body keeps its colour in every figure, and
 # so does each kind of contact; where two could meet in grey, their lines differ too.
-SPHERE, DISC = "#0072B2", "#D55E00"
+COUNTER, DISC = "#0072B2", "#D55E00"
 CONTACT, TOUCHED, HARDNESS, NOMINAL, SUM = "#009E73", "#56B4E9", "#000000", "#777777", "#E69F00"
 NEUTRAL, MEAN_PRESSURE = "#444444", "#A3487F"
 UNWORN, CLEAR = "#999999", "#FFFFFF"
-BODIES = {"sphere": SPHERE, "disc": DISC}
+BODIES = {"counter": COUNTER, "disc": DISC}
 #: Colours of groups of runs beside each other, and of what was measured, which they are held against.
-GROUPS = (SPHERE, DISC, CONTACT, MEAN_PRESSURE, SUM, TOUCHED)
+GROUPS = (COUNTER, DISC, CONTACT, MEAN_PRESSURE, SUM, TOUCHED)
 GREYS = ("#000000", "#888888", "#555555")
 
 Dash = Literal["solid", "dash", "dashdot", "dot", "longdash", "longdashdot", ""]
@@ -90,7 +90,7 @@ class Cloud:
     counts: FloatArray
     levels: tuple[float, ...]
     colours: tuple[str, ...]
-    edge: str = SPHERE
+    edge: str = COUNTER
 
 
 @dataclass(frozen=True)
@@ -198,7 +198,7 @@ class Bars:
     axis: Axis
     ends: FloatArray | None = None
     dots: FloatArray | None = None
-    colours: Sequence[str] = (SPHERE,)
+    colours: Sequence[str] = (COUNTER,)
     upright: bool = False
     written: str = ""
     note: str = ""

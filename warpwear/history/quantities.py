@@ -33,7 +33,7 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
     "static area": ("output.static_area_every", lambda study: study.static_area_every > 0),
 }
 #: Both bodies, in the order in which they are numbered.
-BODIES = ("sphere", "disc")
+BODIES = ("counter", "disc")
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ def _look(label: str, colour: str = "NEUTRAL", dash: str = "solid", **others: An
 
 def _of_bodies(prefix: str, label: str, **others: Any) -> dict[str, dict[str, Any]]:
     """Declare how a quantity of both bodies is shown, each by a colour and dash of its own."""
-    lines, others = {"sphere": ("SPHERE", "dash"), "disc": ("DISC", "solid")}, {"family": label} | others
+    lines, others = {"counter": ("COUNTER", "dash"), "disc": ("DISC", "solid")}, {"family": label} | others
     return {
         f"{prefix}_{body}": _look(f"{label} of the {body}", *line, short=body, **others)
         for body, line in lines.items()
@@ -158,20 +158,20 @@ _DECLARED: dict[tuple[Per, str | None], dict[str, str]] = {
         "pressure_mean [MPa]": "mean pressure of the cells in contact",
         "pressure_std [MPa]": "standard deviation of the pressure of the cells in contact",
         "pressure_max [MPa]": "largest pressure of a cell",
-        "wear_volume_sphere [mm^3]": "volume worn off the sphere, summed over its wear field",
+        "wear_volume_counter [mm^3]": "volume worn off the counter-body, summed over its wear field",
         "wear_volume_disc [mm^3]": "volume worn off the disc, summed over its wear field",
-        "wear_depth_sphere [mm]": "deepest wear of a cell of the sphere",
+        "wear_depth_counter [mm]": "deepest wear of a cell of the counter-body",
         "wear_depth_disc [mm]": "deepest wear of a cell of the disc",
         "cof [1]": "coefficient of friction; NaN until its shear strength is calibrated",
         "cells_in_contact [1]": "number of cells with pressure",
-        "archard_volume_sphere [mm^3]": "K F ΔL summed: what Archard's law asks of the sphere",
+        "archard_volume_counter [mm^3]": "K F ΔL summed: what Archard's law asks of the counter-body",
         "archard_volume_disc [mm^3]": "what Archard's law asks of the disc, with its distance factor",
         "evaluations [1]": (
             "passes over the gap that the balance took; of the half-space, pairs of transforms"
         ),
     },
     ("step", "track"): {
-        "position [mm]": "place of the sphere's apex along the track, 0 in the middle of the stroke",
+        "position [mm]": "place of the counter-body's apex along the track, 0 in the middle of the stroke",
         "plastic_volume_disc [mm^3]": "volume displaced of the disc for good, not worn",
     },
     ("step", "half-space track"): {
@@ -189,9 +189,9 @@ _DECLARED: dict[tuple[Per, str | None], dict[str, str]] = {
         "bare_fraction [1]": "part of the area in contact that was bare of film as the step began",
     },
     ("step", "pieces"): {
-        "pending_volume_sphere [mm^3]": "worn by Archard's law, but no piece has left with it yet; start 0",
+        "pending_volume_counter [mm^3]": "worn by Archard's law, but no piece has left with it yet; start 0",
         "pending_volume_disc [mm^3]": "the same of the disc: worn and pending volume are K F L together",
-        "pieces_sphere [1]": "pieces that left the sphere in the step",
+        "pieces_counter [1]": "pieces that left the counter-body in the step",
         "pieces_disc [1]": "pieces that left the disc in the step, on the whole stroke",
     },
     ("step", "static area"): {
@@ -203,7 +203,7 @@ _DECLARED: dict[tuple[Per, str | None], dict[str, str]] = {
     },
     ("cell", None): {
         "pressure [MPa]": "contact pressure, solved in the step that ends at the snapshot",
-        "wear_sphere [mm]": "depth worn off the sphere",
+        "wear_counter [mm]": "depth worn off the counter-body",
         "wear_disc [mm]": "depth worn off the disc; of a swept run, over the whole track",
         "gap [mm]": "gap between the bodies after the step's wear, without elastic deformation",
     },
@@ -221,12 +221,12 @@ _DECLARED: dict[tuple[Per, str | None], dict[str, str]] = {
         "sk [um]": "core height Sk in the middle of the scar",
         "spk [um]": "reduced peak height Spk in the middle of the scar",
         "svk [um]": "reduced valley depth Svk in the middle of the scar",
-        "sq_sphere [um]": "Sq of the ball in the inner scar, half as long and wide, form of degree 4 removed",
+        "sq_counter [um]": "Sq of the ball in the inner scar, half its size, form of degree 4 removed",
         "sq_disc [um]": "the same of the disc; of a track the root mean square over places along it",
         "sq_disc_unworn [um]": "that of the same cells of the disc before any wear",
-        "sdq_sphere [1]": "root mean square gradient Sdq of the ball in the inner scar, as sq_sphere",
+        "sdq_counter [1]": "root mean square gradient Sdq of the ball in the inner scar, as sq_counter",
         "sdq_disc [1]": "the same of the disc, as sq_disc",
-        "rq_sphere [um]": "Rq of profiles along sliding there, each less its form of degree 4, of the ball",
+        "rq_counter [um]": "Rq of profiles along sliding there, each less its form of degree 4, of the ball",
         "rq_disc [um]": "the same of the disc, as sq_disc",
         "islands [1]": "connected regions in contact (cells that share an edge)",
         "islands_of_one_cell [1]": "islands of a single cell: the mesh does not resolve them",
@@ -238,8 +238,8 @@ _DECLARED: dict[tuple[Per, str | None], dict[str, str]] = {
     },
     ("piece", "pieces"): {
         "step [1]": "number of the step in which the piece left, from 0",
-        "body [1]": "0 of the sphere, 1 of the disc",
-        "x [mm]": "place of its middle along the sliding direction: on the sphere's domain, or on the track",
+        "body [1]": "0 of the counter-body, 1 of the disc",
+        "x [mm]": "place of its middle along the sliding direction: on the counter's domain, or on the track",
         "y [mm]": "place of its middle across the sliding direction",
         "volume [mm^3]": "volume of the piece",
         "diameter [mm]": "diameter of the circle of the area that was cut",

@@ -15,7 +15,7 @@ from warpwear.kernels.cells import EXTENTS, MAXIMA
 from warpwear.laws.task import ContactTask
 
 #: Columns that grow from step to step.
-RUNNING = ("distance", "area_cumulative", "archard_volume_sphere", "archard_volume_disc")
+RUNNING = ("distance", "area_cumulative", "archard_volume_counter", "archard_volume_disc")
 #: First and last of what was touched, along and across; first ones are negated.
 PAIRS = (EXTENTS[:2], EXTENTS[2:])
 #: One of a step, or an array of those of many.
@@ -28,14 +28,14 @@ class Step(NamedTuple):
     balance: Balance
     row: dict[str, float]  # the columns of warpwear.history except time and cof
     touches_edge: bool  # of the domain
-    touches_rim: bool  # of the sphere: the contact is as wide as the sphere itself
+    touches_rim: bool  # of the counter-body: the contact is as wide as the counter-body itself
     pressure: FloatArray | None = None  # [MPa], shape (nx, ny), when it was asked for
 
 
 def divided(sums: Mapping[str, Number], fractions: tuple[float, float]) -> dict[str, Number]:
-    """Split sums or maxima of what both bodies lose into those of sphere and disc, exact for small ones."""
-    (sphere, disc), worn = fractions, sums["worn"]
-    return {**sums, "wear_sphere": sphere * worn, "wear_disc": disc * worn}
+    """Split sums or maxima of what both bodies lose into those of counter and disc, exact for small ones."""
+    (counter, disc), worn = fractions, sums["worn"]
+    return {**sums, "wear_counter": counter * worn, "wear_disc": disc * worn}
 
 
 class Ledger:
@@ -59,7 +59,7 @@ class Ledger:
     ) -> None:
         self._task, self._grid, self._weight = task, grid, weight
         self._track_fraction = track_fraction
-        # Beyond the sphere's rim there is nothing to touch: a contact as wide as the sphere is cut off.
+        # Beyond the counter's rim there is nothing to touch: a contact as wide as the counter is cut off.
         widths = (grid.x + 1.5 * grid.cell, grid.y + 1.5 * grid.cell)
         rows, columns = (int(np.count_nonzero(width * task.curvature >= 1.0)) for width in widths)
         self._edge, self._rim = self._inside(margin, margin), self._inside(rows, columns)
@@ -92,7 +92,7 @@ class Ledger:
         *,
         pressure: FloatArray | None = None,
     ) -> Step:
-        """Book a step of an increment [mm] that wore sphere and disc by K ΔL = removal [mm³/N].
+        """Book a step of an increment [mm] that wore counter-body and disc by K ΔL = removal [mm³/N].
 
         total, most: what the kernels found, by the names of `SUMS` and `MAXIMA`. reference: pressure from
         which the squares count [MPa]. The totals have "bearing", how many cells' area bears, where not all
@@ -178,20 +178,20 @@ class Ledger:
             "pressure_mean": mean,
             "pressure_std": total["deviation_squared"] / count - squared,
             "pressure_max": most["pressure"],
-            "wear_volume_sphere": total["wear_sphere"] * area,
+            "wear_volume_counter": total["wear_counter"] * area,
             "wear_volume_disc": total["wear_disc"] / self._track_fraction * area,
-            "wear_depth_sphere": most["wear_sphere"],
+            "wear_depth_counter": most["wear_counter"],
             "wear_depth_disc": most["wear_disc"],
             "cells_in_contact": count,
-            "archard_volume_sphere": removal[0] * load,
+            "archard_volume_counter": removal[0] * load,
             "archard_volume_disc": removal[1] * total.get("pressure_times_factor", total["pressure"]) * area,
             "evaluations": 1.0 * balance.evaluations,
         }
-        if "pending_sphere" in total:
+        if "pending_counter" in total:
             row |= {
-                "pending_volume_sphere": total["pending_sphere"] * area,
+                "pending_volume_counter": total["pending_counter"] * area,
                 "pending_volume_disc": total["pending_disc"] / self._track_fraction * area,
-                "pieces_sphere": total["pieces_sphere"],
+                "pieces_counter": total["pieces_counter"],
                 "pieces_disc": total["pieces_disc"] / self._track_fraction,
             }
         if "pressed_disc" in total:
@@ -205,7 +205,7 @@ class Ledger:
         return -rows, self._grid.nx - rows - 1, -columns, self._grid.ny - columns - 1
 
     def _flags(self) -> tuple[bool, bool]:
-        """Tell whether what was touched reaches the domain's edge, and whether the sphere's rim."""
+        """Tell whether what was touched reaches the domain's edge, and whether the counter-body's rim."""
         extents = [self.most[name] for name in EXTENTS]
         at_edge, at_rim = (any(map(operator.gt, extents, limits)) for limits in (self._edge, self._rim))
         return at_edge, at_rim

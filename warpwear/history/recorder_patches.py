@@ -63,7 +63,7 @@ class PatchBook:
 
 
 class PatchLedger:
-    """Keep the books of patches whose sphere and disc wear in one proportion.
+    """Keep the books of patches whose counter-body and disc wear in one proportion.
 
     patches: in the order of the macro cells, in which the book has them.
     """
@@ -78,7 +78,7 @@ class PatchLedger:
         self.book = PatchBook(patches)
         #: Area that a cell stands for [mm²].
         self._of_cell = patches.domain.cell_area * patches.weight
-        #: Fractions of sphere and disc in what both lose.
+        #: Fractions of counter-body and disc in what both lose.
         self._fractions = task.wear_fractions
 
     @property
@@ -92,7 +92,7 @@ class PatchLedger:
         return self._ledger.most
 
     def removals(self, later: float, increment: float) -> tuple[float, float]:
-        """Return K ΔL of sphere and disc [mm³/N] for an increment that starts `later` mm from now."""
+        """Return K ΔL of counter-body and disc [mm³/N] for an increment that starts `later` mm from now."""
         return self._task.wear_per_pressure(self.row["distance"] + later, increment)
 
     @property
@@ -120,7 +120,7 @@ class PatchLedger:
         removals: tuple[float, float],
         pressure: FloatArray | None = None,
     ) -> Step:
-        """Book a step of an increment [mm] that wore sphere and disc by K ΔL = removals [mm³/N].
+        """Book a step of an increment [mm] that wore counter-body and disc by K ΔL = removals [mm³/N].
 
         worn: of patches in the order of the macro cells. pressure: on the domain [MPa], where it was asked
         for. Raises ConvergenceError where the pressures do not add up to the load.
@@ -157,7 +157,7 @@ class PatchLedger:
         snapshot = Snapshot(
             distance,
             pressure=step.pressure,
-            wear_sphere=self._fractions[0] * worn,
+            wear_counter=self._fractions[0] * worn,
             wear_disc=self._fractions[1] * worn,
             gap=patches.on_domain(gap, beside=math.nan),
             bare=None if bare is None else patches.on_domain(bare),

@@ -14,7 +14,7 @@ from warpwear.surfaces.base import BoolArray
 class Snapshot:
     """Hold the fields at one sliding distance, each of shape (nx, ny), axis 0 along the sliding direction.
 
-    distance [mm]. pressure [MPa], solved in the step that ends here. wear_sphere, wear_disc: depths worn off
+    distance [mm]. pressure [MPa], solved in the step that ends here. wear_counter, wear_disc: depths worn off
     [mm]. gap [mm], after the step's wear, without elastic deformation. plastic_disc: depth displaced for good
     [mm], of a swept disc that keeps its dents. bare: 1 where a cell was bare of film as the step began, else
     0. load_on_filled: share of the load on points that the disc's file lacks. The last three are None where
@@ -26,7 +26,7 @@ class Snapshot:
 
     distance: float
     pressure: FloatArray
-    wear_sphere: FloatArray
+    wear_counter: FloatArray
     wear_disc: FloatArray
     gap: FloatArray
     plastic_disc: FloatArray | None = None
@@ -64,17 +64,17 @@ class Snapshot:
 
     @property
     def wear_beneath(self) -> FloatArray:
-        """Return the wear of the disc under the sphere's domain [mm], shape (nx, ny)."""
+        """Return the wear of the disc under the counter-body's domain [mm], shape (nx, ny)."""
         return self.wear_disc if self.row is None else np.asarray(self.beneath(self.wear_disc))
 
     @property
     def touched(self) -> BoolArray:
         """Return the cells ever touched, shape (nx, ny).
 
-        Of a swept run they are those of the sphere, or of the disc beneath a sphere that does not wear.
+        Of a swept run they are those of the counter-body, or of the disc beneath a ball that does not wear.
         """
-        touched = (self.wear_sphere > 0.0) | (self.pressure > 0.0)
-        if self.row is not None and self.wear_sphere.any():
+        touched = (self.wear_counter > 0.0) | (self.pressure > 0.0)
+        if self.row is not None and self.wear_counter.any():
             return np.asarray(touched)
         return np.asarray(touched | (self.wear_beneath > 0.0))
 
@@ -85,13 +85,13 @@ class Snapshot:
 
     @property
     def lost_beneath(self) -> FloatArray:
-        """Return what is gone of the disc under the sphere's domain [mm]: worn, or displaced for good."""
+        """Return what is gone of the disc under the counter's domain [mm]: worn, or displaced for good."""
         if self.plastic_disc is None:
             return self.wear_beneath
         return np.asarray(self.wear_beneath + self.beneath(self.plastic_disc))
 
     def beneath(self, field: Any) -> Any:
-        """Cut the part under the sphere's domain, shape (nx, ny), out of a field of the track, (rows, ny)."""
+        """Cut the part under the ball's domain, shape (nx, ny), out of a field of the track, (rows, ny)."""
         assert self.row is not None
         rows = np.arange(self.row, self.row + self.pressure.shape[0]) % field.shape[0]
         return np.asarray(field[rows])

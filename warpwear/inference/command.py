@@ -83,7 +83,7 @@ def _unknown(texts: Sequence[str]) -> dict[str, str | None]:
         key, equals, prior = (part.strip() for part in text.partition("="))
         if not key or (equals and not prior):
             raise InputError(
-                f"--unknown {text!r}: KEY or KEY=PRIOR is expected, such as 'wear.sphere=log-uniform 1e-4 "
+                f"--unknown {text!r}: KEY or KEY=PRIOR is expected, such as 'wear.counter=log-uniform 1e-4 "
                 ".. 1e-3 mm^3/N/m'"
             )
         priors[key] = prior or None
@@ -121,7 +121,7 @@ def _sentence(error: ValidationError) -> str:
         return f"{where} is not known; allowed: {', '.join(InferSection.model_fields)}"
     if first["type"] in ("dict_type", "model_type"):
         measured = where.endswith("measured")
-        example = 'diameter = "0.80 +- 0.02 mm"' if measured else '"wear.sphere" = "log-uniform …"'
+        example = 'diameter = "0.80 +- 0.02 mm"' if measured else '"wear.counter" = "log-uniform …"'
         return f"[{where}] is a section, and {value!r} is none; in it stand lines such as {example}"
     wanted = "text in quotes" if "target" in where else "text in quotes, or a list of such"
     if "list" in first["type"]:

@@ -23,11 +23,11 @@ from warpwear.study.units import parse
 
 #: Measured value -> its unit and what it is.
 KINDS = {
-    "volume_sphere": ("mm^3", "worn volume of the ball"),
+    "volume_counter": ("mm^3", "worn volume of the ball"),
     "volume_disc": ("mm^3", "worn volume of the disc"),
     "section": ("mm^2", "mean cross-section of the groove"),
     "diameter": ("mm", "diameter of the scar"),
-    "sq_sphere": ("um", "Sq in the scar of the ball"),
+    "sq_counter": ("um", "Sq in the scar of the ball"),
     "sq_disc": ("um", "Sq in the scar of the disc"),
     "cof": ("", "coefficient of friction"),
 }
@@ -234,7 +234,7 @@ def _measured(study: Study, kind: str, text: str) -> Measured:
         _check_cof(text, np.array([measured.value]))
     if at is not None and not 0.0 < at <= study.sliding.total * (1.0 + 1e-9):
         raise refusal(f"the study slides {study.sliding.total:g} mm, and not to {at:g} mm")
-    if kind == "diameter" and measured.value > min(study.grid.extent, 2.0 * (study.sphere.radius or np.inf)):
+    if kind == "diameter" and measured.value > min(study.grid.extent, 2.0 * (study.counter.radius or np.inf)):
         raise refusal(
             f"the scar is larger than the field of the study, {study.grid.extent:g} mm (grid.extent), which "
             "has to hold it"

@@ -171,7 +171,7 @@ def identify(posterior: Posterior, values: dict[str, FloatArray], z: FloatArray)
 def _known(posterior: Posterior, group: tuple[str, ...], values: dict[str, FloatArray]) -> str:
     """Say which combination of unknowns is known: their sum, or a product of powers."""
     columns = [values[key] for key in group]
-    if set(group) == {"wear.sphere", "wear.disc"} and posterior.model.runs.scaled:
+    if set(group) == {"wear.counter", "wear.disc"} and posterior.model.runs.scaled:
         total = np.sum(columns, axis=0)
         return f"the sum {' + '.join(group)}, {total.mean():.3g} ± {total.std():.2g} mm³/(N·m)"
     if min(float(column.min()) for column in columns) <= 0.0 or "friction.ploughing" in group:
@@ -195,7 +195,7 @@ def _powers(columns: list[FloatArray]) -> FloatArray:
 
 def _why(posterior: Posterior, group: tuple[str, ...]) -> str:
     """Say why theory expects it, and what would help."""
-    wear = {"wear.sphere", "wear.disc"}
+    wear = {"wear.counter", "wear.disc"}
     if set(group) == wear and posterior.model.runs.scaled:
         return (
             "At rest, area and scar follow from the sum of both wears alone; a worn volume of one body, or "

@@ -49,10 +49,10 @@ def infer(
     """Find unknowns of a study from measurements of a test, by Bayes' rule.
 
     unknown: keys, each with a prior as in a sweep or None for one about the study's value. experiments:
-    courses of friction, one a repeated test. measured: "volume_sphere", "volume_disc", "section", "diameter",
-    "sq_sphere", "sq_disc" or "cof" -> a text such as "0.80 +- 0.02 mm" or a list, one a repeat; "cof" may end
-    in "at 30 mm". target: an unknown that the next test shall tell; candidates: such as "contact.load=16 N,
-    repeats=3". out: folder of the report, which keeps the runs. runs: of a design where results do not merely
+    courses of friction, one a repeated test. measured: "volume_counter", "volume_disc", "section",
+    "diameter", "sq_counter", "sq_disc" or "cof" -> a text such as "0.80 +- 0.02 mm" or a list, one a repeat;
+    "cof" may end in "at 30 mm". target: an unknown that the next test shall tell; candidates: such as
+    "contact.load=16 N, repeats=3". out: folder of the report, which keeps the runs. runs: of a design where results do not merely
     scale. seed: of all draws.
 
     Raises InputError for what does not go together, ConvergenceError where samples do not converge.
@@ -92,7 +92,7 @@ def infer_from(
     with _folder(out) as folder:
 
         def model_of(other: Study, part: float | None = None) -> Model:
-            rough = bool(data.kinds & {"sq_sphere", "sq_disc"})
+            rough = bool(data.kinds & {"sq_counter", "sq_disc"})
             of_other = make_runs(
                 other,
                 unknowns,
@@ -125,7 +125,7 @@ def infer_from(
         if out is not None:
             write_samples(posterior.unknowns, values, folder)
         tests = [] if target is None else best_tests(posterior, values, target, trials)
-        wear = [u.key for u in unknowns if u.key in ("wear.sphere", "wear.disc")]
+        wear = [u.key for u in unknowns if u.key in ("wear.counter", "wear.disc")]
         inference = Inference(
             posterior=posterior,
             samples=samples,

@@ -77,7 +77,7 @@ class Model:
                 self._values["diameter"] = self._course(distance, lines, "scar")
             else:
                 self._values["diameter"] = self._end(patch[:, -1], "scar")
-        for kind in self.kinds & {"sq_sphere", "sq_disc"}:
+        for kind in self.kinds & {"sq_counter", "sq_disc"}:
             assert runs.roughness is not None
             self._values[kind] = self._end(runs.roughness[:, int(kind == "sq_disc")], KINDS[kind][1])
         for body in () if runs.scaled else BODIES:
@@ -222,8 +222,8 @@ class Model:
         """
         if not self.runs.scaled:
             return distance
-        sphere, disc = self._wear_laws(values)
-        return sphere.wear_per_pressure(0.0, distance) + disc.wear_per_pressure(0.0, distance)
+        counter, disc = self._wear_laws(values)
+        return counter.wear_per_pressure(0.0, distance) + disc.wear_per_pressure(0.0, distance)
 
 
 def columns_for(

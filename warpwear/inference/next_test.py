@@ -24,7 +24,7 @@ PLACES = 48
 #: Most repeats that are looked at, and the part of an unknown that they should reach.
 MOST_REPEATS, REACHED = 100, 0.10
 #: Keys that tests may differ in, beside the number of repeats.
-ALLOWED = ("contact.load", "sliding.distance", "sphere.radius")
+ALLOWED = ("contact.load", "sliding.distance", "counter.radius")
 
 
 @dataclass(frozen=True)

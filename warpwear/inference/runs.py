@@ -262,8 +262,8 @@ def _wearing(study: Study, unknowns: Sequence[Unknown], part: float) -> Study:
     corners = [dict(zip((u.key for u in wear), corner, strict=True)) for corner in itertools.product(*ends)]
     laws = [study.wear_laws, *(study.wear.laws(study.wear_hardness, corner) for corner in corners)]
     fastest = [float(max(pair[body].fastest for pair in laws)) for body in range(len(BODIES))]
-    sphere, disc = (f"{1e3 * part * k!r} mm^3/N/m" for k in fastest)
-    return study.replace({"wear.law": "archard", "wear.sphere": sphere, "wear.disc": disc})
+    counter, disc = (f"{1e3 * part * k!r} mm^3/N/m" for k in fastest)
+    return study.replace({"wear.law": "archard", "wear.counter": counter, "wear.disc": disc})
 
 
 def _roughness(folder: Path) -> tuple[float, float]:
@@ -271,10 +271,10 @@ def _roughness(folder: Path) -> tuple[float, float]:
     with Result.open(folder) as result:
         table = surface_evolution(result).table
     columns = (table.get(f"sq_{body}", np.zeros(0)) for body in BODIES)
-    sphere, disc = (float(column[-1]) if column.size else np.nan for column in columns)
-    if not np.isfinite([sphere, disc]).all():
+    counter, disc = (float(column[-1]) if column.size else np.nan for column in columns)
+    if not np.isfinite([counter, disc]).all():
         raise InputError(
             "Sq in the scar is not known of every run: it needs a snapshot at the end (output.snapshots), "
             "and a scar of more cells than the least wear of the priors makes here"
         )
-    return sphere, disc
+    return counter, disc

@@ -113,7 +113,7 @@ def unknowns_of(study: Study, priors: Mapping[str, str | None]) -> list[Unknown]
     Raises InputError for a key that is none, or is no number, and for a prior beyond its allowed values.
     """
     if not any(key not in NOISE for key in priors):
-        raise InputError("no unknown is named: give a key of the study, such as wear.sphere")
+        raise InputError("no unknown is named: give a key of the study, such as wear.counter")
     return [_unknown(study, key, prior) for key, prior in priors.items() if key not in NOISE]
 
 

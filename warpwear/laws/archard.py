@@ -14,7 +14,7 @@ import numpy as np
 
 from warpwear.grid import FloatArray, Grid
 
-BODIES = ("sphere", "disc")
+BODIES = ("counter", "disc")
 Number = TypeVar("Number", float, FloatArray)
 
 
@@ -27,7 +27,7 @@ class WearLaw:
     """
 
     name: ClassVar[str] = "archard"
-    #: Number -> key of [wear]; with {body}, the sphere and the disc have a K of their own.
+    #: Number -> key of [wear]; with {body}, the counter-body and the disc have a K of their own.
     keys: ClassVar[dict[str, str]] = {"steady": "{body}"}
     #: K over the distance L, in LaTeX.
     formula: ClassVar[str] = "K"
@@ -94,7 +94,7 @@ class RunningInLaw(WearLaw):
     formula = "K + (K_0 - K) e^{-L/L_0}"
     sentence = (
         "K + (K0 − K) e^(−L/L0) over the distance L, with L0 = {running_in:.4g} mm and K0 = "
-        "{initial_sphere:.3g} and {initial_disc:.3g} mm³/(N·m)"
+        "{initial_counter:.3g} and {initial_disc:.3g} mm³/(N·m)"
     )
 
     running_in: float  # L0 [mm]
@@ -127,7 +127,7 @@ COEFFICIENTS = {key for key in KEYS if key.endswith(BODIES)}
 
 
 def said(laws: tuple[WearLaw, WearLaw]) -> str:
-    """Say in half a sentence what is not constant about the laws of sphere and disc; K in mm³/(N·m)."""
+    """Say in half a sentence what is not constant about the laws of counter-body and disc; K in mm³/(N·m)."""
     numbers = {
         key.format(body=body): getattr(law, name) * (1.0e3 if "{body}" in key else 1.0)
         for body, law in zip(BODIES, laws, strict=True)
@@ -139,14 +139,14 @@ def said(laws: tuple[WearLaw, WearLaw]) -> str:
 def wear_in_steps(
     laws: tuple[WearLaw, WearLaw], start: float, increments: Sequence[float]
 ) -> list[tuple[float, float]]:
-    """Return what a unit of pressure wears off sphere and disc in each of the increments [mm³/N].
+    """Return what a unit of pressure wears off counter-body and disc in each of the increments [mm³/N].
 
-    laws: of sphere and disc. start: distance slid before the first of the increments [mm], which follow each
+    laws: of counter and disc. start: distance slid before the first of the increments [mm], which follow each
     other.
     """
-    sphere, disc = laws
+    counter, disc = laws
     slid = zip(itertools.accumulate(increments, initial=start), increments, strict=False)
-    return [(sphere.wear_per_pressure(*step), disc.wear_per_pressure(*step)) for step in slid]
+    return [(counter.wear_per_pressure(*step), disc.wear_per_pressure(*step)) for step in slid]
 
 
 def _of_decay(start: float, increment: Number, length: float) -> Number:
@@ -164,7 +164,7 @@ def distance_factor(grid: Grid, kind: Literal["none", "across", "radial"], *, cu
     across the sliding direction (as its figure 4.30b shows) or radially (as its text says). It is the chord
     of the ball, not of the contact: a published option, not geometry.
 
-    grid: of nx × ny cells. kind: "none", "across" or "radial". curvature: 1/R of the sphere [1/mm].
+    grid: of nx × ny cells. kind: "none", "across" or "radial". curvature: 1/R of the counter-body [1/mm].
     The factors have no unit and the shape (1, 1), (1, ny) or (nx, ny), by kind.
     """
     if kind == "none":

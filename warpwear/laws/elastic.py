@@ -12,7 +12,7 @@ from warpwear.grid import FloatArray
 optimize = lazy.module("scipy.optimize")
 special = lazy.module("scipy.special")
 
-#: C_W of K_N = C_W E*/a (thesis eq 2.7 for a sphere) -> what of Hertz's the foundation then reproduces. One
+#: C_W of K_N = C_W E*/a (thesis eq 2.7 for a ball) -> what of Hertz's the foundation then reproduces. One
 #: constant cannot match all three.
 MATCHES = {"area": 16.0 / (3.0 * math.pi), "pressure": 3.0 / math.pi, "approach": 4.0 / (3.0 * math.pi)}
 
@@ -27,16 +27,16 @@ def effective_modulus(first: tuple[float, float], second: tuple[float, float]) -
 
 @dataclass(frozen=True)
 class Hertz:
-    """A smooth elastic sphere is pressed on a flat (Johnson, Contact Mechanics, 1985, section 4.2)."""
+    """A smooth elastic counter-body is pressed on a flat (Johnson, Contact Mechanics, 1985, section 4.2)."""
 
     modulus: float  # E* [MPa]
-    sphere_radius: float  # R [mm]
+    counter_radius: float  # R [mm]
     load: float  # F [N]
 
     @property
     def radius(self) -> float:
         """Return the radius a of the contact [mm]: a³ = 3 F R / (4 E*)."""
-        return float((0.75 * self.load * self.sphere_radius / self.modulus) ** (1.0 / 3.0))
+        return float((0.75 * self.load * self.counter_radius / self.modulus) ** (1.0 / 3.0))
 
     @property
     def area(self) -> float:
@@ -51,7 +51,7 @@ class Hertz:
     @property
     def approach(self) -> float:
         """Tell how far the bodies approach each other [mm]: a²/R."""
-        return self.radius**2 / self.sphere_radius
+        return self.radius**2 / self.counter_radius
 
     def pressure(self, r: FloatArray) -> FloatArray:
         """Return the pressure [MPa] at distances r from the middle [mm], an array of any shape."""

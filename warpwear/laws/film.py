@@ -26,7 +26,7 @@ class Film:
     """Describes a film on one body or both, and what is left of a cell's hardness with and without it."""
 
     thickness: float  # [mm]
-    on: tuple[bool, bool]  # sphere, disc: which carry one
+    on: tuple[bool, bool]  # counter-body, disc: which carry one
     regrowth: float = math.inf  # sliding distance without wear after which it is whole again [mm]
     part_filmed: float = 1.0  # cap of a cell over the hardness of the task
     part_bare: float = 1.0

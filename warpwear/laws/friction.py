@@ -123,7 +123,7 @@ class FrictionLaw:
     ) -> float:
         """Return τ0 [MPa], as given or as calibrated; NaN while it waits for the end.
 
-        load: F [N]. finished: whether the history is whole. laps: of a sphere on a track.
+        load: F [N]. finished: whether the history is whole. laps: of a ball on a track.
         """
         when = self.values["calibrate"]
         if self.values[STRENGTH] is not None:

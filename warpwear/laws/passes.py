@@ -1,4 +1,4 @@
-"""Passes of a sphere over a track: steps of the first and the last, and what either direction has."""
+"""Passes of a ball over a track: steps of the first and the last, and what either direction has."""
 
 import math
 from collections.abc import Mapping

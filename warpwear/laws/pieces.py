@@ -57,7 +57,7 @@ class Pieces:
         """Return the depth pending at first [mm], of the cells of a body.
 
         Zero; or a depth for each square of side d*, drawn between none and that of which a piece leaves, so
-        that pieces are at every stage on grids of any cell. body: 0 of the sphere, 1 of the disc.
+        that pieces are at every stage on grids of any cell. body: 0 of the counter-body, 1 of the disc.
         """
         if self.seed is None:
             return np.zeros(shape)

@@ -16,8 +16,8 @@ class ContactTask:
 
     load: float  # F [N]
     hardness: float  # largest pressure of a cell H [MPa]; inf without one
-    curvature: float  # of the sphere, 1/R [1/mm]
-    wear: tuple[WearLaw, WearLaw]  # of sphere and disc
+    curvature: float  # of the counter-body, 1/R [1/mm]
+    wear: tuple[WearLaw, WearLaw]  # of counter-body and disc
     compliance: float  # 1/k of the cells of the unworn contact, without wear [mm³/N]
     implicit: bool = True  # whether the wear of a step adds to its compliance
     rigid: bool = False  # whether there is no compliance at all: a bearing area
@@ -56,9 +56,9 @@ class ContactTask:
         return 1.0 / self.bulk_stiffness_at(math.sqrt(area / math.pi) if area else None)
 
     def wear_per_pressure(self, start: float, increment: float) -> tuple[float, float]:
-        """Return K ΔL of sphere and disc [mm³/N] over an increment that begins at a distance [mm]."""
-        sphere, disc = (law.wear_per_pressure(start, increment) for law in self.wear)
-        return sphere, disc
+        """Return K ΔL of counter-body and disc [mm³/N] over an increment that begins at a distance [mm]."""
+        counter, disc = (law.wear_per_pressure(start, increment) for law in self.wear)
+        return counter, disc
 
     @property
     def is_uniform(self) -> bool:
@@ -73,13 +73,13 @@ class ContactTask:
 
     @property
     def wear_fractions(self) -> tuple[float, float]:
-        """Return the fractions of sphere and disc in what is worn, of bodies that wear in one proportion."""
-        sphere, disc = (law.fastest for law in self.wear)
-        both = sphere + disc
-        return (sphere / both, disc / both) if both else (0.5, 0.5)
+        """Return the fractions of counter and disc in what is worn, of bodies that wear in one proportion."""
+        counter, disc = (law.fastest for law in self.wear)
+        both = counter + disc
+        return (counter / both, disc / both) if both else (0.5, 0.5)
 
     @property
     def in_proportion(self) -> bool:
         """Tell whether both bodies wear in one proportion at every distance."""
-        sphere, disc = self.wear
-        return sphere.in_proportion_to(disc)
+        counter, disc = self.wear
+        return counter.in_proportion_to(disc)

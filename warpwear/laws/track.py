@@ -1,14 +1,14 @@
-"""A sphere slides over a disc by whole cells: a track tells where it is at every step, and how far it slid.
+"""A counter slides over a disc by whole cells: a track tells where it is at every step, and how far it slid.
 
-A step covers up to `shift` cells of the track and is solved once, with the sphere in their middle; the last
+A step covers up to `shift` cells of the track and is solved once, with the counter in their middle; the last
 step of a pass is shorter where the shift does not divide the stroke, so that volumes stay exact. A track that
 turns reverses at the end of each pass and covers the same cells the other way.
 
 A representative track is a periodic disc shorter than the stroke: one lap is one pass. While it slides by a
-cell, the sphere slides by `cell / track_fraction` of the test. So is the track of a rotating disc, one lap a
+cell, the counter slides by `cell / track_fraction` of the test. So is the track of a rotating disc, one lap a
 revolution, whose length is rounded to whole steps: the rounding goes into the fraction too.
 
-A disc at rest is a track of no cells, on which the sphere stays where it is.
+A disc at rest is a track of no cells, on which the counter-body stays where it is.
 """
 
 import itertools
@@ -32,27 +32,27 @@ def is_whole(number: float) -> bool:
 
 @dataclass(frozen=True)
 class Track:
-    """A track tells at every step of a study where the sphere is on the disc.
+    """A track tells at every step of a study where the counter-body is on the disc.
 
-    cells: rows of the disc slid over in a pass; 0 at rest. window: rows under the sphere's domain.
+    cells: rows of the disc slid over in a pass; 0 at rest. window: rows under the counter-body's domain.
     """
 
     cells: int
-    shift: int  # cells that the sphere moves on in a step
+    shift: int  # cells that the counter-body moves on in a step
     cell: float  # [mm]
     window: int
     stroke: float  # slid in a pass of the test [mm]
     periodic: bool  # whether the disc's rows close on themselves
-    reverses: bool  # whether the sphere turns at the end of a pass
+    reverses: bool  # whether the counter-body turns at the end of a pass
 
     @classmethod
     def at_rest(cls, grid: Grid) -> Self:
-        """Return the track of a disc that lies still under the sphere's domain, a grid."""
+        """Return the track of a disc that lies still under the counter-body's domain, a grid."""
         return cls(0, 0, grid.cell, window=grid.nx, stroke=0.0, periodic=False, reverses=False)
 
     @property
     def moves(self) -> bool:
-        """Tell whether the disc moves under the sphere."""
+        """Tell whether the disc moves under the counter-body."""
         return self.cells > 0
 
     @property
@@ -81,7 +81,7 @@ class Track:
         return self._covered(step)[1]
 
     def row(self, step: int, done: int = 0, cells: int | None = None) -> int:
-        """Return the disc's row under the first row of the sphere at step number `step`, 0 ≤ row < rows.
+        """Return the disc's row under the first row of the counter at step number `step`, 0 ≤ row < rows.
 
         done, cells: of the part of the step that begins after `done` of its cells and covers `cells` of them.
         """
@@ -91,14 +91,14 @@ class Track:
         return (middle - self.window // 2) % self.rows if self.periodic else middle
 
     def place(self, step: int) -> float:
-        """Return the place of the sphere's apex at step number `step`, on the scale of `x` [mm]."""
+        """Return the place of the counter-body's apex at step number `step`, on the scale of `x` [mm]."""
         start, cells = self._covered(step)
         first = 0 if self.periodic else self.window // 2
         middle = 0.5 * (self.window % 2)  # of an odd window the middle of a cell, of an even one an edge
         return (start + cells // 2 + first + middle - 0.5 * self.rows) * self.cell
 
     def beneath(self, disc: FloatArray, row: int) -> FloatArray:
-        """Return the part of a field of the disc that lies under a sphere whose first row is on `row`.
+        """Return the part of a field of the disc that lies under a ball whose first row is on `row`.
 
         disc: shape (rows, ny). The part has the shape (window, ny), and is a view unless it wraps round.
         """
@@ -107,7 +107,7 @@ class Track:
         return np.asarray(disc[np.arange(row, row + self.window) % self.rows])
 
     def _back(self, step: int) -> bool:
-        """Tell whether the sphere slides towards the first row in a step."""
+        """Tell whether the counter-body slides towards the first row in a step."""
         return self.reverses and self.moves and step // self.steps_of_pass % 2 == 1
 
     def _covered(self, step: int) -> tuple[int, int]:

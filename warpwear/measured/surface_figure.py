@@ -10,10 +10,10 @@ from warpwear.figures.describe import (
     ACROSS,
     ALONG,
     COLUMN,
+    COUNTER,
     DISC,
     NEUTRAL,
     PAGE,
-    SPHERE,
     Axis,
     Chart,
     Empty,
@@ -133,7 +133,7 @@ def track_figure(track: Track, *, filled: BoolArray | None = None) -> Figure:
     profile, y = 1e3 * track.levelled.mean(axis=0), track.y
     parts = []
     for label, inside, colour, hatch in (
-        ("below", profile < 0, SPHERE, ""),
+        ("below", profile < 0, COUNTER, ""),
         ("above", profile > 0, DISC, "////"),
     ):
         ends = np.where(track.inside & inside, profile, np.nan)
@@ -165,7 +165,7 @@ def ball_figure(ball: WornBall, *, size: Pair, filled: BoolArray | None = None) 
     rows, columns = np.nonzero(ball.patch)
     i, j = round(float(rows.mean())), round(float(columns.mean()))
     lines: list[Line | Level] = [
-        Line(x, 1e3 * ball.lost[:, j], "along sliding, x", Look(SPHERE)),
+        Line(x, 1e3 * ball.lost[:, j], "along sliding, x", Look(COUNTER)),
         Line(y, 1e3 * ball.lost[i, :], "across, y", Look(DISC, "dash")),
         Level(0.0, look=ZERO),
     ]

@@ -20,8 +20,8 @@ from warpwear.models.attachment import Attachment, Place
 
 #: What is kept of every cell of a body whose film forms anew.
 KEPT = ("whole", "seen", "rubbed")
-#: Whose film of a contact it is; that of bodies which wear in one proportion does not move, as the sphere's.
-AS = {"sphere": "sphere", "disc": "disc", "both": "sphere"}
+#: Whose film of a contact it is; that of bodies which wear in one proportion does not move, as the counter's.
+AS = {"counter": "counter", "disc": "disc", "both": "counter"}
 
 
 class BareCells(Attachment):
@@ -75,12 +75,12 @@ class BareCells(Attachment):
 
     @classmethod
     def of_bodies(
-        cls, film: Film | None, executor: Executor, sphere: Field, disc: Field
+        cls, film: Film | None, executor: Executor, counter: Field, disc: Field
     ) -> "BareCells | None":
-        """Follow a sphere and a disc that wear apart [mm]; None without a film."""
+        """Follow a ball and a disc that wear apart [mm]; None without a film."""
         if film is None:
             return None
-        wear = {"sphere": sphere, "disc": disc}
+        wear = {"counter": counter, "disc": disc}
         return cls(film, executor, {body: wear[body] for body, on in zip(wear, film.on, strict=True) if on})
 
     @classmethod
@@ -89,7 +89,7 @@ class BareCells(Attachment):
     ) -> "BareCells | None":
         """Follow bodies that wear in one proportion; None without a film.
 
-        worn: by both [mm]. fractions: of sphere and disc in it.
+        worn: by both [mm]. fractions: of counter-body and disc in it.
         """
         if film is None:
             return None

@@ -47,7 +47,7 @@ def effect_of(key: str, study: Study, numbers: dict[str, Any]) -> Effect:
 def numbers_of(study: Study, s: dict[str, Any]) -> dict[str, Any]:
     """Collect the numbers of a run that sentences and their cases go by. s: its summary."""
     area, strength = s["area_mm2"], s["shear_strength_MPa"]
-    reach = 0.5 * max(s["scar_mm"].values()) * study.sphere.curvature
+    reach = 0.5 * max(s["scar_mm"].values()) * study.counter.curvature
     names = ("contact", "touched", "nominal", "cumulative") if strength is not None else ()
     steps = s.get("track", {}).get("parts", {}).get("estimated_error_at_most", 0.0)
     return {
@@ -89,7 +89,7 @@ CASES: dict[str, Callable[[Study, dict[str, Any]], list[str]]] = {
     ],
     "friction.area": lambda study, numbers: ["area" if numbers["coefficients"] else "area, strength unknown"],
     "contact.hardness": _hardness,
-    "sphere.material": _material,
+    "counter.material": _material,
     "disc.material": _material,
     **{f"{body}.{key}": _elastic for body in BODIES for key in ("young", "poisson")},
     **{f"{body}.hardness": _body_hardness for body in BODIES},

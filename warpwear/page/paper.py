@@ -29,7 +29,7 @@ def _law(study: Study, s: dict[str, Any]) -> str:
 
 def methods_of(study: Study, s: dict[str, Any]) -> str:
     """Write the paragraph that a paper's section on methods may begin with."""
-    sphere, disc = (s["wear_coefficient_mm3_per_Nm"][body] for body in ("sphere", "disc"))
+    counter, disc = (s["wear_coefficient_mm3_per_Nm"][body] for body in ("counter", "disc"))
     cap, motion = s["hardness_MPa"], motion_of(study, s["distance_mm"])
     hardness = f", with the pressure of a cell limited to {cap:.4g} MPa" if cap else ""
     sentences = [
@@ -40,7 +40,7 @@ def methods_of(study: Study, s: dict[str, Any]) -> str:
     ]
     if study.sliding.total:
         sentences.append(
-            f"Wear followed Archard's law in every cell, with {sphere:.3g} mm³/(N·m) for the sphere and "
+            f"Wear followed Archard's law in every cell, with {counter:.3g} mm³/(N·m) for the counter and "
             f"{disc:.3g} mm³/(N·m) for the disc{_wear_law(study)}."
         )
     if film := s.get("film"):
@@ -74,11 +74,11 @@ def _friction_law(study: Study) -> str:
 
 
 def table_of(curvature: float, s: dict[str, Any], answers: Iterable[dict[str, str]]) -> list[Line]:
-    """List quantity, value and unit of what went in and what came out. curvature: of the sphere [1/mm]."""
+    """List quantity, value and unit of what went in and what came out. curvature: of the counter [1/mm]."""
     hardness, unit = s["hardness_MPa"], printed("mm^3/N/m")
     return [
         ("Load", shown(s["load_N"]), "N"),
-        *([("Radius of the sphere", shown(1.0 / curvature), "mm")] if curvature else []),
+        *([("Radius of the counter-body", shown(1.0 / curvature), "mm")] if curvature else []),
         ("Sliding distance", shown(s["distance_mm"], 6), "mm"),
         ("Cell", shown(s["cell_um"]), "µm"),
         *([("Hardness (cap of the pressure)", shown(hardness), "MPa")] if hardness else []),

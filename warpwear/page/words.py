@@ -45,8 +45,8 @@ def disc_of(study: Study) -> str:
 
 def slider_of(study: Study) -> str:
     """Say what slides on it."""
-    curvature = study.sphere.curvature
-    return f"A sphere of {1.0 / curvature:.4g} mm radius" if curvature else "A rigid flat"
+    curvature = study.counter.curvature
+    return f"A ball of {1.0 / curvature:.4g} mm radius" if curvature else "A rigid flat"
 
 
 def motion_of(study: Study, distance: float) -> str:
@@ -110,7 +110,7 @@ def _worn(study: Study, s: dict[str, Any]) -> Answer:
     less = ", less what no piece has carried off yet" if study.wear.sheds else ", whatever the contact"
     volumes = [ENDS[f"volume_{body}"] for body in BODIES]
     return Answer(
-        f"Worn volume, {'sphere' if study.sphere.curvature else 'flat'} and disc",
+        f"Worn volume, {'counter' if study.counter.curvature else 'flat'} and disc",
         ", ".join(f"{volume.factor * s['volume_mm3'][volume.short]:.4g}" for volume in volumes),
         volumes[0].unit,
         "as good as the wear coefficients",

@@ -36,6 +36,17 @@ RECORD: dict[str, type | tuple[type, ...]] = {
 }
 
 
+def current(name: str) -> str:
+    """Return today's name of a column or a field: results of earlier versions call the counter-body sphere."""
+    return name.replace("sphere", "counter")
+
+
+def stored(group: Any, name: str) -> str:
+    """Return the name that a column or a field of today has in a group of a result, or would have."""
+    former = name.replace("counter", "sphere")
+    return former if former != name and former in group else name
+
+
 def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
     """Raise ValueError, naming it, for the first thing that no run of the study writes.
 
@@ -52,7 +63,7 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
     if not steps:
         raise ValueError("its history has no step")
     tables = {quantity.name for quantity in PATCH_TABLES}
-    lacking = {column.name for column in columns_of(study)} - set(_group(file, "history"))
+    lacking = {column.name for column in columns_of(study)} - set(map(current, _group(file, "history")))
     for later in LATER:
         if later <= lacking:
             lacking -= later
@@ -96,7 +107,7 @@ def check_snapshots(file: h5py.File, study: Study) -> None:
         if study.is_swept and not isinstance(attributes["row"], int | np.integer):
             raise ValueError(f"the row of its {place} is {attributes['row']!r}")
         for field in FIELDS:
-            if field in file[place] or FIELDS[field].only is None:
+            if stored(file[place], field) in file[place] or FIELDS[field].only is None:
                 _numbers(file, f"{place}/{field}", (rows if field in OF_THE_TRACK else nx, ny))
 
 
@@ -154,7 +165,8 @@ def _numbers(file: h5py.File, path: str, shape: tuple[int | None, ...] | None = 
 def _item(file: h5py.File, path: str) -> Any:
     """Return what is at a path, each part of which leads on within this file."""
     place: Any = file
-    for part in path.split("/"):
+    for name in path.split("/"):
+        part = stored(place, name)
         if not isinstance(place, h5py.Group) or part not in place:
             raise ValueError(f"it lacks {path}")
         if isinstance(place.get(part, getlink=True), h5py.ExternalLink):

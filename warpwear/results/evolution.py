@@ -144,13 +144,13 @@ def inner_scar(
     rows, columns = (
         slice(part.start + q, part.stop - q) for part, q in zip(snapshot.scar, quarters, strict=True)
     )
-    if body == "sphere" or not result.study.is_swept:
+    if body == "counter" or not result.study.is_swept:
         if body == "disc" and disc is not None:
             (nx, ny), (x, y) = disc.shape, quarters
             heights = disc[x : nx - x, y : ny - y]
         else:
             heights = worn_heights(result, snapshot, body, (rows, columns))
-        worn = snapshot.wear_sphere if body == "sphere" else snapshot.wear_disc
+        worn = snapshot.wear_counter if body == "counter" else snapshot.wear_disc
         return [heights + worn[rows, columns] if unworn else heights]
     whole, length = whole_rows(result), rows.stop - rows.start
     length = min(length, whole.stop - whole.start)
@@ -191,7 +191,7 @@ def settling_course(result: ResultFile, body: str) -> tuple[FloatArray, FloatArr
     table = surface_evolution(result).table
     after = table["distance"] > 0.0
     slid, values = np.append(0.0, table["distance"][after]), table[f"sq_{body}"][after]
-    if body == "sphere" or not values.size:
+    if body == "counter" or not values.size:
         return slid, np.append(0.0, values)
     unworn = table["sq_disc_unworn"][after]
     with np.errstate(invalid="ignore", divide="ignore"):  # a disc without roughness

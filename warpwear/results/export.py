@@ -96,7 +96,7 @@ def export(
     """Write a result into a folder, in formats of `FORMATS`; returns the paths, all of them or none written.
 
     snapshot: a number (-1 is the end), a distance with its unit, "all", or several of these; by default all
-    for netcdf and vti, and the end for others. bodies: sphere and disc, or of a swept run track. fields: of
+    for netcdf and vti, and the end for others. bodies: counter and disc, or of a swept run track. fields: of
     netcdf, vti and csv, by default all. points: most along a side (250 for stl, else every cell), each the
     mean of a block. exaggeration: of the heights of stl and vti in space. Raises InputError for what is
     unknown, for an option that no format takes, for a package that is missing and for files that are there.

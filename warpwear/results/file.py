@@ -19,7 +19,7 @@ from warpwear.grid import FloatArray, IntArray
 from warpwear.history.quantities import FIELDS, OF_PIECES, UNITS
 from warpwear.history.rows import History, Named
 from warpwear.history.snapshot import Snapshot
-from warpwear.results.check import ATTRIBUTES, check_content, check_fields
+from warpwear.results.check import ATTRIBUTES, check_content, check_fields, current, stored
 from warpwear.results.seal import digest_of, has_mark, read_header
 from warpwear.study.study import Study
 from warpwear.study.units import parse
@@ -148,7 +148,11 @@ class ResultFile:
     def history(self) -> History:
         """Map each column's name to one value a step, shape (steps,); in the units of `units`."""
         with self._reading() as file:
-            columns = {k: v[()] for k, v in file["history"].items() if v.ndim == 1 and k != PATCH}
+            columns = {
+                current(name): column[()]
+                for name, column in file["history"].items()
+                if column.ndim == 1 and name != PATCH
+            }
         declared = [name for name in UNITS if name in columns]
         return History((name, columns[name]) for name in dict.fromkeys((*declared, *columns)))
 
@@ -184,7 +188,7 @@ class ResultFile:
     def pieces(self) -> dict[str, FloatArray]:
         """The pieces in which bodies have worn, in their order, by the columns of their table.
 
-        step, body (0 the sphere, 1 the disc), x, y, volume, diameter: shape (pieces,) each.
+        step, body (0 the counter-body, 1 the disc), x, y, volume, diameter: shape (pieces,) each.
 
         Raises InputError for a run whose wear leaves at once.
         """
@@ -248,7 +252,7 @@ class ResultFile:
 
     @cached_property
     def snapshot_rows(self) -> IntArray:
-        """Row of the track under the sphere's first row, one a snapshot; empty of a run without a track."""
+        """Row of the track under the counter's first row, one a snapshot; empty of a run without a track."""
         with self._reading() as file:
             rows = [group.attrs.get("row") for group in file["snapshots"].values()]
             return np.array([row for row in rows if row is not None], dtype=np.int64)
@@ -276,7 +280,8 @@ class ResultFile:
         with self._reading() as file:
             group = file["snapshots"][list(file["snapshots"])[number]]
             row = int(group.attrs["row"]) if "row" in group.attrs else None
-            fields = {name: group[name][()] for name in FIELDS if name in group}
+            names = {name: stored(group, name) for name in FIELDS}
+            fields = {name: group[own][()] for name, own in names.items() if own in group}
             check_fields(fields, self.study)
             on_filled = float(group.attrs["load_on_filled"]) if "load_on_filled" in group.attrs else None
             return Snapshot(float(group.attrs["distance"]), row=row, load_on_filled=on_filled, **fields)

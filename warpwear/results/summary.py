@@ -175,12 +175,12 @@ def _of_one_spot(result: ResultFile) -> list[Row]:
     """Declare that scar and depths are not those of a track.
 
     Where more than one pass was slid, also the section of the groove that the disc's wear would be, were it
-    spread over the track of the test: a disc that lies still has all of it under the sphere.
+    spread over the track of the test: a disc that lies still has all of it under the counter-body.
     """
     lap, distance = result.study.sliding.lap, float(result.history["distance"][-1])
     if distance == 0.0:
         return []
-    text = "scar and depths are those of one spot, which stays under the sphere"
+    text = "scar and depths are those of one spot, which stays under the counter-body"
     if lap is None or distance <= lap:
         return [Row("disc at rest", "", text)]
     section = 1.0e6 * float(result.history["wear_volume_disc"][-1]) / lap

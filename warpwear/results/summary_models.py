@@ -270,8 +270,8 @@ def _inner_scar(result: ResultFile, body: str) -> Row:
     text = f"Sq {sq:.3g} µm" + (f" of {unworn:.3g} µm unworn" if unworn else "")
     text += f", Sdq {shown(sdq, 2)}"
     wear = result.study.wear
-    if body == "sphere" and result.study.is_swept and not (wear.sheds and wear.dust_fraction < 1.0):
-        numbers["rq_along_of"] = "the length of a step, which a sphere that wears as dust is averaged over"
+    if body == "counter" and result.study.is_swept and not (wear.sheds and wear.dust_fraction < 1.0):
+        numbers["rq_along_of"] = "the length of a step, which a ball that wears as dust is averaged over"
     else:
         text += f", along sliding Rq {shown(rq, 3)} µm"  # not known between patches
     if not isinstance(fit, str):

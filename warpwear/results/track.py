@@ -25,7 +25,7 @@ SHORT = 1.0e-3
 class Groove:
     """Hold the disc's loss at one snapshot, worn or displaced: means along what whole passes slide over.
 
-    Within the first pass that includes what the sphere has not reached yet.
+    Within the first pass that includes what the counter-body has not reached yet.
     """
 
     distance: float  # [mm]
@@ -181,7 +181,7 @@ def whole_steps(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.bool_
     """Tell which steps are as long as the others: not those that the end of a pass or of the run cuts.
 
     A step that is implicit in the wear yields by K p ΔL: a short one has less area, so less friction, and
-    higher pressures, which say nothing of the track. All steps of a sphere that does not slide over one.
+    higher pressures, which say nothing of the track. All steps of a ball that does not slide over one.
     """
     increment = result.history["increment"]
     if not result.study.is_swept:
@@ -198,7 +198,7 @@ def by_pass(result: ResultFile, *means: str) -> dict[str, FloatArray]:
     history, number, increment = result.history, pass_numbers(result), result.history["increment"]
     last = np.append(np.flatnonzero(np.diff(number)), number.size - 1)
     slid = np.bincount(number, increment).astype(np.float64)
-    lost = ("wear_volume_sphere", "wear_volume_disc", "plastic_volume_disc")
+    lost = ("wear_volume_counter", "wear_volume_disc", "plastic_volume_disc")
     table: dict[str, FloatArray] = {"number": np.arange(1.0, last.size + 1.0), "distance": slid}
     table |= {name: np.diff(history[name][last], prepend=0.0) for name in lost}
     for name in means:

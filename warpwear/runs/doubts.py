@@ -34,7 +34,7 @@ def of_slope(study: Study, slope: float) -> Iterator[str]:
         return
     sentence = f"H/(E*·rms slope) is {ratio:.2g}"
     if modulus is None:
-        bodies = {"sphere": study.sphere, "disc": study.disc}
+        bodies = {"counter": study.counter, "disc": study.disc}
         constants = [(body, name) for body in bodies for name in ("young", "poisson")]
         missing = [f"{b}.{name}" for b, name in constants if getattr(bodies[b], name) is None]
         sentence = f"{sentence} for two bodies of steel (not given: {', '.join(missing)})"

@@ -26,7 +26,7 @@ ON_FILLED = 0.05
 #: Columns that may be no number: without a speed, before the shear strength is calibrated, between solves.
 OPEN = frozenset(("time", "cof", "area_static", "violation", "energy_gap", "energy_gap_relative"))
 BODIES = (
-    ("wear_volume_sphere", "archard_volume_sphere", "pending_volume_sphere"),
+    ("wear_volume_counter", "archard_volume_counter", "pending_volume_counter"),
     ("wear_volume_disc", "archard_volume_disc", "pending_volume_disc"),
 )
 
@@ -49,7 +49,7 @@ class Invariants:
         self._shape, self._extent, self._curvature = (
             study.cells.shape,
             study.grid.extent,
-            study.sphere.curvature,
+            study.counter.curvature,
         )
         of_bearing_area = study.load_tolerance if study.uses_bearing_area else 0.0
         #: Load that may be left unbalanced [N]: what the study's balance is solved to.
@@ -61,7 +61,7 @@ class Invariants:
     ) -> Iterator[Violation]:
         """What a row violates, the worst first.
 
-        touches_edge, touches_rim: whether the contact reached the domain's edge or the sphere's rim, which a
+        touches_edge, touches_rim: whether the contact reached the domain's edge or the counter's rim, which a
         rigid flat has not.
         """
         # Infinities do not cancel, and a NaN stays one: a finite sum, the usual case, needs no second look.
@@ -125,8 +125,8 @@ class Invariants:
         if rim:
             return Violation(
                 "rim",
-                f"sphere.radius = {1.0 / self._curvature:g} mm is too small: the contact reached the "
-                f"sphere's rim {after}, so the sphere is worn away",
+                f"counter.radius = {1.0 / self._curvature:g} mm is too small: the contact reached the "
+                f"counter-body's rim {after}, so the counter-body is worn away",
                 "a larger radius, or less load, wear or distance is needed",
                 sound=True,
             )

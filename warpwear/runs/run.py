@@ -300,7 +300,7 @@ def steps(
     """Make the steps of a study one by one: `for step in warpwear.steps(study): step.row["cof"]`.
 
     Each step has `row`, a dictionary of the history's columns, `units` of them, and `snapshot()` or `fields`:
-    pressure, wear_sphere, wear_disc and gap after it, while no later one is made. Nothing is kept or written;
+    pressure, wear_counter, wear_disc and gap after it until the next. Nothing is kept or written;
     stop whenever you like. study, surface, device, threads: as of `run`, and so are the numbers. `run` makes
     many steps in a row; here each is made alone, as it can be asked for its fields, which takes longer: four
     to ten times where the contact is small.

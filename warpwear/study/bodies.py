@@ -1,4 +1,4 @@
-"""[sphere] and [disc]: the bodies, what they are made of, and the disc's surface."""
+"""[counter] and [disc]: the bodies, what they are made of, and the disc's surface."""
 
 from functools import partial
 from typing import Annotated, Any, Literal
@@ -35,8 +35,8 @@ class Body(Section):
         return None if self.young is None or self.poisson is None else (self.young, self.poisson)
 
 
-class Sphere(Body):
-    """The section [sphere] says how large the ball is and what it is made of."""
+class CounterBody(Body):
+    """The section [counter] says how large the ball is and what it is made of."""
 
     radius: Annotated[float, Quantity("mm", Range(infinite=True))] | None = key(
         None, "radius; 'inf mm' is a rigid flat", one_of="size", must_be_said=True
@@ -108,7 +108,7 @@ class Disc(Body):
     crop: Annotated[tuple[LengthOrZero, ...], BeforeValidator(_crop)] | None = file_key(
         None, "part of the file used: x0, x1, y0, y1 from its corner, or a size around its middle"
     )
-    sliding_axis: Literal["x", "y"] = file_key("x", "axis of the file along which the sphere slides")
+    sliding_axis: Literal["x", "y"] = file_key("x", "axis of the file along which the counter-body slides")
     outliers: Annotated[float, Number(Range(least=3.0, or_equal=True))] | None = file_key(
         None, "points farther than so many robust standard deviations from the local median are removed"
     )

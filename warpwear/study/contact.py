@@ -48,8 +48,8 @@ running_in_key = partial(key, applies=when("wear.law", "running-in"))
 UNCHANGED: Mapping[str, Any] = MappingProxyType({})
 #: The sentence's words for what E* follows from.
 ELASTIC = (
-    "Young's modulus and Poisson's ratio of both bodies: sphere.material or sphere.young and sphere.poisson, "
-    "and the same of the disc"
+    "Young's modulus and Poisson's ratio of both bodies: counter.material or counter.young and "
+    "counter.poisson, and the same of the disc"
 )
 #: The sentence's end where a stiffness is allowed instead.
 A_STIFFNESS = "; or a stiffness such as '2e6 N/mm^3'"
@@ -61,7 +61,7 @@ CRITICAL = (
     "junctions.surface_energy, such as '2 J/m^2', and of the softer body Young's modulus, Poisson's ratio "
     "and hardness; or give a diameter, such as '20 um'"
 )
-IN_ONE_PROPORTION = ", which keeps what sphere and disc wear in one proportion"
+IN_ONE_PROPORTION = ", which keeps what counter-body and disc wear in one proportion"
 
 
 def no_cell_by_cell(why: str, of: tuple[str, ...] = ()) -> tuple[Demand, ...]:
@@ -104,8 +104,8 @@ class Contact(Section):
     boundary: Literal["free", "periodic"] | None = key(
         None,
         "half-space: nothing beyond the domain (two-scale model: beyond each patch), or it is repeated; "
-        "if not given free under a sphere, periodic under a flat and for patches",
-        assumed="nothing beyond the domain under a sphere; under a flat the domain is repeated, and in the "
+        "if not given free under a ball, periodic under a flat and for patches",
+        assumed="nothing beyond the domain under a ball; under a flat the domain is repeated, and in the "
         "two-scale model each patch",
         applies=when("contact.law", "half-space"),
     )
@@ -124,7 +124,7 @@ class Contact(Section):
         assumed="one spring constant matches one of Hertz's three values",
         applies=BULK,
         formerly="contact.foundation",
-        demands=needs("sphere.curvature", of=tuple(MATCHES), what="a sphere", why=A_STIFFNESS)
+        demands=needs("counter.curvature", of=tuple(MATCHES), what="a ball", why=A_STIFFNESS)
         + needs("effective_modulus", of=tuple(MATCHES), what=ELASTIC, why=A_STIFFNESS),
     )
     bulk_update: Literal["initial", "updated"] = key(
@@ -172,10 +172,11 @@ WearCoefficient = Annotated[
 class Wear(Section):
     """The section [wear] says what each body loses."""
 
-    sphere: WearCoefficient = key(
+    counter: WearCoefficient = key(
         ...,
-        'wear coefficient K of the sphere, such as "2e-6 mm^3/N/m"; 0 where it does not wear; without a unit '
+        'wear coefficient K of the ball, such as "2e-6 mm^3/N/m"; 0 where it does not wear; without a unit '
         "k = K H, H as of the disc",
+        formerly="wear.sphere",
     )
     disc: WearCoefficient = key(
         ...,
@@ -187,7 +188,7 @@ class Wear(Section):
         "depth = K × pressure × distance, K constant or by an empirical law of the distance slid",
         demands=needs("wear.decay", of="exponential")
         + needs("wear.running_in", of="running-in")
-        + needs("wear.starts_apart", of="running-in", what="wear.initial_sphere or wear.initial_disc")
+        + needs("wear.starts_apart", of="running-in", what="wear.initial_counter or wear.initial_disc")
         + needs("study.model", "macro", of="bearing-curve", why=": the other models resolve the roughness")
         + needs("stepping.scheme", "implicit", of="bearing-curve")
         + excludes("study.model", "two-scale", of="running-in", why=IN_ONE_PROPORTION),
@@ -200,8 +201,9 @@ class Wear(Section):
     running_in: Length | None = running_in_key(
         None, "running-in: L0 of K + (K0 − K) e^(−L/L0), an empirical fit"
     )
-    initial_sphere: WearCoefficient | None = running_in_key(
-        None, "running-in: K0 of the sphere; K if not given"
+    initial_counter: WearCoefficient | None = running_in_key(
+        None, "running-in: K0 of the counter-body; K if not given"
+        formerly="wear.initial_sphere",
     )
     initial_disc: WearCoefficient | None = running_in_key(None, "running-in: K0 of the disc; K if not given")
     distance_factor: Literal["none", "across", "radial"] = key(
@@ -245,7 +247,7 @@ class Wear(Section):
         return self.particle is not None
 
     def laws(self, hardness: float, values: Mapping[str, Any] = UNCHANGED) -> tuple[WearLaw, WearLaw]:
-        """Return the laws of sphere and disc. hardness: H of V = k F L / H [MPa].
+        """Return the laws of counter-body and disc. hardness: H of V = k F L / H [MPa].
 
         values: dotted keys -> numbers, or arrays of them, in the keys' units, that replace the section's.
         """
@@ -258,13 +260,13 @@ class Wear(Section):
                 value = ArchardCoefficient(value)
             return value.resolved(hardness) if isinstance(value, ArchardCoefficient) else value
 
-        sphere, disc = (WEAR_LAWS[self.law].of(body, number) for body in BODIES)
-        return sphere, disc
+        counter, disc = (WEAR_LAWS[self.law].of(body, number) for body in BODIES)
+        return counter, disc
 
     @property
     def starts_apart(self) -> bool:
         """True where a body runs in, from a coefficient of its own."""
-        return self.initial_sphere is not None or self.initial_disc is not None
+        return self.initial_counter is not None or self.initial_disc is not None
 
 
 class FilmSection(Section):
@@ -274,10 +276,11 @@ class FilmSection(Section):
     shear_strength: Pressure = key(
         ..., "interfacial shear strength of a cell with a film; friction.shear_strength is that of a bare one"
     )
-    bodies: Literal["both", "sphere", "disc"] = key(
+    bodies: Literal["both", "counter", "disc"] = key(
         "both",
         "bodies that carry a film; a cell of the contact is bare where all of them have lost it",
         assumed="oxide on both metals",
+        former_value=("sphere", "counter"),
     )
     regrowth: Annotated[float | Literal["never"], Quantity("mm", words=("never",))] = key(
         "never",

@@ -15,7 +15,7 @@ from warpwear.laws.patches import Patches
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
 from warpwear.laws.track import Track
-from warpwear.study.bodies import Disc, Sphere
+from warpwear.study.bodies import CounterBody, Disc
 from warpwear.study.contact import Contact, Friction, Junctions, Wear
 from warpwear.study.keys import Section, key, value_of, when
 from warpwear.study.motion import GridSection, Sliding, Stepping
@@ -33,7 +33,7 @@ class Content(Section):
     """
 
     study: About = About()
-    sphere: Sphere
+    counter: CounterBody
     disc: Disc
     contact: Contact
     wear: Wear
@@ -66,7 +66,7 @@ class Content(Section):
 
     @property
     def is_swept(self) -> bool:
-        """True where the sphere slides over a track, false where it stays on the same cells of the disc."""
+        """True where the counter slides over a track, false where it stays on the same cells of the disc."""
         return self.sliding.kinematics == "swept"
 
     @property
@@ -115,7 +115,7 @@ class Content(Section):
     @property
     def softer_hardness(self) -> float | None:
         """The smaller of the bodies' hardnesses that are given [MPa]; None where neither is."""
-        return min((h for h in (self.sphere.hardness, self.disc.hardness) if h is not None), default=None)
+        return min((h for h in (self.counter.hardness, self.disc.hardness) if h is not None), default=None)
 
     @property
     def indentation_hardness(self) -> float:
@@ -145,7 +145,7 @@ class Content(Section):
         film, hardness = self.friction.film, self.hardness
         if film is None:
             return None
-        on = film.bodies in ("both", "sphere"), film.bodies in ("both", "disc")
+        on = film.bodies in ("both", "counter"), film.bodies in ("both", "disc")
         regrowth = math.inf if isinstance(film.regrowth, str) else film.regrowth
         parts = [1.0 if cap == hardness else cap / hardness for cap in self.caps]
         return Film(film.thickness, on, regrowth, *parts)
@@ -153,14 +153,14 @@ class Content(Section):
     @property
     def effective_modulus(self) -> float | None:
         """E* of both bodies [MPa]; None where elastic constants are unknown."""
-        sphere, disc = self.sphere.elastic, self.disc.elastic
-        return None if sphere is None or disc is None else effective_modulus(sphere, disc)
+        counter, disc = self.counter.elastic, self.disc.elastic
+        return None if counter is None or disc is None else effective_modulus(counter, disc)
 
     @property
     def boundary(self) -> str:
         """Boundary of the half-space, or of every patch: "free" or "periodic"."""
-        whole_sphere = self.sphere.curvature and self.study.model != "two-scale"
-        return self.contact.boundary or ("free" if whole_sphere else "periodic")
+        whole_counter = self.counter.curvature and self.study.model != "two-scale"
+        return self.contact.boundary or ("free" if whole_counter else "periodic")
 
     @property
     def resolved(self) -> dict[str, str]:
@@ -176,7 +176,7 @@ class Content(Section):
     @property
     def hertz(self) -> Hertz | None:
         """Hertz's contact of the bodies before any wear; None for a flat or unknown elastic constants."""
-        modulus, curvature = self.effective_modulus, self.sphere.curvature
+        modulus, curvature = self.effective_modulus, self.counter.curvature
         if modulus is None or curvature == 0.0:
             return None
         return Hertz(modulus, 1.0 / curvature, self.contact.load)
@@ -205,7 +205,7 @@ class Content(Section):
     def critical_junction(self) -> float | None:
         """Diameter d* [mm] below which junctions of the softer body smooth out; None where it is unknown."""
         energy, strength = self.junctions.surface_energy, self.junction_strength
-        softer = self.sphere if self.sphere.hardness == self.softer_hardness else self.disc
+        softer = self.counter if self.counter.hardness == self.softer_hardness else self.disc
         if energy is None or strength is None or softer.elastic is None:
             return None
         young, poisson = softer.elastic
@@ -240,7 +240,7 @@ class Content(Section):
         return ContactTask(
             load=self.contact.load,
             hardness=self.hardness,
-            curvature=self.sphere.curvature,
+            curvature=self.counter.curvature,
             wear=self.wear_laws,
             compliance=self.contact_law().compliance,
             implicit=self.stepping.scheme == "implicit",
@@ -296,13 +296,13 @@ class Content(Section):
 
     @property
     def wear_coefficients(self) -> tuple[float, float]:
-        """K of sphere and disc [mm²/N], hardness contained; in the long run, where a law changes it."""
-        sphere, disc = self.wear_laws
-        return sphere.steady, disc.steady
+        """K of counter-body and disc [mm²/N], hardness contained; in the long run, where a law changes it."""
+        counter, disc = self.wear_laws
+        return counter.steady, disc.steady
 
     @property
     def wear_laws(self) -> tuple[WearLaw, WearLaw]:
-        """The laws by which sphere and disc wear."""
+        """The laws by which counter-body and disc wear."""
         return self.wear.laws(self.wear_hardness)
 
     @property

@@ -11,7 +11,7 @@ from typing import Any
 
 from warpwear.errors import InputError
 from warpwear.study.content import Content
-from warpwear.study.keys import alternatives_of, declarations, no_such_key, value_of
+from warpwear.study.keys import Declared, alternatives_of, declarations, no_such_key, value_of
 from warpwear.study.materials import material
 from warpwear.study.units import text
 
@@ -109,7 +109,7 @@ def fill(sections: dict[str, Any]) -> set[str]:
     A value that cannot be understood is left to the validation of the study.
     """
     names: set[str] = set()
-    for body in ("sphere", "disc"):
+    for body in ("counter", "disc"):
         keys = sections.get(body)
         if not isinstance(keys, dict) or not isinstance(keys.get("material"), str):
             continue
@@ -137,9 +137,10 @@ def with_new_names(sections: Mapping[str, Any]) -> tuple[dict[str, Any], list[st
     """
     renamed = {name: dict(keys) if isinstance(keys, dict) else keys for name, keys in sections.items()}
     reasons = renamed.get("assumed")
-    notices = []
+    notices: list[str] = []
+    moves: dict[str, str] = {}
     for new, declared in declarations(Content).items():
-        old = declared.formerly or new
+        old = _former_name(new, declared)
         moved = old != new and _is_given(renamed, old)
         if moved:
             if _is_given(renamed, new):
@@ -152,9 +153,9 @@ def with_new_names(sections: Mapping[str, Any]) -> tuple[dict[str, Any], list[st
         current = value_of(renamed, new)
         if value and isinstance(current, str) and current == value:
             insert(renamed, new, now)
-            notices.append(_renamed(f"{old if moved else new} = '{value}'", f"{new} = '{now}'"))
+            notices.append(_renamed({f"{old if moved else new} = '{value}'": f"{new} = '{now}'"}))
         elif moved:
-            notices.append(_renamed(old, new))
+            moves[old] = new
     for old, new in _former_names().items():
         if "." not in old and old in renamed:  # what is left in a section that has another name
             left = renamed.pop(old)
@@ -163,7 +164,7 @@ def with_new_names(sections: Mapping[str, Any]) -> tuple[dict[str, Any], list[st
             for key in left:
                 raise InputError(no_such_key(Content, f"{old}.{key}", now=f"{new}.{key}"))
             renamed.setdefault(new, {})
-    return renamed, notices
+    return renamed, [*notices, *([_renamed(moves)] if moves else [])]
 
 
 def changes_with_new_names(flat: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
@@ -185,13 +186,22 @@ def changes_with_new_names(flat: Mapping[str, Any]) -> tuple[dict[str, Any], lis
 @cache
 def _former_names() -> Mapping[str, str]:
     """Map names of keys and sections before they were renamed to their names now."""
-    renamed = {declared.formerly: new for new, declared in declarations(Content).items() if declared.formerly}
+    former = {_former_name(new, declared): new for new, declared in declarations(Content).items()}
+    renamed = {old: new for old, new in former.items() if old != new}
     sections = {old.partition(".")[0]: new.partition(".")[0] for old, new in renamed.items()}
     return renamed | {old: new for old, new in sections.items() if old not in Content.model_fields}
 
 
-def _renamed(old: str, new: str) -> str:
-    return f"{old} has a new name, and the next release refuses the old one: type {new}."
+def _former_name(name: str, declared: Declared) -> str:
+    """Return the name of a key before it was renamed; of one that never was its own."""
+    return declared.formerly or re.sub(r"^counter\.", "sphere.", name)
+
+
+def _renamed(moves: Mapping[str, str]) -> str:
+    old, new = ", ".join(moves), ", ".join(moves.values())
+    if len(moves) == 1:
+        return f"{old} has a new name, and the next release refuses the old one: type {new}."
+    return f"{old} have new names, and the next release refuses the old ones: type {new}."
 
 
 def _given_twice(old: str, new: str) -> str:

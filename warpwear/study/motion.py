@@ -1,4 +1,4 @@
-"""[grid], [sliding] and [stepping]: the cells, the way of the sphere, and the steps it is cut into."""
+"""[grid], [sliding] and [stepping]: the cells, the way of the counter-body, and the steps it is cut into."""
 
 import math
 from functools import partial
@@ -56,7 +56,7 @@ class GridSection(Section):
 
 
 class Sliding(Section):
-    """The section [sliding] says how far the sphere slides, and which way it takes."""
+    """The section [sliding] says how far the counter-body slides, and which way it takes."""
 
     distance: LengthOrZero | None = total_key(
         None, "total sliding distance; 0 is a static contact", must_be_said=True
@@ -92,7 +92,7 @@ class Sliding(Section):
     )
     kinematics: Literal["stationary", "swept"] = key(
         "stationary",
-        "stationary: the same disc cells stay under the sphere; swept: it slides along a track on the disc",
+        "stationary: the same disc cells stay under the counter; swept: it slides along a track on the disc",
         demands=needs("study.model", "micro", of="swept", why=A_DISC_OF_CELLS)
         + needs("sliding.lap", of="swept", what="sliding.stroke, or sliding.track_radius of a rotating disc"),
     )
@@ -103,7 +103,7 @@ class Sliding(Section):
     )
     shift: Annotated[int, Field(ge=1, le=100_000, strict=True)] = key(
         8,
-        "swept: cells that the sphere moves on in a step, which the half-space divides where it must",
+        "swept: cells that the counter-body moves on in a step, which the half-space divides where it must",
         assumed="well within the contact's length",
         applies=SWEPT,
     )
@@ -117,7 +117,7 @@ class Sliding(Section):
 
     @property
     def uses_track_radius(self) -> bool:
-        """True where the sphere slides along the track's radius, or revolutions are counted or timed."""
+        """True where the counter slides along the track's radius, or revolutions are counted or timed."""
         return self.kinematics == "swept" or self.revolutions is not None or self.frequency is not None
 
     @property

@@ -50,12 +50,12 @@ def _patches(study: Content) -> None:
 
 
 def _boundary(study: Content) -> None:
-    """Refuse a half-space that repeats a sphere."""
+    """Refuse a half-space that repeats a ball."""
     elastic = study.contact.law == "half-space" and study.study.model == "micro"
-    if elastic and study.boundary == "periodic" and study.sphere.curvature != 0.0:
+    if elastic and study.boundary == "periodic" and study.counter.curvature != 0.0:
         raise ValueError(
-            "contact.boundary = 'periodic' would repeat the sphere beside itself: allowed is 'free', or a "
-            "flat, sphere.radius = 'inf mm'"
+            "contact.boundary = 'periodic' would repeat the counter beside itself: allowed is 'free', or a "
+            "flat, counter.radius = 'inf mm'"
         )
 
 
@@ -85,7 +85,7 @@ def _junction_growth(study: Content) -> None:
 def _hardness(study: Content) -> None:
     if study.study.model != "macro" and study.contact.hardness is None and study.softer_hardness is None:
         raise ValueError(
-            "contact.hardness, or the hardness or material of the sphere or the disc, must be given "
+            "contact.hardness, or the hardness or material of the counter-body or the disc, must be given "
             "('inf MPa' is none)"
         )
     hardness = study.softer_hardness if study.contact.hardness is None else study.contact.hardness
@@ -99,26 +99,26 @@ def _hardness(study: Content) -> None:
 
 def _dimensionless(study: Content) -> Iterator[str]:
     """Yield key and value of each wear coefficient that has no unit and is not 0."""
-    for name in ("sphere", "disc", "initial_sphere", "initial_disc"):
+    for name in ("counter", "disc", "initial_counter", "initial_disc"):
         coefficient = getattr(study.wear, name)
         if coefficient is not None and coefficient.dimensionless and coefficient.value > 0.0:
             yield f"wear.{name} = {coefficient.value:g}"
 
 
 def _capacity(study: Content) -> None:
-    curvature, hardness = study.sphere.curvature, min(study.caps)  # all cells may become bare
-    under_sphere = math.pi / curvature**2 if curvature else math.inf
-    carried = hardness * min(study.cells.area, under_sphere)
-    if hardness * under_sphere < study.contact.load:
+    curvature, hardness = study.counter.curvature, min(study.caps)  # all cells may become bare
+    under_counter = math.pi / curvature**2 if curvature else math.inf
+    carried = hardness * min(study.cells.area, under_counter)
+    if hardness * under_counter < study.contact.load:
         radius = math.sqrt(study.contact.load / (math.pi * hardness))
         raise ValueError(
-            f"sphere.radius = {1.0 / curvature:g} mm is too small: at this hardness, {hardness:g} MPa, "
-            f"a sphere carries {hardness * under_sphere:.4g} N on its whole section, and contact.load "
+            f"counter.radius = {1.0 / curvature:g} mm is too small: at this hardness, {hardness:g} MPa, "
+            f"a ball carries {hardness * under_counter:.4g} N on its whole section, and contact.load "
             f"= {study.contact.load:g} N needs more than {radius:.3g} mm"
         )
     if carried < study.contact.load:
         raise ValueError(
-            f"contact.load = {study.contact.load:g} N is more than the domain under the sphere carries at "
+            f"contact.load = {study.contact.load:g} N is more than the domain under the counter carries at "
             f"this hardness ({carried:.4g} N{_of_sheared(study)}); allowed are smaller loads, a larger "
             "grid.extent or contact.hardness"
         )
@@ -179,7 +179,7 @@ def doubts(study: Content) -> Iterator[str]:
 def _of_film(study: Content) -> Iterator[str]:
     """Yield a sentence about a film on a body that does not wear: no cell ever loses it."""
     film = study.friction.film
-    for body, law in zip(("sphere", "disc"), study.wear_laws, strict=True):
+    for body, law in zip(("counter", "disc"), study.wear_laws, strict=True):
         if film is not None and film.bodies in ("both", body) and law.fastest == 0.0:
             yield (
                 f"wear.{body} = 0: the {body} keeps its film, so no cell becomes bare by "
@@ -192,7 +192,7 @@ def _of_hardness(study: Content) -> Iterator[str]:
     limit, softer = study.contact.hardness, study.softer_hardness
     bodies = [
         name
-        for name in ("sphere", "disc")
+        for name in ("counter", "disc")
         if "hardness" in getattr(study, name).model_fields_set and f"{name}.hardness" not in study.assumed
     ]
     if limit is not None and bodies:
@@ -240,7 +240,7 @@ def too_small(study: Content) -> str | None:
 
     Roughness only makes the patch wider. Patches wider than the radius are left to the run.
     """
-    curvature = study.sphere.curvature
+    curvature = study.counter.curvature
     if curvature == 0.0:
         return None
     patch = rules_track.worn_patch(study)
@@ -260,7 +260,7 @@ def _spared(patch: float) -> float:
 
 def _of_extent(study: Content) -> Iterator[str]:
     """Yield a sentence where a worn patch will all but fill the domain: roughness makes it wider."""
-    if study.sphere.curvature == 0.0 or not study.is_rough:
+    if study.counter.curvature == 0.0 or not study.is_rough:
         return
     patch, extent = rules_track.worn_patch(study), study.grid.extent
     if patch <= extent < CLOSE * patch:

@@ -64,7 +64,7 @@ def _of_steps(study: Content, pieces: Pieces) -> Iterator[str]:
         fraction = track.track_fraction
     slid = min(largest, total)
     allowed = OF_THICKNESS * pieces.thickness
-    for name, law, part in zip(("sphere", "disc"), study.wear_laws, (1.0, fraction), strict=True):
+    for name, law, part in zip(("counter", "disc"), study.wear_laws, (1.0, fraction), strict=True):
         depth = law.fastest * study.hardness * part * slid
         if depth <= allowed * (1.0 + 1.0e-9):
             continue
@@ -73,7 +73,7 @@ def _of_steps(study: Content, pieces: Pieces) -> Iterator[str]:
         if study.is_swept:
             cells = math.floor(study.sliding.shift * allowed / depth)
             changes = [f"sliding.shift = {cells}"] if cells else ["a smaller grid.cell"]
-            if name == "sphere" and fraction < 1.0 and study.sliding.track != "full":
+            if name == "counter" and fraction < 1.0 and study.sliding.track != "full":
                 longer = float(study.sliding.track) * depth / allowed
                 changes.append(f"a sliding.track of {longer:.2g} mm or more")
             change = f"{' or '.join(changes)} is needed"

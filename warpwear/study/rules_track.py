@@ -1,4 +1,4 @@
-"""Rules of a study whose sphere slides over a track."""
+"""Rules of a study whose counter-body slides over a track."""
 
 import math
 from collections.abc import Iterator
@@ -42,7 +42,7 @@ def check(study: Content) -> None:
     if track.periodic and track.cells < track.window:
         whose = f"sliding.track = {sliding.track:g} mm" if sliding.track != "full" else named
         raise ValueError(
-            f"{whose} is shorter than grid.extent = {extent:g} mm: the sphere would lie on the same cells "
+            f"{whose} is shorter than grid.extent = {extent:g} mm: the counter would lie on the same cells "
             "twice"
         )
     if track.cells < sliding.shift:
@@ -50,11 +50,11 @@ def check(study: Content) -> None:
             f"sliding.shift = {sliding.shift} cells of {1e3 * cell:g} µm is longer than {named}; a smaller "
             "sliding.shift is needed"
         )
-    contact = extent if study.sphere.curvature == 0.0 else worn_patch(study)
+    contact = extent if study.counter.curvature == 0.0 else worn_patch(study)
     if lap < contact:
         raise ValueError(
             f"{named} is shorter than the contact will be, {contact:.3g} mm: its middle would never leave "
-            "the sphere; allowed are longer ones, or sliding.kinematics = 'stationary'"
+            "the counter-body; allowed are longer ones, or sliding.kinematics = 'stationary'"
         )
 
 
@@ -78,19 +78,19 @@ def worn_patch(study: Content, distance: float | None = None) -> float:
 
     distance: by default the whole test [mm].
 
-    On a disc that lies still both bodies lose the overlap of a sphere with a plane, π a⁴/4R of a paraboloid,
-    whatever the pressure. A sphere that slides loses that overlap alone; or, where it hardly wears, its
+    On a disc that lies still both bodies lose the overlap of a ball with a plane, π a⁴/4R of a paraboloid,
+    whatever the pressure. A ball that slides loses that overlap alone; or, where it hardly wears, its
     groove is a segment of its own circle, 2a³/3R in section.
     """
-    curvature, load = study.sphere.curvature, study.contact.load
+    curvature, load = study.counter.curvature, study.contact.load
     total = study.sliding.total if distance is None else distance
     if curvature == 0.0:
         return study.grid.extent
-    sphere, disc = (load * law.wear_per_pressure(0.0, total) for law in study.wear_laws)
+    counter, disc = (load * law.wear_per_pressure(0.0, total) for law in study.wear_laws)
     lap = study.sliding.lap
     if not study.is_swept or lap is None:
-        return float(2.0 * (4.0 * (sphere + disc) / (math.pi * curvature)) ** 0.25)
-    patch = (4.0 * sphere / (math.pi * curvature)) ** 0.25
+        return float(2.0 * (4.0 * (counter + disc) / (math.pi * curvature)) ** 0.25)
+    patch = (4.0 * counter / (math.pi * curvature)) ** 0.25
     groove = (1.5 * disc / (lap * curvature)) ** (1.0 / 3.0) if total > lap else 0.0
     return float(2.0 * max(patch, groove))
 
@@ -107,9 +107,9 @@ def unstable(study: Content) -> str | None:
     """Return the start of a sentence about a shift too large for explicit steps; None where it is not."""
     compliance = study.contact_law().compliance
     track = study.track
-    sphere, disc = (law.fastest for law in study.wear_laws)
+    counter, disc = (law.fastest for law in study.wear_laws)
     slid = min(track.shift * track.stroke / track.cells, study.sliding.total)
-    removal = (sphere + track.track_fraction * disc) * slid
+    removal = (counter + track.track_fraction * disc) * slid
     if compliance == 0.0 or removal < 2.0 * compliance:
         return None
     return (

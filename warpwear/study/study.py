@@ -15,7 +15,7 @@ from warpwear.study.keys import unused_key_notices, value_of
 class Study(Content):
     """A study is its sections of keys (see `warpwear.study.content`), each number in mm, N, MPa or s.
 
-    Make one with `Study.load(path_or_preset)` or from sections: `Study(sphere={"radius": "3 mm"}, ...)`.
+    Make one with `Study.load(path_or_preset)` or from sections: `Study(counter={"radius": "3 mm"}, ...)`.
     Quantities are text, pairs such as (3, "mm"), or pint's. A study is frozen, and `replace` gives a changed
     copy. Raises InputError, with one sentence, for anything that cannot be computed.
     """
@@ -100,7 +100,7 @@ class Study(Content):
         """Return a copy with keys changed: {"grid.cell": "2 um"}, or by section: grid={"cell": "2 um"}.
 
         Raises InputError for anything that cannot be computed. A key that says the same in another way
-        is dropped: a new sphere.diameter replaces sphere.radius. The description tells what has changed,
+        is dropped: a new counter.diameter replaces counter.radius. The description tells what has changed,
         unless it is set itself.
 
         >>> study = warpwear.Study.load("v3-fine").replace({"contact.load": "4 N", "grid.cell": "2 um"})

@@ -9,10 +9,10 @@ import numpy as np
 from warpwear.figures.courses import OVERLAID, Course, over_each_other
 from warpwear.figures.describe import (
     COLUMN,
+    COUNTER,
     DASHES,
     GROUPS,
     NOMINAL,
-    SPHERE,
     WIDE_DISTANCE,
     Axis,
     Bars,
@@ -103,7 +103,7 @@ def scatter(result: SweepResult, quantity: Quantity, varied: dict[str, tuple[Flo
     keys = [key for key in varied if not is_label(key)][:4] or list(varied)[:4]
     names, ends = short_names(result.plan.keys), quantity.scaled(result.ends(quantity.name))
     least = 0.0 if np.nanmin(ends) > 0.0 else None
-    look = Look(SPHERE, "", marker="o", alpha=0.6)
+    look = Look(COUNTER, "", marker="o", alpha=0.6)
     charts = []
     for key in keys:
         values, unit = varied[key]

@@ -18,7 +18,7 @@ from warpwear.thesis.printed import Printed
 #: Diameter of the worn patch of the ball [mm].
 DIAMETER = thesis.PATCH_DIAMETERS["experiment"]
 #: K of the ball in Table 4.1 [mm²/N].
-K_OF_BALL = 1e-3 * thesis.WEAR_COEFFICIENTS["sphere"].value
+K_OF_BALL = 1e-3 * thesis.WEAR_COEFFICIENTS["counter"].value
 #: Digits to which the volumes are rounded before they are turned back into Table 4.1.
 DIGITS = 4
 ELLIPSOID = "by (4/3) π a² h: Table 4.1's number looks like this one"
@@ -60,7 +60,7 @@ def table_4_1() -> dict[str, tuple[Printed, WearCalibration]]:
 
 def patch() -> Patch:
     """Turn the 0.80 mm of figure 4.36 and Table 4.1's K of the ball each into the other."""
-    radius, diameter = thesis.SPHERE_RADIUS.value, DIAMETER.value
+    radius, diameter = thesis.COUNTER_RADIUS.value, DIAMETER.value
     volume = K_OF_BALL * thesis.LOAD.value * thesis.DISTANCE.value
     flat = cap(diameter, radius=radius)
     ellipsoid = volume_given(4.0 / 3.0 * math.pi * (0.5 * diameter) ** 2 * (flat.depth or 0.0))
@@ -96,7 +96,7 @@ def calibrate_thesis(*, as_json: bool = False) -> str:
             "  is no check of the measurement.",
             "",
             f"The ball's patch of {DIAMETER.value:.2f} mm and Table 4.1's {_k(1e3 * K_OF_BALL)} do not "
-            f"agree (radius {thesis.SPHERE_RADIUS.value:g} mm):",
+            f"agree (radius {thesis.COUNTER_RADIUS.value:g} mm):",
             *lines(rows),
             "  That it is the ellipsoid is an inference: the thesis prints no relation of volume to depth.",
             f"  Table 4.1's K of the ball is {ratio:.2f} times what the cap of the patch says.",

@@ -51,9 +51,9 @@ def distance_factor(runs: Runs, numbers: Numbers) -> Figure:
     study = runs["v2"].study
     edge = worn_radius(study)
     y = np.linspace(-edge, edge, 401)
-    ball = np.sqrt(1.0 - (y * study.sphere.curvature) ** 2)
+    ball = np.sqrt(1.0 - (y * study.counter.curvature) ** 2)
     lines: list[Line | Level] = [
-        Level(1.0, "without (V1)", Look(describe.SPHERE, width=1.2)),
+        Level(1.0, "without (V1)", Look(describe.COUNTER, width=1.2)),
         Line(y, ball, "with, cos θ (V2)", Look(describe.DISC, "dash")),
     ]
     chord = np.sqrt(np.maximum(0.0, 1.0 - (y / edge) ** 2))
@@ -136,7 +136,7 @@ def areas_of_all(runs: Runs, numbers: Numbers) -> Figure:
 def stability(runs: Runs, numbers: Numbers) -> Figure:
     beyond, steady = runs["beyond"].history, runs["steady"].history
     near = np.abs(beyond["distance"] - 0.5 * beyond["distance"][-1]) <= 15.0
-    stable = Look(describe.SPHERE)
+    stable = Look(describe.COUNTER)
     dots = Look(describe.DISC, width=0.7, marker=".", size=2.0)
     explicit, implicit = "explicit, beyond the limit", "stable: implicit"
     part, steady_part = ({name: of[near] for name, of in history.items()} for history in (beyond, steady))
@@ -160,8 +160,8 @@ def rough_patches(runs: Runs, numbers: Numbers) -> Figure:
     for name, marker, size, colour, label, shift in (
         ("bound", "_", 12.0, describe.NEUTRAL, "a peak R_p at both ends", 0.0),
         ("farthest", "D", 3.0, describe.SUM, "twice the farthest cell", 0.0),
-        ("along", "o", 4.0, describe.SPHERE, "along, V3", -0.12),
-        ("predicted_along", "x", 4.0, describe.SPHERE, "along, geometry alone", -0.12),
+        ("along", "o", 4.0, describe.COUNTER, "along, V3", -0.12),
+        ("predicted_along", "x", 4.0, describe.COUNTER, "along, geometry alone", -0.12),
         ("across", "o", 4.0, describe.DISC, "across, V3", 0.12),
         ("predicted_across", "x", 4.0, describe.DISC, "across, geometry alone", 0.12),
     ):
@@ -201,7 +201,7 @@ def patch_bars(runs: Runs, numbers: Numbers) -> Figure:
     ours += [numbers[f"{name}.patch_along_mm"] for name in ("v3", "fine")]
     names = ["V1", "V2", "V3", "experiment"]
     printed = [PATCH_DIAMETERS[name].value for name in ("v1", "v2", "v3", "experiment")]
-    label, grey = "diameter of the sphere's patch, mm", [*[PRINTED] * 3, EXPERIMENT]
+    label, grey = "diameter of the counter-body's patch, mm", [*[PRINTED] * 3, EXPERIMENT]
     panels = [
         replace(_bars(label, names, printed, "{:.2f}"), title="printed", colours=grey),
         replace(_bars(label, [*VERSIONS.values()], ours, "{:.2f}"), title="ours"),

@@ -15,7 +15,7 @@ from warpwear.thesis.verdicts import folded
 
 #: Line of each version in every figure.
 LOOKS: dict[str, Look] = {
-    "v1": Look(describe.SPHERE, width=3.0, alpha=0.5),  # wide: others lie on it
+    "v1": Look(describe.COUNTER, width=3.0, alpha=0.5),  # wide: others lie on it
     "v2": Look(describe.TOUCHED, "dash"),
     "v3": Look(describe.DISC, "dashdot"),
     "fine": Look(describe.CONTACT),
@@ -30,10 +30,10 @@ CAPTIONS = {name: folded(text) for name, text in read("captions.toml").items()}
 #: Figures by name; single runs have declared theirs.
 FIGURES: dict[str, Declare] = {
     "disc_3d_of_v1": lambda runs, _: runs["v1"].plot.declared("disc_3d"),
-    "sphere_3d_of_v1": lambda runs, _: runs["v1"].plot.declared("sphere_3d"),
+    "counter_3d_of_v1": lambda runs, _: runs["v1"].plot.declared("counter_3d"),
     "volumes_of_v1": lambda runs, _: runs["v1"].plot.declared("volumes"),
     "disc_3d_of_v3": lambda runs, _: runs["v3"].plot.declared("disc_3d"),
-    "sphere_3d_of_v3": lambda runs, _: runs["v3"].plot.declared("sphere_3d"),
+    "counter_3d_of_v3": lambda runs, _: runs["v3"].plot.declared("counter_3d"),
     "disc_maps_of_v3": lambda runs, _: runs["v3"].plot.declared("disc_map"),
 }
 

@@ -76,15 +76,15 @@ def pressure_of_v1(runs: Runs, numbers: Numbers) -> Figure:
 def pressure_of_v2(runs: Runs, numbers: Numbers) -> Figure:
     v2 = runs["v2"]
     last = v2.snapshot(-1)
-    sphere, disc = v2.study.wear_coefficients
+    counter, disc = v2.study.wear_coefficients
     across, along = (_middle(last.pressure, axis) for axis in (1, 0))
     y = v2.y[across > 0.0]
-    cosine = np.sqrt(1.0 - (y * v2.study.sphere.curvature) ** 2)
-    level = across[v2.y.size // 2] * (sphere + disc)
+    cosine = np.sqrt(1.0 - (y * v2.study.counter.curvature) ** 2)
+    level = across[v2.y.size // 2] * (counter + disc)
     lines = [
         Line(v2.y, positive(across), "across", CONTACT),
         Line(v2.x, positive(along), "along", Look(describe.CONTACT, "dash")),
-        Line(y, level / (sphere + disc * cosine), "closed form", Look(describe.HARDNESS, "dot")),
+        Line(y, level / (counter + disc * cosine), "closed form", Look(describe.HARDNESS, "dot")),
     ]
     both = np.concatenate([across, along])
     low, high = float(both[both > 0.0].min()), float(both.max())
@@ -123,11 +123,11 @@ def pressure_maps(runs: Runs, numbers: Numbers) -> Figure:
 
 
 @figure
-def sphere_patches(runs: Runs, numbers: Numbers) -> Figure:
+def counter_patches(runs: Runs, numbers: Numbers) -> Figure:
     maps = []
     for name, version in VERSIONS.items():
         window = window_of(runs[name])
-        depth = positive(window.means(1e3 * runs[name].snapshot(-1).wear_sphere))
+        depth = positive(window.means(1e3 * runs[name].snapshot(-1).wear_counter))
         scale = Scale("wear depth, µm", 0.0, float(np.nanmax(depth)), colours="depths")
         along, across = (numbers[f"{name}.patch_{side}_mm"] for side in ("along", "across"))
         label = f"{version}: {along:.3g} × {across:.3g} mm"
@@ -174,15 +174,15 @@ def contact_areas(runs: Runs, numbers: Numbers) -> Figure:
 
 
 @figure
-def sphere_of_v2(runs: Runs, numbers: Numbers) -> Figure:
-    first, second = (runs[name].snapshot(-1).wear_sphere for name in ("v1", "v2"))
+def counter_of_v2(runs: Runs, numbers: Numbers) -> Figure:
+    first, second = (runs[name].snapshot(-1).wear_counter for name in ("v1", "v2"))
     panels = []
-    for wear, label in ((second, "wear of the sphere, V2, µm"), (second - first, "V2 minus V1, µm")):
+    for wear, label in ((second, "wear of the counter-body, V2, µm"), (second - first, "V2 minus V1, µm")):
         lines = [
             Line(runs["v2"].x, 1e3 * _middle(wear, axis), name, look)
             for axis, name, look in (
-                (0, "along sliding", Look(describe.SPHERE)),
-                (1, "across sliding", Look(describe.SPHERE, "dash")),
+                (0, "along sliding", Look(describe.COUNTER)),
+                (1, "across sliding", Look(describe.COUNTER, "dash")),
             )
         ]
         panels.append(chart(lines, Axis(label), "distance from the middle, mm"))

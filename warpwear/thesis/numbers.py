@@ -54,13 +54,13 @@ def _of_version(result: Result) -> Numbers:
     """Find what each version says of itself."""
     history, summary = result.history, result.summary
     first, end = ({name: values[row] for name, values in history.items()} for row in (0, -1))
-    mean, curvature = history["pressure_mean"], result.study.sphere.curvature
-    total = end["wear_depth_sphere"] + end["wear_depth_disc"]
+    mean, curvature = history["pressure_mean"], result.study.counter.curvature
+    total = end["wear_depth_counter"] + end["wear_depth_disc"]
     values_of_version = {
         "patch_by_area_mm": 2.0 * math.sqrt(end["area_touched"] / math.pi),
-        # A sphere and a flat whose middles have receded by so much meet at this rim; a paraboloid is wider.
+        # A ball and a flat whose middles have receded by so much meet at this rim; a paraboloid is wider.
         "patch_by_depth_mm": 2.0 * rim_at(total, radius=1.0 / curvature) if curvature else math.nan,
-        "sphere_volume_error": summary["conservation_relative"]["sphere"],
+        "counter_volume_error": summary["conservation_relative"]["counter"],
         "disc_volume_error": summary["conservation_relative"]["disc"],
         "disc_volume_over_KFL": summary["disc_volume_over_KFL"] or math.nan,
         "area_30_mm2": np.interp(SETTLED, history["distance"], history["area_contact"]),
@@ -138,21 +138,21 @@ def _factor(runs: Runs) -> Numbers:
     middle = pressure.shape[0] // 2
     line = pressure[middle][pressure[middle] > 0.0]
     edge = 0.5 * v2["patch_across"][-1] - 0.5 * study.grid.cell
-    cosine = math.sqrt(max(0.0, 1.0 - (edge * study.sphere.curvature) ** 2))
-    sphere, disc = study.wear_coefficients
+    cosine = math.sqrt(max(0.0, 1.0 - (edge * study.counter.curvature) ** 2))
+    counter, disc = study.wear_coefficients
     settled = _settled(v1["distance"])
     change = v2["cof"][settled] / v1["cof"][settled] - 1.0
-    wear_1, wear_2 = (runs[name].snapshot(-1).wear_sphere for name in ("v1", "v2"))
+    wear_1, wear_2 = (runs[name].snapshot(-1).wear_counter for name in ("v1", "v2"))
     return {
         "v2.factor_at_edge": cosine,
         # The chord of the contact, not of the ball: what a swept cell really sees.
         "v2.true_factor_at_edge": math.sqrt(max(0.0, 1.0 - (edge / (edge + 0.5 * study.grid.cell)) ** 2)),
         "v2.edge_pressure_excess": line[[0, -1]].mean() / line[line.size // 2] - 1.0,
         # Worn flat together, both bodies recede alike: p (K_s + K_d cos θ) is the same everywhere.
-        "v2.edge_pressure_excess_expected": (sphere + disc) / (sphere + disc * cosine) - 1.0,
+        "v2.edge_pressure_excess_expected": (counter + disc) / (counter + disc * cosine) - 1.0,
         "v2.cof_change_largest": np.abs(change).max(),
         "v2.skewness_um": 1e3 * np.abs(wear_2 - wear_2.T).max(),
-        "v2.sphere_change_um": 1e3 * np.abs(wear_2 - wear_1).max(),
+        "v2.counter_change_um": 1e3 * np.abs(wear_2 - wear_1).max(),
     }
 
 
@@ -177,7 +177,7 @@ def _rough(runs: Runs) -> Numbers:
         "fine.area_first_over_F_H": fine["area_contact"][0] * study.hardness / study.contact.load,
     }
     for name, history in (("v1", v1), ("v3", v3)):
-        numbers[f"{name}.sphere_pattern_um"] = 1e3 * pattern(runs[name])
+        numbers[f"{name}.counter_pattern_um"] = 1e3 * pattern(runs[name])
         numbers[f"{name}.mean_disc_depth_um"] = (
             1e3 * history["wear_volume_disc"][-1] / history["area_nominal"][-1]
         )
@@ -185,8 +185,8 @@ def _rough(runs: Runs) -> Numbers:
 
 
 def pattern(result: Result) -> float:
-    """Find the root mean square of the sphere's wear about its own paraboloid, amid the patch [mm]."""
-    wear = result.snapshot(-1).wear_sphere
+    """Find the root mean square of the counter-body's wear about its own paraboloid, amid the patch [mm]."""
+    wear = result.snapshot(-1).wear_counter
     reach = 0.35 * float(result.history["patch_along"][-1])
     x, y = np.meshgrid(result.x, result.y, indexing="ij")
     inside = x**2 + y**2 <= reach**2
@@ -208,7 +208,7 @@ def _patches(runs: Runs) -> Numbers:
     measured = np.array([of("along"), of("across")])
     predicted = np.array([of("predicted_along"), of("predicted_across")])
     volumes = of("disc_volume") / runs["v2"].history["wear_volume_disc"][-1] - 1.0
-    radius, smooth = 1.0 / rough.sphere.curvature, worn_radius(rough)
+    radius, smooth = 1.0 / rough.counter.curvature, worn_radius(rough)
     printed = 0.5 * thesis.PATCH_DIAMETERS["v3"].value
     height = depth_of_rim(printed, radius=radius) - depth_of_rim(smooth, radius=radius)
     numbers: Numbers = {

@@ -43,11 +43,11 @@ def _group(prefix: str) -> dict[str, Printed]:
 
 
 LOAD, STROKE, PASSES, DISTANCE = (PRINTED[name] for name in ("load", "stroke", "passes", "distance"))
-SPHERE_RADIUS, SLOWS_AFTER = PRINTED["sphere_radius"], PRINTED["slows_after"]
+COUNTER_RADIUS, SLOWS_AFTER = PRINTED["counter_radius"], PRINTED["slows_after"]
 SPEEDS, TEST_TIMES, DRAWN_AT = (SERIES[name] for name in ("speeds", "times", "drawn_at"))
 #: Table 4.1: body or way of measuring -> K with the hardness contained.
 WEAR_COEFFICIENTS = _group("K_")
-#: The experiment, or a version -> diameter of the worn patch on the sphere after the whole distance.
+#: The experiment, or a version -> diameter of the worn patch on the counter-body after the whole distance.
 PATCH_DIAMETERS = _group("patch_")
 #: Mean pressure of version 3 at all times, least and largest.
 V3_PRESSURES = (PRINTED["pressure_smallest"], PRINTED["pressure_largest"])

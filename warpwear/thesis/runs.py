@@ -84,7 +84,7 @@ class RoughPatch:
     seed: int
     along: float
     across: float
-    predicted_along: float  # extents of the surface cut by the sphere that V1's patch belongs to
+    predicted_along: float  # extents of the surface cut by the counter-body that V1's patch belongs to
     predicted_across: float
     peak: float  # highest point over the mean plane near the rim, R_p
     bound: float  # 2√(z(2R − z)), z = R − √(R² − a²) + R_p: both ends of a diameter on such a peak
@@ -147,10 +147,10 @@ def _rough_patch(seed: int, result: Result) -> RoughPatch:
     """Find the touched patch of a run, and what geometry says of it. seed: of its surface."""
     study = result.study
     heights = surface_in(study).heights(result.x, result.y)
-    radius = 1.0 / study.sphere.curvature
+    radius = 1.0 / study.counter.curvature
     smooth = worn_radius(study)
     square = np.add.outer(result.x**2, result.y**2)
-    # A cell is touched where it stands above the sphere through the smooth patch's rim.
+    # A cell is touched where it stands above the counter-body through the smooth patch's rim.
     over_rim = sag(result.x, result.y, radius=radius) - depth_of_rim(smooth, radius=radius)
     touched = heights >= over_rim
     near_rim = (over_rim >= 0.0) & (over_rim <= heights.max())
@@ -163,19 +163,19 @@ def _rough_patch(seed: int, result: Result) -> RoughPatch:
         predicted_across=_extent(touched, 0, study.grid.cell),
         peak=peak,
         bound=2.0 * rim_at(depth_of_rim(smooth, radius=radius) + max(peak, 0.0), radius=radius),
-        farthest=2.0 * float(np.sqrt(square[result.snapshot(-1).wear_sphere > 0.0].max())),
+        farthest=2.0 * float(np.sqrt(square[result.snapshot(-1).wear_counter > 0.0].max())),
         disc_volume=float(result.history["wear_volume_disc"][-1]),
     )
 
 
 def worn_radius(study: Study) -> float:
     """Find the rim's radius [mm] of the patch of smooth bodies on a stationary footprint: a cap of K F L."""
-    return 0.5 * diameter_of_cap(_worn_volume(study), radius=1.0 / study.sphere.curvature)
+    return 0.5 * diameter_of_cap(_worn_volume(study), radius=1.0 / study.counter.curvature)
 
 
 def worn_radius_of_paraboloid(study: Study) -> float:
-    """Find that radius with a paraboloid for the sphere, (4 R K F L/π)^¼ [mm]; it is a little wider."""
-    return float((4.0 * _worn_volume(study) / (np.pi * study.sphere.curvature)) ** 0.25)
+    """Find that radius with a paraboloid for the counter-body, (4 R K F L/π)^¼ [mm]; it is a little wider."""
+    return float((4.0 * _worn_volume(study) / (np.pi * study.counter.curvature)) ** 0.25)
 
 
 def depth_of_rim(rim: float, *, radius: float) -> float:

@@ -126,7 +126,7 @@ def test_what_is_conserved_in_every_step(kind: str, device: str) -> None:
         asked = wear * share[model._order] / patches.area * increment
         # What is taken off a gap of 0.1 mm is rounded to 1e-17 mm.
         assert_allclose((after - before).mean(axis=(1, 2)), asked, rtol=1e-12, atol=1e-12 * asked.max())
-        for body, k in zip(("sphere", "disc"), study.wear_coefficients, strict=True):
+        for body, k in zip(("counter", "disc"), study.wear_coefficients, strict=True):
             assert row[f"wear_volume_{body}"] == pytest.approx(k * load * slid, rel=1e-10)
             assert row[f"archard_volume_{body}"] == pytest.approx(k * load * slid, rel=1e-12)
         patch, line, column = np.nonzero(after > unworn)
@@ -169,7 +169,7 @@ def test_patches_that_are_left_out_change_nothing(monkeypatch: pytest.MonkeyPatc
 @pytest.mark.parametrize("behind", [{"bulk": "none"}, {"bulk": "spring"}, {"coupling": "load"}])
 def test_stiff_bodies_are_on_the_capped_foundation(behind: dict[str, str]) -> None:
     """What is left of a cell's compliance is K ΔL, as with the local law."""
-    study = quick(**{"sphere.young": "1e9 GPa", "disc.young": "1e9 GPa"})
+    study = quick(**{"counter.young": "1e9 GPa", "disc.young": "1e9 GPa"})
     study = study.replace({f"patches.{key}": value for key, value in behind.items()})
     study = study.replace({"contact.bulk_stiffness": "2e5 N/mm^3"})
     one = Stepped(study)
@@ -180,7 +180,7 @@ def test_stiff_bodies_are_on_the_capped_foundation(behind: dict[str, str]) -> No
         for increment in (0.03, 0.3, 3.0, 3.0):
             row, expected = one.model.advance(increment).row, other.advance(increment).row
             assert row["approach"] == pytest.approx(expected["approach"], abs=1e-8)
-            for name in ("area_contact", "area_plastic", "wear_volume_sphere", "wear_depth_disc"):
+            for name in ("area_contact", "area_plastic", "wear_volume_counter", "wear_depth_disc"):
                 assert row[name] == pytest.approx(expected[name], rel=1e-3), name
             found, wanted = (model.book.table("load_share")[-1] for model in (one.model, other))
             assert 0.5 * np.abs(found - wanted).sum() < 1e-3 * study.contact.load
@@ -188,7 +188,7 @@ def test_stiff_bodies_are_on_the_capped_foundation(behind: dict[str, str]) -> No
 
 def test_soft_cells_are_those_below_a_cut() -> None:
     """With bodies that hardly yield but flow at H, cells in contact are the lowest, F/H of them."""
-    study = quick(**{"sphere.young": "1e6 GPa", "disc.young": "1e6 GPa", "patches.bulk": "none"})
+    study = quick(**{"counter.young": "1e6 GPa", "disc.young": "1e6 GPa", "patches.bulk": "none"})
     stepped = Stepped(study)
     gap = stepped.gap()
     row = stepped.model.advance(0.0, with_pressure=True).row
@@ -201,7 +201,7 @@ def test_soft_cells_are_those_below_a_cut() -> None:
 @pytest.mark.parametrize("bulk", ["none", "spring"])
 def test_flat_bodies_share_the_load_evenly(bulk: str) -> None:
     """Also where nothing but the choice of the patches visited says so."""
-    flat = {"sphere.radius": "inf mm", "contact.bulk_stiffness": "2e6 N/mm^3", "patches.bulk": bulk}
+    flat = {"counter.radius": "inf mm", "contact.bulk_stiffness": "2e6 N/mm^3", "patches.bulk": bulk}
     model = Stepped(quick(disc__synthetic={"kind": "flat"}).replace(flat)).model
     for increment in (0.0, 3.0):
         model.advance(increment)
@@ -223,7 +223,7 @@ def test_patches_that_do_not_resist_fill_in_the_order_of_their_gaps() -> None:
     study = Study.load("two-scale").replace(
         SMOOTH
         | {
-            "sphere.radius": "30 mm",
+            "counter.radius": "30 mm",
             "grid.cell": "5 um",
             "grid.extent": "50 um",
             "patches.macro_cell": "10 um",
@@ -239,19 +239,19 @@ def test_patches_that_do_not_resist_fill_in_the_order_of_their_gaps() -> None:
     assert math.fsum(beside) == pytest.approx(0.1 - 590.0 * 1e-4, rel=1e-9)
 
 
-def test_a_load_near_what_the_sphere_can_carry_asks_for_more_patches() -> None:
+def test_a_load_near_what_the_counter_can_carry_asks_for_more_patches() -> None:
     """Cells beyond its rim carry nothing."""
     study = Study.load("two-scale").replace(
         SMOOTH
         | {
-            "sphere.radius": "0.2 mm",
+            "counter.radius": "0.2 mm",
             "contact.hardness": "100 MPa",
             "contact.load": "11.8 N",  # of 12.57
             "grid.cell": "10 um",
             "grid.extent": "0.42 mm",
             "patches.macro_cell": "70 um",
             "patches.bulk": "spring",
-            "checks.strict": False,  # the contact is as wide as the sphere
+            "checks.strict": False,  # the contact is as wide as the counter-body
         }
     )
     result = warpwear.run(study)
@@ -289,9 +289,9 @@ def test_a_model_goes_on_from_any_step(kind: str) -> None:
         ({"contact.boundary": "free"}, "patches.bulk = 'spring' does not go with contact.boundary = 'free'"),
         ({"stepping.scheme": "explicit"}, "needs stepping.scheme = 'implicit'"),
         ({"sliding.kinematics": "swept"}, "sliding.kinematics"),
-        ({"sphere.material": None}, "needs Young's modulus and Poisson's ratio of both bodies"),
+        ({"counter.material": None}, "needs Young's modulus and Poisson's ratio of both bodies"),
         ({"patches.width": "12 um"}, "patches.width = 12 µm is not a whole number of cells"),
-        ({"contact.hardness": "1 MPa"}, "more than the domain under the sphere carries"),
+        ({"contact.hardness": "1 MPa"}, "more than the domain under the counter-body carries"),
     ],
 )
 def test_what_does_not_fit_is_refused_in_one_sentence(changes: dict[str, Any], words: str) -> None:

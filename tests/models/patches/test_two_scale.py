@@ -65,18 +65,18 @@ def test_full_tiling_without_bulk_is_the_one_scale_run(
         warpwear.run(study, device=device) as two,
     ):
         assert one.history["approach"].size > 100
-        for name in ("approach", "pressure_max", "pressure_mean", "wear_volume_disc", "wear_depth_sphere"):
+        for name in ("approach", "pressure_max", "pressure_mean", "wear_volume_disc", "wear_depth_counter"):
             assert_allclose(two.history[name], one.history[name], rtol=1e-12, err_msg=name)
         for name in ("area_contact", "area_touched", "area_cumulative", "patch_along", "patch_across"):
             assert_allclose(two.history[name], one.history[name], rtol=1e-12, err_msg=name)
         for i in range(one.snapshot_distances.size):
             a, b = one.snapshot(i), two.snapshot(i)
-            for name in ("wear_sphere", "wear_disc"):
+            for name in ("wear_counter", "wear_disc"):
                 expected = getattr(a, name)
                 assert_allclose(getattr(b, name), expected, rtol=0.0, atol=1e-12 * expected.max())
             # heights sampled patch by patch and all at once are the same sum to its rounding, 1e-17 mm; a
             # pressure below hardness is their difference by the compliance 1/k + (K_s + K_d) ΔL
-            wear_per_mm = 1e-3 * (study.wear.sphere.value + study.wear.disc.value)
+            wear_per_mm = 1e-3 * (study.wear.counter.value + study.wear.disc.value)
             step = one.history["increment"][np.argmin(np.abs(one.history["distance"] - a.distance))]
             compliance = 1.0 / study.contact.stiffness + wear_per_mm * step
             allowed = 1e-12 * a.pressure.max() + 1e-17 / compliance
@@ -106,7 +106,7 @@ def test_what_is_conserved_in_every_step(kind: str, device: str) -> None:
         asked = wear * share / area * increment
         # What is taken off a gap of 0.1 mm is rounded to 1e-17 mm.
         assert_allclose(worn, asked, rtol=1e-12, atol=1e-12 * asked.max())
-        for body, k in zip(("sphere", "disc"), study.wear_coefficients, strict=True):
+        for body, k in zip(("counter", "disc"), study.wear_coefficients, strict=True):
             assert row[f"wear_volume_{body}"] == pytest.approx(k * load * slid, rel=1e-10)
             assert row[f"archard_volume_{body}"] == pytest.approx(k * load * slid, rel=1e-12)
         patch, line, column = np.nonzero(after > unworn)

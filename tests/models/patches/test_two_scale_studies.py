@@ -92,9 +92,9 @@ def test_a_patch_narrower_than_the_roughness_cannot_stand_for_more() -> None:
         warpwear.run(quick().replace(narrow))
 
 
-def test_loads_that_are_prescribed_need_macro_cells_wholly_under_the_sphere() -> None:
-    study = quick(patches__coupling="load", sphere__radius="0.2 mm", contact__hardness="100 MPa")
-    study = study.replace({"contact.load": "12 N"})  # all of the sphere would carry 12.6 N
+def test_loads_that_are_prescribed_need_macro_cells_wholly_under_the_counter() -> None:
+    study = quick(patches__coupling="load", counter__radius="0.2 mm", contact__hardness="100 MPa")
+    study = study.replace({"contact.load": "12 N"})  # all of the counter-body would carry 12.6 N
     with pytest.raises(InputError, match=r"contact\.load = 12 N is more than the \d+ macro cells that lie"):
         warpwear.run(study)
 

@@ -34,7 +34,7 @@ def test_snapshots_are_a_sequence(folder: Path) -> None:
             snapshots[1:][2]
         assert repr(snapshots) == "<3 snapshots at 0.003, 0.3, 3 mm>"
         assert repr(snapshots[1]) == (
-            "<Snapshot at 0.3 mm, 75 × 75 cells: pressure, wear_sphere, wear_disc, gap>"
+            "<Snapshot at 0.3 mm, 75 × 75 cells: pressure, wear_counter, wear_disc, gap>"
         )
 
 

@@ -67,7 +67,7 @@ CELL_BY_CELL = {
     "running in apart": {
         "wear.law": "running-in",
         "wear.running_in": "1 mm",
-        "wear.initial_sphere": "3e-3 mm^3/N/m",
+        "wear.initial_counter": "3e-3 mm^3/N/m",
     },
 }
 

@@ -87,7 +87,7 @@ def check_choice(how_many: str, **choice: float | None) -> None:
         raise InputError(f"{values} given; {how_many} of {', '.join(names)} and {last} {may} be.")
 
 
-def boundary_of(boundary: str | None, modulus: float | None, sphere_radius: float | None) -> str | None:
+def boundary_of(boundary: str | None, modulus: float | None, counter_radius: float | None) -> str | None:
     """Return the boundary of the half-space; None where there is no half-space."""
     if modulus is None:
         if boundary is not None:
@@ -97,11 +97,11 @@ def boundary_of(boundary: str | None, modulus: float | None, sphere_radius: floa
         return None
     if boundary not in (None, "periodic", "free"):
         raise InputError(f'boundary = {boundary!r} is unknown; allowed are "periodic" and "free".')
-    if sphere_radius is None:
+    if counter_radius is None:
         return boundary or "periodic"
     if boundary == "periodic":
         raise InputError(
-            f'boundary = "periodic" is not possible with sphere_radius = {sphere_radius:g}; '
+            f'boundary = "periodic" is not possible with counter_radius = {counter_radius:g}; '
             'it must be "free".'
         )
     return "free"

@@ -1,4 +1,4 @@
-"""Solve the contact of a rigid plane or sphere with heights in an array, without a study.
+"""Solve the contact of a rigid plane or counter-body with heights in an array, without a study.
 
 Numbers are in consistent units of the caller's choice; the solvers work in units of their own, see `Task`.
 """
@@ -43,12 +43,12 @@ def solve_contact(
     modulus: float | None = None,
     stiffness: float | None = None,
     boundary: str | None = None,
-    sphere_radius: float | None = None,
+    counter_radius: float | None = None,
     tolerance: float = TOLERANCE,
     device: str = "cpu",
     threads: int | None = None,
 ) -> ArrayContact:
-    """Press a rigid plane, or a sphere, on heights and return the pressure and the gap of every cell.
+    """Press a rigid plane, or a ball, on heights and return the pressure and the gap of every cell.
 
     All numbers are in consistent units of the caller's choice (mm, N and MPa, say, or m, N and Pa).
 
@@ -59,15 +59,15 @@ def solve_contact(
     it, pressure over length, of independent springs under the cells (a Winkler foundation). Without both
     every cell that is touched carries the hardness: the bearing area.
     boundary: of the half-space; "periodic", where the surface repeats without end (by default under a
-    plane), or "free", where nothing lies beside the array (by default, and always, under a sphere).
-    sphere_radius: of the sphere, whose apex comes down on the middle of the array; None for a plane.
+    plane), or "free", where nothing lies beside the array (by default, and always, under a ball).
+    counter_radius: of the counter-body, whose apex comes down on the middle of the array; None for a plane.
     tolerance: largest violation of the contact conditions of the half-space over the rms height of the gap;
     from 1e-14 to 0.01; one that rounding hides is raised to what it shows, `certificate.allowed`. The other
     laws are solved to rounding. device: "cpu" or "cuda:0". threads: of the CPU, by default every core; no
     result depends on it.
 
     Says on standard error what memory is needed where that is 2 GiB or more, before it starts.
-    Warns where the contact with a sphere reaches the edge of the array, and where it is of fewer than nine
+    Warns where the contact with a ball reaches the edge of the array, and where it is of fewer than nine
     cells. Raises InputError for what is not
     possible, ConvergenceError where the tolerance is not met, MemoryError where memory runs out. Sources:
     Polonsky and Keer 1999, Wear 231, 206 and Almqvist et al. 2007, Tribol. Int. 40, 574 (half-space);
@@ -87,19 +87,19 @@ def solve_contact(
     load, mean_pressure = number("load", load), number("mean_pressure", mean_pressure)
     approach = number("approach", approach, any_sign=True)
     modulus, stiffness = number("modulus", modulus), number("stiffness", stiffness)
-    hardness, sphere_radius = number("hardness", hardness), number("sphere_radius", sphere_radius)
+    hardness, counter_radius = number("hardness", hardness), number("counter_radius", counter_radius)
     check_choice("exactly one", load=load, mean_pressure=mean_pressure, approach=approach)
     check_choice("at most one", modulus=modulus, stiffness=stiffness)
     if hardness is modulus is stiffness is None:
         raise InputError(
             "hardness = None is not possible without modulus or stiffness; the bearing area needs a hardness."
         )
-    edge = boundary_of(boundary, modulus, sphere_radius)
+    edge = boundary_of(boundary, modulus, counter_radius)
     nx, ny = surface.shape
     grid, middle = Grid(nx, ny, cell), total / surface.size
     nearest, furthest, carriers = middle - highest, middle - lowest, surface.size
-    unscaled = Gap(surface, middle, grid, sphere_radius)
-    if sphere_radius is not None:
+    unscaled = Gap(surface, middle, grid, counter_radius)
+    if counter_radius is not None:
         nearest, furthest, carriers = _extent(unscaled, workers)
     mean = mean_pressure if load is None else load / grid.area
     if mean is not None and hardness is not None:
@@ -146,9 +146,9 @@ def solve_contact(
                 f"solve_contact failed: with {task.length:.6g} for a mm and {task.pressure:.6g} for a MPa, "
                 f"{error}"
             ) from error
-    if sphere_radius is not None and _touches_edge(contact.pressure):
+    if counter_radius is not None and _touches_edge(contact.pressure):
         warnings.warn(
-            f"the contact with the sphere reaches the edge of heights, of the shape {surface.shape}, beyond "
+            f"the contact with the counter reaches the edge of heights, of the shape {surface.shape}, beyond "
             "which nothing carries; a larger array is needed for the whole contact.",
             stacklevel=2,
         )
@@ -167,7 +167,7 @@ def solve_contact(
 
 
 def _extent(gap: Gap, threads: int) -> tuple[float, float, int]:
-    """Return the smallest and largest gap under the sphere, and the number of cells there."""
+    """Return the smallest and largest gap under the counter-body, and the number of cells there."""
 
     def extent(rows: slice) -> tuple[float, float, int]:
         heights = surface_of(gap(rows))
@@ -176,7 +176,7 @@ def _extent(gap: Gap, threads: int) -> tuple[float, float, int]:
     lows, highs, counts = zip(*each(extent, gap.grid.shape, threads), strict=True)
     if not sum(counts):
         raise InputError(
-            f"sphere_radius = {gap.sphere_radius:g} is not possible; it must reach the middle of a cell."
+            f"counter_radius = {gap.counter_radius:g} is not possible; it must reach the middle of a cell."
         )
     return float(min(lows)), float(max(highs)), sum(counts)
 

@@ -30,13 +30,13 @@ class Gap(NamedTuple):
     heights: FloatArray
     middle: float  # of the mean plane
     grid: Grid
-    sphere_radius: float | None
+    counter_radius: float | None
 
     def __call__(self, rows: slice, out: FloatArray | None = None) -> FloatArray:
-        """Return the gap in some rows, infinite beyond the sphere's edge. out: where it is to be laid."""
+        """Return the gap in some rows, infinite beyond the counter's edge. out: where it is to be laid."""
         gap = np.subtract(self.middle, self.heights[rows], out=out)
-        if self.sphere_radius is not None:
-            gap += sag(self.grid.x[rows], self.grid.y, radius=self.sphere_radius)
+        if self.counter_radius is not None:
+            gap += sag(self.grid.x[rows], self.grid.y, radius=self.counter_radius)
         return gap
 
 
@@ -65,7 +65,7 @@ class Task:
         return self.unscaled.grid.shape
 
     def gap_of(self, rows: slice, out: FloatArray | None = None) -> FloatArray:
-        """Return the gap in some rows, infinite beyond the sphere's edge. out: where it is to be laid."""
+        """Return the gap in some rows, infinite beyond the counter's edge. out: where it is to be laid."""
         gap = self.unscaled(rows, out)
         return np.divide(gap, self.length, out=gap)
 
@@ -112,6 +112,6 @@ def rms_of(gap: FloatArray) -> float:
 
 
 def gap_field(gap: FloatArray, executor: Executor) -> Field:
-    """Make a field of a gap, with no surface beyond the sphere's edge and in the padding."""
+    """Make a field of a gap, with no surface beyond the counter-body's edge and in the padding."""
     values = gap if math.isfinite(gap.max()) else np.minimum(gap, PADDING)
     return executor.field(values, padding=PADDING)

@@ -81,11 +81,11 @@ class FigureData:
     @property
     def slider(self) -> str:
         """What figures call the body that slides."""
-        return "sphere" if self.study.sphere.curvature else "flat"
+        return "counter" if self.study.counter.curvature else "flat"
 
     def name_of(self, body: str) -> str:
-        """Return what a figure calls the body "sphere" or "disc"."""
-        return self.slider if body == "sphere" else body
+        """Return what a figure calls the body "counter" or "disc"."""
+        return self.slider if body == "counter" else body
 
     @property
     def shear(self) -> str:
@@ -162,9 +162,9 @@ class FigureData:
     def bodies_at(self, index: int, *, most: int = 0) -> Bodies:
         """Return both bodies at snapshot number `index`, in at most `most` blocks along a side."""
         snapshot, window = self.snapshot(index), self.window_of(most or self.blocks)
-        sphere, disc = (worn_heights(self.result, snapshot, body) for body in ("sphere", "disc"))
-        wear = snapshot.wear_sphere, snapshot.lost_beneath
-        return Bodies(*(window.means(field) for field in (sphere, disc, *wear)))
+        counter, disc = (worn_heights(self.result, snapshot, body) for body in ("counter", "disc"))
+        wear = snapshot.wear_counter, snapshot.lost_beneath
+        return Bodies(*(window.means(field) for field in (counter, disc, *wear)))
 
     def row_of(self, distance: float) -> int:
         """Return the row of the history whose step ends at a snapshot's distance [mm]."""
@@ -248,7 +248,7 @@ class FigureData:
     def _half(self) -> float:
         """Half the side [mm] of the square that is shown; the domain is a square, too."""
         places, cell = self.result.x, self.study.grid.cell
-        if self.study.sphere.curvature == 0.0:
+        if self.study.counter.curvature == 0.0:
             return float(places[-1]) + 0.5 * cell
         touched = self.snapshot(self.indices[-1]).touched
         reach = max(float(np.abs(places[touched.any(axis=axis)]).max()) for axis in (0, 1))
@@ -276,13 +276,13 @@ class FigureData:
         bins = pressure.size // cells
         first = (pressure.size - bins * cells) // 2
         whole = slice(first, first + bins * cells)
-        curvature = self.study.sphere.curvature
-        sphere = sag_or_nan(places[part], np.zeros(1), curvature)[:, 0] + line(snapshot.wear_sphere)
+        curvature = self.study.counter.curvature
+        counter = sag_or_nan(places[part], np.zeros(1), curvature)[:, 0] + line(snapshot.wear_counter)
         return Profile(
             place=places[part],
-            sphere=sphere,
-            disc=sphere - line(snapshot.gap),
-            wear_sphere=line(snapshot.wear_sphere),
+            counter=counter,
+            disc=counter - line(snapshot.gap),
+            wear_counter=line(snapshot.wear_counter),
             wear_disc=line(snapshot.lost_beneath),
             bins=places[part][whole].reshape(bins, cells).mean(axis=1),
             pressure=pressure[whole].reshape(bins, cells).mean(axis=1),

@@ -189,7 +189,7 @@ def distance_factor(data: FigureData) -> Figure:
     """Sliding distance of cells of the disc over that of the middle."""
     study, window = data.study, data.window
     factors = archard.distance_factor(
-        study.cells, study.wear.distance_factor, curvature=study.sphere.curvature
+        study.cells, study.wear.distance_factor, curvature=study.counter.curvature
     )
     whole = np.broadcast_to(factors, study.cells.shape)
     part, label = whole[window.x, window.y], "relative sliding distance, –"

@@ -1,6 +1,6 @@
 """The wear of a run as a film: the disc, the pressure and the coefficient of friction, a frame a snapshot.
 
-Where a sphere slides over a track, its frames show the whole track, the sphere's place and its pressure.
+Where a ball slides over a track, its frames show the whole track, the counter-body's place and its pressure.
 """
 
 import os
@@ -112,15 +112,15 @@ class _Film:
         view = data.view(index)
         when, position = (
             after(view.distance),
-            [Level(self._position(view.row), look=Look(describe.SPHERE), axis="x")],
+            [Level(self._position(view.row), look=Look(describe.COUNTER), axis="x")],
         )
         if self._swept:  # the whole track, as wide as the panel
             extent, label = (
                 blocks(data.result, index, BLOCKS).extent,
-                "along the track, x, mm (line: the sphere)",
+                "along the track, x, mm (line: the counter-body)",
             )
             more: dict[str, Any] = {"square": False, "levels": position, "x": label}
-            near: dict[str, Any] = {"x": "along sliding, from the sphere's apex, mm"}
+            near: dict[str, Any] = {"x": "along sliding, from the counter-body's apex, mm"}
         else:
             extent, more, near = window.extent, {}, {}
         disc = f"{'track' if self._swept else 'disc'} {when}"
@@ -137,7 +137,7 @@ class _Film:
         return float(self._data.history["position"][row]) if self._swept else 0.0
 
     def _disc_at(self, index: int) -> FloatArray:
-        """Return heights of the disc [µm]: under the sphere, or of the whole track that it slides over."""
+        """Return heights of the disc [µm]: under the counter, or of the whole track that it slides over."""
         if self._swept:
             return 1e3 * blocks(self._data.result, index, BLOCKS).heights
         return np.asarray(1e3 * self._data.bodies_at(index).disc)

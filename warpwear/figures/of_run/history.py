@@ -1,6 +1,6 @@
 """Figures of what a run's history says: one value a step, over distance or time.
 
-Where a sphere slides over a track, steps that are cut short are not drawn, except in volumes and depths, and
+Where a ball slides over a track, steps that are cut short are not drawn, except in volumes and depths, and
 the means of many passes are drawn over their steps, which vary along the track. What a column is called, its
 unit and its line are those of its quantity.
 """

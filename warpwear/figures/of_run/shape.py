@@ -43,25 +43,25 @@ def setup(data: FigureData) -> Figure:
     """The {slider} on the unworn disc at first contact, its near half cut away; heights are exaggerated
     as the figure says.
 
-    Only the sphere's far half is drawn, so that the disc below it is seen; the disc is shown as far as it is
+    Only the counter's far half is drawn, so that the disc below it is seen; the disc is shown as far as it is
     computed.
     """
-    study, curvature = data.study, data.study.sphere.curvature
+    study, curvature = data.study, data.study.counter.curvature
     disc, window = 1e3 * data.relief[0], data.relief[1]
     x0, x1, y0, y1 = window.extent
     x, y = np.linspace(x0, x1, 61), np.linspace(0.5 * (y0 + y1), y1, 31)
     approach = float(data.history["approach"][0])
-    sphere = 1e3 * (sag_or_nan(x, y, curvature) - approach)
-    low, top, high = float(np.nanmin(disc)), float(np.nanmax(disc)), float(np.nanmax(sphere))
+    counter = 1e3 * (sag_or_nan(x, y, curvature) - approach)
+    low, top, high = float(np.nanmin(disc)), float(np.nanmax(disc)), float(np.nanmax(counter))
     middle, half = 0.5 * (x0 + x1), 0.5 * ARROW * (x1 - x0)
-    shape = f"sphere, R = {1.0 / curvature:.3g} mm," if curvature else "rigid flat"
+    shape = f"counter-body, R = {1.0 / curvature:.3g} mm," if curvature else "rigid flat"
     note = (
         f"{shape} on the disc; domain {study.grid.extent:.4g} mm wide\n"
         f"{study.contact.load:.3g} N; heights drawn {{larger}} times as large"
     )
     parts = (
         Surface(disc, describe.DISC, low, top),
-        Glass(x, y, sphere, describe.SPHERE),
+        Glass(x, y, counter, describe.COUNTER),
         Arrow(middle - half, middle + half, top + 0.15 * (high - low), "sliding"),
     )
     ends = low, max(high, top) + 0.05 * (high - low)
@@ -86,12 +86,12 @@ def wear_map(data: FigureData) -> Figure:
     return Figure(maps)
 
 
-@words.figure(*words.SPHERE_WORN)
-def sphere_map(data: FigureData) -> Figure:
+@words.figure(*words.COUNTER_WORN)
+def counter_map(data: FigureData) -> Figure:
     """Height of the {slider}, turned over, unworn and at distances slid; lines are of equal height, and
     far apart where it is worn flat.
     """
-    return _maps(data, "sphere")
+    return _maps(data, "counter")
 
 
 @words.figure(*words.DISC_WORN)
@@ -100,10 +100,10 @@ def disc_map(data: FigureData) -> Figure:
     return _maps(data, "disc")
 
 
-@words.figure(*words.SPHERE_WORN)
-def sphere_3d(data: FigureData) -> Figure:
+@words.figure(*words.COUNTER_WORN)
+def counter_3d(data: FigureData) -> Figure:
     """The {slider}, turned over, unworn and {end}; pale where it is worn."""
-    return _surfaces(data, "sphere")
+    return _surfaces(data, "counter")
 
 
 @words.figure(*words.DISC_WORN)
@@ -112,10 +112,10 @@ def disc_3d(data: FigureData) -> Figure:
     return _surfaces(data, "disc")
 
 
-@words.figure(*words.SPHERE_WORN)
-def sphere_profiles(data: FigureData) -> Figure:
+@words.figure(*words.COUNTER_WORN)
+def counter_profiles(data: FigureData) -> Figure:
     """Sections of the {slider} through the middle, unworn and {when}."""
-    return _profiles(data, "sphere")
+    return _profiles(data, "counter")
 
 
 @words.figure(*words.DISC_WORN)
@@ -131,14 +131,14 @@ def _maps(data: FigureData, body: str) -> Figure:
     labels = ["unworn", *(after(distance) for distance, _ in bodies)]
     fields = [1e3 * _unworn(data, body), *(1e3 * getattr(worn, body) for _, worn in bodies)]
     name = data.name_of(body)
-    is_sphere = name == "sphere"
-    # A sphere's flank at the corners would take half of the colours.
-    seen = [field[:, field.shape[1] // 2] for field in fields] if is_sphere else fields
+    is_counter = name == "counter"
+    # A ball's flank at the corners would take half of the colours.
+    seen = [field[:, field.shape[1] // 2] for field in fields] if is_counter else fields
     low = min(float(np.nanmin(field)) for field in seen)
     high = max(float(np.nanmax(field)) for field in fields)
     # One scale for all: what changes is the disc, not the colours.
-    label, contours = f"height of the {name}, µm", CONTOURS if is_sphere else 0
-    scale = Scale(label, low, high, colours="heights", beyond="min" if is_sphere else "neither")
+    label, contours = f"height of the {name}, µm", CONTOURS if is_counter else 0
+    scale = Scale(label, low, high, colours="heights", beyond="min" if is_counter else "neither")
     shape = Map(f"Height of the {name}", fields, data.window.extent, scale, labels, contours=contours)
     return Figure([shape])
 
@@ -147,18 +147,18 @@ def _surfaces(data: FigureData, body: str) -> Figure:
     last, extent = data.bodies[-1], data.window.extent
     states = {"unworn": _unworn(data, body), after(data.distances[-1]): getattr(last, body)}
     states = {state: 1e3 * coarsen(field, RELIEF)[0] for state, field in states.items()}
-    name, turned = data.name_of(body), ", turned over" if body == "sphere" else ""
-    is_sphere = name == "sphere"
-    worn = coarsen((getattr(last, f"wear_{body}") > 0.0).astype(float), RELIEF)[0] if is_sphere else None
+    name, turned = data.name_of(body), ", turned over" if body == "counter" else ""
+    is_counter = name == "counter"
+    worn = coarsen((getattr(last, f"wear_{body}") > 0.0).astype(float), RELIEF)[0] if is_counter else None
     # A cap's corners do not set the scale.
-    seen = [_cap(field) if is_sphere else field for field in states.values()]
+    seen = [_cap(field) if is_counter else field for field in states.values()]
     ends = min(float(np.nanmin(field)) for field in seen), max(float(np.nanmax(field)) for field in seen)
     boxes = []
     for state, field in states.items():
         scar = worn if state != "unworn" else None
         pale = " (pale: worn)" if scar is not None else ""
         note = f"{name}{turned}, {state}{pale}\nheights drawn {{larger}} times as large"
-        surface = Surface(field, describe.BODIES[body], *ends, scar, cap=is_sphere)
+        surface = Surface(field, describe.BODIES[body], *ends, scar, cap=is_counter)
         boxes.append(Box(f"{name} {state}", extent, "height, µm", *ends, [surface], note))
     return Figure(boxes)
 
@@ -177,7 +177,7 @@ def _cap(field: FloatArray) -> FloatArray:
 
 def _profiles(data: FigureData, body: str) -> Figure:
     views = data.views
-    sign = -1.0 if body == "sphere" else 1.0  # heights are positive out of the material
+    sign = -1.0 if body == "counter" else 1.0  # heights are positive out of the material
     panels: list[Chart] = []
     for cut, label, title in CUTS:
         first: Profile = getattr(views[0], cut)
@@ -204,7 +204,7 @@ def profiles(data: FigureData) -> Figure:
     last = data.views[-1]
     approach, slider = float(data.history["approach"][last.row]), data.slider
     cuts = [getattr(last, name) for name, *_ in CUTS]
-    worn = any(lost.any() for cut in cuts for lost in (cut.wear_sphere, cut.wear_disc))
+    worn = any(lost.any() for cut in cuts for lost in (cut.wear_counter, cut.wear_disc))
     ends = [_seen(cut, approach) for cut in cuts]
     low, high = min(low for low, _ in ends), max(high for _, high in ends)
     room = 0.05 * (high - low)
@@ -212,11 +212,11 @@ def profiles(data: FigureData) -> Figure:
     state = ", worn" if worn else ""
     panels: list[Chart] = []
     for cut, (_, label, title) in zip(cuts, CUTS, strict=True):
-        sphere, disc = cut.sphere - approach, cut.disc
+        counter, disc = cut.counter - approach, cut.disc
         bodies = [
             (disc + cut.wear_disc, "disc, unworn", Look(shade(describe.DISC, 0.0), width=0.5)),
-            (sphere - cut.wear_sphere, f"{slider}, unworn", Look(describe.SPHERE, "dash", 0.7)),
-            (sphere, f"{slider}{state}", Look(describe.SPHERE, width=2.6, alpha=0.4)),
+            (counter - cut.wear_counter, f"{slider}, unworn", Look(describe.COUNTER, "dash", 0.7)),
+            (counter, f"{slider}{state}", Look(describe.COUNTER, width=2.6, alpha=0.4)),
             (disc, f"disc{state}", Look(describe.DISC, width=0.8)),
         ]
         lines = [Line(cut.place, 1e3 * y, name, look) for y, name, look in bodies[0 if worn else 2 :]]
@@ -226,10 +226,10 @@ def profiles(data: FigureData) -> Figure:
 
 def _seen(cut: Profile, approach: float) -> tuple[float, float]:
     """Return the heights between which both bodies are to be seen [mm]."""
-    sphere, unworn_disc = cut.sphere - approach, cut.disc + cut.wear_disc
-    bottom = min(float(np.nanmin(of)) for of in (unworn_disc, cut.disc, sphere - cut.wear_sphere))
-    rise = float(np.nanmax(sphere) - np.nanmin(sphere))
-    return bottom, max(float(np.nanmax(unworn_disc)), float(np.nanmin(sphere)) + 0.25 * rise)
+    counter, unworn_disc = cut.counter - approach, cut.disc + cut.wear_disc
+    bottom = min(float(np.nanmin(of)) for of in (unworn_disc, cut.disc, counter - cut.wear_counter))
+    rise = float(np.nanmax(counter) - np.nanmin(counter))
+    return bottom, max(float(np.nanmax(unworn_disc)), float(np.nanmin(counter)) + 0.25 * rise)
 
 
 def turned_bodies(data: FigureData) -> Figure:
@@ -239,8 +239,8 @@ def turned_bodies(data: FigureData) -> Figure:
     heights = {
         "disc, worn": last.disc,
         "disc, before": last.disc + last.wear_disc,
-        f"{slider}, worn": last.sphere,
-        f"{slider}, before": last.sphere + last.wear_sphere,
+        f"{slider}, worn": last.counter,
+        f"{slider}, before": last.counter + last.wear_counter,
     }
     note = (
         f"Mean heights of squares of {side:.3g} µm, positive out of the material, so that the {slider} lies "

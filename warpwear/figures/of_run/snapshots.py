@@ -47,7 +47,7 @@ def texture(data: FigureData) -> Figure:
     heights: list[Line] = []
     slopes: list[Line] = []
     for body, look in (
-        ("sphere", Look(describe.SPHERE, marker="o")),
+        ("counter", Look(describe.COUNTER, marker="o")),
         ("disc", Look(describe.DISC, marker="s")),
     ):
         slid, sq, fit = data.settling[body]
@@ -76,7 +76,7 @@ def spectrum(data: FigureData) -> Figure:
     ends = 5e11 * min(d.min() for d in known), 2e12 * max(d.max() for d in known)
     density = Axis("power spectral density, µm⁴", "log", *ends)
     panels = []
-    for body, colour in (("sphere", describe.SPHERE), ("disc", describe.DISC)):
+    for body, colour in (("counter", describe.COUNTER), ("disc", describe.DISC)):
         states = data.spectra[body]
         lines = [  # from mm⁴ to µm⁴
             Line(1e3 * of.wavelength, 1e12 * of.density, look=look)

@@ -1,4 +1,4 @@
-"""Figures of a sphere that slides over a track: groove, track, each pass, friction along the stroke."""
+"""Figures of a ball that slides over a track: groove, track, each pass, friction along the stroke."""
 
 import numpy as np
 

@@ -74,9 +74,9 @@ class Profile:
     """Hold lines through the middle in one direction."""
 
     place: FloatArray  # [mm]
-    sphere: FloatArray  # height over the apex it had, its material above [mm]
+    counter: FloatArray  # height over the apex it had, its material above [mm]
     disc: FloatArray  # height over its mean plane [mm]
-    wear_sphere: FloatArray  # [mm]
+    wear_counter: FloatArray  # [mm]
     wear_disc: FloatArray  # [mm]
     bins: FloatArray  # [mm]
     pressure: FloatArray  # mean of the middle strip in each bin [MPa]
@@ -99,9 +99,9 @@ class View:
 class Bodies:
     """Both bodies at one snapshot: mean of each block [mm], heights positive out of the material."""
 
-    sphere: FloatArray
+    counter: FloatArray
     disc: FloatArray
-    wear_sphere: FloatArray
+    wear_counter: FloatArray
     wear_disc: FloatArray
 
 
@@ -135,7 +135,7 @@ def positive(values: FloatArray) -> FloatArray:
 
 
 def sag_or_nan(x: FloatArray, y: FloatArray, curvature: float) -> FloatArray:
-    """Return heights [mm] of the unworn sphere over its apex at x × y; NaN beyond it. curvature: [1/mm]"""
+    """Return heights [mm] of the unworn counter over its apex at x × y; NaN beyond it. curvature: [1/mm]"""
     heights = sag(x, y, radius=1.0 / curvature if curvature else np.inf)
     return np.where(np.isinf(heights), np.nan, heights)
 

@@ -52,7 +52,7 @@ NO_FILM = Reason(lambda d: d.study.film is None, "the bodies carry no film: see 
 NO_TIME = Reason(
     lambda d: not np.isfinite(d.history["time"]).any(), "sliding.speed is not given, so there is no time"
 )
-NO_RADIUS = Reason(lambda d: d.study.sphere.curvature == 0.0, "a rigid flat has no radius of contact")
+NO_RADIUS = Reason(lambda d: d.study.counter.curvature == 0.0, "a rigid flat has no radius of contact")
 NO_SNAPSHOT = Reason(
     lambda d: d.result.snapshot_distances.size == 0, "the run was interrupted before its first snapshot"
 )
@@ -65,7 +65,7 @@ SMOOTH = Reason(
     lambda d: _is_smooth(d) and not d.study.wear.sheds, "smooth bodies that lose no pieces have no roughness"
 )
 NO_TEXTURE = Reason(
-    lambda d: not any(np.isfinite(d.evolution.table[f"sq_{body}"]).any() for body in ("sphere", "disc")),
+    lambda d: not any(np.isfinite(d.evolution.table[f"sq_{body}"]).any() for body in ("counter", "disc")),
     "the scar has too few cells to tell its roughness",
 )
 NO_SPECTRUM = Reason(
@@ -83,7 +83,7 @@ ROUGH = Reason(
 )
 NO_HERTZ = Reason(
     lambda d: d.study.hertz is None,
-    "the elastic constants of sphere and disc are not all known, or there is no sphere",
+    "the elastic constants of counter-body and disc are not all known, or there is no counter-body",
 )
 NO_FACTOR = Reason(
     lambda d: d.study.wear.distance_factor == "none", "wear.distance_factor is none: all cells slide as far"
@@ -103,19 +103,19 @@ TRACK = Reason(
     lambda d: d.study.is_swept, "the disc's wear covers a track: see groove, track_map and track_roughness"
 )
 TRACK_FACTOR = Reason(
-    lambda d: d.study.is_swept, "a sphere that slides over its track has no factor of the distance"
+    lambda d: d.study.is_swept, "a ball that slides over its track has no factor of the distance"
 )
 UNWORN = Reason(
-    _lost_nothing("wear_depth_sphere", "wear_depth_disc"), "nothing is worn off the sphere or the disc"
+    _lost_nothing("wear_depth_counter", "wear_depth_disc"), "nothing is worn off the counter-body or the disc"
 )
-UNWORN_SPHERE = Reason(_lost_nothing("wear_depth_sphere"), "nothing is worn off the sphere")
+UNWORN_COUNTER = Reason(_lost_nothing("wear_depth_counter"), "nothing is worn off the counter-body")
 UNWORN_DISC = Reason(_lost_nothing("wear_depth_disc"), "nothing is worn off the disc")
 NO_GROOVE = Reason(
     _lost_nothing("wear_depth_disc", "plastic_volume_disc"), "nothing is worn or pressed off the disc"
 )
 #: Reasons of several figures.
 FIELD = (NO_SNAPSHOT, ONLY_SAMPLES)
-SPHERE_WORN = (*FIELD, UNWORN_SPHERE)
+COUNTER_WORN = (*FIELD, UNWORN_COUNTER)
 DISC_WORN = (TRACK, *FIELD, UNWORN_DISC)
 GROOVE = (STILL, NO_SNAPSHOT, NO_GROOVE)
 PATCHES = (ONE_SCALE, NO_SNAPSHOT)
@@ -151,7 +151,7 @@ class Entry(NamedTuple):
 #: Figures of a run by name.
 FIGURES: dict[str, Entry] = {}
 #: Fields of a caption that are filled in where no run is at hand.
-OF_ANY_RUN = {"slider": "sphere", "when": "at the snapshots", "end": "at the end"}
+OF_ANY_RUN = {"slider": "counter", "when": "at the snapshots", "end": "at the end"}
 
 
 def figure(*reasons: Reason, essential: bool = False, section: str = "") -> Callable[[Declare], Declare]:

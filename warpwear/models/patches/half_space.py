@@ -41,8 +41,8 @@ from warpwear.models.patches.smooth import SmoothContact
 
 #: Growth of the approach in a step, as is thought before it, over what the last mean pressure would wear off.
 GROWTH_GUESS = 2.0
-#: The wear of both bodies, which the kernel takes for the sphere's.
-OF_BOTH = {"worn": "wear_sphere"}
+#: The wear of both bodies, which the kernel takes for the counter-body's.
+OF_BOTH = {"worn": "wear_counter"}
 
 
 class HalfSpacePatches(Model):
@@ -184,7 +184,7 @@ class HalfSpacePatches(Model):
         """Wear both bodies by the pressure of the contact; sums are in the order of the macro cells."""
         # The scatter is summed about a value near the mean.
         reference, visited = self._ledger.row["pressure_mean"], self.visited
-        self._slides.set(rows=visited, of_sphere=removal, reference=reference)
+        self._slides.set(rows=visited, of_counter=removal, reference=reference)
         if self._worn_by is not contact.pressure_field:
             self._wearing, self._worn_by = self._wear_program(contact), contact.pressure_field
         self._wearing.run()
@@ -212,7 +212,7 @@ class HalfSpacePatches(Model):
             pressed.parts = self._parts
         program = Program(self._executor)
         tables = arguments(OfRows), self._sums, self._maxima
-        bodies = arguments(Bodies, sphere=self.gap, wear_sphere=self.worn)
+        bodies = arguments(Bodies, counter=self.gap, wear_counter=self.worn)
         program.launch(
             wear_from_pressure.wear,
             self._slides.array,

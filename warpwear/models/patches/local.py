@@ -183,7 +183,7 @@ class TwoScaleModel(Model):
         return self._ledger.snapshot(step, distance, self.patches, gap=gap, worn=gap - initial, bare=bare)
 
     def _begin(self, increments: Sequence[float], then: float | None) -> list[tuple[float, float]]:
-        """Plan steps; return K ΔL of sphere and disc in each [mm³/N].
+        """Plan steps; return K ΔL of counter-body and disc in each [mm³/N].
 
         then: the increment after them [mm], where it is known.
         """

@@ -24,7 +24,7 @@ class SmoothContact:
     """Smooth bodies are a Winkler foundation on the macro cells, capped at the hardness, and wear.
 
     Uncapped it would ask more of the first patches than all their cells carry at the hardness. Its gap is the
-    mean over each patch of the sphere's; patches that reach beyond its rim have none and carry nothing.
+    mean over each patch of the counter-body's; patches that reach beyond its rim have none and carry nothing.
 
     Raises InputError for a load that the others do not carry.
     """
@@ -42,7 +42,7 @@ class SmoothContact:
         if whole * self.area * task.hardness < self._load:
             raise InputError(
                 f"contact.load = {self._load:g} N is more than the {whole} macro cells that lie wholly under "
-                f"the sphere carry at the hardness ({whole * self.area * task.hardness:.4g} N), as "
+                f"the counter-body carry at the hardness ({whole * self.area * task.hardness:.4g} N), as "
                 "patches.coupling = 'load' needs it; allowed are smaller loads or a smaller "
                 "patches.macro_cell."
             )

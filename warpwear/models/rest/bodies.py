@@ -20,13 +20,13 @@ class RestingBodies:
 
     gap: Field  # from the mean planes, as worn [mm]
     unworn: Field  # the gap without wear [mm]
-    fractions: tuple[float, float]  # of sphere and disc in what is worn
+    fractions: tuple[float, float]  # of counter-body and disc in what is worn
 
     STATE: ClassVar = {"gap": Field}
 
     @classmethod
     def of(cls, task: ContactTask, executor: Executor, heights: FloatArray) -> Self:
-        """Return unworn bodies: a sphere over the heights of a disc [mm], shape (nx, ny)."""
+        """Return unworn bodies: a ball over the heights of a disc [mm], shape (nx, ny)."""
         grid = executor.grid
         bodies = cls(executor.zeros(), executor.zeros(), task.wear_fractions)
         place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), task.curvature]

@@ -1,4 +1,4 @@
-"""A sphere wears with a disc on one grid, smooth on a foundation (macro) or with every asperity (micro).
+"""A ball wears with a disc on one grid, smooth on a foundation (macro) or with every asperity (micro).
 
 Every cell has the same stiffness, and both bodies wear in one proportion. Other laws, of cell by cell, are
 those of a track on which the disc does not move.
@@ -123,25 +123,25 @@ class OneScaleModel(Model):
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
         assert step.pressure is not None
         gap = self._executor.to_numpy(self.state.gap)
-        sphere, disc = self.worn(gap)
-        snapshot = Snapshot(distance, pressure=step.pressure, wear_sphere=sphere, wear_disc=disc, gap=gap)
+        counter, disc = self.worn(gap)
+        snapshot = Snapshot(distance, pressure=step.pressure, wear_counter=counter, wear_disc=disc, gap=gap)
         # A GPU's fields are copied to be seen, and the others are made for this step.
         return replace(
             snapshot, fresh=frozenset(snapshot.fields) - ({"gap"} if self._executor.device.is_cpu else set())
         )
 
     def worn(self, gap: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
-        """Depths worn off sphere and disc so far [mm], shape (nx, ny). gap: as it is, where it is at hand."""
+        """Depths worn off ball and disc so far [mm], shape (nx, ny). gap: as it is, where it is at hand."""
         first, end = self._ledger.columns  # nothing is worn beyond them
         gap = self._executor.to_numpy(self.state.gap) if gap is None else gap
         unworn = self._executor.to_numpy(self.state.unworn)
         both = np.zeros(gap.shape)
         np.subtract(gap[:, first:end], unworn[:, first:end], out=both[:, first:end])
-        of_sphere, of_disc = self.state.fractions
-        sphere = np.zeros(gap.shape)
-        np.multiply(of_sphere, both[:, first:end], out=sphere[:, first:end])
+        of_counter, of_disc = self.state.fractions
+        counter = np.zeros(gap.shape)
+        np.multiply(of_counter, both[:, first:end], out=counter[:, first:end])
         both[:, first:end] *= of_disc
-        return sphere, both
+        return counter, both
 
     @property
     def in_blocks(self) -> bool:
@@ -185,7 +185,7 @@ class OneScaleModel(Model):
             self._search.check()
 
     def _tell(self, increments: Sequence[float], then: float | None) -> list[tuple[float, float]]:
-        """Tell the device of the next steps, and of the one after them; return K ΔL of sphere and disc."""
+        """Tell the device of the next steps, and of the one after them; return K ΔL of counter and disc."""
         known = [*increments, *([] if then is None else [then])]
         removals = wear_in_steps(self.task.wear, self._ledger.row["distance"], known)
         self._plan.write([(sum(removed), self._stiffness_of(*removed)) for removed in removals])
@@ -221,9 +221,9 @@ class OneScaleModel(Model):
             residual_of(force, self.task.load, approach=balance.approach)
         return self._ledger.enter(balance, increment, removal, reference, total, most)
 
-    def _stiffness_of(self, removal_sphere: float, removal_disc: float) -> float:
-        """1/c [N/mm³] of a step that wears sphere and disc by K ΔL [mm³/N]."""
+    def _stiffness_of(self, removal_counter: float, removal_disc: float) -> float:
+        """1/c [N/mm³] of a step that wears counter-body and disc by K ΔL [mm³/N]."""
         compliance = self.task.compliance_at(self._ledger.row["area_contact"])
         if self.task.implicit:
-            compliance = (compliance + removal_sphere) + removal_disc
+            compliance = (compliance + removal_counter) + removal_disc
         return stiffness_of(compliance)

@@ -1,4 +1,4 @@
-"""The bodies of a contact that slides: a sphere and a disc displaced under it, each with what it has lost."""
+"""The bodies of a contact that slides: a ball and a disc displaced under it, each with what it has lost."""
 
 from dataclasses import dataclass
 from typing import ClassVar, Self
@@ -16,16 +16,16 @@ from warpwear.laws.task import ContactTask
 class SlidingBodies:
     """Holds fields [mm] on the executor's device: of nx × ny cells, and of the disc's rows × ny cells."""
 
-    sphere: Field  # height over the unworn apex, as worn
+    counter: Field  # height over the unworn apex, as worn
     disc: Field  # height over the mean plane, as worn
-    wear_sphere: Field
+    wear_counter: Field
     wear_disc: Field
     plastic_disc: Field  # displaced for good where a cell was at the hardness; one row where none is kept
-    reached: Field  # 1 where the sphere was in contact; one row where its wear shows that
+    reached: Field  # 1 where the counter-body was in contact; one row where its wear shows that
     #: First column that was ever touched, and the one after the last: beyond them all is as it was made.
     columns: tuple[int, int] = (0, 0)
 
-    FIELDS: ClassVar = ("sphere", "disc", "wear_sphere", "wear_disc", "plastic_disc", "reached")
+    FIELDS: ClassVar = ("counter", "disc", "wear_counter", "wear_disc", "plastic_disc", "reached")
     STATE: ClassVar = {"columns": tuple, **dict.fromkeys(FIELDS, Columns)}
 
     @property
@@ -35,9 +35,9 @@ class SlidingBodies:
 
     @classmethod
     def of(
-        cls, task: ContactTask, executor: Executor, disc: FloatArray, *, sphere: FloatArray | None = None
+        cls, task: ContactTask, executor: Executor, disc: FloatArray, *, counter: FloatArray | None = None
     ) -> Self:
-        """Return unworn bodies, of the task's sphere or one of other heights [mm], shape (nx, ny).
+        """Return unworn bodies, of the task's counter-body or one of other heights [mm], shape (nx, ny).
 
         disc: heights over the mean plane [mm], shape (rows ≥ nx, ny). Raises
         ValueError for a disc that is shorter than the grid or of another width.
@@ -47,7 +47,7 @@ class SlidingBodies:
             raise ValueError(f"a disc of {disc.shape} cells does not fit under a grid of {grid.shape}")
         wears = task.wear[0].fastest > 0.0 and task.pieces is None
         return cls(
-            _sphere(task, executor) if sphere is None else executor.field(sphere.copy(), padding=PADDING),
+            _counter(task, executor) if counter is None else executor.field(counter.copy(), padding=PADDING),
             executor.field(disc.copy(), padding=-PADDING),
             executor.zeros(),
             executor.zeros(rows),
@@ -56,11 +56,11 @@ class SlidingBodies:
         )
 
     def row_of(self, shift: int, *, periodic: bool) -> int:
-        """Find the disc's row under the sphere's first, displaced by `shift` rows.
+        """Find the disc's row under the counter-body's first, displaced by `shift` rows.
 
-        Raises ValueError where a disc that is not periodic would leave a part of the sphere without one.
+        Raises ValueError where a disc that is not periodic would leave a part of the counter without one.
         """
-        rows, nx = self.disc.shape[0], self.sphere.shape[0]
+        rows, nx = self.disc.shape[0], self.counter.shape[0]
         if periodic:
             return shift % rows
         if not 0 <= shift <= rows - nx:
@@ -68,8 +68,8 @@ class SlidingBodies:
         return shift
 
 
-def _sphere(task: ContactTask, executor: Executor) -> Field:
-    """Heights of the task's sphere, by the kernel that makes the gap of a smooth disc."""
+def _counter(task: ContactTask, executor: Executor) -> Field:
+    """Heights of the task's counter-body, by the kernel that makes the gap of a smooth disc."""
     grid, heights = executor.grid, executor.zeros()
     place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), task.curvature]
     launch_once(executor, contact.gap, *place, executor.zeros(), heights, heights)

@@ -1,4 +1,4 @@
-"""One grid on the elastic–plastic half-space: a sphere, and a disc that moves or lies still under it."""
+"""One grid on the elastic–plastic half-space: a ball, and a disc that moves or lies still under it."""
 
 import itertools
 import math
@@ -47,15 +47,15 @@ class SlidingHalfSpace:
     """Contact and wear of one study with contact.law = "half-space" on one executor.
 
     A step finds the pressure p with which it ends (implicit Archard). During it the asperities, and p with
-    them, move on by w cells. A disc cell is worn by its own p, a sphere cell by S p, the mean over w cells
-    along x. On its way a disc cell meets S of what the sphere has lost, before the step as in it: the gap is
-    made with S of the sphere's wear, and p adds (G + K_disc ΔL + K_sphere ΔL S²) p to it. With the wear at
-    the middle of the way instead, waves of the sphere between w/2 and w, of which S is negative, would grow.
-    Under a flat w is the whole line: its contact goes on beyond the domain, while under a sphere a mean over
+    them, move on by w cells. A disc cell is worn by its own p, a ball cell by S p, the mean over w cells
+    along x. On its way a disc cell meets S of what the counter has lost, before the step as in it: the gap is
+    made with S of the counter's wear, and p adds (G + K_disc ΔL + K_counter ΔL S²) p to it. With the wear at
+    the middle of the way instead, waves of the counter between w/2 and w, of which S is negative, would grow.
+    Under a flat w is the whole line: its contact goes on beyond the domain, while under a ball a mean over
     the line would smear the contact's outline, which does not move with the disc. Where the disc lies
     still w is one cell, so that both bodies are worn by p, and a step starts from the last one's pressure.
 
-    The outline of a sphere's contact and its mean pressure do not move with the disc either: S of them makes
+    The outline of a ball's contact and its mean pressure do not move with the disc either: S of them makes
     the contact shorter. Asperities below the hardness yield by the wear of the step too, which makes them
     wider. So a step is solved in parts over so few cells that the estimate of both is `LARGEST_ERROR` of the
     area at most; over one cell S is none. The estimate is a fit: docs/theory/limits.md has its cases.
@@ -103,7 +103,7 @@ class SlidingHalfSpace:
             executor, modulus=task.modulus, boundary=task.boundary, hardness=task.hardness
         )
         #: What is bare of film; None without one.
-        self.film = BareCells.of_bodies(task.film, executor, self.state.wear_sphere, self.state.wear_disc)
+        self.film = BareCells.of_bodies(task.film, executor, self.state.wear_counter, self.state.wear_disc)
         self._parts = None if self.film is None else self.film.parts
         self._least_part = 1.0 if self._parts is None else task.least_hardness / task.hardness
         #: The gap, and a mean along x.
@@ -157,7 +157,7 @@ class SlidingHalfSpace:
     ) -> Step:
         """Slide over cells of the disc by an increment [mm] as `step` does, in as many parts as it takes.
 
-        row: the disc's row under the first of the sphere in the part that begins after so many of the cells,
+        row: the disc's row under the first of the counter in the part that begins after so many of the cells,
         and has so many. The row of the step holds the means over its parts, by their lengths, of what it says
         of the contact (approach, areas, cells, squares of pressures), and the largest pressure; the pressure
         asked for is that of the last part.
@@ -263,16 +263,16 @@ class SlidingHalfSpace:
     def _solve(
         self, increment: float, removals: tuple[float, float], *, certified: bool | None
     ) -> HalfSpaceContact:
-        """Solve the contact at the end of an increment [mm] that wears sphere and disc by K ΔL [mm³/N]."""
-        of_sphere, of_disc = (self.task.dust * removal for removal in removals)
+        """Solve the contact at the end of an increment [mm] that wears counter and disc by K ΔL [mm³/N]."""
+        of_counter, of_disc = (self.task.dust * removal for removal in removals)
         window = self.cells_passing(increment)
         self._run("gaps", self._say_gaps)
-        own = of_sphere if window == 1 else 0.0  # a mean over one cell is none
+        own = of_counter if window == 1 else 0.0  # a mean over one cell is none
         return self._half_space.solve(
             self._gap,
             load=self.task.load,
             compliance=self._track_fraction * of_disc + own,
-            streak_compliance=of_sphere - own,
+            streak_compliance=of_counter - own,
             streak_window=window,
             parts=self._parts,
             least_part=self._least_part,
@@ -293,7 +293,7 @@ class SlidingHalfSpace:
         slides = self._slides.array
         if self.film is not None:
             self.film.say_look(program, slides)
-        program.launch(wear_from_pressure.means, slides, self.state.wear_sphere, self._means)
+        program.launch(wear_from_pressure.means, slides, self.state.wear_counter, self._means)
         program.launch(wear_from_pressure.gaps, slides, self._bodies, self._means, self._gap)
 
     def _say_rub(self, program: Program) -> None:
@@ -331,9 +331,9 @@ class SlidingHalfSpace:
         """Wear both bodies by the pressure of a contact; sums and maxima by name. Others as of `_solve`."""
         disc, dust = self._track_fraction * removals[1], self.task.dust
         self._slides.set(
-            of_sphere=dust * removals[0],
+            of_counter=dust * removals[0],
             of_disc=dust * disc,
-            pending_sphere=(1.0 - dust) * removals[0],
+            pending_counter=(1.0 - dust) * removals[0],
             pending_disc=(1.0 - dust) * disc,
             approach=contact.approach,
             reference=self._ledger.row["pressure_mean"],  # the scatter is summed about a value near the mean
@@ -360,7 +360,7 @@ class SlidingHalfSpace:
             most[f"wear_{body}"] = deepest
 
     def cells_passing(self, increment: float) -> int:
-        """Cells of the disc that pass over one of the sphere in an increment [mm]; under a flat the line."""
+        """Cells of the disc that pass over one of the counter in an increment [mm]; under a flat the line."""
         grid = self._executor.grid
         if not self._moves or self._sheds:  # pieces cut what a mean would smear
             return 1

@@ -1,4 +1,4 @@
-"""A disc moves by whole cells under a wearing sphere, step by step, on one grid."""
+"""A disc moves by whole cells under a wearing counter-body, step by step, on one grid."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar
@@ -35,7 +35,7 @@ SPARE = 1.25
 #: Steps of a replay at most, and cells of all its steps: those of a large grid are to be seen, too.
 LONGEST, CELLS_OF_REPLAY = 500, 1.0e8
 #: Sums over tiles and rows, and what is found of them, as the history has them.
-RENAMED = {"worn_sphere": "wear_sphere", "worn_disc": "wear_disc"}
+RENAMED = {"worn_counter": "wear_counter", "worn_disc": "wear_disc"}
 #: Names of the sums and maxima of a step.
 SUMS, MAXIMA = names_of(TrackSum), names_of(TrackMost)
 #: Columns of the history on the device.
@@ -43,13 +43,13 @@ COLUMNS = (*BALANCE, *SUMS, *(f"most_{name}" for name in MAXIMA), *sliding_steps
 
 
 class SlidingContact:
-    """Contact and wear of one task while its disc moves under the sphere, or lies still.
+    """Contact and wear of one task while its disc moves under the counter-body, or lies still.
 
     A step visits what can touch at that displacement, and finds what visiting every cell would find.
 
-    disc: heights over the mean plane [mm], shape (rows ≥ nx, ny); row i of the sphere lies on row i + shift.
-    periodic: after the disc's last row comes its first. sphere: heights over the unworn apex [mm], shape
-    (nx, ny), instead of those of the task's sphere. track_fraction: what this disc slides of the increment of
+    disc: heights over the mean plane [mm], shape (rows ≥ nx, ny); row i of the counter lies on row i + shift.
+    periodic: after the disc's last row comes its first. counter: heights over the unworn apex [mm], shape
+    (nx, ny), instead of those of the task's ball. track_fraction: what this disc slides of the increment of
     the test: its volumes count 1/track_fraction times, as those of the whole stroke that it stands for.
     moves: whether the disc does. Where it lies still, a distance factor of the task is applied; else every
     cell slides by the increment while it is in contact. bearing_curve: of a roughness that the grid does not
@@ -78,19 +78,19 @@ class SlidingContact:
         executor: Executor,
         *,
         periodic: bool = False,
-        sphere: FloatArray | None = None,
+        counter: FloatArray | None = None,
         track_fraction: float = 1.0,
         moves: bool = True,
         bearing_curve: Logistic | None = None,
     ) -> None:
         executor.foresee([sliding.wear_step, bearing.counted_below if task.rigid else balance.carried])
-        self.state = SlidingBodies.of(task, executor, disc, sphere=sphere)
+        self.state = SlidingBodies.of(task, executor, disc, counter=counter)
         self.task, self.periodic, self._moves = task, periodic, moves
         self._executor, self._track_fraction = executor, track_fraction
         self.keeps_dents = task.keeps_dents
         device = executor.device
         #: What is bare of film; None without one.
-        self.film = BareCells.of_bodies(task.film, executor, self.state.wear_sphere, self.state.wear_disc)
+        self.film = BareCells.of_bodies(task.film, executor, self.state.wear_counter, self.state.wear_disc)
         self._slides = Numbers(Slide, device)
         bodies = arguments(Bodies, **self.state.fields, gap=executor.zeros())
         self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
@@ -109,7 +109,7 @@ class SlidingContact:
         self.tiles = SlidingTiles(
             executor, bodies, self._slides.array, least=SPARE * fully, stays=wears_alone and not moves
         )
-        # Of every tile and of every row: cells of the sphere ever touched, wear of the sphere, of the disc,
+        # Of every tile and of every row: cells of the counter ever touched, wear of the counter, of the disc,
         # what is displaced of the disc.
         rows = (executor.grid.nx, executor.grid.nx, disc.shape[0], self.state.plastic_disc.shape[0])
         names = sliding_steps.KEPT
@@ -189,7 +189,7 @@ class SlidingContact:
     def _highest(self) -> float:
         """Largest gap of a disc that lies still [mm], before any wear."""
         state, to_numpy = self.state, self._executor.to_numpy
-        unworn = to_numpy(state.sphere) - to_numpy(state.wear_sphere)
+        unworn = to_numpy(state.counter) - to_numpy(state.wear_counter)
         gap = unworn - (to_numpy(state.disc) + to_numpy(state.wear_disc))
         return float(gap[gap < 0.5 * PADDING].max())
 
@@ -199,7 +199,7 @@ class SlidingContact:
         The row of the step has one column more, `plastic_volume_disc`.
 
         Raises ConvergenceError when the load cannot be balanced, ValueError when a disc that is not periodic
-        would leave a part of the sphere without one.
+        would leave a part of the counter-body without one.
         """
         removals, rigid = self._plan([shift], [increment])
         search, pressure = self._programs.search(rigid=rigid), None
@@ -245,14 +245,14 @@ class SlidingContact:
         removals = wear_in_steps(task.wear, row["distance"], increments)
         own, dust, track = task.compliance_at(row["area_contact"]), task.dust, self._track_fraction
         rows = [self.state.row_of(shift, periodic=self.periodic) for shift in shifts[: len(removals)]]
-        sphere, disc = np.array(removals).T
-        of_sphere, of_disc = dust * sphere, dust * track * disc
-        pending = (1.0 - dust) * sphere, (1.0 - dust) * (track * disc)
-        compliance = own + (of_sphere + of_disc) * task.implicit
+        counter, disc = np.array(removals).T
+        of_counter, of_disc = dust * counter, dust * track * disc
+        pending = (1.0 - dust) * counter, (1.0 - dust) * (track * disc)
+        compliance = own + (of_counter + of_disc) * task.implicit
         alike = [0.0 if self._stiffness is not None else stiffness_of(one) for one in compliance.tolist()]
         ends = np.add.accumulate([row["distance"], *increments[: len(removals)]])
         owns = np.full(len(rows), own)
-        each = rows, ends[:-1], ends[1:], of_sphere, of_disc, *pending, owns, compliance, alike
+        each = rows, ends[:-1], ends[1:], of_counter, of_disc, *pending, owns, compliance, alike
         plan = np.stack(each, axis=1)
         compliances = plan[:, sliding_steps.PLAN.index("compliance")]
         rigid = bool(compliances[0] == 0.0)
@@ -270,7 +270,7 @@ class SlidingContact:
         smallest, limit = self.tiles.begin_at(int(step["shift"]))
         softest = step["stiffness"]
         if self._stiffness is not None and step["compliance"] > 0.0:
-            self._slides.set(**{name: step[name] for name in ("own", "of_sphere", "of_disc")})
+            self._slides.set(**{name: step[name] for name in ("own", "of_counter", "of_disc")})
             softest = self._stiffness.softest(self._slides.array)
         self._course.set(smallest=smallest, first_limit=limit, softest=softest)
 

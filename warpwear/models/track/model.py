@@ -1,4 +1,4 @@
-"""A sphere that slides over a track: one contact, displaced step by step along the way of `track.Track`."""
+"""A ball that slides over a track: one contact, displaced step by step along the way of `track.Track`."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar
@@ -20,7 +20,7 @@ DISC_FIELDS = 4.0
 
 
 class SweptModel(Model):
-    """Contact and wear on one executor, of a disc that moves under the sphere or lies still.
+    """Contact and wear on one executor, of a disc that moves under the counter-body or lies still.
 
     heights: of the track over its mean plane [mm], shape (track.rows, ny). The caller may let go of it.
     bearing_curve: of a roughness that the grid does not resolve, by which a disc that lies still runs in.
@@ -72,7 +72,7 @@ class SweptModel(Model):
         return self._placed(self.contact.step(self._go_to(), increment, with_pressure=with_pressure))
 
     def _go_to(self, done: int = 0, cells: int | None = None) -> int:
-        """Return the disc's row under the first of the sphere, in the next step or in a part of it."""
+        """Return the disc's row under the first of the counter-body, in the next step or in a part of it."""
         self._row = self._track.row(self._done, done, cells)
         return self._row
 
@@ -98,9 +98,9 @@ class SweptModel(Model):
         return Snapshot(
             distance,
             pressure=step.pressure,
-            wear_sphere=to_numpy(state.wear_sphere),
+            wear_counter=to_numpy(state.wear_counter),
             wear_disc=to_numpy(state.wear_disc),
-            gap=to_numpy(state.sphere) - self._track.beneath(disc, row),
+            gap=to_numpy(state.counter) - self._track.beneath(disc, row),
             plastic_disc=to_numpy(state.plastic_disc) if self._keeps else None,
             bare=to_numpy(self.contact.film.bare) if self.contact.film else None,
             row=row if self._track.moves else None,

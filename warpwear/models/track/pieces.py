@@ -35,7 +35,7 @@ ROOM = 4096
 class Pending:
     """Depths pending of one body, where a piece is due, and the sums over its rows.
 
-    fields: height and wear of the body. number: 0 the sphere, whose heights grow as it is worn, 1 the disc.
+    fields: height and wear of the body. number: 0 the counter, whose heights grow as it is worn, 1 the disc.
     """
 
     STATE: ClassVar = {"pending": Field, "overflow": np.ndarray, "_of_rows": Field}
@@ -135,7 +135,7 @@ class SlidingPieces(Attachment):
     the program is to be run again before its step is done.
     """
 
-    STATE: ClassVar = {"sphere": Pending, "disc": Pending, "book": PieceBook}
+    STATE: ClassVar = {"counter": Pending, "disc": Pending, "book": PieceBook}
     columns = COLUMNS
 
     def __init__(self, law: PieceLaw, executor: Executor, bodies: SlidingBodies, *, periodic: bool) -> None:
@@ -153,13 +153,13 @@ class SlidingPieces(Attachment):
             margin=self.margin,
             rounds=ROUNDS,
         )
-        of_sphere, of_disc = (bodies.sphere, bodies.wear_sphere), (bodies.disc, bodies.wear_disc)
-        self.sphere = Pending(executor, law, self._footprint, of_sphere, number=0, periodic=False)
+        of_counter, of_disc = (bodies.counter, bodies.wear_counter), (bodies.disc, bodies.wear_disc)
+        self.counter = Pending(executor, law, self._footprint, of_counter, number=0, periodic=False)
         self.disc = Pending(executor, law, self._footprint, of_disc, number=1, periodic=periodic)
-        both = {"sphere": self.sphere.body, "disc": self.disc.body}
+        both = {"counter": self.counter.body, "disc": self.disc.body}
         self._both = arguments(kernels.Both, footprint=self._footprint, **both)
         self.book = PieceBook()
-        room = max(self.sphere.most, self.disc.most, ROOM)
+        room = max(self.counter.most, self.disc.most, ROOM)
         self._release = arguments(
             shedding.Release,
             pieces=wp.zeros((room, shedding.COLUMNS), dtype=wp.float64, device=device),
@@ -179,8 +179,8 @@ class SlidingPieces(Attachment):
 
     @property
     def both(self) -> tuple[Pending, Pending]:
-        """What is pending of sphere and disc."""
-        return self.sphere, self.disc
+        """What is pending of counter-body and disc."""
+        return self.counter, self.disc
 
     def beside(self, columns: tuple[int, int]) -> tuple[int, int]:
         """First column of those given, and the one after the last, where pieces of them may lie too."""
@@ -226,7 +226,7 @@ class SlidingPieces(Attachment):
     def say_take(self, program: Program, slides: Field, pressure: Field) -> None:
         """Add to a program that the wear by a pressure field [MPa] becomes pending.
 
-        slides: a `Slide` in an array, by whose `pending_sphere`, `pending_disc` and `shift` it does.
+        slides: a `Slide` in an array, by whose `pending_counter`, `pending_disc` and `shift` it does.
         """
         program.launch(kernels.take_field, slides, self._both, pressure, **self._alone)
 
@@ -239,7 +239,7 @@ class SlidingPieces(Attachment):
         column = rows.shape[1] - len(COLUMNS)
         for number, body in enumerate(self.both):
             body.say_shed(program, slides, self._release, (rows, column + number * len(OF_BODY)))
-        program.decide(shedding.end_step, self.sphere.body, self.disc.body, self._release, goes)
+        program.decide(shedding.end_step, self.counter.body, self.disc.body, self._release, goes)
 
     def drain(self) -> bool:
         """Enter the pieces that have left into the book; tell whether the program is to go on in its step."""

@@ -33,7 +33,7 @@ class Recession(Attachment):
 
     def before_wear(self, program: Program, place: Place) -> None:
         """Say how many cells' area bears in a solved contact: Σ φ over the cells in contact."""
-        heights = self._bodies.sphere, self._bodies.disc, self._bodies.wear_disc
+        heights = self._bodies.counter, self._bodies.disc, self._bodies.wear_disc
         program.launch(kernels.borne, place.springs.law, self.curve, *heights, place.tables.bearing)
 
     def after_wear(self, program: Program, place: Place) -> None:

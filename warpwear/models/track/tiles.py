@@ -1,4 +1,4 @@
-"""The list of tiles that a sphere can touch on a disc displaced under it."""
+"""The list of tiles that a ball can touch on a disc displaced under it."""
 
 import math
 from typing import Any, ClassVar
@@ -39,13 +39,13 @@ class PerTile:
 
 
 class SlidingTiles:
-    """Tiles of a sphere that the disc beneath them can reach, displaced as a `Slide` says.
+    """Tiles of a ball that the disc beneath them can reach, displaced as a `Slide` says.
 
     Each displacement has its own list, which a search asks for as `engine.tiles.Tiles` has it; with a tile is
     made its gap. The gap of other tiles is not made. A list holds no tile without a cell within the limit.
 
     bodies: heights as worn, of nx rows and of at least as many, and room for the gap; places without a
-    surface stand infinitely high on the sphere and low on the disc. slides: a `Slide` in an array. least:
+    surface stand infinitely high on the counter and low on the disc. slides: a `Slide` in an array. least:
     cells that a list holds at least, so that a capped contact can carry its load on them. stays: whether the
     disc lies still and nothing but the pass that wears changes a gap, which is made once then.
     """
@@ -66,16 +66,16 @@ class SlidingTiles:
         self.listing: Field = wp.zeros(1, dtype=wp.int32, device=device)
         self._depth: Field = wp.array([float(sliding.FIRST_DEPTH)], dtype=wp.float64, device=device)
         self._split: tuple[int, list[tuple[int, int]]] | None = None  # for the number of a list
-        self.lowest = PerTile(nx, columns, device)  # of the sphere
+        self.lowest = PerTile(nx, columns, device)  # of the counter-body
         self.highest = PerTile(bodies.disc.shape[0], columns, device)  # of the disc
         self.gap = PerTile(nx, columns, device)  # the lowest of each pair, where it was made
         find = Program(executor, records=False)
-        for field, bound, low in ((bodies.sphere, self.lowest, True), (bodies.disc, self.highest, False)):
+        for field, bound, low in ((bodies.counter, self.lowest, True), (bodies.disc, self.highest, False)):
             other = PerTile(field.shape[0], columns, device)
             both = [bound.numbers, other.numbers] if low else [other.numbers, bound.numbers]
             find.launch(sliding.bounds, field, *both, slots=executor.slots_of(field.shape[0]))
         find.run()
-        # The sphere's lowest of eight tiles and the disc's highest of a row, before any wear.
+        # The counter-body's lowest of eight tiles and the disc's highest of a row, before any wear.
         lowest = self.lowest.to_numpy().reshape(nx, -1, LANES).min(axis=2)
         highest = self.highest.to_numpy().max(axis=1)
         self._bounds = arguments(

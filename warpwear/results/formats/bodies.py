@@ -20,12 +20,15 @@ from warpwear.surfaces.sphere import sag
 TRACK = "track"
 #: All rows or columns of a field.
 ALL = slice(None)
-#: A gap beyond this stands for a place beyond the sphere's rim [mm].
+#: A gap beyond this stands for a place beyond the counter-body's rim [mm].
 NO_SURFACE = 1.0e20
 #: Heights of worn bodies, as fields beside those of a snapshot.
 HEIGHTS = {
-    "height_sphere": Quantity(
-        "height_sphere", "mm", "height of the worn sphere out of its material, 0 at the unworn apex", "cell"
+    "height_counter": Quantity(
+        "height_counter",
+        "mm",
+        "height of the worn counter-body out of its material, 0 at the unworn apex",
+        "cell",
     ),
     "height_disc": Quantity(
         "height_disc", "mm", "height of the worn disc out of its material, over its mean plane", "cell"
@@ -40,7 +43,7 @@ HEIGHTS = {
 }
 #: Every field that can be written, by name.
 WRITABLE = FIELDS | HEIGHTS
-#: Fields on the track of a swept run; its disc beneath the sphere has a height of its own.
+#: Fields on the track of a swept run; its disc beneath the counter-body has a height of its own.
 ON_THE_TRACK = (*OF_THE_TRACK, "height_track")
 
 
@@ -49,19 +52,19 @@ def worn_heights(
 ) -> FloatArray:
     """Return heights of a worn body [mm], positive out of its material, shape (nx, ny) or that of a part.
 
-    The disc's are over its mean plane, the sphere's over the apex it had, so that its cap lies below 0.
-    Beyond the sphere's edge the sphere is NaN and the disc as it was before; NaN too if its file is gone, and
-    of a swept run, whose disc is what lies under the sphere. Where the patches of a two-scale
+    The disc's are over its mean plane, the counter-body's over the apex it had, so that its cap lies below 0.
+    Beyond the ball's edge the counter is NaN and the disc as it was before; NaN too if its file is gone, and
+    of a swept run, whose disc is what lies under the counter-body. Where the patches of a two-scale
     run cover nothing both are NaN.
     """
-    curvature = result.study.sphere.curvature
+    curvature = result.study.counter.curvature
     radius = 1.0 / curvature if curvature else np.inf
     x, y, gap = result.x[part[0]], result.y[part[1]], snapshot.gap[part]
-    sphere = sag(x, y, radius=radius) + snapshot.wear_sphere[part]
-    with np.errstate(invalid="ignore"):  # beyond the sphere's edge
-        heights = -sphere if body == "sphere" else sphere - gap
+    counter = sag(x, y, radius=radius) + snapshot.wear_counter[part]
+    with np.errstate(invalid="ignore"):  # beyond the counter-body's edge
+        heights = -counter if body == "counter" else counter - gap
     not_covered = np.isnan(gap)  # by the patches of a two-scale run
-    beyond = (~np.isfinite(sphere) | (gap > NO_SURFACE)) & ~not_covered
+    beyond = (~np.isfinite(counter) | (gap > NO_SURFACE)) & ~not_covered
     heights[beyond | not_covered] = np.nan
     if body == "disc" and beyond.any() and snapshot.row is None:
         with suppress(InputError):
@@ -76,21 +79,21 @@ class Body:
     Axis 0 of the heights runs along the sliding direction.
     """
 
-    name: str  # sphere, disc or track
+    name: str  # counter, disc or track
     title: str  # what it is of, for people
     x: FloatArray  # middles of the cells [mm], shape (nx,)
     y: FloatArray  # shape (ny,)
     heights: FloatArray
-    approach: float = 0.0  # by which the sphere has come down [mm]
+    approach: float = 0.0  # by which the counter-body has come down [mm]
 
     @property
     def upwards(self) -> bool:
-        """Whether its material lies below it: not that of the sphere, which comes down on the disc."""
-        return self.name != "sphere"
+        """Whether its material lies below it: not that of the counter-body, which comes down on the disc."""
+        return self.name != "counter"
 
     @property
     def z(self) -> FloatArray:
-        """Height in space [mm], shape (nx, ny): 0 is the disc's mean plane, the sphere hangs over it."""
+        """Height in space [mm], shape (nx, ny): 0 is the disc's mean plane, the counter hangs over it."""
         return self.heights if self.upwards else -self.heights - self.approach
 
 
@@ -173,7 +176,7 @@ class Job:
         """Return the fields asked for at the snapshot of a number, reduced to `points`.
 
         whole_disc: of a swept run the fields of its disc stand in the sheet of the track alone, not as what
-        lies beneath the sphere in that of the domain, too.
+        lies beneath the counter-body in that of the domain, too.
         """
         result, snapshot = self.result, self.snapshot(number)
         on_track = name == "track_fields"
@@ -194,7 +197,7 @@ class Job:
         return Sheet(name, snapshot.distance, *self._reduced(x, fields))
 
     def along(self, number: int) -> float:
-        """Where the sphere's apex is along the track [mm]; 0 where the track is not among the bodies."""
+        """Where the counter's apex is along the track [mm]; 0 where the track is not among the bodies."""
         row = self.snapshot(number).row
         return (
             float(self.result.track_x[row] - self.result.x[0])

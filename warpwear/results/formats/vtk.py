@@ -24,7 +24,7 @@ TYPES = {"f4": "Float32", "f8": "Float64", "u1": "UInt8"}
 #: Value of vtkGhostType for a point that is not shown.
 HIDDEN = 2
 #: What a body's surface does not show, by the end of a field's name: the other body, and what lies between.
-OTHERS = {"sphere": ("_disc", "gap"), "disc": ("_sphere", "gap"), "track": ("_sphere", "gap")}
+OTHERS = {"counter": ("_disc", "gap"), "disc": ("_counter", "gap"), "track": ("_counter", "gap")}
 
 Attributes = Mapping[str, object]
 
