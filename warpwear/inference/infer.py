@@ -52,8 +52,8 @@ def infer(
     courses of friction, one a repeated test. measured: "volume_counter", "volume_disc", "section",
     "diameter", "sq_counter", "sq_disc" or "cof" -> a text such as "0.80 +- 0.02 mm" or a list, one a repeat;
     "cof" may end in "at 30 mm". target: an unknown that the next test shall tell; candidates: such as
-    "contact.load=16 N, repeats=3". out: folder of the report, which keeps the runs. runs: of a design where results do not merely
-    scale. seed: of all draws.
+    "contact.load=16 N, repeats=3". out: folder of the report, which keeps the runs. runs: of a design where
+    results do not merely scale. seed: of all draws.
 
     Raises InputError for what does not go together, ConvergenceError where samples do not converge.
     """

@@ -37,7 +37,7 @@ RECORD: dict[str, type | tuple[type, ...]] = {
 
 
 def current(name: str) -> str:
-    """Return today's name of a column or a field: results of earlier versions call the counter-body sphere."""
+    """Return today's name of a column or a field: earlier results call the counter-body sphere."""
     return name.replace("sphere", "counter")
 
 

@@ -202,7 +202,8 @@ class Wear(Section):
         None, "running-in: L0 of K + (K0 − K) e^(−L/L0), an empirical fit"
     )
     initial_counter: WearCoefficient | None = running_in_key(
-        None, "running-in: K0 of the counter-body; K if not given"
+        None,
+        "running-in: K0 of the counter-body; K if not given",
         formerly="wear.initial_sphere",
     )
     initial_disc: WearCoefficient | None = running_in_key(None, "running-in: K0 of the disc; K if not given")
