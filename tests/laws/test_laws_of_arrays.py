@@ -57,6 +57,6 @@ def test_a_law_says_its_numbers(keys: dict[str, Any], words: str) -> None:
     assert words in sentence
     assert bool(sentence) == bool(keys)
     film = {"thickness": "10 nm", "shear_strength": "40 MPa"}
-    law = Friction(shear_strength="172 MPa", ploughing=0.1, film=film).law
+    law = Friction(shear_strength="172 MPa", ploughing=0.1, film=film).law_with()
     assert law.said == "0.1 of the coefficient does not shear"
     assert r"\varphi" in law.formula
