@@ -9,7 +9,7 @@ import numpy as np
 
 from warpwear.calibration import options
 from warpwear.errors import InputError
-from warpwear.history.quantities import BODIES
+from warpwear.laws.archard import BODIES
 from warpwear.laws.friction import friction_energy
 from warpwear.measured.options import optional, quantity, refuse
 from warpwear.result import Result
