@@ -264,7 +264,7 @@ class Wear(Section):
 
     @property
     def unit(self) -> str:
-        """Unit of the coefficients under the law."""
+        """Give the unit that coefficients have under the law."""
         return ArchardCoefficient.of_energy if self.law == "energy" else ArchardCoefficient.unit
 
     def laws(
@@ -295,7 +295,7 @@ class Wear(Section):
 
     @property
     def per_energy(self) -> dict[str, float]:
-        """Coefficients α of the energy law [mm³/J]."""
+        """Map a body to its coefficient α of the energy law [mm³/J]."""
         return {body: getattr(self, body).value for body in BODIES}
 
     def _check(self) -> None:
