@@ -61,11 +61,12 @@ def notes_of(
     yield from _differences(groups)
     yield from _of_runs([(run, INTERRUPTED) for run in runs if not run.summary["finished"]], runs)
     yield from _of_runs([(run, text) for run in runs for text in run.summary["warnings"]], runs)
-    if inputs := [r.name for r in runs if r.study.friction.fitted == "end" and r.cof is not None]:
-        yield (
-            f"The CoF at the end of {listed(inputs, len(runs))} is an input (friction.calibrate = 'end'), "
-            "not a result: compare the shear strengths, or run all with one friction.shear_strength."
-        )
+    for way, key in (("end", "calibrate = 'end'"), ("coulomb", "law = 'coulomb'")):
+        if inputs := [r.name for r in runs if r.study.friction.fitted == way and r.cof is not None]:
+            yield (
+                f"The CoF at the end of {listed(inputs, len(runs))} is an input (friction.{key}), "
+                "not a result: compare the shear strengths, or run all with one friction.shear_strength."
+            )
     yield from _of_runs([(run, NO_COF) for run in runs if run.cof is None], runs)
     missing = [(run, NO_FIELD if run.study.samples_area else NO_SNAPSHOT) for run in runs if not run.wear]
     yield from _of_runs(missing, runs)

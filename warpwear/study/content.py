@@ -303,7 +303,7 @@ class Content(Section):
     @property
     def wear_laws(self) -> tuple[WearLaw, WearLaw]:
         """The laws by which counter-body and disc wear."""
-        return self.wear.laws(self.wear_hardness)
+        return self.wear.laws(self.wear_hardness, self.friction.coefficient)
 
     @property
     def wear_hardness(self) -> float:

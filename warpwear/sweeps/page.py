@@ -98,9 +98,9 @@ def _ends(result: SweepResult, column: str) -> FloatArray | None:
 def _answers(result: SweepResult) -> list[Answer]:
     """Give the numbers at the top: mean and band of a sampled design, least and most of a listed one."""
     answers = []
-    fitted = result.plan.study.friction.fitted == "end"
+    fitted = result.plan.study.friction.ends_as_given
     notes = {
-        "cof": "An input: its shear strength is fitted so that it is met"
+        "cof": "An input: constant, or its shear strength is fitted so that it is met"
         if fitted
         else "Not predicted: area × shear strength over load",
         "wear_volume_disc": "Not predicted: wear coefficient × load × distance",
