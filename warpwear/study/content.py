@@ -72,7 +72,7 @@ class Content(Section):
 
     @property
     def kinematics(self) -> str:
-        """How the bodies move: as named, else "swept" where micro bodies have a stroke or a track's radius."""
+        """How the bodies move: as named, else "swept" of the micro model with a stroke or a track radius."""
         slides = self.study.model == "micro" and self.sliding.lap is not None
         return self.sliding.kinematics or ("swept" if slides else "stationary")
 

@@ -15,7 +15,7 @@ LARGEST_PARTS = 800
 MOST_CELLS = 1_000_000
 
 #: Cells of a step at most, if not given, and steps of a stroke at least: docs/theory/track.md says why.
-MOST_SHIFT, STEPS_OF_STROKE = 8, 4
+MOST_SHIFT, STEPS_OF_STROKE = 8, 8
 
 Strokes = Annotated[int, Field(ge=0, le=1_000_000_000, strict=True)]
 

@@ -19,8 +19,8 @@ def check(study: Content) -> None:
     if not study.is_swept:
         if sliding.kinematics is None:
             raise ValueError(
-                f"{named}: in the {study.study.model} model the disc lies still; allowed are "
-                "study.model = 'micro', in which the counter-body slides, and sliding.kinematics = 'stationary'"
+                f"{named}: in the {study.study.model} model the disc lies still; allowed are study.model = "
+                "'micro', in which the counter-body slides, and sliding.kinematics = 'stationary'"
             )
         return
     if sliding.track != "full":
