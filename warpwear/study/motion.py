@@ -97,8 +97,8 @@ class Sliding(Section):
     )
     kinematics: Literal["stationary", "swept"] | None = key(
         None,
-        "swept: the counter slides along a track on the disc, as with a stroke or track_radius it does by "
-        "itself; stationary: the same disc cells stay under it",
+        "swept: the counter-body slides along a track on the disc, as it does by itself with a stroke or "
+        "track_radius; stationary: the same disc cells stay under it",
         demands=needs("study.model", "micro", of="swept", why=A_DISC_OF_CELLS)
         + needs("sliding.lap", of="swept", what="sliding.stroke, or sliding.track_radius of a rotating disc"),
     )
@@ -124,7 +124,7 @@ class Sliding(Section):
 
     @property
     def uses_track_radius(self) -> bool:
-        """True where the counter slides along the track's radius, or revolutions are counted or timed."""
+        """True where the counter-body slides along the track's radius, or revolutions are counted or timed."""
         return self.kinematics != "stationary" or self.revolutions is not None or self.frequency is not None
 
     @property
