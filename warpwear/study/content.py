@@ -67,7 +67,7 @@ class Content(Section):
 
     @property
     def is_swept(self) -> bool:
-        """True where the counter-body slides over a track, false where it stays on the same cells of the disc."""
+        """True where the counter-body slides over a track, false where it stays on the same cells."""
         return self.kinematics == "swept"
 
     @property

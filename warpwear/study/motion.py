@@ -124,7 +124,7 @@ class Sliding(Section):
 
     @property
     def uses_track_radius(self) -> bool:
-        """True where the counter-body slides along the track's radius, or revolutions are counted or timed."""
+        """True where the counter-body slides on a circle, or revolutions are counted or timed."""
         return self.kinematics != "stationary" or self.revolutions is not None or self.frequency is not None
 
     @property
