@@ -79,8 +79,9 @@ def _of_steps(study: Content, pieces: Pieces) -> Iterator[str]:
                 changes.append(f"a sliding.track of {longer:.2g} mm or more")
             change = f"{' or '.join(changes)} is needed"
         yield (
-            f"A step wears a cell of the {CALLED[name]} at the hardness by K H ΔL = {_um(depth)}, more "
-            f"than half of wear.particle_thickness = {_um(pieces.thickness)}, so that areas depend on it: {change}."
+            f"A step wears a cell of the {CALLED[name]} at the hardness by K H ΔL = {_um(depth)}, more than "
+            f"half of wear.particle_thickness = {_um(pieces.thickness)}, so that areas "
+            f"depend on it: {change}."
         )
 
 
