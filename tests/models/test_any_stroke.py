@@ -177,6 +177,8 @@ def test_a_named_stroke_slides_and_chooses_its_steps() -> None:
         cells: study_of(cells).replace({"sliding.shift": None}).shift for cells in (2, 8, 16, 30, 64, 900)
     }
     assert shifts == {2: 1, 8: 1, 16: 2, 30: 3, 64: 8, 900: 8}
+    piece = {"sliding.stroke": "3 mm", "sliding.shift": None}
+    assert study_of(16).replace(piece | {"sliding.track": "0.5 mm"}).shift == 5  # a divisor of 25 cells
     study = study_of(16).replace({"sliding.shift": None})
     assert study.resolved["sliding.kinematics"] == "swept"
     assert study.resolved["sliding.shift"] == 2

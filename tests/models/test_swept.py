@@ -286,7 +286,7 @@ def test_a_static_contact_and_a_measured_time() -> None:
 
 BAD: list[tuple[dict[str, Any], str]] = [
     (
-        {"sliding.track": "3.25 mm"},
+        {"sliding.track": "3.25 mm", "sliding.shift": 8},
         r"sliding\.track = 3\.25 mm is not a whole .* nearest allowed is 3\.28 mm",
     ),
     (

@@ -78,11 +78,16 @@ class Content(Section):
 
     @property
     def shift(self) -> int:
-        """Cells that a step of a swept study covers: as named, else what leaves a stroke its least steps."""
-        lap = self.sliding.lap
+        """Cells that a step of a swept study covers: as named, else what leaves a stroke its least steps.
+
+        Of a track whose length is named it is a divisor, if there is one that is more than half as many.
+        """
+        sliding, cell, lap = self.sliding, self.grid.cell, self.sliding.lap
         assert lap is not None  # checked with the study
-        most = math.floor(lap / self.grid.cell / STEPS_OF_STROKE * (1.0 + WHOLE))
-        return self.sliding.shift or max(1, min(MOST_SHIFT, most))
+        most = max(1, min(MOST_SHIFT, math.floor(lap / cell / STEPS_OF_STROKE * (1.0 + WHOLE))))
+        cells = most if sliding.track == "full" else round(float(sliding.track) / cell)
+        fits = (n for n in range(most, most // 2, -1) if cells % n == 0)
+        return sliding.shift or next(fits, most)
 
     @property
     def increments(self) -> tuple[float, float, float]:

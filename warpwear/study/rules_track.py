@@ -134,11 +134,12 @@ def doubts(study: Content) -> Iterator[str]:
         )
     local = study.contact.law == "local" and not study.uses_bearing_area
     if local and study.contact_law().compliance == 0.0:
+        finer = "sliding.shift" if study.shift > 1 else "grid.cell"
         yield (
             f"sliding.shift = {study.shift} cells: by contact.law = 'local' with contact.stiffness = inf "
             "bodies yield by the wear of a step alone, so the area in contact depends on its length, up to "
             "in proportion to it on a smooth or run-in disc under a ball that hardly wears; the cure is "
-            "contact.law = 'half-space', else to halve sliding.shift until the area stays."
+            f"contact.law = 'half-space', else to halve {finer} until the area stays."
         )
     radius = sliding.track_radius
     if radius is not None and radius < 2.0 * study.grid.extent:
