@@ -22,7 +22,7 @@ def _of_patches(value_of: Callable[[Study], float | str]) -> Callable[[Study], f
 #: What makes two runs unlike tests -> unit and value; None where a run has no such thing.
 CONDITIONS: dict[str, tuple[str, Callable[[Study], float | str | None]]] = {
     "model": ("", lambda s: s.study.model),
-    "kinematics": ("", lambda s: s.sliding.kinematics),
+    "kinematics": ("", lambda s: s.kinematics),
     "contact.law": ("", lambda s: s.contact.law),
     "patches.macro_cell": ("µm", _of_patches(lambda s: 1.0e3 * s.patches.macro_cell)),
     "patches.width": ("µm", _of_patches(lambda s: 1.0e3 * s.patches.patch_width)),

@@ -37,7 +37,7 @@ ROUGH = when(
 )
 LOCAL = when("contact.law", "local", otherwise="does not apply to contact.law = '{}': E* of both bodies does")
 AT_REST = when(
-    "sliding.kinematics",
+    "kinematics",
     "stationary",
     otherwise="does not apply to sliding.kinematics = '{}', where a cell slides while the contact is over it",
 )
