@@ -106,7 +106,7 @@ CASES = {
     "friction.film.regrowth": Case("0.5 mm", FILM | TRACK, "v3-fine", refused=TWO_STRENGTHS),
 }
 #: Words of a comparison for keys whose values are made of others too.
-CALLED = {f"wear.{body}": f"wear coefficient of the {body}" for body in ("counter", "disc")}
+CALLED = {f"wear.{body}": f"wear coefficient of the {name}" for body, name in archard.CALLED.items()}
 
 
 def keys() -> list[str]:

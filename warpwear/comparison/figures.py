@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from warpwear.comparison.area_load import area_load, has_loads
-from warpwear.comparison.gather import BODIES, Comparison
+from warpwear.comparison.gather import Comparison
 from warpwear.comparison.groups import Course, Group, RunData
 from warpwear.figures import courses
 from warpwear.figures.courses import over_each_other
@@ -30,6 +30,7 @@ from warpwear.figures.describe import (
 )
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BY_NAME
+from warpwear.laws.archard import BODIES, CALLED
 from warpwear.measured.experiment import Experiment, mean_of_last_tenth
 from warpwear.results.ensemble import band_told, in_legend
 
@@ -111,9 +112,9 @@ def profiles(comparison: Comparison) -> Figure:
     for body in BODIES:
         lines = [_within(course.line(), reach) for _, course in _courses(comparison, _profile_of(body))]
         up = Axis("change of height by wear, µm", high=0.0)
-        note = f"{body}, at the end"
+        note = f"{CALLED[body]}, at the end"
         across = Axis(ACROSS, low=-reach or None, high=reach or None)
-        charts.append(Chart(f"Wear of the {body}", across, up, lines, note))
+        charts.append(Chart(f"Wear of the {CALLED[body]}", across, up, lines, note))
     return _figure(comparison, _on_one_scale(charts))
 
 

@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 from warpwear.grid import FloatArray
 from warpwear.history.arrangements import ARRANGEMENTS
+from warpwear.laws.archard import CALLED
 from warpwear.study.study import Study
 
 #: What a quantity has one value for: a step; a step and patch; a cell of a snapshot; a snapshot; a piece.
@@ -32,8 +33,6 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
     "pieces": ("wear in pieces", lambda study: study.wear.sheds),
     "static area": ("output.static_area_every", lambda study: study.static_area_every > 0),
 }
-#: Both bodies, in the order in which they are numbered.
-BODIES = ("counter", "disc")
 
 
 @dataclass(frozen=True)
@@ -108,7 +107,7 @@ def _of_bodies(prefix: str, label: str, **others: Any) -> dict[str, dict[str, An
     """Declare how a quantity of both bodies is shown, each by a colour and dash of its own."""
     lines, others = {"counter": ("COUNTER", "dash"), "disc": ("DISC", "solid")}, {"family": label} | others
     return {
-        f"{prefix}_{body}": _look(f"{label} of the {body}", *line, short=body, **others)
+        f"{prefix}_{body}": _look(f"{label} of the {CALLED[body]}", *line, short=body, **others)
         for body, line in lines.items()
     }
 
@@ -239,7 +238,7 @@ _DECLARED: dict[tuple[Per, str | None], dict[str, str]] = {
     ("piece", "pieces"): {
         "step [1]": "number of the step in which the piece left, from 0",
         "body [1]": "0 of the counter-body, 1 of the disc",
-        "x [mm]": "place of its middle along the sliding direction: on the counter's domain, or on the track",
+        "x [mm]": "place of its middle along sliding: on the domain of the counter-body, or on the track",
         "y [mm]": "place of its middle across the sliding direction",
         "volume [mm^3]": "volume of the piece",
         "diameter [mm]": "diameter of the circle of the area that was cut",

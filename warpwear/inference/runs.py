@@ -11,9 +11,9 @@ import numpy as np
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import BODIES
 from warpwear.inference.unknowns import Unknown
 from warpwear.laws import archard
+from warpwear.laws.archard import BODIES
 from warpwear.laws.friction import NUMBERS
 from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution

@@ -14,7 +14,9 @@ import numpy as np
 
 from warpwear.grid import FloatArray, Grid
 
+#: Both bodies, in the order in which they are numbered, and what sentences call them.
 BODIES = ("counter", "disc")
+CALLED = {"counter": "counter-body", "disc": "disc"}
 Number = TypeVar("Number", float, FloatArray)
 
 

@@ -1,11 +1,11 @@
 """A counter slides over a disc by whole cells: a track tells where it is at every step, and how far it slid.
 
-A step covers up to `shift` cells of the track and is solved once, with the counter in their middle; the last
+A step covers up to `shift` cells of the track and is solved once, with the ball in their middle; the last
 step of a pass is shorter where the shift does not divide the stroke, so that volumes stay exact. A track that
 turns reverses at the end of each pass and covers the same cells the other way.
 
 A representative track is a periodic disc shorter than the stroke: one lap is one pass. While it slides by a
-cell, the counter slides by `cell / track_fraction` of the test. So is the track of a rotating disc, one lap a
+cell, the ball slides by `cell / track_fraction` of the test. So is the track of a rotating disc, one lap a
 revolution, whose length is rounded to whole steps: the rounding goes into the fraction too.
 
 A disc at rest is a track of no cells, on which the counter-body stays where it is.
@@ -81,7 +81,7 @@ class Track:
         return self._covered(step)[1]
 
     def row(self, step: int, done: int = 0, cells: int | None = None) -> int:
-        """Return the disc's row under the first row of the counter at step number `step`, 0 ≤ row < rows.
+        """Return the disc's row under the first row of the ball at step number `step`, 0 ≤ row < rows.
 
         done, cells: of the part of the step that begins after `done` of its cells and covers `cells` of them.
         """

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from enum import IntEnum
 from typing import Any
 
-from warpwear.history.quantities import BODIES
+from warpwear.laws.archard import BODIES
 from warpwear.page.limits import prose
 from warpwear.results.report import shown
 from warpwear.study.study import Study

@@ -40,8 +40,8 @@ def methods_of(study: Study, s: dict[str, Any]) -> str:
     ]
     if study.sliding.total:
         sentences.append(
-            f"Wear followed Archard's law in every cell, with {counter:.3g} mm³/(N·m) for the counter and "
-            f"{disc:.3g} mm³/(N·m) for the disc{_wear_law(study)}."
+            f"Wear followed Archard's law in every cell, with {counter:.3g} mm³/(N·m) for the "
+            f"counter-body and {disc:.3g} mm³/(N·m) for the disc{_wear_law(study)}."
         )
     if film := s.get("film"):
         sentences.append(
@@ -74,7 +74,7 @@ def _friction_law(study: Study) -> str:
 
 
 def table_of(curvature: float, s: dict[str, Any], answers: Iterable[dict[str, str]]) -> list[Line]:
-    """List quantity, value and unit of what went in and what came out. curvature: of the counter [1/mm]."""
+    """List quantity, value and unit of what went in and what came out. curvature: of the ball [1/mm]."""
     hardness, unit = s["hardness_MPa"], printed("mm^3/N/m")
     return [
         ("Load", shown(s["load_N"]), "N"),

@@ -6,7 +6,8 @@ from typing import Any, TypeAlias
 
 from warpwear.contact.balance import TOLERANCE
 from warpwear.history.end_values import ENDS, value_in
-from warpwear.history.quantities import BODIES, BY_NAME
+from warpwear.history.quantities import BY_NAME
+from warpwear.laws.archard import BODIES, CALLED
 from warpwear.page.effects import Weight, effect_of, numbers_of
 from warpwear.results.report import shown
 from warpwear.study.keys import declarations, value_of
@@ -217,7 +218,9 @@ def checks_of(study: Study, s: dict[str, Any]) -> Lines:
     residual = s["load_residual_N"]["largest"]
     rows = [("load carried − load asked for, largest of a step", residual, balance, " N")]
     for body, value in s["conservation_relative"].items():
-        rows.append((f"worn volume of the {body} over Archard's K F L, less 1", abs(value), CONSERVED, ""))
+        rows.append(
+            (f"worn volume of the {CALLED[body]} over Archard's K F L, less 1", abs(value), CONSERVED, "")
+        )
     if parts := s.get("track", {}).get("parts"):
         error = parts["estimated_error_at_most"]
         rows.append(("error of the area by the length of steps, estimated", error, STEPS, ""))

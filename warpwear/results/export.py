@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from warpwear.errors import InputError
-from warpwear.history.quantities import BODIES
+from warpwear.laws.archard import BODIES
 from warpwear.results.file import ResultFile
 from warpwear.results.formats.bodies import TRACK, WRITABLE, Body, Files, Job
 from warpwear.results.formats.metrology import write_sdf, write_x3p

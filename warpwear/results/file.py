@@ -252,7 +252,7 @@ class ResultFile:
 
     @cached_property
     def snapshot_rows(self) -> IntArray:
-        """Row of the track under the counter's first row, one a snapshot; empty of a run without a track."""
+        """Row of the track under the ball's first row, one a snapshot; empty of a run without a track."""
         with self._reading() as file:
             rows = [group.attrs.get("row") for group in file["snapshots"].values()]
             return np.array([row for row in rows if row is not None], dtype=np.int64)

@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import BODIES, BY_NAME
+from warpwear.history.quantities import BY_NAME
 from warpwear.history.rows import Named
 from warpwear.laws import passes
+from warpwear.laws.archard import BODIES
 from warpwear.laws.film import Breaking, fit_breaking
 from warpwear.results import summary_models
 from warpwear.results.file import ResultFile

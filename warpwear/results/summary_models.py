@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import BODIES
+from warpwear.laws.archard import BODIES, CALLED
 from warpwear.laws.passes import WHEN, mean_over
 from warpwear.results.evolution import growth_of_view, settling, surface_evolution
 from warpwear.results.file import ResultFile
@@ -225,7 +225,7 @@ def _pieces_of(result: ResultFile, body: str) -> Row:
         ("", "") if part == 1.0 else (f" on {100.0 * part:.3g} % of the stroke", ", on all of it")
     )
     text = f"{cut.size}{on_a_part}, {per_mm:.3g} per mm of sliding{rate}{on_all}"
-    return Row(f"off the {body}", body, numbers, sentence=text)
+    return Row(f"off the {CALLED[body]}", body, numbers, sentence=text)
 
 
 def surfaces(result: ResultFile) -> list[Row]:

@@ -61,7 +61,7 @@ class Invariants:
     ) -> Iterator[Violation]:
         """What a row violates, the worst first.
 
-        touches_edge, touches_rim: whether the contact reached the domain's edge or the counter's rim, which a
+        touches_edge, touches_rim: whether the contact reached the domain's edge or the ball's rim, which a
         rigid flat has not.
         """
         # Infinities do not cancel, and a NaN stays one: a finite sum, the usual case, needs no second look.

@@ -66,7 +66,7 @@ class Content(Section):
 
     @property
     def is_swept(self) -> bool:
-        """True where the counter slides over a track, false where it stays on the same cells of the disc."""
+        """True where the ball slides over a track, false where it stays on the same cells of the disc."""
         return self.sliding.kinematics == "swept"
 
     @property

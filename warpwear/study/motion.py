@@ -92,7 +92,8 @@ class Sliding(Section):
     )
     kinematics: Literal["stationary", "swept"] = key(
         "stationary",
-        "stationary: the same disc cells stay under the counter; swept: it slides along a track on the disc",
+        "stationary: the same disc cells stay under the counter-body; swept: it slides along a track "
+        "on the disc",
         demands=needs("study.model", "micro", of="swept", why=A_DISC_OF_CELLS)
         + needs("sliding.lap", of="swept", what="sliding.stroke, or sliding.track_radius of a rotating disc"),
     )
@@ -117,7 +118,7 @@ class Sliding(Section):
 
     @property
     def uses_track_radius(self) -> bool:
-        """True where the counter slides along the track's radius, or revolutions are counted or timed."""
+        """True where the ball slides along the track's radius, or revolutions are counted or timed."""
         return self.kinematics == "swept" or self.revolutions is not None or self.frequency is not None
 
     @property

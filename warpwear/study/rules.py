@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 
+from warpwear.laws.archard import CALLED
 from warpwear.laws.track import WHOLE
 from warpwear.study import rules_pieces, rules_track
 from warpwear.study.content import Content
@@ -54,8 +55,8 @@ def _boundary(study: Content) -> None:
     elastic = study.contact.law == "half-space" and study.study.model == "micro"
     if elastic and study.boundary == "periodic" and study.counter.curvature != 0.0:
         raise ValueError(
-            "contact.boundary = 'periodic' would repeat the counter beside itself: allowed is 'free', or a "
-            "flat, counter.radius = 'inf mm'"
+            "contact.boundary = 'periodic' would repeat the counter-body beside itself: allowed is 'free', "
+            "or a flat, counter.radius = 'inf mm'"
         )
 
 
@@ -118,9 +119,9 @@ def _capacity(study: Content) -> None:
         )
     if carried < study.contact.load:
         raise ValueError(
-            f"contact.load = {study.contact.load:g} N is more than the domain under the counter carries at "
-            f"this hardness ({carried:.4g} N{_of_sheared(study)}); allowed are smaller loads, a larger "
-            "grid.extent or contact.hardness"
+            f"contact.load = {study.contact.load:g} N is more than the domain under the counter-body "
+            f"carries at this hardness ({carried:.4g} N{_of_sheared(study)}); allowed are smaller loads, a "
+            "larger grid.extent or contact.hardness"
         )
 
 
@@ -182,7 +183,7 @@ def _of_film(study: Content) -> Iterator[str]:
     for body, law in zip(("counter", "disc"), study.wear_laws, strict=True):
         if film is not None and film.bodies in ("both", body) and law.fastest == 0.0:
             yield (
-                f"wear.{body} = 0: the {body} keeps its film, so no cell becomes bare by "
+                f"wear.{body} = 0: the {CALLED[body]} keeps its film, so no cell becomes bare by "
                 f"friction.film.bodies = '{film.bodies}'."
             )
 

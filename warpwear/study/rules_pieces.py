@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 
+from warpwear.laws.archard import CALLED
 from warpwear.laws.pieces import Pieces
 from warpwear.study.content import Content
 
@@ -78,8 +79,8 @@ def _of_steps(study: Content, pieces: Pieces) -> Iterator[str]:
                 changes.append(f"a sliding.track of {longer:.2g} mm or more")
             change = f"{' or '.join(changes)} is needed"
         yield (
-            f"A step wears a cell of the {name} at the hardness by K H ΔL = {_um(depth)}, more than half of "
-            f"wear.particle_thickness = {_um(pieces.thickness)}, so that areas depend on it: {change}."
+            f"A step wears a cell of the {CALLED[name]} at the hardness by K H ΔL = {_um(depth)}, more than "
+            f"half of wear.particle_thickness = {_um(pieces.thickness)}, so that areas depend on it: {change}."
         )
 
 

@@ -42,8 +42,8 @@ def check(study: Content) -> None:
     if track.periodic and track.cells < track.window:
         whose = f"sliding.track = {sliding.track:g} mm" if sliding.track != "full" else named
         raise ValueError(
-            f"{whose} is shorter than grid.extent = {extent:g} mm: the counter would lie on the same cells "
-            "twice"
+            f"{whose} is shorter than grid.extent = {extent:g} mm: the counter-body would lie on the "
+            "same cells twice"
         )
     if track.cells < sliding.shift:
         raise ValueError(

@@ -27,7 +27,7 @@ FINE = 1000
 
 
 def surface_in(study: Study) -> Surface:
-    """Return what the counter slides on: the disc's surface, flat in the macro model. Raises InputError."""
+    """Return what the ball slides on: the disc's surface, flat in the macro model. Raises InputError."""
     if study.study.model == "macro":
         return Flat()
     surface = surface_of(study.disc)

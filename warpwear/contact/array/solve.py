@@ -148,7 +148,7 @@ def solve_contact(
             ) from error
     if counter_radius is not None and _touches_edge(contact.pressure):
         warnings.warn(
-            f"the contact with the counter reaches the edge of heights, of the shape {surface.shape}, beyond "
+            f"the contact with the ball reaches the edge of heights, of the shape {surface.shape}, beyond "
             "which nothing carries; a larger array is needed for the whole contact.",
             stacklevel=2,
         )

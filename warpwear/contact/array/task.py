@@ -33,7 +33,7 @@ class Gap(NamedTuple):
     counter_radius: float | None
 
     def __call__(self, rows: slice, out: FloatArray | None = None) -> FloatArray:
-        """Return the gap in some rows, infinite beyond the counter's edge. out: where it is to be laid."""
+        """Return the gap in some rows, infinite beyond the ball's edge. out: where it is to be laid."""
         gap = np.subtract(self.middle, self.heights[rows], out=out)
         if self.counter_radius is not None:
             gap += sag(self.grid.x[rows], self.grid.y, radius=self.counter_radius)
@@ -65,7 +65,7 @@ class Task:
         return self.unscaled.grid.shape
 
     def gap_of(self, rows: slice, out: FloatArray | None = None) -> FloatArray:
-        """Return the gap in some rows, infinite beyond the counter's edge. out: where it is to be laid."""
+        """Return the gap in some rows, infinite beyond the ball's edge. out: where it is to be laid."""
         gap = self.unscaled(rows, out)
         return np.divide(gap, self.length, out=gap)
 

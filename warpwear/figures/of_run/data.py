@@ -15,8 +15,8 @@ from warpwear.engine.executor import Executor
 from warpwear.figures.of_run.view import Bodies, FilmState, Loads, Profile, State, View, Window, sag_or_nan
 from warpwear.figures.wording import chosen
 from warpwear.grid import FloatArray, Grid
-from warpwear.history.quantities import BODIES
 from warpwear.history.snapshot import Snapshot
+from warpwear.laws.archard import BODIES
 from warpwear.laws.film import Breaking
 from warpwear.laws.patches import Patches
 from warpwear.laws.settling import Settling
@@ -81,7 +81,7 @@ class FigureData:
     @property
     def slider(self) -> str:
         """What figures call the body that slides."""
-        return "counter" if self.study.counter.curvature else "flat"
+        return "ball" if self.study.counter.curvature else "flat"
 
     def name_of(self, body: str) -> str:
         """Return what a figure calls the body "counter" or "disc"."""

@@ -137,7 +137,7 @@ class _Film:
         return float(self._data.history["position"][row]) if self._swept else 0.0
 
     def _disc_at(self, index: int) -> FloatArray:
-        """Return heights of the disc [µm]: under the counter, or of the whole track that it slides over."""
+        """Return heights of the disc [µm]: under the ball, or of the whole track that it slides over."""
         if self._swept:
             return 1e3 * blocks(self._data.result, index, BLOCKS).heights
         return np.asarray(1e3 * self._data.bodies_at(index).disc)

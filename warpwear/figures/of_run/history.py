@@ -13,7 +13,8 @@ from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.view import PASSES, last_at_hardness
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import BODIES, BY_NAME, Quantity
+from warpwear.history.quantities import BY_NAME, Quantity
+from warpwear.laws.archard import BODIES
 
 #: Areas in contact and of the scar.
 AREAS = ("area_contact", "area_plastic", "area_touched", "area_nominal")

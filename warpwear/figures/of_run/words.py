@@ -151,7 +151,7 @@ class Entry(NamedTuple):
 #: Figures of a run by name.
 FIGURES: dict[str, Entry] = {}
 #: Fields of a caption that are filled in where no run is at hand.
-OF_ANY_RUN = {"slider": "counter", "when": "at the snapshots", "end": "at the end"}
+OF_ANY_RUN = {"slider": "counter-body", "when": "at the snapshots", "end": "at the end"}
 
 
 def figure(*reasons: Reason, essential: bool = False, section: str = "") -> Callable[[Declare], Declare]:

@@ -58,7 +58,7 @@ class SlidingBodies:
     def row_of(self, shift: int, *, periodic: bool) -> int:
         """Find the disc's row under the counter-body's first, displaced by `shift` rows.
 
-        Raises ValueError where a disc that is not periodic would leave a part of the counter without one.
+        Raises ValueError where a disc that is not periodic would leave a part of the ball without one.
         """
         rows, nx = self.disc.shape[0], self.counter.shape[0]
         if periodic:
