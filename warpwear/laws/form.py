@@ -8,6 +8,9 @@ import numpy as np
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 
+#: Height of what is not there [mm], as kernels pad gaps.
+NOTHING = 1.0e30
+
 
 def sag(x: FloatArray, y: FloatArray, *, radius: float) -> FloatArray:
     """Return the height [mm] of a sphere's lower side over its apex at the points x × y.
@@ -18,7 +21,9 @@ def sag(x: FloatArray, y: FloatArray, *, radius: float) -> FloatArray:
     that is not positive.
     """
     if not radius > 0:
-        raise InputError(f"counter.radius is {radius:g} mm: allowed is any positive length, or inf for a flat")
+        raise InputError(
+            f"counter.radius is {radius:g} mm: allowed is any positive length, or inf for a flat"
+        )
     if math.isinf(radius):
         return np.zeros((x.size, y.size))
     squared = np.add.outer(np.square(x), np.square(y)).astype(np.float64, copy=False)
@@ -47,7 +52,7 @@ class Form:
     @property
     def is_flat(self) -> bool:
         """Tell whether it is the rigid flat, whose contact has no outline."""
-        return not any(self.rises)
+        return type(self) is Form and not any(self.rises)
 
     @property
     def rises(self) -> tuple[bool, bool]:
@@ -59,10 +64,22 @@ class Form:
         """Return the half width [mm] beyond which there is no body."""
         return math.inf
 
+    @property
+    def most_worn(self) -> float:
+        """Return the width [mm] of a scar up to which `worn` means something."""
+        return 1.0 / max(self.along, self.across) if self.along or self.across else math.inf
+
     def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """Return f [mm] at the points x × y [mm], shape (x.size, y.size); infinite where there is no body."""
         sections = (0.5 * curvature * np.square(p) for curvature, p in ((self.along, x), (self.across, y)))
         return np.asarray(np.add.outer(*sections))
+
+    def beneath(self, heights: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Return heights [mm] under a flat that leave the gap of this body over a disc's, at x × y [mm].
+
+        heights: of the disc [mm], shape (x.size, y.size). A ball's are as they are: kernels make its own.
+        """
+        return heights if self.is_flat else heights - np.minimum(self.heights(x, y), NOTHING)
 
     def worn(self, volume: float, extent: tuple[float, float]) -> tuple[float, float]:
         """Return the widths [mm] along and across of what a plane cuts off, of a volume [mm³].
@@ -98,6 +115,10 @@ class Ball(Form):
     def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """Return the ball's `sag` [mm] at the points x × y [mm]."""
         return sag(x, y, radius=1.0 / self.along)
+
+    def beneath(self, heights: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Return the disc's heights as they are [mm]."""
+        return heights
 
 
 @dataclass(frozen=True)
