@@ -117,8 +117,8 @@ class Hertz:
         """Return K_N = C_W E*/a [N/mm³] (thesis eq 2.7); of an ellipse and a line what gives the same value.
 
         match: which of Hertz's values K_N reproduces, a key of `MATCHES`. radius: a [mm], Hertz's by default.
-        A foundation of stiffness K bears F = π K δ² √(R R') under an ellipse, of the area 2π δ √(R R'). Raises
-        ValueError for the approach of a line, which has none.
+        A foundation of stiffness K bears F = π K δ² √(R R') under an ellipse, of the area 2π δ √(R R').
+        Raises ValueError for the approach of a line, which has none.
         """
         if self.radius_across in (None, self.counter_radius):
             return MATCHES[match] * self.modulus / (radius or self.radius)

@@ -171,3 +171,28 @@ class Given(Form):
     def worn(self, volume: float, extent: tuple[float, float]) -> tuple[float, float]:
         """Return those of the nominal form; 0 where nothing tells how wide the scar will be."""
         return super().worn(volume, extent) if self.along or self.across else (0.0, 0.0)
+
+
+def form_of(
+    shape: str,
+    *,
+    radius: float = math.inf,
+    radius_along: float = math.inf,
+    radius_across: float = math.inf,
+    edge_radius: float = 0.0,
+) -> Form:
+    """Return the form of a shape, "ball", "crowned", "cylinder" or "pin", of radii [mm] as [counter] has them.
+
+    Raises InputError for another shape, and a pin without a finite radius.
+    """
+    if shape == "pin":
+        if math.isinf(radius):
+            raise InputError("counter.radius = inf mm is no pin's: allowed is a finite radius of its face")
+        return Pin(face=radius, edge=edge_radius)
+    if shape == "ball":
+        return Form() if math.isinf(radius) else Ball(1.0 / radius, 1.0 / radius)
+    if shape == "crowned":
+        return Form(1.0 / radius_along, 1.0 / radius_across)
+    if shape == "cylinder":
+        return Form(1.0 / radius)
+    raise InputError(f"shape = {shape!r} is unknown; allowed are 'ball', 'crowned', 'cylinder' and 'pin'")

@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from warpwear.laws.form import Ball, Form, Given, Pin
+from warpwear.laws.form import Form, Given, form_of
 from warpwear.study.keys import Hardness, Length, LengthOrZero, Pressure, Rule, Section, key, needs, when
 from warpwear.study.materials import material
 from warpwear.study.units import Number, Quantity, Range, is_pair, is_quantity, one_by_one
@@ -166,18 +166,16 @@ class CounterBody(MeasuredBody, Shape, Body):
     @property
     def form(self) -> Form:
         """The unworn form; of a measured body its nominal one, whose heights `study.surface` reads."""
-        one, shape = 1.0 / self.nominal_radius, self.shape
-        if shape == "ball":
-            if self.radius is None and self.diameter:
-                one = 2.0 / self.diameter
-            return Ball(one, one) if one else Form()
-        if shape == "crowned":
-            return Form(1.0 / (self.radius_along or math.inf), 1.0 / (self.radius_across or math.inf))
-        if shape == "cylinder":
-            return Form(one)
-        if shape == "pin":
-            return Pin(face=self.nominal_radius, edge=self.edge_radius)
-        return Given(one, one if self.level == "sphere" else 0.0, goes_on=self.extend != "refuse")
+        if self.shape == "measured":
+            one = 1.0 / self.nominal_radius
+            return Given(one, one if self.level == "sphere" else 0.0, goes_on=self.extend != "refuse")
+        return form_of(
+            self.shape,
+            radius=self.nominal_radius,
+            radius_along=self.radius_along or math.inf,
+            radius_across=self.radius_across or math.inf,
+            edge_radius=self.edge_radius,
+        )
 
     @property
     def name(self) -> str:

@@ -52,7 +52,7 @@ def _patches(study: Content) -> None:
 
 
 def _boundary(study: Content) -> None:
-    """Refuse a half-space that repeats a counter-body, but one that its author says goes on beyond its file."""
+    """Refuse a half-space that repeats a counter-body, unless that goes on beyond its file."""
     form = study.counter.form
     if study.repeats and not form.is_flat and all(form.rises):
         raise ValueError(
@@ -67,9 +67,9 @@ def _shape(study: Content) -> None:
     width = 2.0 * counter.form.reach
     if counter.shape == "pin" and not width <= extent - 2.0 * study.grid.cell:
         raise ValueError(
-            f"counter.radius = {counter.nominal_radius:g} mm and counter.edge_radius = {counter.edge_radius:g}"
-            f" mm make a pin {width:g} mm wide, and grid.extent = {extent:g} mm must hold it with a cell on "
-            "each side; allowed are a smaller pin and a larger grid.extent"
+            f"counter.radius = {counter.nominal_radius:g} mm with counter.edge_radius = "
+            f"{counter.edge_radius:g} mm makes a pin {width:g} mm wide, and grid.extent = {extent:g} mm must "
+            "hold it with a cell on each side; allowed are a smaller pin and a larger grid.extent"
         )
 
 
@@ -126,9 +126,9 @@ def _capacity(study: Content) -> None:
     if hardness * under_counter < study.contact.load:
         radius = math.sqrt(study.contact.load / (math.pi * hardness))
         raise ValueError(
-            f"counter.radius = {counter.nominal_radius:g} mm is too small: at this hardness, {hardness:g} MPa, "
-            f"a {counter.shape} carries {hardness * under_counter:.4g} N on its whole section, and contact.load "
-            f"= {study.contact.load:g} N needs more than {radius:.3g} mm"
+            f"counter.radius = {counter.nominal_radius:g} mm is too small: at this hardness, "
+            f"{hardness:g} MPa, a {counter.shape} carries {hardness * under_counter:.4g} N on its whole "
+            f"section, and contact.load = {study.contact.load:g} N needs more than {radius:.3g} mm"
         )
     if carried < study.contact.load:
         raise ValueError(
