@@ -35,7 +35,7 @@ CONDITIONS: dict[str, tuple[str, Callable[[Study], float | str | None]]] = {
     "sliding distance": ("mm", lambda s: s.sliding.total),
     "wear coefficient of the counter-body": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[0]),
     "wear coefficient of the disc": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[1]),
-    "counter-body's curvature": ("1/mm", lambda s: s.counter.curvature),
+    "counter-body's curvature": ("1/mm", lambda s: max(s.counter.form.along, s.counter.form.across)),
 }
 #: Sections whose keys make runs unlike too, and those of them that stand above.
 LAWS, ABOVE = ("wear.", "friction."), ("wear.counter", "wear.disc")
