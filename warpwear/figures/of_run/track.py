@@ -40,21 +40,10 @@ def groove(data: FigureData) -> Figure:
     ]
     deepest = -1.2e3 * max(float(np.nanmax(depths)), last.mean_depth)
     width = f"mean over the groove's width of {last.width:.3g} mm"
+    over, down = Axis(describe.ACROSS, low=-reach, high=reach), Axis(CHANGE, low=deepest or None, high=0.0)
     panels = [
-        Chart(
-            "Mean section",
-            Axis(describe.ACROSS, low=-reach, high=reach),
-            Axis(CHANGE),
-            across,
-            "mean along sliding",
-        ),
-        Chart(
-            "Depth along the track",
-            Axis(describe.ALONG),
-            Axis(CHANGE, low=deepest or None, high=0.0),
-            along,
-            width,
-        ),
+        Chart("Mean section", over, Axis(CHANGE), across, "mean along sliding"),
+        Chart("Depth along the track", Axis(describe.ALONG), down, along, width),
     ]
     return Figure(panels, legend=6)
 
