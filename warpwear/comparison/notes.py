@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 
-from warpwear.comparison.groups import MOST_NAMES, Group, RunData, listed
+from warpwear.comparison.groups import MOST_NAMES, Group, RunData, listed, names_by_sentence
 from warpwear.measured.course import check_coverage
 from warpwear.measured.experiment import Experiment
 from warpwear.study.keys import declarations, inapplicable, value_of
@@ -76,9 +76,7 @@ def notes_of(
 
 def _of_runs(sentences: Sequence[tuple[RunData, str]], runs: Sequence[RunData]) -> Iterator[str]:
     """Make one note of all runs that have the same sentence."""
-    names: dict[str, list[str]] = {}
-    for run, sentence in sentences:
-        names.setdefault(sentence, []).append(run.name)
+    names = names_by_sentence(sentences)
     return (f"{listed(of, len(runs))}: {sentence}" for sentence, of in names.items())
 
 
