@@ -96,7 +96,7 @@ def _run(result: ResultFile, end: dict[str, float]) -> list[Row]:
             "cell_um": 1.0e3 * study.grid.cell,
             "distance_mm": end["distance"],
             "end_values": _end(result),
-            "load_N": study.contact.load,
+            "load_N": end["load"],
             "hardness_MPa": finite(study.hardness),
             "wear_coefficient_mm3_per_Nm": {body: 1.0e3 * k for body, k in coefficients.items()},
             "wear_coefficient_per_Pa": {body: 1.0e-6 * k for body, k in coefficients.items()},
@@ -158,7 +158,7 @@ def _by_scheme(result: ResultFile) -> list[Row]:
     yields = study.study.model != "micro" or study.contact.law != "local" or study.contact_law().compliance
     if yields or study.wear.sheds or not study.is_rough or not study.sliding.total or not study.caps_pressure:
         return []
-    explicit, area = study.stepping.scheme == "explicit", study.contact.load / study.hardness
+    explicit, area = study.stepping.scheme == "explicit", result.history["load"][-1] / study.hardness
     text = f"explicit: the area stays near load over hardness, {area:.3g} mm²; by implicit ones it grows"
     if not explicit:
         text = f"implicit: bodies yield by their wear; by explicit ones the area stays near {area:.3g} mm²"
@@ -198,7 +198,7 @@ def _of_one_spot(result: ResultFile) -> list[Row]:
 def _friction(result: ResultFile, end: dict[str, float]) -> list[Row]:
     """Declare friction: its course, the strength that it is made of, and those that other choices ask for."""
     study, history, section = result.study, result.history, result.study.friction
-    law, load, laps = section.law_with(), study.contact.load, study.laps
+    law, load, laps = section.law_with(), history["load"], study.laps
     first, last = finite(passes.mean_over(history, history["cof"], "initial", laps)), finite(end["cof"])
     strength = finite(law.final_strength(history, load=load, finished=result.finished, laps=laps))
     others = law.calibrations(history, load=load, hardness=study.indentation_hardness, laps=laps)
@@ -306,7 +306,7 @@ def _fitted(fit: Breaking | str) -> list[Row]:
 def _checks(result: ResultFile, end: dict[str, float]) -> list[Row]:
     """Declare residuals, conservation, and what the run's own record and its assumptions are."""
     study, residuals = result.study, np.abs(result.history["load_residual"])
-    expected = study.wear_coefficients[1] * study.contact.load * end["distance"]
+    expected = sum(study.wear_coefficients[1] * b.load * b.slides(end["distance"]) for b in study.blocks)
     off = {body: _off_archard(end, body) for body in BODIES}
     largest, assumed = float(residuals.max()), render.assumptions(study)
     checks = [

@@ -1,11 +1,11 @@
 """The steps of one run, what is checked of each, and what is kept."""
 
 import logging
-import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +14,10 @@ from warpwear.clock import phase
 from warpwear.engine import state
 from warpwear.engine.executor import Executor
 from warpwear.errors import RESUME_IT, ConvergenceError, InvariantError
+from warpwear.history.recorder import Step
 from warpwear.history.rows import Rows
 from warpwear.history.snapshot import Snapshot
+from warpwear.laws.blocks import Block
 from warpwear.laws.form import Given
 from warpwear.results.seal import versions
 from warpwear.results.writer import ResultWriter
@@ -24,7 +26,7 @@ from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.runs.checkpoint import Checkpoint, Checkpoints, StoredCheckpoint, opened
 from warpwear.runs.console import Interrupts, Progress
 from warpwear.runs.invariants import Violation
-from warpwear.runs.make import model_of
+from warpwear.runs.make import model_in, model_of
 from warpwear.runs.order import RunOrder
 from warpwear.runs.step import RunStep
 
@@ -70,8 +72,9 @@ class StepLoop:
                 stored.refuse_changes(order, device=str(executor.device))
             original = stored.heights_for if stored else np.asarray
             prepared = model_of(order, executor, original=original)
-            self._model, self._surface_record = prepared.model, prepared.record
-            self._book, self._pieces, self._filled = prepared.book, prepared.pieces, prepared.filled
+            self._executor, self._heights, self._block = executor, prepared.heights, order.blocks[0]
+            self._surface_record, self._filled = prepared.record, prepared.filled
+            self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
             self._warn(*doubts.of_slope(order.study, prepared.record["on_the_grid"]["rms_slope"]))
             if order.track is not None and writer is not None:
                 writer.add_track(order.track, prepared.heights)
@@ -155,15 +158,12 @@ class StepLoop:
 
         with_fields: whether every step can be asked for its fields, not only those that are kept.
         """
-        plan, speed = self._order.plan, self._order.study.sliding.mean_speed
-        left = plan[len(self._rows) :]
+        plan, doubtful = self._order.plan, self._filled is not None
         # where points were filled, steps 1, 2, 4, 8, … are looked at too: a run on them stops early
-        numbers, doubtful = range(len(self._rows) + 1, len(plan) + 1), self._filled is not None
-        looks = [keep or (doubtful and n & (n - 1) == 0) for n, (*_, keep) in zip(numbers, left, strict=True)]
-        requests = ((step[0], look or with_fields, step[2]) for step, look in zip(left, looks, strict=True))
-        steps = self._model.steps(requests)
-        for (_, distance, keep), look, step in zip(left, looks, steps, strict=True):
-            row = step.row | {"distance": distance}
+        looks = [keep or (doubtful and n & (n - 1) == 0) for n, (*_, keep) in enumerate(plan, 1)]
+        for number, block, step in self._made([look or with_fields for look in looks]):
+            (_, distance, keep), look = plan[number], looks[number]
+            row = step.row | {"distance": distance, "time": block.time(distance), "block": block.number}
             stop = self._check(
                 self._order.invariants.of_row(
                     row, touches_edge=step.touches_edge, touches_rim=step.touches_rim
@@ -178,7 +178,6 @@ class StepLoop:
                 self._check(self._order.invariants.of_fields(vars(snapshot), row))
                 with phase("snapshots"):
                     self._writer.add_snapshot(snapshot)
-            row |= {"time": distance / speed if speed else math.nan}
             self._rows.append(row)
             self._progress.step(row)
             if len(self._rows) == 1:
@@ -186,6 +185,26 @@ class StepLoop:
             self._last = step
             index = len(self._rows) - 1
             yield RunStep(index, len(plan), self._order, row, partial(self._snapshot_of, index)), stop
+
+    def _made(self, looks: list[bool]) -> Iterator[tuple[int, Block, Step]]:
+        """Steps that are still to be made, with number and block. looks: which are to have their pressure."""
+        plan, numbers = self._order.plan, range(len(self._rows), len(self._order.plan))
+        for _, group in groupby(numbers, lambda number: self._order.block_of(number).load):
+            here = [*group]
+            self._begin(self._order.block_of(here[0]))
+            requests = ((plan[n][0], looks[n], plan[n][2]) for n in here)
+            for number, step in zip(here, self._model.steps(requests), strict=True):
+                yield number, self._order.block_of(number), step
+
+    def _begin(self, block: Block) -> None:
+        """Go on under a block's load: a model of it takes over the bodies as they are."""
+        if block.load != self._block.load:
+            model = self._model
+            prepared = model_in(self._order, block, self._heights, self._executor, {})
+            state.restore(prepared.model, *state.save(model))
+            prepared.model.longest_block = min(model.longest_block, prepared.model.longest_block)
+            self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
+        self._block = block
 
     def _snapshot_of(self, index: int) -> Snapshot | None:
         """Return the fields after a row's step, views of the model's on a CPU; None after a later one."""

@@ -1,6 +1,7 @@
 """What a run goes by: a study, the heights given for its disc, and what follows from both, made once."""
 
 import tomllib
+from bisect import bisect
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,6 +13,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
 from warpwear.history.rows import Rows
+from warpwear.laws.blocks import Block
 from warpwear.laws.form import Form
 from warpwear.laws.friction import friction_energy
 from warpwear.results.ensemble import dotted
@@ -59,6 +61,17 @@ class RunOrder:
         return plan_of(self.study)
 
     @cached_property
+    def blocks(self) -> tuple[Block, ...]:
+        """The blocks of the programme; one, the whole test, without a programme."""
+        return self.study.blocks
+
+    def block_of(self, step: int) -> Block:
+        """Return the block in which a step of the plan lies."""
+        increment, distance, _ = self.plan[min(step, len(self.plan) - 1)]
+        ends = [block.end for block in self.blocks[:-1]]
+        return self.blocks[bisect(ends, distance - 0.5 * increment)]
+
+    @cached_property
     def columns(self) -> tuple[str, ...]:
         """Name the columns of the history."""
         return tuple(column.name for column in columns_of(self.study))
@@ -104,8 +117,8 @@ class RunOrder:
 
     def cof_of(self, history: dict[str, FloatArray], *, finished: bool) -> FloatArray:
         """Return the coefficient of friction of every step; NaN while it waits for the whole run."""
-        law, load = self.study.friction.law_with(), self.study.contact.load
-        return law.coefficient(history, load=load, finished=finished, laps=self.study.laps)
+        law = self.study.friction.law_with()
+        return law.coefficient(history, load=history["load"], finished=finished, laps=self.study.laps)
 
 
 def order_of(

@@ -9,13 +9,14 @@ from warpwear.study.study import Study
 def plan_of(study: Study) -> list[tuple[float, float, bool]]:
     """Plan every step: its increment, the distance at its end [mm], and whether its fields are kept."""
     stops, total = study.snapshot_distances, study.sliding.total
+    ends = {block.end for block in study.blocks}
     if study.is_swept:
         return _kept_after(stops, study.track.increments(total), total)
     if study.output.snapshots == "auto":
-        return _kept_after(stops, increments(study.increments, total), total)
+        return _kept_after(stops, increments(study.increments, total, ends), total)
     return [
         (increment, distance, distance in stops or distance == total)
-        for increment, distance in increments(study.increments, total, stops)
+        for increment, distance in increments(study.increments, total, {*stops, *ends})
     ]
 
 

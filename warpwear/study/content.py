@@ -1,12 +1,13 @@
 """The content of a study: its sections, and what follows from them."""
 
 import math
-from typing import Any
+from typing import Any, Self
 
 from pydantic import Field
 
 from warpwear.grid import Grid
 from warpwear.laws.archard import WearLaw
+from warpwear.laws.blocks import Block
 from warpwear.laws.elastic import Hertz, effective_modulus
 from warpwear.laws.film import Film, grown_cap
 from warpwear.laws.foundation import CappedFoundation
@@ -16,6 +17,7 @@ from warpwear.laws.patches import Patches
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
 from warpwear.laws.track import WHOLE, Track
+from warpwear.study.blocks import BlockSection, in_a_row, part_of
 from warpwear.study.bodies import CounterBody, Disc
 from warpwear.study.contact import Contact, Friction, Junctions, Wear
 from warpwear.study.keys import Section, key, value_of, when
@@ -40,6 +42,9 @@ class Content(Section):
     wear: Wear
     grid: GridSection
     sliding: Sliding
+    block: tuple[BlockSection, ...] | None = key(
+        None, "programme: blocks of other loads, speeds and lengths, one after another"
+    )
     stepping: Stepping = Stepping()
     friction: Friction = Friction()
     junctions: Junctions = Junctions()
@@ -54,6 +59,27 @@ class Content(Section):
     checks: Checks = Checks()
     output: Output = Output()
     assumed: dict[str, str] = Field(default={}, description="keys that were assumed, and why")
+
+    @property
+    def parts(self) -> tuple[Self, ...]:
+        """Studies that the blocks of a programme are by themselves; this one alone without a programme."""
+        return (self,) if self.block is None else tuple(part_of(self, block) for block in self.block)
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """Blocks of the programme, in their order; the whole test is one without a programme."""
+        return in_a_row(self.parts)
+
+    @property
+    def loads(self) -> str:
+        """Return the load [N], or of a programme the smallest and the largest, as people write them."""
+        loads = [block.load for block in self.blocks]
+        least, most = f"{min(loads):.4g}", f"{max(loads):.4g}"
+        return least if least == most else f"{least} to {most}"
+
+    def volume(self, law: WearLaw, distance: float) -> float:
+        """Return what a law wears off a body over the test's first distance [mm]: Σ K F ΔL [mm³]."""
+        return sum(b.load * law.wear_per_pressure(b.start, b.slides(distance)) for b in self.blocks)
 
     @property
     def is_rough(self) -> bool:
@@ -210,8 +236,8 @@ class Content(Section):
 
     @property
     def hertz(self) -> Hertz | None:
-        """Hertz's contact of the bodies before any wear; None for other forms or unknown constants."""
-        modulus, form, load = self.effective_modulus, self.counter.form, self.contact.load
+        """Hertz's contact of unworn bodies, under the largest load; None for other forms, unknown constants."""
+        modulus, form, load = self.effective_modulus, self.counter.form, max(b.load for b in self.blocks)
         if modulus is None or not self.counter.has_hertz:
             return None
         if form.along == form.across:

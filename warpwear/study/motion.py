@@ -35,7 +35,9 @@ NO_COMPLIANCE = when(
 )
 STROKE = needs("sliding.stroke")
 A_DISC_OF_CELLS = ": patches lie still, and a smooth disc is one of cells with disc.synthetic.kind = 'flat'"
-total_key = partial(key, one_of="total")
+#: A programme says lengths in its blocks.
+ALONE = when("block", None, otherwise="does not go with [[block]], whose lengths add up")
+total_key = partial(key, one_of="total", applies=ALONE)
 growing_key = partial(key, applies=STEPS + FIXED, one_of="plan: growing")
 
 

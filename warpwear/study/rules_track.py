@@ -85,12 +85,12 @@ def worn_patch(study: Content, distance: float | None = None) -> float:
     rest tells more. It is the wider of what the domain must hold, along sliding and across it; the domain's
     own where the counter-body is as large.
     """
-    form, load, extent = study.counter.form, study.contact.load, study.grid.extent
+    form, extent = study.counter.form, study.grid.extent
     total = study.sliding.total if distance is None else distance
     if form.is_flat:
         return extent
     domain = extent, extent
-    counter, disc = (load * law.wear_per_pressure(0.0, total) for law in study.wear_laws)
+    counter, disc = (study.volume(law, total) for law in study.wear_laws)
     lap = study.sliding.lap
     at_rest = _held(form, form.worn(counter + disc, domain))
     if not study.is_swept or lap is None:
@@ -133,7 +133,7 @@ def doubts(study: Content) -> Iterator[str]:
         return
     sliding = study.sliding
     step = study.shift * study.grid.cell
-    first = 2.0 * math.sqrt(study.contact.load / (math.pi * study.hardness))
+    first = 2.0 * math.sqrt(study.blocks[0].load / (math.pi * study.hardness))
     if step > first > 0.0:
         yield (
             f"sliding.shift = {study.shift} cells, {1e3 * step:g} µm, is longer than a contact at the "

@@ -36,6 +36,8 @@ class Study(Content):
         self._old_names = tuple(old_names)
 
     def _check(self) -> None:
+        if self.block is not None:
+            self.__dict__["sliding"] = rules.sliding_of_blocks(self)  # frozen once it is made
         rules.check(self)
 
     def __eq__(self, other: object) -> bool:
@@ -49,7 +51,7 @@ class Study(Content):
         about, cells = self.study, self.cells
         return (
             f"<Study '{about.name}': {about.model} model, {self.contact.law} law, {self.kinematics}, "
-            f"{cells.nx} × {cells.ny} cells of {1e3 * cells.cell:g} µm, {self.contact.load:g} N over "
+            f"{cells.nx} × {cells.ny} cells of {1e3 * cells.cell:g} µm, {self.loads} N over "
             f"{self.sliding.total:g} mm>"
         )
 
@@ -114,6 +116,9 @@ class Study(Content):
             raise InputError(f"{changes!r} is no change of a study; write {{'contact.load': '4 N'}}.")
         flat = dict(changes or {})
         for section, keys in sections.items():
+            if section == "block":
+                flat[section] = keys
+                continue
             if not isinstance(keys, Mapping):
                 raise InputError(f"{section} = {keys!r} is not a section; write {{'contact.load': '4 N'}}.")
             flat |= {f"{section}.{k}": v for k, v in keys.items()}
