@@ -236,7 +236,7 @@ class Content(Section):
 
     @property
     def hertz(self) -> Hertz | None:
-        """Hertz's contact of unworn bodies, under the largest load; None for other forms, unknown constants."""
+        """Hertz's contact before any wear, under the largest load; None for other forms or constants."""
         modulus, form, load = self.effective_modulus, self.counter.form, max(b.load for b in self.blocks)
         if modulus is None or not self.counter.has_hertz:
             return None
