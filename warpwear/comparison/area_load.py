@@ -2,6 +2,7 @@
 
 import math
 from collections import defaultdict
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from warpwear.comparison.groups import Group
 from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Chart, Figure, Line, Look
 from warpwear.grid import FloatArray
-from warpwear.laws.elastic import Hertz, SpectralMoments, greenwood_williamson_area, persson_area
+from warpwear.laws.elastic import SpectralMoments, greenwood_williamson_area, persson_area
 from warpwear.results.ensemble import band
 from warpwear.study.study import Study
 from warpwear.study.surface import surface_in
@@ -100,14 +101,14 @@ def theories_of(comparison: Comparison, load: FloatArray) -> dict[str, FloatArra
     modulus, moments = first.effective_modulus, _moments(first)
     if modulus is None:
         return areas
-    if first.counter.curvature:
+    if first.hertz is not None:
         if moments is not None:
             # As long as erf(x) is 2x/√π it does not matter how the load is spread.
             slope = moments.rms_slope
             areas["Persson, light loads"] = np.sqrt(8.0 / np.pi) * load / (modulus * slope)
-        of_hertz = [Hertz(modulus, 1.0 / first.counter.curvature, float(force)).area for force in load]
+        of_hertz = [replace(first.hertz, load=float(force)).area for force in load]
         areas["Hertz, smooth bodies"] = np.array(of_hertz)
-    elif moments is not None:
+    elif moments is not None and first.counter.form.is_flat:
         nominal = first.cells.area
         pressure = load / nominal
         areas["Persson"] = nominal * persson_area(pressure, modulus=modulus, rms_slope=moments.rms_slope)

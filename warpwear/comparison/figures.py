@@ -39,14 +39,14 @@ def cof(comparison: Comparison) -> Figure:
     for group, course in every:
         mean = course.line().y
         friction = group.runs[0].study.friction
-        if friction.shear_strength is None:
+        if friction.fitted in ("end", "initial"):
             end = slice(-1, None) if friction.calibrate == "end" else slice(1)
             mark = Look(course.look.colour, "", marker="o", size=4.0, hollow=True)
             inputs.append(Line(course.places[end], mean[end], look=mark))
         level = mean_of_last_tenth(course.places, mean)
         if mean.size > 1 and level > 0.0:
             relative.append(replace(course, label="", values=course.values / level))
-    number = sum(run.study.friction.fitted == "end" for run in comparison.runs)
+    number = sum(run.study.friction.ends_as_given for run in comparison.runs)
     note = "○: calibrated to this value" if inputs else ""
     if number:
         note = f"the end is an input of {number} of {len(comparison.runs)} runs"

@@ -103,7 +103,7 @@ def _answers(comparison: Comparison) -> dict[str, Any]:
     """Return head and rows of the table of answers: value, scatter and difference to the first of each."""
     table, scatter = columns(comparison), columns(comparison, scatter=True)
     known = [key for key in ANSWERS if any(isinstance(row[key], int | float) for row in table.values())]
-    inputs = {g.name for g in comparison.groups if any(r.study.friction.fitted == "end" for r in g.runs)}
+    inputs = {g.name for g in comparison.groups if any(r.study.friction.ends_as_given for r in g.runs)}
     rows: list[list[Any]] = []
     firsts: dict[str, Value] = {}
     for name, values in table.items():

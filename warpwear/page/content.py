@@ -50,6 +50,7 @@ def top_of(study: Study, summary: dict[str, Any]) -> dict[str, Any]:
         "name": study.study.name,
         "description": study.study.description,
         "asked": words.asked_of(study, summary["distance_mm"]),
+        "verdict": summary["verdict"]["text"],
         "finished": summary["finished"],
         "answers": [vars(answer) for answer in words.answers_of(study, summary)],
         "warnings": [text for text in summary["warnings"] if text not in summary["notes"]],
@@ -64,7 +65,7 @@ def words_of(study: Study, rows: Sequence[Row]) -> dict[str, Any]:
     """Collect all texts of the page by name. rows: as of `summarise`."""
     summary = record(rows)
     top, methods = top_of(study, summary), paper.methods_of(study, summary)
-    table = paper.table_of(study.counter.curvature, summary, top["answers"])
+    table = paper.table_of(study.counter, summary, top["answers"])
     return top | {
         "limits": limits_of(study),
         "summary": summary_text(rows),

@@ -108,8 +108,8 @@ def _answers(result: SweepResult) -> list[Answer]:
         "cof": "Not predicted: area × shear strength over load",
         "wear_volume_disc": "Not predicted: wear coefficient × load × distance",
     }
-    if result.plan.study.friction.fitted == "end":
-        notes["cof"] = "An input: its shear strength is fitted so that it is met"
+    if result.plan.study.friction.ends_as_given:
+        notes["cof"] = "An input: constant, or its shear strength is fitted so that it is met"
     for answer in ANSWERS:
         if (values := _ends(result, answer.name)) is None:
             continue

@@ -139,7 +139,7 @@ def hertz(data: FigureData) -> Figure:
     """
     theory, places, row = data.study.hertz, data.result.x, data.result.y.size // 2
     assert theory is not None  # or the figure is left out
-    r = np.linspace(0.0, theory.radius, 200)
+    r = np.linspace(0.0, theory.semi_axes[0], 200)
     both = np.concatenate([-r[::-1], r])
     unworn = Line(both, theory.pressure(np.abs(both)), "Hertz, unworn bodies", Look(describe.NEUTRAL, "dash"))
     panels: list[Chart] = []
@@ -151,7 +151,7 @@ def hertz(data: FigureData) -> Figure:
         worn = Line(
             places[seen], values[seen], "elastic foundation", Look(describe.MEAN_PRESSURE), step="mid"
         )
-        half = MARGIN * max(theory.radius, float(np.abs(places[seen]).max()))
+        half = MARGIN * max(theory.semi_axes[0], float(np.abs(places[seen]).max()))
         pressure = Axis("pressure, MPa", low=0.0)
         if panels:
             median = float(np.median(snapshot.pressure[snapshot.pressure > 0.0]))
