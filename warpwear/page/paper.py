@@ -8,6 +8,7 @@ from warpwear.history.quantities import printed
 from warpwear.laws.archard import said
 from warpwear.page.words import disc_of, motion_of, slider_of, source_of
 from warpwear.results.report import shown
+from warpwear.study.bodies import CounterBody
 from warpwear.study.study import Study
 
 Line: TypeAlias = tuple[str, str, str]  # quantity, value and unit
@@ -76,12 +77,12 @@ def _friction_law(study: Study) -> str:
     return f"; {sentence}" if sentence else ""
 
 
-def table_of(curvature: float, s: dict[str, Any], answers: Iterable[dict[str, str]]) -> list[Line]:
-    """List quantity, value and unit of what went in and what came out. curvature: of the ball [1/mm]."""
+def table_of(counter: CounterBody, s: dict[str, Any], answers: Iterable[dict[str, str]]) -> list[Line]:
+    """List quantity, value and unit of what went in and what came out."""
     hardness, unit = s["hardness_MPa"], printed("mm^3/N/m")
     return [
         ("Load", shown(s["load_N"]), "N"),
-        *([("Radius of the counter-body", shown(1.0 / curvature), "mm")] if curvature else []),
+        *([] if counter.form.is_flat else [("Counter-body", counter.title, "")]),
         ("Sliding distance", shown(s["distance_mm"], 6), "mm"),
         ("Cell", shown(s["cell_um"]), "µm"),
         *([("Hardness (cap of the pressure)", shown(hardness), "MPa")] if hardness else []),

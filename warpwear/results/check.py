@@ -79,6 +79,8 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
     _check_distance(file["history/distance"][()], _numbers(file, "history/increment")[()])
     _numbers(file, "grid/x", (nx,))
     _numbers(file, "grid/y", (ny,))
+    if study.counter.shape == "measured":
+        _numbers(file, "counter/heights", (nx, ny))
     if study.is_swept:
         _numbers(file, "track/x", (rows,))
         _numbers(file, "track/heights", (rows, ny))

@@ -71,7 +71,7 @@ def of_history(study: Study, history: Mapping[str, FloatArray], *, finished: boo
     long = int(np.count_nonzero(history.get("area_error", np.zeros(1)) > AREA_ERROR))
     if long:
         yield (
-            f"sliding.shift = {study.sliding.shift} cells is too long for {long} of the steps, "
+            f"sliding.shift = {study.shift} cells is too long for {long} of the steps, "
             f"whose area it changes by more than {100.0 * AREA_ERROR:g} % by estimate: a smaller one is "
             "needed."
         )

@@ -37,7 +37,7 @@ ROUGH = when(
 )
 LOCAL = when("contact.law", "local", otherwise="does not apply to contact.law = '{}': E* of both bodies does")
 AT_REST = when(
-    "sliding.kinematics",
+    "kinematics",
     "stationary",
     otherwise="does not apply to sliding.kinematics = '{}', where a cell slides while the contact is over it",
 )
@@ -52,6 +52,8 @@ ELASTIC = (
     "Young's modulus and Poisson's ratio of both bodies: counter.material or counter.young and "
     "counter.poisson, and the same of the disc"
 )
+#: Shapes that Hertz knows.
+ROUND = "a ball, a crowned body or a cylinder"
 #: The sentence's end where a stiffness is allowed instead.
 A_STIFFNESS = "; or a stiffness such as '2e6 N/mm^3'"
 THICKNESS = (
@@ -128,7 +130,8 @@ class Contact(Section):
         assumed="one spring constant matches one of Hertz's three values",
         applies=BULK,
         formerly="contact.foundation",
-        demands=needs("counter.curvature", of=tuple(MATCHES), what="a ball", why=A_STIFFNESS)
+        demands=needs("counter.has_hertz", of=tuple(MATCHES), what=ROUND, why=A_STIFFNESS)
+        + needs("counter.has_approach", of="approach", what="a ball or a crowned body", why=A_STIFFNESS)
         + needs("effective_modulus", of=tuple(MATCHES), what=ELASTIC, why=A_STIFFNESS),
     )
     bulk_update: Literal["initial", "updated"] = key(
@@ -136,7 +139,8 @@ class Contact(Section):
         "K_N = C_W E*/a with Hertz's a for ever, or with that of the area in contact (two-scale: scar)",
         applies=BULK,
         formerly="contact.foundation_update",
-        demands=needs("contact.bulk_stiffness", *MATCHES, of="updated"),
+        demands=needs("contact.bulk_stiffness", *MATCHES, of="updated")
+        + needs("counter.has_approach", of="updated", what="a ball or a crowned body"),
     )
 
 
@@ -228,6 +232,7 @@ class Wear(Section):
         applies=AT_REST,
         demands=excludes("study.model", "two-scale", of=("across", "radial"), why=IN_ONE_PROPORTION)
         + excludes("contact.law", "half-space", of=("across", "radial"))
+        + needs("counter.shape", "ball", of=("across", "radial"))
         + excludes("wear.particle", of=("across", "radial")),
     )
     particle: Annotated[float | Literal["critical"], Quantity("mm", words=("critical",))] | None = key(

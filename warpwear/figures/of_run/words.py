@@ -52,7 +52,7 @@ NO_FILM = Reason(lambda d: d.study.film is None, "the bodies carry no film: see 
 NO_TIME = Reason(
     lambda d: not np.isfinite(d.history["time"]).any(), "sliding.speed is not given, so there is no time"
 )
-NO_RADIUS = Reason(lambda d: d.study.counter.curvature == 0.0, "a rigid flat has no radius of contact")
+NO_RADIUS = Reason(lambda d: not d.study.counter.curvature, "only a ball's contact has a radius")
 NO_SNAPSHOT = Reason(
     lambda d: d.result.snapshot_distances.size == 0, "the run was interrupted before its first snapshot"
 )
