@@ -105,11 +105,11 @@ class Progress:
     def _tell(self, most: int, ranks: int = 4) -> None:
         """Write so many notes at most of the first ranks, the heaviest first; each is written once."""
         self._notes.sort(key=itemgetter(0))
-        told = [note for note in self._notes if note[0] < ranks][: max(most, 0)]
-        for _, line in told:
+        count = min(max(most, 0), sum(rank < ranks for rank, _ in self._notes))
+        for _, line in self._notes[:count]:
             self.say(line)
-        self._left -= len(told)
-        self._notes = self._notes[len(told) :]
+        self._left -= count
+        self._notes = self._notes[count:]
 
     def _tell_early(self) -> None:
         """Tell warnings of a run that takes long, which one may want to stop; the last is for its end."""
