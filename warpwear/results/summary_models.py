@@ -154,8 +154,11 @@ def _hertz(result: ResultFile, *, is_line: bool) -> Row:
         Row("radius", "radius_um", 1.0e3 * hertz.radius, digits=3),
         Row("", "area_mm2", hertz.area),
         Row("peak", "peak_pressure_MPa", hertz.peak_pressure),
-        Row("approach", "approach_um", 1.0e3 * hertz.approach, digits=3),
     ]
+    if not hertz.is_line:  # whose approach has no absolute zero
+        rows.append(Row("approach", "approach_um", 1.0e3 * hertz.approach, digits=3))
+    if hertz.radius_across is not None:
+        rows.append(Row("", "semi_axes_um", [1.0e3 * axis for axis in hertz.semi_axes]))
     return Row("Hertz, unworn", "hertz", rows) if is_line else Row("", "hertz", record(rows))
 
 

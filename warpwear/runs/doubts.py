@@ -78,7 +78,9 @@ def of_history(study: Study, history: Mapping[str, FloatArray], *, finished: boo
     if doubt := doubt_of_directions(study, history):
         yield doubt
     friction, limit = study.friction, study.shear_limit
-    tau = friction.law.final_strength(history, load=study.contact.load, finished=finished, laps=study.laps)
+    tau = friction.law_with().final_strength(
+        history, load=study.contact.load, finished=finished, laps=study.laps
+    )
     film = friction.film.shear_strength if friction.film else 0.0
     for name, strength in (("shear strength τ0", tau), ("film's", film)):
         if strength > limit:

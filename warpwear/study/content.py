@@ -184,8 +184,14 @@ class Content(Section):
     @property
     def boundary(self) -> str:
         """Boundary of the half-space, or of every patch: "free" or "periodic"."""
-        whole_counter = self.counter.curvature and self.study.model != "two-scale"
+        whole_counter = not self.counter.form.is_flat and self.study.model != "two-scale"
         return self.contact.boundary or ("free" if whole_counter else "periodic")
+
+    @property
+    def repeats(self) -> bool:
+        """True where the domain, with the counter-body, is repeated beside itself."""
+        elastic = self.contact.law == "half-space" and self.study.model == "micro"
+        return elastic and self.boundary == "periodic"
 
     @property
     def resolved(self) -> dict[str, Any]:
@@ -204,11 +210,16 @@ class Content(Section):
 
     @property
     def hertz(self) -> Hertz | None:
-        """Hertz's contact of the bodies before any wear; None for a flat or unknown elastic constants."""
-        modulus, curvature = self.effective_modulus, self.counter.curvature
-        if modulus is None or curvature == 0.0:
+        """Hertz's contact of the bodies before any wear; None for other forms or unknown constants."""
+        modulus, form, load = self.effective_modulus, self.counter.form, self.contact.load
+        if modulus is None or not self.counter.has_hertz:
             return None
-        return Hertz(modulus, 1.0 / curvature, self.contact.load)
+        if form.along == form.across:
+            return Hertz(modulus, 1.0 / form.along, load)
+        radii = (1.0 / curvature if curvature else math.inf for curvature in (form.along, form.across))
+        # Along which a cylinder lies, it is as long as the domain, which is a square.
+        along, across = radii
+        return Hertz(modulus, along, load, across, self.grid.extent)
 
     @property
     def junction_strength(self) -> float | None:
@@ -269,7 +280,7 @@ class Content(Section):
         return ContactTask(
             load=self.contact.load,
             hardness=self.hardness,
-            curvature=self.counter.curvature,
+            form=self.counter.form,
             wear=self.wear_laws,
             compliance=self.contact_law().compliance,
             implicit=self.stepping.scheme == "implicit",
@@ -332,7 +343,7 @@ class Content(Section):
     @property
     def wear_laws(self) -> tuple[WearLaw, WearLaw]:
         """The laws by which counter-body and disc wear."""
-        return self.wear.laws(self.wear_hardness)
+        return self.wear.laws(self.wear_hardness, self.friction.coefficient)
 
     @property
     def wear_hardness(self) -> float:

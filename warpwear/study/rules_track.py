@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 
+from warpwear.laws.form import Form
 from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study.content import Content
 
@@ -78,23 +79,29 @@ def worn_patch(study: Content, distance: float | None = None) -> float:
 
     distance: by default the whole test [mm].
 
-    On a disc that lies still both bodies lose the overlap of a ball with a plane, π a⁴/4R of a paraboloid,
-    whatever the pressure. A ball that slides loses that overlap alone; or, where it hardly wears, its
-    groove is a segment of its own circle, 2a³/3R in section. Of a stroke shorter than that the disc at rest
-    tells more.
+    On a disc that lies still both bodies lose the overlap of the counter-body with a plane, π a⁴/4R of a
+    paraboloid, whatever the pressure. One that slides loses that overlap alone; or, where it hardly wears,
+    its groove is a segment of its own circle, 2a³/3R in section. Of a stroke shorter than that the disc at
+    rest tells more. It is the wider of what the domain must hold, along sliding and across it; the domain's
+    own where the counter-body is as large.
     """
-    curvature, load = study.counter.curvature, study.contact.load
+    form, load, extent = study.counter.form, study.contact.load, study.grid.extent
     total = study.sliding.total if distance is None else distance
-    if curvature == 0.0:
-        return study.grid.extent
+    if form.is_flat:
+        return extent
+    domain = extent, extent
     counter, disc = (load * law.wear_per_pressure(0.0, total) for law in study.wear_laws)
     lap = study.sliding.lap
-    at_rest = (4.0 * (counter + disc) / (math.pi * curvature)) ** 0.25
+    at_rest = _held(form, form.worn(counter + disc, domain))
     if not study.is_swept or lap is None:
-        return float(2.0 * at_rest)
-    patch = (4.0 * counter / (math.pi * curvature)) ** 0.25
-    groove = (1.5 * disc / (lap * curvature)) ** (1.0 / 3.0) if total > lap else 0.0
-    return float(2.0 * min(max(patch, groove), at_rest))
+        return at_rest
+    groove = Form(across=form.across).worn(disc, (lap, extent))[1] if total > lap and form.across else 0.0
+    return min(max(_held(form, form.worn(counter, domain)), groove), at_rest)
+
+
+def _held(form: Form, widths: tuple[float, float]) -> float:
+    """Return the larger of the widths [mm] towards which a form rises: the domain must hold it."""
+    return max((width for width, rises in zip(widths, form.rises, strict=True) if rises), default=0.0)
 
 
 def extent_for(study: Content, distance: float) -> float:

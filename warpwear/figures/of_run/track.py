@@ -40,21 +40,11 @@ def groove(data: FigureData) -> Figure:
     ]
     deepest = -1.2e3 * max(float(np.nanmax(depths)), last.mean_depth)
     width = f"mean over the groove's width of {last.width:.3g} mm"
+    over, down = Axis(describe.ACROSS, low=-reach, high=reach), Axis(CHANGE, low=deepest or None, high=0.0)
+    place = "through the middle of the stroke" if short else "mean along sliding"
     panels = [
-        Chart(
-            "Middle section" if short else "Mean section",
-            Axis(describe.ACROSS, low=-reach, high=reach),
-            Axis(CHANGE),
-            across,
-            "through the middle of the stroke" if short else "mean along sliding",
-        ),
-        Chart(
-            "Depth along the track",
-            Axis(describe.ALONG),
-            Axis(CHANGE, low=deepest or None, high=0.0),
-            along,
-            width,
-        ),
+        Chart("Middle section" if short else "Mean section", over, Axis(CHANGE), across, place),
+        Chart("Depth along the track", Axis(describe.ALONG), down, along, width),
     ]
     return Figure(panels, legend=6)
 
