@@ -168,7 +168,7 @@ class Stepping(Section):
     )
     largest: Length | None = growing_key(
         None,
-        f"growing increments: the largest; 3 mm, or implicit over more than 2.4 m the {LARGEST_PARTS}th part of it",
+        f"growing increments: the largest; 3 mm, or of a longer implicit run its {LARGEST_PARTS}th part",
         assumed="a tenth of a usual stroke, small beside the distance",
     )
     load_tolerance: Annotated[float | Literal["one cell"], Quantity("N", words=("one cell",))] = key(
