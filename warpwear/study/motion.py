@@ -168,7 +168,7 @@ class Stepping(Section):
     )
     largest: Length | None = growing_key(
         None,
-        f"growing increments: the largest; 3 mm, or of a longer distance its {LARGEST_PARTS}th part",
+        f"growing increments: the largest; 3 mm, or of a longer implicit run its {LARGEST_PARTS}th part",
         assumed="a tenth of a usual stroke, small beside the distance",
     )
     load_tolerance: Annotated[float | Literal["one cell"], Quantity("N", words=("one cell",))] = key(
@@ -186,4 +186,5 @@ class Stepping(Section):
         """First increment over a distance [mm], the factor by which increments grow, and the largest [mm]."""
         if self.increment is not None:
             return self.increment, 1.0, self.increment
-        return self.first, self.growth, self.largest or max(3.0, distance / LARGEST_PARTS, self.first)
+        part = distance / LARGEST_PARTS if self.scheme == "implicit" else 0.0  # stable at any length
+        return self.first, self.growth, self.largest or max(3.0, part, self.first)
