@@ -8,19 +8,8 @@ import numpy as np
 
 from warpwear.comparison.gather import Comparison
 from warpwear.comparison.groups import Group
-from warpwear.figures.describe import (
-    CONTACT,
-    COUNTER,
-    DASHES,
-    DISC,
-    MARKERS,
-    MEAN_PRESSURE,
-    Axis,
-    Chart,
-    Figure,
-    Line,
-    Look,
-)
+from warpwear.figures import describe
+from warpwear.figures.describe import Axis, Chart, Figure, Line, Look
 from warpwear.grid import FloatArray
 from warpwear.laws.elastic import SpectralMoments, greenwood_williamson_area, persson_area
 from warpwear.results.ensemble import band
@@ -34,7 +23,7 @@ LINES = 60
 #: Points in a surface's shortest wave; with more than two the mean squares of its slopes are exact.
 POINTS_PER_CUT_OFF = 2.5
 #: Colour of each series.
-COLOURS = (CONTACT, DISC, COUNTER, MEAN_PRESSURE)
+COLOURS = (describe.CONTACT, describe.DISC, describe.COUNTER, describe.MEAN_PRESSURE)
 
 
 def has_loads(comparison: Comparison) -> bool:
@@ -50,14 +39,15 @@ def area_load(comparison: Comparison) -> Figure:
     """
     loads, lines = loads_of(comparison), []
     for number, (name, (force, area, low, high)) in enumerate(series_of(comparison).items()):
-        look = Look(COLOURS[number % len(COLOURS)], marker=MARKERS[number % len(COLOURS)], size=4.0)
+        look = Look(COLOURS[number % len(COLOURS)], marker=describe.MARKERS[number % len(COLOURS)], size=4.0)
         lines.append(Line(force, area, name, look))
         ends = ((at, pair) for at, *pair in zip(force, low, high, strict=True) if pair[0] < pair[1])
         bar = Look(look.colour, width=0.9)
         lines += [Line(np.full(2, at), np.array(pair), look=bar) for at, pair in ends]
     values = np.concatenate([line.y for line in lines])
     low, high = np.nanmin(values) / MARGIN, np.nanmax(values) * MARGIN
-    for (name, theory), dash in zip(theories_of(comparison, loads).items(), DASHES[1:], strict=False):
+    theories = theories_of(comparison, loads)
+    for (name, theory), dash in zip(theories.items(), describe.DASHES[1:], strict=False):
         if np.any((1e3 * theory > low) & (1e3 * theory < high)):
             lines.append(Line(loads, 1e3 * theory, name, Look(dash=dash, width=0.9)))
     along = Axis("normal load, N", "log", low=loads[0], high=loads[-1])

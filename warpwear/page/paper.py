@@ -51,6 +51,9 @@ def methods_of(study: Study, s: dict[str, Any]) -> str:
             f"{film['thickness_nm']:.3g} nm, {s['shear_strength_MPa']:.3g} MPa where wear has broken it, "
             f"{source_of(s)}{_friction_law(study)}."
         )
+    elif s["cof_input"] == "coulomb":
+        source = "assumed" if "friction.coefficient" in s["assumptions"] else "given by the study"
+        sentences.append(f"The coefficient of friction is constant, {s['cof_reference']:g}, {source}.")
     elif s["shear_strength_MPa"] is not None:
         sentences.append(
             f"Friction is the area ({s['cof_area']}) times an interfacial shear strength of "
@@ -70,7 +73,7 @@ def _wear_law(study: Study) -> str:
 
 
 def _friction_law(study: Study) -> str:
-    sentence = study.friction.law.said
+    sentence = study.friction.law_with().said
     return f"; {sentence}" if sentence else ""
 
 
@@ -84,6 +87,10 @@ def table_of(counter: CounterBody, s: dict[str, Any], answers: Iterable[dict[str
         ("Cell", shown(s["cell_um"]), "µm"),
         *([("Hardness (cap of the pressure)", shown(hardness), "MPa")] if hardness else []),
         *((f"Wear coefficient, {b}", shown(k), unit) for b, k in s["wear_coefficient_mm3_per_Nm"].items()),
+        *(
+            (f"Wear of friction energy, {b}", shown(a), "mm³/J")
+            for b, a in s.get("wear_coefficient_mm3_per_J", {}).items()
+        ),
         *((answer["label"], answer["value"], answer["unit"]) for answer in answers),
     ]
 
@@ -101,7 +108,7 @@ def latex_of(study: Study, methods: str, table: Iterable[Line]) -> str:
     lines = [
         to_latex(methods),
         rf"\[ \mathrm{{d}}V / \mathrm{{d}}L = F \left({study.wear_laws[0].formula}\right), \quad "
-        rf"\mu = {study.friction.law.formula} \]",
+        rf"\mu = {study.friction.law_with().formula} \]",
         "",
         r"\begin{table}",
         rf"  \caption{{{to_latex(study.study.name)}}}",

@@ -124,6 +124,10 @@ def _cof(s: dict[str, Any]) -> Answer:
     if s["cof"]["end"] is None:
         note = "calibrated at the end, which the run did not reach"
         return Answer(BY_NAME["cof"].label.capitalize(), "–", "", note=note)
+    if s["cof_input"] == "coulomb":
+        return Answer(
+            ENDS["cof"].label.capitalize(), f"{s['cof']['end']:.3g}", "", input_note="An input, constant"
+        )
     strength, note = s["shear_strength_MPa"], f"the area that shears: {s['cof_area']}"
     tau = "its shear strength" if strength is None else f"its shear strength, {strength:.3g} MPa,"
     label, value = ENDS["cof"].label.capitalize(), f"{s['cof']['end']:.3g}"

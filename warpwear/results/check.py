@@ -26,7 +26,7 @@ ATTRIBUTES: dict[str, type | tuple[type, ...]] = {
 #: Columns that no step has without a contact.
 AREAS = ("area_contact", "area_touched", "area_cumulative", "area_nominal")
 #: Columns that the results of earlier versions lack, all of a set.
-LATER = ({"parts", "area_error"}, {"violation", "energy_gap", "energy_gap_relative"})
+LATER = ({"parts", "area_error"}, {"friction_energy"}, {"violation", "energy_gap", "energy_gap_relative"})
 #: What a run records beside numbers, with what it has to be.
 RECORD: dict[str, type | tuple[type, ...]] = {
     "surface": dict,

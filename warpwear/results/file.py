@@ -14,7 +14,7 @@ from typing import Any, Self, SupportsIndex, TypeVar, overload
 import h5py
 import numpy as np
 
-from warpwear.errors import OVERWRITE_IT, InputError
+from warpwear.errors import OVERWRITE_IT, InputError, explained
 from warpwear.grid import FloatArray, IntArray
 from warpwear.history.quantities import FIELDS, OF_PIECES, UNITS
 from warpwear.history.rows import History, Named
@@ -41,18 +41,14 @@ MAGIC = "warpwear result"
 
 def check_seal(path: Path) -> None:
     """Raises InputError for a sealed file that is not what was written. One made by hand may be anything."""
-    try:
-        with path.open("rb") as file:
-            words = read_header(file)
-            sealed = " ".join(words[:2]) == MAGIC
-            if sealed and words[2:] != [digest_of(file)]:
-                raise InputError(
-                    f"{path} is damaged: it is not what was written, by a fault of the disk or because "
-                    f"another program changed it; run the study again and {OVERWRITE_IT}; what is added to "
-                    "a result belongs in a file of its own."
-                )
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror}.") from error
+    with explained(f"{path} cannot be read"), path.open("rb") as file:
+        words = read_header(file)
+        if " ".join(words[:2]) == MAGIC and words[2:] != [digest_of(file)]:
+            raise InputError(
+                f"{path} is damaged: it is not what was written, by a fault of the disk or because another "
+                f"program changed it; run the study again and {OVERWRITE_IT}; what is added to a result "
+                "belongs in a file of its own."
+            )
 
 
 def is_one(path: Path) -> bool:

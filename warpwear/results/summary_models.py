@@ -11,7 +11,7 @@ from warpwear.laws.passes import WHEN, mean_over
 from warpwear.results.evolution import growth_of_view, settling, surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.report import Row, entries, finite, record, shown
-from warpwear.results.track import both_directions, groove, roughness_in_track
+from warpwear.results.track import both_directions, groove, is_short, roughness_in_track, scar_length
 
 
 def arrangement(result: ResultFile) -> list[Row]:
@@ -82,12 +82,18 @@ def _groove(result: ResultFile) -> list[Row]:
         "width_mm": last.width,
         "section_um2": section,
     }
-    text = f"mean section {section:.4g} µm², {last.width:.3g} mm wide"
-    text += f", mean profile {deepest:.3g} µm deep at most"
+    called, of_what = "groove", "mean"
+    text = ""
+    if is_short(result):
+        called, of_what = "scar of the disc", "middle"
+        sizes["length_mm"] = scar_length(result, result.snapshot_distances.size - 1)
+        text = f"{sizes['length_mm']:.3g} mm long, "
+    text += f"{of_what} section {section:.4g} µm², {last.width:.3g} mm wide"
+    text += f", {of_what} profile {deepest:.3g} µm deep at most"
     roughness = {name: values for name, values in roughness_in_track(result).items() if name != "passes"}
     unworn, end = ({name: float(values[at]) for name, values in roughness.items()} for at in (0, -1))
     return [
-        Row("groove", "groove", sizes, sentence=text),
+        Row(called, "groove", sizes, sentence=text),
         Row("", "roughness_um", {"unworn": unworn, "end": end}),
     ]
 

@@ -13,6 +13,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
 from warpwear.history.rows import Rows
 from warpwear.laws.form import Form
+from warpwear.laws.friction import friction_energy
 from warpwear.results.ensemble import dotted
 from warpwear.runs.arrangements import Maker, arrangement_of
 from warpwear.runs.array_surface import ArraySurface, take_surface
@@ -95,13 +96,15 @@ class RunOrder:
         return [*self.study.notices(), *self.surface.notices(along, grid.y), *of_counter]
 
     def history_of(self, rows: Rows, *, finished: bool) -> dict[str, FloatArray]:
-        """Make the history of its rows, with the coefficient of friction."""
+        """Make the history of its rows, with the coefficient of friction and its energy."""
         history = {name: rows.column(name) for name in self.columns}
-        return history | {"cof": self.cof_of(history, finished=finished)}
+        cof = self.cof_of(history, finished=finished)
+        energy = friction_energy(history["distance"], cof * history["load"])
+        return history | {"cof": cof, "friction_energy": energy}
 
     def cof_of(self, history: dict[str, FloatArray], *, finished: bool) -> FloatArray:
         """Return the coefficient of friction of every step; NaN while it waits for the whole run."""
-        law, load = self.study.friction.law, self.study.contact.load
+        law, load = self.study.friction.law_with(), self.study.contact.load
         return law.coefficient(history, load=load, finished=finished, laps=self.study.laps)
 
 

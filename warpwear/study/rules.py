@@ -241,10 +241,10 @@ def _unstable(study: Content) -> str | None:
     if study.is_swept:
         return rules_track.unstable(study)
     limit = study.contact_law().stable_increment(sum(law.fastest for law in study.wear_laws))
-    if min(study.stepping.plan[2], study.sliding.total) < limit:
+    if min(study.increments[2], study.sliding.total) < limit:
         return None
     return (
-        f"stepping.{_largest(study)} = {study.stepping.plan[2]:g} mm is beyond the explicit stability limit "
+        f"stepping.{_largest(study)} = {study.increments[2]:g} mm is beyond the explicit stability limit "
         f"2/(k K) = {limit:.3g} mm"
     )
 
@@ -284,10 +284,10 @@ def _of_extent(study: Content) -> Iterator[str]:
 
 
 def _steps(study: Content) -> None:
-    total, (first, growth, largest) = study.sliding.total, study.stepping.plan
+    total, (first, growth, largest) = study.sliding.total, study.increments
     if study.is_swept:
         steps = study.track.steps(total)
-        by, larger = f"sliding.shift = {study.sliding.shift} cells", "sliding.shift or grid.cell"
+        by, larger = f"sliding.shift = {study.shift} cells", "sliding.shift or grid.cell"
     elif growth > 1.0:
         # Growing steps cover first growth^n/(growth − 1); at most the whole distance is left for the largest.
         covered = (largest - first) / (growth - 1.0)

@@ -54,7 +54,7 @@ class Plan:
     def runs(self) -> dict[str, Study]:
         """Every study by the name of its run in `Runs`, in the order of computing."""
         smooth, rough = self.studies["v1"], self.studies["v3"]
-        step = smooth.stepping.plan[2]
+        step = smooth.increments[2]
         own = rough.disc.synthetic.seed if rough.disc.synthetic else None
         return (
             self.studies

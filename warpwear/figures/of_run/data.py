@@ -91,6 +91,8 @@ class FigureData:
     def shear(self) -> str:
         """Say where the shear strength comes from."""
         study, friction = self.study, self.study.friction
+        if friction.fitted == "coulomb":
+            return f"constant, {friction.coefficient:g}, an input"
         if friction.shear_strength is not None:
             film = f", film {friction.film.shear_strength:g} MPa" if friction.film else ""
             return f"shear strength {friction.shear_strength:g} MPa{film}, as given"
