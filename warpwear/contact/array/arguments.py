@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from warpwear.contact.half_space.influence import BOUNDARIES
 from warpwear.engine.staging import each
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
@@ -95,13 +96,13 @@ def boundary_of(boundary: str | None, modulus: float | None, counter_radius: flo
                 f"boundary = {boundary!r} is only for a half-space; leave it out, or give a modulus."
             )
         return None
-    if boundary not in (None, "periodic", "free"):
-        raise InputError(f'boundary = {boundary!r} is unknown; allowed are "periodic" and "free".')
+    if boundary not in (None, *BOUNDARIES):
+        raise InputError(f'boundary = {boundary!r} is unknown; allowed are "periodic", "free" and "line".')
     if counter_radius is None:
         return boundary or "periodic"
-    if boundary == "periodic":
+    if boundary in ("periodic", "line"):
         raise InputError(
-            f'boundary = "periodic" is not possible with counter_radius = {counter_radius:g}; '
+            f'boundary = "{boundary}" is not possible with counter_radius = {counter_radius:g}; '
             'it must be "free".'
         )
     return "free"

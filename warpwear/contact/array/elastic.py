@@ -32,7 +32,7 @@ WIDE_CELLS = 64
 
 
 def solve_half_space(task: Task, executor: Executor, tolerance: float) -> Solution:
-    """Solve on all cells of a periodic half-space, or on those of a free one that may touch."""
+    """Solve on all cells of a half-space that repeats, or on those of a free one that may touch."""
     options: dict[str, Any] = {"modulus": 1.0, "boundary": task.edge, "hardness": task.cap}
     options["tolerance"] = tolerance
     if task.edge == "free":

@@ -59,7 +59,10 @@ def solve_contact(
     it, pressure over length, of independent springs under the cells (a Winkler foundation). Without both
     every cell that is touched carries the hardness: the bearing area.
     boundary: of the half-space; "periodic", where the surface repeats without end (by default under a
-    plane), or "free", where nothing lies beside the array (by default, and always, under a ball).
+    plane), "free", where nothing lies beside the array (by default, and always, under a ball), or "line",
+    where it repeats along axis 1 and nothing lies beyond the ends of axis 0: a line contact, plane strain where
+    ny is 1. An approach of a line has no absolute zero: a line of pressure displaces nothing at the distance of
+    the array's length along axis 0, nx × cell.
     counter_radius: of the counter-body, whose apex comes down on the middle of the array; None for a plane.
     tolerance: largest violation of the contact conditions of the half-space over the rms height of the gap;
     from 1e-14 to 0.01; one that rounding hides is raised to what it shows, `certificate.allowed`. The other
