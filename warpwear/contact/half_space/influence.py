@@ -262,7 +262,9 @@ class Influence(Operator):
         sums = self._sums @ inverse.ravel()
         weights = -sums[1:] / sums[0]
         if self.wraps == BOUNDARIES["line"] and self._executor.grid.ny < 3:
-            weights[1:] *= 0.5 * (self._executor.grid.ny - 1)  # the cell itself, or one neighbour on two sides
+            weights[1:] *= 0.5 * (
+                self._executor.grid.ny - 1
+            )  # the cell itself, or one neighbour on two sides
         return np.asarray(weights, dtype=np.float32)
 
     def _mean_of(self, rows: int, window: int) -> FloatArray:
