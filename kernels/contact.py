@@ -31,7 +31,7 @@ def pressure_of(law: Law, gap: wp.float64, stiffness: wp.float64) -> wp.float64:
 
 @wp.func
 def sag(x: wp.float64, y: wp.float64, curvature: wp.float64):
-    """Return the height of the counter over its apex, so that neither a small r nor a flat loses digits."""
+    """Return the height of the ball over its apex, so that neither a small r nor a flat loses digits."""
     r2 = x * x + y * y
     under_root = ONE - r2 * curvature * curvature
     return wp.where(under_root > ZERO, r2 * curvature / (ONE + wp.sqrt(wp.max(under_root, ZERO))), ABSENT)

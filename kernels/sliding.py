@@ -1,6 +1,6 @@
-"""A disc displaced under the counter by whole cells: which tiles can touch, their gap, and the wear of both.
+"""A disc displaced under the ball by whole cells: which tiles can touch, their gap, and the wear of both.
 
-Heights of the counter and of the disc are kept apart, as worn. Below the counter's row i lies the disc's row
+Heights of the ball and of the disc are kept apart, as worn. Below the ball's row i lies the disc's row
 i + shift, modulo the disc's length: the same vectors of another row, so nothing is copied. Of every tile of
 the ball the lowest height is kept and of every tile of the disc the highest, eight tiles in one vector like
 the cells of a field; their difference bounds the gap of a pair of tiles from below. The loops are C++:

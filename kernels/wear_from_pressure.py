@@ -64,7 +64,7 @@ def wear(
 ):
     """Wear an increment in place: the disc loses K ΔL p, the counter-body K ΔL times the mean that passes it.
 
-    Without a disc all wear is the counter's, whose height is then the gap. A disc that keeps its dents is
+    Without a disc all wear is the ball's, whose height is then the gap. A disc that keeps its dents is
     displaced for good by what is beyond the gap after the step. Sums are lines of `PressureSum`, maxima of
     `PressureMost`, over what is visited; those of the disc are left in `of_rows`, a sum a row.
     """

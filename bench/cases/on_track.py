@@ -1,4 +1,4 @@
-"""The counter that slides over a track: a finer step, and runs on a representative and on the whole track."""
+"""The ball that slides over a track: a finer step, and runs on a representative and on the whole track."""
 
 import time
 

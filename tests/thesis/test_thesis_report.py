@@ -239,9 +239,9 @@ def test_a_patch_that_no_surface_reaches_does_not_agree() -> None:
 def test_a_line_of_the_summary_is_judged_by_its_own_numbers() -> None:
     found = {line.row.quantity: line.judge(NUMBERS | {"fine.patch_along_mm": 1.29}) for line in SUMMARY}
     assert {name: kind for name, kind in found.items() if kind is not None} == {
-        "worn patch of the counter-body, smooth: diameter": AGREES,
-        "worn patch of the counter-body, rough: along sliding": DISAGREES,
-        "worn patch of the counter-body, models beside the experiment": DISAGREES,
+        "worn patch of the sphere, smooth: diameter": AGREES,
+        "worn patch of the sphere, rough: along sliding": DISAGREES,
+        "worn patch of the sphere, models beside the experiment": DISAGREES,
         "mean pressure of V3, smallest of all steps": DISAGREES,
         "mean pressure of V3, largest of all steps": DISAGREES,
     }

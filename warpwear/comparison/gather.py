@@ -14,7 +14,7 @@ from warpwear.comparison.notes import notes_of
 from warpwear.comparison.scar import ScarComparison, ScarFiles, compare_scar
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import BODIES
+from warpwear.laws.archard import BODIES
 from warpwear.measured.course import read_experiment
 from warpwear.measured.experiment import Experiment
 from warpwear.measured.options import optional

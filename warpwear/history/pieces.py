@@ -11,7 +11,7 @@ COLUMNS = ("step", "body", "row", "column", "volume", "diameter")
 
 
 class PieceBook:
-    """Grows by the pieces of each step. body: 0 the counter, 1 the disc; row and column are of its cells."""
+    """Grows by the pieces of each step. body: 0 the ball, 1 the disc; row and column are of its cells."""
 
     STATE: ClassVar = {"table": np.ndarray, "_steps": int}
 

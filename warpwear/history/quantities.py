@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 from warpwear.grid import FloatArray
 from warpwear.history.arrangements import ARRANGEMENTS
+from warpwear.laws.archard import CALLED
 from warpwear.study.study import Study
 
 #: What a quantity has one value for: a step; a step and patch; a cell of a snapshot; a snapshot; a piece.
@@ -32,8 +33,6 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
     "pieces": ("wear in pieces", lambda study: study.wear.sheds),
     "static area": ("output.static_area_every", lambda study: study.static_area_every > 0),
 }
-#: Both bodies, in the order in which they are numbered.
-BODIES = ("counter", "disc")
 
 
 @dataclass(frozen=True)
@@ -108,7 +107,7 @@ def _of_bodies(prefix: str, label: str, **others: Any) -> dict[str, dict[str, An
     """Declare how a quantity of both bodies is shown, each by a colour and dash of its own."""
     lines, others = {"counter": ("COUNTER", "dash"), "disc": ("DISC", "solid")}, {"family": label} | others
     return {
-        f"{prefix}_{body}": _look(f"{label} of the {body}", *line, short=body, **others)
+        f"{prefix}_{body}": _look(f"{label} of the {CALLED[body]}", *line, short=body, **others)
         for body, line in lines.items()
     }
 
@@ -134,6 +133,7 @@ LOOKS: dict[str, dict[str, Any]] = {
     **_of_bodies("wear_volume", "worn volume", factor=1.0e3, shown_unit="10⁻³ mm³"),
     **_of_bodies("wear_depth", "deepest wear", family="depth of the deepest cell", **_MICRONS),
     "cof": _look("coefficient of friction"),
+    "friction_energy": _look("energy dissipated by friction"),
     "bare_fraction": _look("bare fraction of the area in contact", "DISC"),
     "diameter": _look("diameter as cut", **_MICRONS),
 }
@@ -163,6 +163,7 @@ _DECLARED: dict[tuple[Per, str | None], dict[str, str]] = {
         "wear_depth_counter [mm]": "deepest wear of a cell of the counter-body",
         "wear_depth_disc [mm]": "deepest wear of a cell of the disc",
         "cof [1]": "coefficient of friction; NaN until its shear strength is calibrated",
+        "friction_energy [J]": "dissipated by friction since the start, ∫ μ F dL; NaN as long as cof is",
         "cells_in_contact [1]": "number of cells with pressure",
         "archard_volume_counter [mm^3]": "K F ΔL summed: what Archard's law asks of the counter-body",
         "archard_volume_disc [mm^3]": "what Archard's law asks of the disc, with its distance factor",
@@ -239,14 +240,14 @@ _DECLARED: dict[tuple[Per, str | None], dict[str, str]] = {
     ("piece", "pieces"): {
         "step [1]": "number of the step in which the piece left, from 0",
         "body [1]": "0 of the counter-body, 1 of the disc",
-        "x [mm]": "place of its middle along the sliding direction: on the counter's domain, or on the track",
+        "x [mm]": "place of its middle along sliding: on the domain of the counter-body, or on the track",
         "y [mm]": "place of its middle across the sliding direction",
         "volume [mm^3]": "volume of the piece",
         "diameter [mm]": "diameter of the circle of the area that was cut",
     },
 }
 #: Columns that follow from the whole history at the end of a run.
-UNBOOKED = ("cof",)
+UNBOOKED = ("cof", "friction_energy")
 
 
 def _quantities() -> Iterator[Quantity]:

@@ -85,7 +85,7 @@ class Snapshot:
 
     @property
     def lost_beneath(self) -> FloatArray:
-        """Return what is gone of the disc under the counter's domain [mm]: worn, or displaced for good."""
+        """Return what is gone of the disc under the ball's domain [mm]: worn, or displaced for good."""
         if self.plastic_disc is None:
             return self.wear_beneath
         return np.asarray(self.wear_beneath + self.beneath(self.plastic_disc))

@@ -20,7 +20,7 @@ from warpwear.models.attachment import Attachment, Place
 
 #: What is kept of every cell of a body whose film forms anew.
 KEPT = ("whole", "seen", "rubbed")
-#: Whose film of a contact it is; that of bodies which wear in one proportion does not move, as the counter's.
+#: Whose film of a contact it is; that of bodies which wear in one proportion does not move, as the ball's.
 AS = {"counter": "counter", "disc": "disc", "both": "counter"}
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import BODIES
+from warpwear.laws.archard import BODIES
 from warpwear.study.study import Study
 
 #: Percentiles between which a band lies.

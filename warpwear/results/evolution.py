@@ -10,8 +10,9 @@ from functools import partial
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import BODIES, EVOLUTION
+from warpwear.history.quantities import EVOLUTION
 from warpwear.history.snapshot import Snapshot, extents
+from warpwear.laws.archard import BODIES
 from warpwear.laws.junctions import share_above
 from warpwear.laws.settling import Settling, fit_settling
 from warpwear.results.file import ResultFile

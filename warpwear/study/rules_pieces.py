@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 
+from warpwear.laws.archard import CALLED
 from warpwear.laws.pieces import Pieces
 from warpwear.study.content import Content
 
@@ -56,7 +57,7 @@ def _of_steps(study: Content, pieces: Pieces) -> Iterator[str]:
     """Yield a sentence where a step takes more off a cell at the hardness than the pieces bear."""
     if not math.isfinite(study.hardness):
         return
-    total, largest = study.sliding.total, study.stepping.plan[2]
+    total, largest = study.sliding.total, study.increments[2]
     fraction = 1.0
     if study.is_swept:
         track = study.track
@@ -71,15 +72,15 @@ def _of_steps(study: Content, pieces: Pieces) -> Iterator[str]:
         longest = slid * allowed / depth
         change = f"increments of {longest:.2g} mm or less are needed (stepping)"
         if study.is_swept:
-            cells = math.floor(study.sliding.shift * allowed / depth)
+            cells = math.floor(study.shift * allowed / depth)
             changes = [f"sliding.shift = {cells}"] if cells else ["a smaller grid.cell"]
             if name == "counter" and fraction < 1.0 and study.sliding.track != "full":
                 longer = float(study.sliding.track) * depth / allowed
                 changes.append(f"a sliding.track of {longer:.2g} mm or more")
             change = f"{' or '.join(changes)} is needed"
         yield (
-            f"A step wears a cell of the {name} at the hardness by K H ΔL = {_um(depth)}, more than half of "
-            f"wear.particle_thickness = {_um(pieces.thickness)}, so that areas depend on it: {change}."
+            f"A step wears a cell of the {CALLED[name]} at the hardness by K H ΔL = {_um(depth)}, more than "
+            f"half of wear.particle_thickness = {_um(pieces.thickness)}, so areas depend on it: {change}."
         )
 
 

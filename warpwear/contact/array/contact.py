@@ -13,7 +13,7 @@ from warpwear.grid import FloatArray
 class ArrayContact:
     """Holds a solved contact of an array of heights. Units are the caller's; fields have the heights' shape.
 
-    approach: how far the plane, or the counter's apex, lies below the heights' mean plane; negative while it
+    approach: how far the plane, or the ball's apex, lies below the heights' mean plane; negative while it
     lies above. gap: distance between the bodies after elastic deformation; 0 under a pressure below the
     hardness, negative where the hardness is reached (how deep the material has to flow), infinite beyond the
     counter's edge. residual: the largest violation of (gap = 0 under pressure, gap ≥ 0 elsewhere, gap ≤ 0 at

@@ -1,6 +1,6 @@
 """A half-space under pressures that repeat across sliding without end, and end along it: line contacts.
 
-Its response has no limit far away, where a line load sinks in as a logarithm: it counts from that at a distance.
+The surface sinks as a logarithm of the distance, which has no limit far away: it counts from that at a datum.
 """
 
 import math
@@ -80,8 +80,8 @@ def _far(rows: int, period: int, datum: float) -> FloatArray:
 def _beyond(x: FloatArray, begin: FloatArray, step: float, datum: float) -> FloatArray:
     """Return the sum of 1/r over points beside a line, `step` apart, the first half a step beyond `begin`.
 
-    Without the constant that makes it endless: the integral and its corrections, whose derivatives are those of
-    1/r along y, (−1)ⁿ n! Pₙ(y/r)/rⁿ⁺¹.
+    Without the constant that makes it endless: the integral and its corrections, whose derivatives are those
+    of 1/r along y, (−1)ⁿ n! Pₙ(y/r)/rⁿ⁺¹.
     """
     r = np.hypot(x, begin)
     total = np.log(datum / (begin + r)) / step

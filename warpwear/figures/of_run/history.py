@@ -13,7 +13,8 @@ from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.view import PASSES, last_at_hardness
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import BODIES, BY_NAME, Quantity
+from warpwear.history.quantities import BY_NAME, Quantity
+from warpwear.laws.archard import BODIES
 
 #: Areas in contact and of the scar.
 AREAS = ("area_contact", "area_plastic", "area_touched", "area_nominal")
@@ -55,11 +56,12 @@ def cof_time(data: FigureData) -> Figure:
 def _of_cof(data: FigureData, places: FloatArray, lines: list[Line], over: str) -> Figure:
     """Label the coefficient, mark what is an input of it, and say which area shears and how strongly."""
     friction = data.study.friction
-    if friction.shear_strength is None:
+    if friction.fitted in ("end", "initial"):
         place = slice(-1, None) if friction.calibrate == "end" else slice(1)
         mark = Look(dash="", marker="o", size=4.0, hollow=True)
         lines = [*lines, Line(places[place], np.array([friction.coefficient]), look=mark, clipped=False)]
     note = f"area that shears: {BY_NAME[f'area_{friction.area}'].short}\n{data.shear}"
+    note = data.shear if friction.fitted == "coulomb" else note
     value = axis_of(BY_NAME["cof"])
     return Figure([Chart("Coefficient of friction", Axis(over, low=0.0), value, lines, note)])
 

@@ -21,7 +21,7 @@ from warpwear.figures.describe import (
 )
 from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
-from warpwear.figures.of_run.view import Profile, coarsen, positive, sag_or_nan
+from warpwear.figures.of_run.view import Profile, coarsen, or_nan, positive
 from warpwear.figures.wording import after
 from warpwear.grid import FloatArray
 
@@ -43,20 +43,19 @@ def setup(data: FigureData) -> Figure:
     """The {slider} on the unworn disc at first contact, its near half cut away; heights are exaggerated
     as the figure says.
 
-    Only the counter's far half is drawn, so that the disc below it is seen; the disc is shown as far as it is
+    Only the ball's far half is drawn, so that the disc below it is seen; the disc is shown as far as it is
     computed.
     """
-    study, curvature = data.study, data.study.counter.curvature
+    study = data.study
     disc, window = 1e3 * data.relief[0], data.relief[1]
     x0, x1, y0, y1 = window.extent
     x, y = np.linspace(x0, x1, 61), np.linspace(0.5 * (y0 + y1), y1, 31)
     approach = float(data.history["approach"][0])
-    counter = 1e3 * (sag_or_nan(x, y, curvature) - approach)
+    counter = 1e3 * (or_nan(data.result.unworn_counter(x, y)) - approach)
     low, top, high = float(np.nanmin(disc)), float(np.nanmax(disc)), float(np.nanmax(counter))
     middle, half = 0.5 * (x0 + x1), 0.5 * ARROW * (x1 - x0)
-    shape = f"counter-body, R = {1.0 / curvature:.3g} mm," if curvature else "rigid flat"
     note = (
-        f"{shape} on the disc; domain {study.grid.extent:.4g} mm wide\n"
+        f"{study.counter.title} on the disc\ndomain {study.grid.extent:.4g} mm wide\n"
         f"{study.contact.load:.3g} N; heights drawn {{larger}} times as large"
     )
     parts = (
@@ -131,14 +130,14 @@ def _maps(data: FigureData, body: str) -> Figure:
     labels = ["unworn", *(after(distance) for distance, _ in bodies)]
     fields = [1e3 * _unworn(data, body), *(1e3 * getattr(worn, body) for _, worn in bodies)]
     name = data.name_of(body)
-    is_counter = name == "counter"
+    is_ball = name == "ball"
     # A ball's flank at the corners would take half of the colours.
-    seen = [field[:, field.shape[1] // 2] for field in fields] if is_counter else fields
+    seen = [field[:, field.shape[1] // 2] for field in fields] if is_ball else fields
     low = min(float(np.nanmin(field)) for field in seen)
     high = max(float(np.nanmax(field)) for field in fields)
     # One scale for all: what changes is the disc, not the colours.
-    label, contours = f"height of the {name}, µm", CONTOURS if is_counter else 0
-    scale = Scale(label, low, high, colours="heights", beyond="min" if is_counter else "neither")
+    label, contours = f"height of the {name}, µm", CONTOURS if is_ball else 0
+    scale = Scale(label, low, high, colours="heights", beyond="min" if is_ball else "neither")
     shape = Map(f"Height of the {name}", fields, data.window.extent, scale, labels, contours=contours)
     return Figure([shape])
 
@@ -148,17 +147,17 @@ def _surfaces(data: FigureData, body: str) -> Figure:
     states = {"unworn": _unworn(data, body), after(data.distances[-1]): getattr(last, body)}
     states = {state: 1e3 * coarsen(field, RELIEF)[0] for state, field in states.items()}
     name, turned = data.name_of(body), ", turned over" if body == "counter" else ""
-    is_counter = name == "counter"
-    worn = coarsen((getattr(last, f"wear_{body}") > 0.0).astype(float), RELIEF)[0] if is_counter else None
+    is_ball = name == "ball"
+    worn = coarsen((getattr(last, f"wear_{body}") > 0.0).astype(float), RELIEF)[0] if is_ball else None
     # A cap's corners do not set the scale.
-    seen = [_cap(field) if is_counter else field for field in states.values()]
+    seen = [_cap(field) if is_ball else field for field in states.values()]
     ends = min(float(np.nanmin(field)) for field in seen), max(float(np.nanmax(field)) for field in seen)
     boxes = []
     for state, field in states.items():
         scar = worn if state != "unworn" else None
         pale = " (pale: worn)" if scar is not None else ""
         note = f"{name}{turned}, {state}{pale}\nheights drawn {{larger}} times as large"
-        surface = Surface(field, describe.BODIES[body], *ends, scar, cap=is_counter)
+        surface = Surface(field, describe.BODIES[body], *ends, scar, cap=is_ball)
         boxes.append(Box(f"{name} {state}", extent, "height, µm", *ends, [surface], note))
     return Figure(boxes)
 

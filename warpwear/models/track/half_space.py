@@ -17,7 +17,6 @@ from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Mirror, Numbers
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import BODIES
 from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import contact, fourier, wear_from_pressure
 from warpwear.kernels.cells import MAXIMA, Layout, PressureSum, names_of
@@ -25,6 +24,7 @@ from warpwear.kernels.half_space import passes
 from warpwear.kernels.slide import Slide
 from warpwear.kernels.sliding import Bodies, OfRows
 from warpwear.kernels.wear_from_pressure import Pressed
+from warpwear.laws.archard import BODIES
 from warpwear.laws.task import ContactTask
 from warpwear.models.film import BareCells
 from warpwear.models.track.bodies import SlidingBodies
@@ -48,9 +48,9 @@ class SlidingHalfSpace:
 
     A step finds the pressure p with which it ends (implicit Archard). During it the asperities, and p with
     them, move on by w cells. A disc cell is worn by its own p, a ball cell by S p, the mean over w cells
-    along x. On its way a disc cell meets S of what the counter has lost, before the step as in it: the gap is
-    made with S of the counter's wear, and p adds (G + K_disc ΔL + K_counter ΔL S²) p to it. With the wear at
-    the middle of the way instead, waves of the counter between w/2 and w, of which S is negative, would grow.
+    along x. On its way a disc cell meets S of what the ball has lost, before the step as in it: the gap is
+    made with S of the ball's wear, and p adds (G + K_disc ΔL + K_counter ΔL S²) p to it. With the wear at
+    the middle of the way instead, waves of the ball between w/2 and w, of which S is negative, would grow.
     Under a flat w is the whole line: its contact goes on beyond the domain, while under a ball a mean over
     the line would smear the contact's outline, which does not move with the disc. Where the disc lies
     still w is one cell, so that both bodies are worn by p, and a step starts from the last one's pressure.
@@ -131,7 +131,7 @@ class SlidingHalfSpace:
         self._of_pieces = wp.zeros((1, 2 * len(OF_BODY)), dtype=wp.float64, device=device)
         self._ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
         #: Relative error of the area by each cell of a part, and by each beyond the first, as of late.
-        self._outline, self._asperities = math.inf if moves and task.curvature > 0.0 else 0.0, 0.0
+        self._outline, self._asperities = math.inf if moves and not task.form.is_flat else 0.0, 0.0
         self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
         #: Whether bodies wear in pieces alone or in part: those of dust alone never leave.
         self._sheds = self.pieces is not None and task.dust < 1.0
@@ -157,7 +157,7 @@ class SlidingHalfSpace:
     ) -> Step:
         """Slide over cells of the disc by an increment [mm] as `step` does, in as many parts as it takes.
 
-        row: the disc's row under the first of the counter in the part that begins after so many of the cells,
+        row: the disc's row under the first of the ball in the part that begins after so many of the cells,
         and has so many. The row of the step holds the means over its parts, by their lengths, of what it says
         of the contact (approach, areas, cells, squares of pressures), and the largest pressure; the pressure
         asked for is that of the last part.
@@ -254,7 +254,7 @@ class SlidingHalfSpace:
         if bearing < KEEPS_PRESSURE:
             # The last pressure is then no better a start, neither where it is nor carried on with the disc.
             self._half_space.forget()
-        if self.task.curvature > 0.0:  # a flat has no outline
+        if not self.task.form.is_flat:  # which has no outline
             if not self._sheds:
                 self._outline = OF_OUTLINE * bearing / along
             elastic = 1.0 - total["capped"] / total["contact"]
@@ -360,10 +360,10 @@ class SlidingHalfSpace:
             most[f"wear_{body}"] = deepest
 
     def cells_passing(self, increment: float) -> int:
-        """Cells of the disc that pass over one of the counter in an increment [mm]; under a flat the line."""
+        """Cells of the disc that pass over one of the ball in an increment [mm]; under a flat the line."""
         grid = self._executor.grid
         if not self._moves or self._sheds:  # pieces cut what a mean would smear
             return 1
-        if self.task.curvature == 0.0:
+        if self.task.form.is_flat:
             return grid.nx
         return min(max(round(self._track_fraction * increment / grid.cell), 1), grid.nx)

@@ -47,7 +47,7 @@ class SlidingContact:
 
     A step visits what can touch at that displacement, and finds what visiting every cell would find.
 
-    disc: heights over the mean plane [mm], shape (rows ≥ nx, ny); row i of the counter lies on row i + shift.
+    disc: heights over the mean plane [mm], shape (rows ≥ nx, ny); row i of the ball lies on row i + shift.
     periodic: after the disc's last row comes its first. counter: heights over the unworn apex [mm], shape
     (nx, ny), instead of those of the task's ball. track_fraction: what this disc slides of the increment of
     the test: its volumes count 1/track_fraction times, as those of the whole stroke that it stands for.
@@ -109,7 +109,7 @@ class SlidingContact:
         self.tiles = SlidingTiles(
             executor, bodies, self._slides.array, least=SPARE * fully, stays=wears_alone and not moves
         )
-        # Of every tile and of every row: cells of the counter ever touched, wear of the counter, of the disc,
+        # Of every tile and of every row: cells of the ball ever touched, wear of the ball, of the disc,
         # what is displaced of the disc.
         rows = (executor.grid.nx, executor.grid.nx, disc.shape[0], self.state.plastic_disc.shape[0])
         names = sliding_steps.KEPT
@@ -182,7 +182,7 @@ class SlidingContact:
     def _factor(self) -> Field:
         """Make the factor of the sliding distance of the disc's cells, one row for all or one a row."""
         kind, grid = "none" if self._moves else self.task.distance_factor, self._executor.grid
-        factor = distance_factor(grid, kind, curvature=self.task.curvature)
+        factor = distance_factor(grid, kind, curvature=self.task.form.curvature)
         return self._executor.field(np.broadcast_to(factor, (factor.shape[0], grid.ny)))
 
     @property

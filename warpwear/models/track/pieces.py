@@ -13,11 +13,11 @@ from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.pieces import PieceBook
-from warpwear.history.quantities import BODIES
 from warpwear.kernels.cells import LANES
 from warpwear.kernels.running_in import pieces as kernels
 from warpwear.kernels.running_in import shedding
 from warpwear.kernels.slide import Slide
+from warpwear.laws.archard import BODIES
 from warpwear.laws.pieces import ROUNDS
 from warpwear.laws.pieces import Pieces as PieceLaw
 from warpwear.laws.task import ContactTask
@@ -35,7 +35,7 @@ ROOM = 4096
 class Pending:
     """Depths pending of one body, where a piece is due, and the sums over its rows.
 
-    fields: height and wear of the body. number: 0 the counter, whose heights grow as it is worn, 1 the disc.
+    fields: height and wear of the body. number: 0 the ball, whose heights grow as it is worn, 1 the disc.
     """
 
     STATE: ClassVar = {"pending": Field, "overflow": np.ndarray, "_of_rows": Field}

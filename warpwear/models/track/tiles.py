@@ -45,7 +45,7 @@ class SlidingTiles:
     made its gap. The gap of other tiles is not made. A list holds no tile without a cell within the limit.
 
     bodies: heights as worn, of nx rows and of at least as many, and room for the gap; places without a
-    surface stand infinitely high on the counter and low on the disc. slides: a `Slide` in an array. least:
+    surface stand infinitely high on the ball and low on the disc. slides: a `Slide` in an array. least:
     cells that a list holds at least, so that a capped contact can carry its load on them. stays: whether the
     disc lies still and nothing but the pass that wears changes a gap, which is made once then.
     """

@@ -10,11 +10,11 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import BODIES, FIELDS, OF_THE_TRACK, Quantity
+from warpwear.history.quantities import FIELDS, OF_THE_TRACK, Quantity
 from warpwear.history.snapshot import Snapshot
+from warpwear.laws.archard import BODIES
 from warpwear.results.file import ResultFile
 from warpwear.study.surface import surface_in
-from warpwear.surfaces.sphere import sag
 
 #: Name of the whole track of a swept run, a body beside those over the domain of the contact.
 TRACK = "track"
@@ -53,14 +53,12 @@ def worn_heights(
     """Return heights of a worn body [mm], positive out of its material, shape (nx, ny) or that of a part.
 
     The disc's are over its mean plane, the counter-body's over the apex it had, so that its cap lies below 0.
-    Beyond the ball's edge the counter is NaN and the disc as it was before; NaN too if its file is gone, and
+    Beyond the ball's edge the ball is NaN and the disc as it was before; NaN too if its file is gone, and
     of a swept run, whose disc is what lies under the counter-body. Where the patches of a two-scale
     run cover nothing both are NaN.
     """
-    curvature = result.study.counter.curvature
-    radius = 1.0 / curvature if curvature else np.inf
     x, y, gap = result.x[part[0]], result.y[part[1]], snapshot.gap[part]
-    counter = sag(x, y, radius=radius) + snapshot.wear_counter[part]
+    counter = result.unworn_counter(x, y) + snapshot.wear_counter[part]
     with np.errstate(invalid="ignore"):  # beyond the counter-body's edge
         heights = -counter if body == "counter" else counter - gap
     not_covered = np.isnan(gap)  # by the patches of a two-scale run
@@ -93,7 +91,7 @@ class Body:
 
     @property
     def z(self) -> FloatArray:
-        """Height in space [mm], shape (nx, ny): 0 is the disc's mean plane, the counter hangs over it."""
+        """Height in space [mm], shape (nx, ny): 0 is the disc's mean plane, the ball hangs over it."""
         return self.heights if self.upwards else -self.heights - self.approach
 
 
@@ -197,7 +195,7 @@ class Job:
         return Sheet(name, snapshot.distance, *self._reduced(x, fields))
 
     def along(self, number: int) -> float:
-        """Where the counter's apex is along the track [mm]; 0 where the track is not among the bodies."""
+        """Where the ball's apex is along the track [mm]; 0 where the track is not among the bodies."""
         row = self.snapshot(number).row
         return (
             float(self.result.track_x[row] - self.result.x[0])

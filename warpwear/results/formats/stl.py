@@ -19,7 +19,7 @@ Triangles = NDArray[np.int64]
 def write_stl(path: Path, body: Body, *, exaggeration: float) -> None:
     """Write a body in its place as a closed solid: its worn surface, a flat back, and walls between them.
 
-    The disc's back lies below it, the counter's above. Where a corner of four points is missing there is no
+    The disc's back lies below it, the ball's above. Where a corner of four points is missing there is no
     solid. exaggeration: of the heights.
     """
     z = exaggeration * body.z
