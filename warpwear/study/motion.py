@@ -17,6 +17,8 @@ MOST_CELLS = 1_000_000
 
 #: Cells of a step at most, if not given, and steps of a stroke at least: docs/theory/track.md says why.
 MOST_SHIFT, STEPS_OF_STROKE = 8, 8
+#: Fewer cycles are each computed, unless a number is named.
+FEWEST_CYCLES = 100
 
 Strokes = Annotated[int, Field(ge=0, le=1_000_000_000, strict=True)]
 
@@ -213,6 +215,15 @@ class Stepping(Section):
     )
     load_tolerance: Annotated[float | Literal["one cell"], Quantity("N", words=("one cell",))] = key(
         "one cell", "bearing area only: load left unbalanced, at most", applies=NO_COMPLIANCE
+    )
+    jump: Annotated[int, Field(ge=1, le=1_000_000, strict=True)] | Literal["auto"] = key(
+        "auto",
+        "swept: cycles (or laps) that a computed one stands for; 1: each is computed; auto: as many as "
+        f"jump_error allows, from {FEWEST_CYCLES} cycles on",
+        applies=SWEPT,
+    )
+    jump_error: Annotated[float, Number(Range(least=0.0, most=0.5))] = key(
+        0.005, "swept: error that jumps may make in the worn depth, rms over the scar, over that depth", applies=SWEPT
     )
     force: bool = key(False, "go on beyond the explicit stability limit")
 
