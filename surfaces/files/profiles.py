@@ -18,10 +18,10 @@ TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 
 
 def read_prf(path: Path) -> tuple[FloatArray, float]:
-    """Return heights and spacing of a .prf, in the lateral unit that it must have, mm; heights shape (n,).
+    """Return heights [mm], shape (n,), and spacing [mm] of a .prf. Raises ValueError.
 
-    Its records are lines of text that end with EOR: axes with number of points, unit and scale, then keys such
-    as the spacing, then whole numbers of steps (the softgauges of NPL write it so). Raises ValueError.
+    Its records are lines of text that end with EOR: axes with number of points, unit and scale, then keys
+    such as the spacing, then whole numbers of steps (the softgauges of NPL write it so).
     """
     records = path.read_text(encoding="latin-1").split("EOR")
     if len(records) < 4:

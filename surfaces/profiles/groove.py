@@ -1,7 +1,5 @@
 """The section of a worn groove in a profile, with the error that the surface beside it tells."""
 
-import numpy as np
-
 from warpwear.surfaces.profiles.profile import Profile
 from warpwear.surfaces.worn.track import Track, find_track
 

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -48,9 +49,7 @@ class Parameters:
     notes: tuple[str, ...]
 
 
-def parameters(
-    profile: Profile, *, cut_off: float | None = None, short: float | None = None
-) -> Parameters:
+def parameters(profile: Profile, *, cut_off: float | None = None, short: float | None = None) -> Parameters:
     """Return the parameters of a levelled profile; cut_off, short: λc and λs [mm], None for the rule.
 
     The rule is that of ISO 21920-3 for a profile of which nothing is known: the smallest λc whose setting
@@ -82,12 +81,11 @@ def _with(profile: Profile, cut_off: float, short: float | None) -> Parameters:
     if np.nanmax(np.abs(heights)) < FLAT:
         raise InputError(f"the file '{profile.about['file']}' has no roughness: its profile is flat")
     count = 1 if used is None else max(round(heights.size * profile.spacing / used), 1)
-    return Parameters(
-        rough=heights, cut_off=used, short=waves, notes=tuple(notes), **_numbers(heights, profile.spacing, count)
-    )
+    numbers = _numbers(heights, profile.spacing, count)
+    return Parameters(rough=heights, cut_off=used, short=waves, notes=tuple(notes), **numbers)
 
 
-def _numbers(heights: FloatArray, spacing: float, sections: int) -> dict:
+def _numbers(heights: FloatArray, spacing: float, sections: int) -> dict[str, Any]:
     """Return the numbers of a roughness profile [mm] about its mean, shape (n,), in so many sections."""
     parts = np.array_split(heights, sections)
     peaks, valleys = (float(np.mean([np.nanmax(sign * part) for part in parts])) for sign in (1.0, -1.0))
@@ -114,7 +112,7 @@ def material_ratio(heights: FloatArray, level: float) -> float:
 
 
 def mean_width(heights: FloatArray, *, spacing: float, least: float) -> float | None:
-    """Return RSm [mm]: the mean distance at which a profile about its mean [mm], shape (n,), rises through it.
+    """Return RSm [mm]: the mean distance at which a profile [mm], shape (n,), rises through its mean of 0.
 
     Only peaks and valleys count that leave the mean line by `least` [mm]; lower ones belong to their
     neighbours. None where fewer than two such rises are there.
