@@ -9,7 +9,7 @@ import numpy as np
 from warpwear.engine.executor import Executor
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
-from warpwear.laws.blocks import Block
+from warpwear.laws.passes import Block
 from warpwear.laws.track import WHOLE, Track
 from warpwear.runs.arrangements import PreparedModel
 from warpwear.runs.order import RunOrder

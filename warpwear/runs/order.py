@@ -1,7 +1,6 @@
 """What a run goes by: a study, the heights given for its disc, and what follows from both, made once."""
 
 import tomllib
-from bisect import bisect
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,14 +12,14 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
 from warpwear.history.rows import Rows
-from warpwear.laws.blocks import Block
 from warpwear.laws.form import Form
 from warpwear.laws.friction import friction_energy
+from warpwear.laws.passes import Block
 from warpwear.results.ensemble import dotted
 from warpwear.runs.arrangements import Maker, arrangement_of
 from warpwear.runs.array_surface import ArraySurface, take_surface
 from warpwear.runs.invariants import Invariants
-from warpwear.runs.plan import plan_of
+from warpwear.runs.plan import Planned, plan_of
 from warpwear.study.rules import too_small
 from warpwear.study.study import Study
 from warpwear.study.surface import counter_surface, form_of, surface_in
@@ -65,11 +64,10 @@ class RunOrder:
         """The blocks of the programme; one, the whole test, without a programme."""
         return self.study.blocks
 
-    def block_of(self, step: int) -> Block:
+    def block_of(self, step: Planned) -> Block:
         """Return the block in which a step of the plan lies."""
-        increment, distance, _ = self.plan[min(step, len(self.plan) - 1)]
-        ends = [block.end for block in self.blocks[:-1]]
-        return self.blocks[bisect(ends, distance - 0.5 * increment)]
+        increment, distance, _ = step
+        return next(block for block in self.blocks if distance - 0.5 * increment <= block.end)
 
     @cached_property
     def columns(self) -> tuple[str, ...]:
@@ -112,7 +110,7 @@ class RunOrder:
         """Make the history of its rows, with the coefficient of friction and its energy."""
         history = {name: rows.column(name) for name in self.columns}
         cof = self.cof_of(history, finished=finished)
-        energy = friction_energy(history["distance"], cof * history["load"])
+        energy = friction_energy(history["distance"], cof, history["load"])
         return history | {"cof": cof, "friction_energy": energy}
 
     def cof_of(self, history: dict[str, FloatArray], *, finished: bool) -> FloatArray:

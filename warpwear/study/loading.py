@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from warpwear.errors import InputError
-from warpwear.study.blocks import LENGTHS
 from warpwear.study.content import Content
 from warpwear.study.keys import Declared, alternatives_of, declarations, no_such_key, value_of
 from warpwear.study.materials import material
+from warpwear.study.motion import LENGTHS
 from warpwear.study.units import text
 
 

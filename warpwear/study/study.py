@@ -36,6 +36,7 @@ class Study(Content):
         self._old_names = tuple(old_names)
 
     def _check(self) -> None:
+        super()._check()
         if self.block is not None:
             self.__dict__["sliding"] = rules.sliding_of_blocks(self)  # frozen once it is made
         rules.check(self)
