@@ -38,6 +38,7 @@ def summarise(result: ResultFile) -> list[Row]:
     end = last_values(result)
     rows = [
         *_run(result, end),
+        *_blocks(result),
         *_contact(result, end),
         *([] if result.study.is_swept else _of_one_spot(result)),
         *summary_models.surfaces(result),
@@ -103,6 +104,29 @@ def _run(result: ResultFile, end: dict[str, float]) -> list[Row]:
             **({"wear_coefficient_mm3_per_J": study.wear.per_energy} if study.wear.law == "energy" else {}),
         }
     )
+
+
+def _blocks(result: ResultFile) -> list[Row]:
+    """Declare what each block of a programme wore, and its mean friction; nothing without a programme."""
+    history, rows = result.history, []
+    if result.study.block is None:
+        return []
+    for block in result.study.blocks:
+        steps = np.flatnonzero(history["block"] == block.number)
+        if not steps.size:  # of a run that was stopped before
+            break
+        before, last = steps[0] - 1, steps[-1]
+        worn = {b: history[f"wear_volume_{b}"] for b in BODIES}
+        volumes = {b: float(of[last] - (of[before] if before >= 0 else 0.0)) for b, of in worn.items()}
+        depths = {b: 1.0e3 * float(history[f"wear_depth_{b}"][last]) for b in BODIES}
+        mean = float(np.average(history["cof"][steps], weights=history["increment"][steps]))
+        slid = min(block.end, float(history["distance"][last])) - block.start
+        numbers = {"load_N": block.load, "distance_mm": slid, "steps": int(steps.size)}
+        numbers |= {"volume_mm3": volumes, "depth_um": depths, "cof_mean": finite(mean)}
+        text = f"{block.load:.4g} N over {slid:.6g} mm: worn {shown(volumes)} mm³; deepest at its end "
+        text += f"{shown(depths)} µm; mean CoF {shown(finite(mean), 3)}"
+        rows.append(Row(f"block {block.number}", "", numbers, sentence=text))
+    return [*rows, Row("", "blocks", [{"number": n, **row.value} for n, row in enumerate(rows, 1)])]
 
 
 def _contact(result: ResultFile, end: dict[str, float]) -> list[Row]:

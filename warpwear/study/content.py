@@ -35,6 +35,8 @@ from warpwear.study.units import text
 SNAPSHOTS = (0.001, 0.01, 0.1)
 
 
+#: Blocks of a programme that a sentence names.
+NAMED = 5
 Loaded = TypeVar("Loaded", Contact, BlockSection)
 
 
@@ -106,6 +108,20 @@ class Content(Section):
         loads = [block.load for block in self.blocks]
         least, most = f"{min(loads):.4g}", f"{max(loads):.4g}"
         return least if least == most else f"{least} to {most}"
+
+    @property
+    def same_load(self) -> float | None:
+        """Load of the whole test [N]; None where blocks differ in it."""
+        loads = {block.load for block in self.blocks}
+        return loads.pop() if len(loads) == 1 else None
+
+    @property
+    def programme(self) -> str | None:
+        """The blocks of the programme as people write them, the first five; None without a programme."""
+        if self.block is None:
+            return None
+        told = [f"{block.load:.4g} N over {block.length:.6g} mm" for block in self.blocks]
+        return ", ".join(told[:NAMED]) + (f" and {len(told) - NAMED} more" if len(told) > NAMED else "")
 
     def volume(self, law: WearLaw, distance: float) -> float:
         """Return what a law wears off a body over the test's first distance [mm]: Σ K F ΔL [mm³]."""

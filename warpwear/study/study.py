@@ -62,6 +62,13 @@ class Study(Content):
         """Return a notebook's view of the study: a table of its keys with the assumptions marked."""
         return text.to_html(self)
 
+    def refuse_blocks(self, what: str) -> None:
+        """Raise InputError for a programme of blocks, in the name of what goes by one load alone."""
+        if self.block is not None:
+            raise InputError(
+                f"{what} goes by one load, and the study is a programme: [[block]] is not allowed."
+            )
+
     def notices(self) -> list[str]:
         """Return a sentence about each old name, each unused key, and each number that misleads."""
         total = self.sliding.total

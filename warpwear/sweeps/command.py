@@ -78,7 +78,7 @@ def command(
             path,
             speed=plan.study.sliding.speed,
             stroke=plan.study.sliding.stroke,
-            load=plan.study.contact.load,
+            load=plan.study.same_load,
         )
         for path in experiments
     )
