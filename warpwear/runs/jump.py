@@ -79,7 +79,10 @@ class CycleJumps:
                 self._begin(self._planned(self._cycle, 1)[0])
                 self._choose()
             self.model.stands_for = self.stands_for
-            yield self._planned(self._cycle, self.stands_for)[self._step :]
+            left = self._planned(self._cycle, self.stands_for)[self._step :]
+            if not left:  # of a last cycle that ends within itself
+                return
+            yield left
 
     def go_on_with(self, model: Model) -> None:
         """Go on with the model of another load, at which one has to look again."""
