@@ -82,7 +82,7 @@ class FigureData:
 
     @property
     def groove(self) -> str:
-        """What figures call the place that the disc is worn in: a groove where the contact leaves its place."""
+        """What figures call the place where the disc wears: a groove where the contact leaves it."""
         return "groove" if self.study.is_swept and not is_short(self.result) else "scar"
 
     def name_of(self, body: str) -> str:
