@@ -203,3 +203,20 @@ def test_a_named_stroke_slides_and_chooses_its_steps() -> None:
     assert not study.replace(
         {"sliding.stroke": None, "sliding.cycles": None, "sliding.distance": "1 mm"}
     ).is_swept
+
+
+def test_a_stroke_that_the_bodies_yield_is_told() -> None:
+    """Mindlin's 3 μ F/(16 a) Σ (2 − ν)/G of two like bodies, to either side, is (2 − ν) 3 μ F/(4 G a) in all."""
+    steel = {"counter.young": "200 GPa", "counter.poisson": 0.3, "disc.young": "200 GPa", "disc.poisson": 0.3}
+    steel |= {"friction.shear_strength": None, "friction.coefficient": 0.5}
+    study = study_of(2).replace(steel)
+    assert study.hertz is not None
+    modulus = 200e3 / 2.6
+    expected = 1.7 * 3.0 * 0.5 * LOAD / (4.0 * modulus * study.hertz.radius)
+    (told,) = [
+        notice
+        for notice in study.replace({"sliding.stroke": "2 um", "grid.cell": "1 um"}).notices()
+        if "slip" in notice
+    ]
+    assert f"yield by {1e3 * expected:.3g} µm before they slip" in told
+    assert not [notice for notice in study.notices() if "slip" in notice]
