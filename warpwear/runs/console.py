@@ -51,10 +51,11 @@ class Progress:
 
     def step(self, row: dict[str, float]) -> None:
         """One step is done."""
-        self._done += 1
+        steps = int(row.get("cycles", 1))
+        self._done += steps
         self._tell_early()
         if self._bar is not None:
-            self._bar.update()
+            self._bar.update(steps)
             if self._done % 20 == 0:
                 self._bar.set_postfix_str(
                     f"{row['distance']:.4g} mm, {row['area_contact']:.4g} mm²", refresh=False
