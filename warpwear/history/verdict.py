@@ -10,7 +10,13 @@ from warpwear.grid import FloatArray
 from warpwear.study.study import Study
 
 #: Words of sentences about numbers that are not to be trusted at all.
-HEAVY = ("mean nothing", "which no contact has", "is no finite number", "of Archard's law", "contact reached")
+HEAVY: tuple[str, ...] = (
+    "mean nothing",
+    "which no contact has",
+    "is no finite number",
+    "of Archard's law",
+    "contact reached",
+)
 HEAVY += ("load_residual =", "rests on points")
 #: Words of notes that change no number.
 LIGHT = (" not apply ", "new name", "no step ends at")
@@ -34,7 +40,7 @@ def errors_of_area(study: Study, s: Mapping[str, Any], history: Mapping[str, Flo
     yielding = np.abs(1.0 - static[solved] / history["area_contact"][solved]) if solved.size else np.zeros(1)
     flat = study.disc.synthetic is not None and study.disc.synthetic.kind == "flat"
     return {
-        "cell": math.nan if study.is_rough and not flat else _rim(s),
+        "cell": math.nan if study.is_rough and not flat else _rim(study, s),
         "length of steps": track.get("parts", {}).get("estimated_error_at_most", 0.0),
         "direction": abs(ways["forward"] - ways["backward"]) / (ways["forward"] + ways["backward"]),
         "wear within a step": float(yielding[0]),
@@ -43,9 +49,10 @@ def errors_of_area(study: Study, s: Mapping[str, Any], history: Mapping[str, Flo
     }
 
 
-def _rim(s: Mapping[str, Any]) -> float:
-    """Return what a cell at each rim of the scar is of its area."""
-    return sum(2e-3 * s["cell_um"] / extent for extent in s["scar_mm"].values())
+def _rim(study: Study, s: Mapping[str, Any]) -> float:
+    """Return what a cell at each rim of the scar is of its area; a line contact has no rim across."""
+    extents = [extent for way, extent in s["scar_mm"].items() if (way, study.boundary) != ("across", "line")]
+    return sum(2e-3 * s["cell_um"] / extent for extent in extents)
 
 
 def verdict_of(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatArray]) -> dict[str, Any]:
@@ -56,7 +63,9 @@ def verdict_of(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatAr
     parts = errors_of_area(study, s, history)
     known = {what: part for what, part in parts.items() if part >= LEAST}
     area = math.hypot(*known.values()) if known else None
-    depth = _rim(s) if any(s["volume_mm3"].values()) else None
+    jumps = max(s.get("cycle_jump", {}).get("depth_error", {"": 0.0}).values())
+    depth = math.hypot(_rim(study, s), jumps) if any(s["volume_mm3"].values()) else None
+    by = "a cell at its rim" + f", cycles jumped over {_percent(jumps)}" * (jumps >= LEAST)
     heavy = sum(rank_of(sentence, "note") == 0 for sentence in s["warnings"])
     uncertainty = _area(area, known, mesh_is_known=not math.isnan(parts["cell"]))
     friction = _friction(study, s)
@@ -64,7 +73,7 @@ def verdict_of(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatAr
         *([] if s["finished"] else ["interrupted: as far as it came"]),
         *([f"not to be trusted: {heavy} warning{'s' * (heavy > 1)}"] if heavy else []),
         f"area {uncertainty}",
-        *([f"mean depth of the scar ± {_percent(depth)} (a cell at its rim)"] if depth else []),
+        *([f"mean depth of the scar ± {_percent(depth)} ({by})"] if depth else []),
         f"friction {friction}",
     ]
     return {
