@@ -51,8 +51,8 @@ def errors_of_area(study: Study, s: Mapping[str, Any], history: Mapping[str, Flo
 
 def _rim(study: Study, s: Mapping[str, Any]) -> float:
     """Return what a cell at each rim of the scar is of its area; a line contact has no rim across."""
-    extents = [extent for way, extent in s["scar_mm"].items() if (way, study.boundary) != ("across", "line")]
-    return sum(2e-3 * s["cell_um"] / extent for extent in extents)
+    ways = ("along",) if study.is_line else ("along", "across")
+    return sum(2e-3 * s["cell_um"] / s["scar_mm"][way] for way in ways)
 
 
 def verdict_of(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatArray]) -> dict[str, Any]:
