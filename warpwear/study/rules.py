@@ -67,7 +67,9 @@ def _boundary(study: Content) -> None:
     form, grid, load = study.counter.form, study.grid, study.contact.load
     line = study.contact.law == "half-space" and study.boundary == "line"
     if line and study.study.model == "two-scale":
-        raise ValueError("contact.boundary = 'line' is for one grid: allowed for patches are 'free', 'periodic'")
+        raise ValueError(
+            "contact.boundary = 'line' is for one grid: allowed for patches are 'free', 'periodic'"
+        )
     if line and form.rises[1]:
         raise ValueError(
             "contact.boundary = 'line' would repeat the counter-body beside itself: allowed is 'free', or a "
@@ -327,7 +329,9 @@ def _steps(study: Content) -> None:
     if study.is_swept:
         jump = study.stepping.jump
         # How far cycles may be jumped shows on the way.
-        steps = study.track.steps(total) / (MOST_JUMP if jump == "auto" and study.jumps else jump if study.jumps else 1)
+        steps = study.track.steps(total) / (
+            MOST_JUMP if jump == "auto" and study.jumps else jump if study.jumps else 1
+        )
         by, larger = f"sliding.shift = {study.shift} cells", "sliding.shift or grid.cell"
     elif growth > 1.0:
         # Growing steps cover first growth^n/(growth − 1); at most the whole distance is left for the largest.
