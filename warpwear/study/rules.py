@@ -199,8 +199,8 @@ def _of_parabola(study: Content) -> Iterator[str]:
     curvature = max(form.along, form.across)
     if study.counter.shape in ("crowned", "cylinder") and 0.5 * patch * curvature > PARABOLIC:
         yield (
-            f"counter.shape = '{study.counter.shape}' is a parabola, and the scar will be {patch:.3g} mm wide: at "
-            f"its edge a circle rises {25.0 * (patch * curvature / 2.0) ** 2:.2g} % more."
+            f"counter.shape = '{study.counter.shape}' is a parabola, and the scar will be {patch:.3g} mm wide: "
+            f"at its edge a circle rises {25.0 * (patch * curvature / 2.0) ** 2:.2g} % more."
         )
 
 
