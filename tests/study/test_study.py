@@ -350,6 +350,10 @@ def test_what_a_study_leaves_out_is_shown_as_assumed() -> None:
         del nested[section]
     study = Study(**nested)
     assert study.increments == (0.003, 1.02, 3.0)
+    longest = study.replace({"sliding.distance": "3600 m"})  # in as many steps as anyone waits for
+    assert longest.increments == (0.003, 1.02, 4500.0)
+    assert longest.resolved["stepping.largest"] == "4500.0 mm"
+    assert longest.replace({"stepping.largest": "10 mm"}).increments[2] == 10.0
     assert {"stepping.first", "friction.coefficient", "contact.stiffness"} <= set(assumptions(study))
     shown = to_marked_toml(study)
     assert re.search(r"^coefficient = 0\.6 +# ASSUMED", shown, re.MULTILINE)

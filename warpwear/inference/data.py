@@ -242,9 +242,9 @@ def _measured(study: Study, kind: str, text: str) -> Measured:
         _check_cof(text, np.array([measured.value]))
     if at is not None and not 0.0 < at <= study.sliding.total * (1.0 + 1e-9):
         raise refusal(f"the study slides {study.sliding.total:g} mm, and not to {at:g} mm")
-    if kind == "diameter" and measured.value > min(study.grid.extent, 2.0 * (study.counter.radius or np.inf)):
+    if kind == "diameter" and measured.value > min(*study.grid.sides, 2.0 * (study.counter.radius or np.inf)):
         raise refusal(
-            f"the scar is larger than the field of the study, {study.grid.extent:g} mm (grid.extent), which "
+            f"the scar is larger than the field of the study, {study.grid.size} (grid.extent), which "
             "has to hold it"
         )
     if kind == "section" and study.sliding.stroke is None:

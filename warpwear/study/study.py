@@ -36,6 +36,7 @@ class Study(Content):
         self._old_names = tuple(old_names)
 
     def _check(self) -> None:
+        super()._check()
         rules.check(self)
 
     def __eq__(self, other: object) -> bool:
