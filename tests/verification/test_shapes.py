@@ -11,7 +11,7 @@ from scipy import integrate, special
 from warpwear import Study, run, solve_contact
 from warpwear.errors import InputError
 from warpwear.laws.elastic import Hertz
-from warpwear.laws.form import sag
+from warpwear.surfaces.form import sag
 
 MODULUS = 1.0e5
 SMOOTH = {"disc.synthetic": {"kind": "flat"}, "output.snapshots": [], "grid.cell": "20 um"}

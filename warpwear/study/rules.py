@@ -69,7 +69,9 @@ def _boundary(study: Content) -> None:
     form, grid, load = study.counter.form, study.grid, study.contact.load
     line = study.contact.law == "half-space" and study.boundary == "line"
     if line and study.study.model == "two-scale":
-        raise ValueError("contact.boundary = 'line' is for one grid: allowed for patches are 'free', 'periodic'")
+        raise ValueError(
+            "contact.boundary = 'line' is for one grid: allowed for patches are 'free', 'periodic'"
+        )
     if line and form.rises[1]:
         raise ValueError(
             "contact.boundary = 'line' would repeat the counter-body beside itself: allowed is 'free', or a "
@@ -100,8 +102,8 @@ def _shape(study: Content) -> None:
     if counter.shape == "pin" and not width <= extent - 2.0 * study.grid.cell:
         raise ValueError(
             f"counter.radius = {counter.nominal_radius:g} mm with counter.edge_radius = "
-            f"{counter.edge_radius:g} mm makes a pin {width:g} mm wide, and grid.extent = {study.grid.size} must "
-            "hold it with a cell on each side; allowed are a smaller pin and a larger grid.extent"
+            f"{counter.edge_radius:g} mm makes a pin {width:g} mm wide, and grid.extent = {study.grid.size} "
+            "must hold it with a cell on each side; allowed are a smaller pin and a larger grid.extent"
         )
 
 
@@ -229,8 +231,8 @@ def _of_parabola(study: Content) -> Iterator[str]:
     curvature = max(form.along, form.across)
     if study.counter.shape in ("crowned", "cylinder") and 0.5 * patch * curvature > PARABOLIC:
         yield (
-            f"counter.shape = '{study.counter.shape}' is a parabola, and the scar will be {patch:.3g} mm wide: "
-            f"at its edge a circle rises {25.0 * (patch * curvature / 2.0) ** 2:.2g} % more."
+            f"counter.shape = '{study.counter.shape}' is a parabola, and the scar will be {patch:.3g} mm "
+            f"wide: at its edge a circle rises {25.0 * (patch * curvature / 2.0) ** 2:.2g} % more."
         )
 
 
@@ -341,7 +343,9 @@ def _steps(study: Content) -> None:
     if study.is_swept:
         jump = study.stepping.jump
         # How far cycles may be jumped shows on the way.
-        steps = study.track.steps(total) / (MOST_JUMP if jump == "auto" and study.jumps else jump if study.jumps else 1)
+        steps = study.track.steps(total) / (
+            MOST_JUMP if jump == "auto" and study.jumps else jump if study.jumps else 1
+        )
         by, larger = f"sliding.shift = {study.shift} cells", "sliding.shift or grid.cell"
     elif growth > 1.0:
         # Growing steps cover first growth^n/(growth − 1); at most the whole distance is left for the largest.

@@ -9,10 +9,10 @@ from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.kernels import patches as kernels
 from warpwear.kernels.cells import TILE_VECTORS
-from warpwear.laws.form import Form
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.models.film import BareCells
+from warpwear.surfaces.form import Form
 
 
 def unworn(
