@@ -10,9 +10,8 @@ from warpwear.grid import FloatArray
 from warpwear.kernels import patches as kernels
 from warpwear.kernels.cells import TILE_VECTORS
 from warpwear.laws.patches import Patches
-from warpwear.laws.task import ContactTask
+from warpwear.laws.task import ContactTask, Form
 from warpwear.models.film import BareCells
-from warpwear.surfaces.form import Form
 
 
 def unworn(
