@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 from scipy import integrate, special
 
-from warpwear import Study, run, solve_contact
+from warpwear import Result, Study, run, solve_contact
 from warpwear.errors import InputError
 from warpwear.laws.elastic import Hertz
 from warpwear.surfaces.form import sag
+from warpwear.surfaces.measured import read_measured
+from warpwear.surfaces.preparation import Preparation
 
 MODULUS = 1.0e5
 SMOOTH = {"disc.synthetic": {"kind": "flat"}, "output.snapshots": [], "grid.cell": "20 um"}
@@ -309,3 +311,38 @@ def test_a_worn_edge_is_an_error(ball_file: dict[str, Any]) -> None:
     small = ball_file | {"grid.extent": "0.2 mm", "checks.strict": True}
     with pytest.raises(Exception, match=r"grid\.extent = 0\.2 mm is too small"):
         run(study_of(small), plots=False)
+
+
+def test_a_measured_run_keeps_its_body(ball_file: dict[str, Any], tmp_path: Path) -> None:
+    """Figures, exports and the study of a folder need the file no more; resuming refuses another file."""
+    file = Path(ball_file["counter.surface"])
+    study = study_of(ball_file | {"output.snapshots": ["3 mm"], "sliding.distance": "3 mm"})
+    run(study, out=tmp_path / "run", plots=False).close()
+    np.save(file, np.load(file) + 1.0e-3 * np.random.default_rng(0).normal(size=(75, 75)))
+    with pytest.raises(InputError, match=r"on what .*ball\.npy was before"):
+        run(study, out=tmp_path / "run", plots=False, resume=True)
+    file.unlink()
+    with Result.open(tmp_path / "run") as result:
+        cells = study.cells
+        unworn = result.unworn_counter(cells.x, cells.y)
+        np.testing.assert_allclose(unworn, sag(cells.x, cells.y, radius=3.0), atol=1e-4)
+        assert unworn.min() == 0.0
+        result.export(tmp_path / "export", formats=["npy"])
+        assert result.record["surface"]["counter"]["file"] == "ball.npy"
+    assert np.isfinite(np.load(tmp_path / "export" / "counter_worn.npy")).all()
+
+
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_level_cylinder(axis: str, tmp_path: Path) -> None:
+    """A rough, tilted cylinder is levelled to its roughness, whichever way it lies."""
+    places = (np.arange(60) - 20.0) * 0.01
+    heights = np.add.outer(-sag(places, np.zeros(1), radius=2.0)[:, 0], 1e-3 * np.arange(50))
+    rough = 1e-4 * np.random.default_rng(0).normal(size=heights.shape)
+    np.save(tmp_path / "roller.npy", (heights + rough) if axis == "x" else (heights + rough).T)
+    preparation = Preparation(level="cylinder", sliding_axis=axis)
+    surface = read_measured(tmp_path / "roller.npy", preparation, pixel=0.01, height_unit="mm")
+    assert np.std(surface.levelled - rough) < 1e-5
+    (sentence,) = [text for text in surface.record()["operations"] if "cylinder" in text]
+    radius = float(sentence.partition("radius ")[2].partition(" mm")[0])
+    assert radius == pytest.approx(2.0, rel=1e-2)
+    assert "bulging" in sentence
