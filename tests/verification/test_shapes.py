@@ -99,20 +99,28 @@ def test_crowned_half_space(axes: float, device: str) -> None:
     assert across == pytest.approx(2.0 * a, abs=2.0 * cell)
 
 
-def test_rounded_pin(device: str) -> None:
-    """A pin with a rounded edge on the half-space.
+def rounded_pin(face: float, edge: float, c: float) -> tuple[float, float, float]:
+    """Load, approach and pressure in the middle of a pin of E* = `MODULUS` that touches up to a radius c.
 
     Ciavarella 1999, Int. J. Solids Struct. 36, 4149, here in the form of Sneddon's integrals: with
     g(x) = x ∫_a^x f'(r)/√(x² − r²) dr = (x/ρ)(√(x² − a²) − a arccos(a/x)), δ = g(c), F = 2 E* ∫_0^c δ − g dx,
     and the pressure in the middle is E*/π ∫_a^c g'(x)/x dx.
     """
-    face, edge, c = 1.0, 40.0, 1.2  # so blunt that the edge's circle is its parabola to 1e-5
 
     def g(x: float) -> float:
         return x / edge * (math.sqrt(x * x - face * face) - face * math.acos(face / x)) if x > face else 0.0
 
-    approach = g(c)
-    load = 2.0 * MODULUS * integrate.quad(lambda x: approach - g(x), 0.0, c, points=[face])[0]
+    def slope(x: float) -> float:
+        return (2.0 * math.sqrt(x * x - face * face) - face * math.acos(face / x)) / edge
+
+    load = 2.0 * MODULUS * integrate.quad(lambda x: g(c) - g(x), 0.0, c, points=[face])[0]
+    return load, g(c), MODULUS / math.pi * integrate.quad(lambda x: slope(x) / x, face, c)[0]
+
+
+def test_rounded_pin(device: str) -> None:
+    """A pin with an edge on the half-space, so blunt that the edge's circle is its parabola to 1e-5."""
+    face, edge, c = 1.0, 40.0, 1.2
+    load, approach, middle = rounded_pin(face, edge, c)
     cell = c / 48
     n = 2 * math.ceil(0.6 * c * 2.0 / cell)
     counter = {"shape": "pin", "radius": face, "edge_radius": edge}
@@ -121,11 +129,6 @@ def test_rounded_pin(device: str) -> None:
     )
     assert contact.approach == pytest.approx(approach, rel=5e-3)
     assert math.sqrt(contact.area / math.pi) == pytest.approx(c, rel=1.5e-2)
-
-    def slope(x: float) -> float:
-        return (2.0 * math.sqrt(x * x - face * face) - face * math.acos(face / x)) / edge
-
-    middle = MODULUS / math.pi * integrate.quad(lambda x: slope(x) / x, face, c)[0]
     assert contact.pressure[n // 2, n // 2] == pytest.approx(middle, rel=1e-2)
 
 
