@@ -3,9 +3,9 @@
 import math
 from collections.abc import Iterator
 
-from warpwear.laws.form import Form
 from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study.content import Content
+from warpwear.surfaces.form import Form
 
 #: Part of a stroke from which on the travel before slip is told.
 STICKING = 0.05
