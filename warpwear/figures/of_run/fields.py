@@ -70,7 +70,7 @@ def _of_views(
     return Figure([panel], legend=4 if len(fields) > 1 else 2)
 
 
-@words.figure(*words.FIELD)
+@words.figure(words.NARROW, *words.FIELD)
 def pressure_3d(data: FigureData) -> Figure:
     """Load over area of coarse squares, cells without contact included, at the first and the last
     distance kept; axes differ, colours are of one scale.
