@@ -65,7 +65,9 @@ def _boundary(study: Content) -> None:
     form, grid, load = study.counter.form, study.grid, study.contact.load
     line = study.contact.law == "half-space" and study.boundary == "line"
     if line and study.study.model == "two-scale":
-        raise ValueError("contact.boundary = 'line' is for one grid: allowed for patches are 'free', 'periodic'")
+        raise ValueError(
+            "contact.boundary = 'line' is for one grid: allowed for patches are 'free', 'periodic'"
+        )
     if line and form.rises[1]:
         raise ValueError(
             "contact.boundary = 'line' would repeat the counter-body beside itself: allowed is 'free', or a "
