@@ -19,7 +19,7 @@ from warpwear.laws.track import WHOLE, Track
 from warpwear.study.bodies import CounterBody, Disc
 from warpwear.study.contact import Contact, Friction, Junctions, LineLoad, Wear
 from warpwear.study.keys import Section, key, value_of, when
-from warpwear.study.motion import MOST_SHIFT, STEPS_OF_STROKE, GridSection, Sliding, Stepping
+from warpwear.study.motion import FEWEST_CYCLES, MOST_SHIFT, STEPS_OF_STROKE, GridSection, Sliding, Stepping
 from warpwear.study.settings import About, Checks, Output, PatchesSection, Run
 from warpwear.study.units import text
 
@@ -94,6 +94,13 @@ class Content(Section):
         cells = most if sliding.track == "full" else round(float(sliding.track) / cell)
         fits = (n for n in range(most, most // 2, -1) if cells % n == 0)
         return sliding.shift or next(fits, most)
+
+    @property
+    def jumps(self) -> bool:
+        """True where a computed cycle of a track may stand for more than itself."""
+        if not self.is_swept or self.stepping.jump == 1:
+            return False
+        return self.stepping.jump != "auto" or self.sliding.total >= FEWEST_CYCLES * self.track.cycle
 
     @property
     def increments(self) -> tuple[float, float, float]:

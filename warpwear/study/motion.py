@@ -17,6 +17,8 @@ MOST_CELLS = 1_000_000
 
 #: Cells of a step at most, if not given, and steps of a stroke at least: docs/theory/track.md says why.
 MOST_SHIFT, STEPS_OF_STROKE = 8, 8
+#: Fewer cycles are each computed, unless a number is named.
+FEWEST_CYCLES = 100
 
 Strokes = Annotated[int, Field(ge=0, le=1_000_000_000, strict=True)]
 
@@ -208,11 +210,20 @@ class Stepping(Section):
     )
     largest: Length | None = growing_key(
         None,
-        f"growing increments: the largest; 3 mm, or of a longer distance its {LARGEST_PARTS}th part",
+        f"growing increments: the largest; 3 mm, or of a longer implicit run its {LARGEST_PARTS}th part",
         assumed="a tenth of a usual stroke, small beside the distance",
     )
     load_tolerance: Annotated[float | Literal["one cell"], Quantity("N", words=("one cell",))] = key(
         "one cell", "bearing area only: load left unbalanced, at most", applies=NO_COMPLIANCE
+    )
+    jump: Annotated[int, Field(ge=1, le=1_000_000, strict=True)] | Literal["auto"] = key(
+        "auto",
+        "swept: cycles (or laps) that a computed one stands for; 1: each is computed; auto: as many as "
+        f"jump_error allows, from {FEWEST_CYCLES} cycles on",
+        applies=SWEPT,
+    )
+    jump_error: Annotated[float, Number(Range(least=0.0, most=0.5))] = key(
+        0.005, "swept: error that jumps may make in the worn depth, rms over the scar, over that depth", applies=SWEPT
     )
     force: bool = key(False, "go on beyond the explicit stability limit")
 
@@ -226,4 +237,5 @@ class Stepping(Section):
         """First increment over a distance [mm], the factor by which increments grow, and the largest [mm]."""
         if self.increment is not None:
             return self.increment, 1.0, self.increment
-        return self.first, self.growth, self.largest or max(3.0, distance / LARGEST_PARTS, self.first)
+        part = distance / LARGEST_PARTS if self.scheme == "implicit" else 0.0  # stable at any length
+        return self.first, self.growth, self.largest or max(3.0, part, self.first)

@@ -12,6 +12,8 @@ from warpwear.study.keys import check_keys
 
 #: More steps than anybody waits for, or than a history holds.
 MOST_STEPS = 1_000_000
+#: Cycles that one may be expected to stand for where that shows on the way.
+MOST_JUMP = 1000
 #: Extent over worn patch below which roughness may fill the domain, and that a sentence recommends.
 CLOSE, SPARE = 1.05, 1.1
 #: Cells across that a contact takes which ends there.
@@ -325,7 +327,9 @@ def _of_extent(study: Content) -> Iterator[str]:
 def _steps(study: Content) -> None:
     total, (first, growth, largest) = study.sliding.total, study.increments
     if study.is_swept:
-        steps = study.track.steps(total)
+        jump = study.stepping.jump
+        # How far cycles may be jumped shows on the way.
+        steps = study.track.steps(total) / (MOST_JUMP if jump == "auto" and study.jumps else jump if study.jumps else 1)
         by, larger = f"sliding.shift = {study.shift} cells", "sliding.shift or grid.cell"
     elif growth > 1.0:
         # Growing steps cover first growth^n/(growth − 1); at most the whole distance is left for the largest.

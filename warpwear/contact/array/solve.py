@@ -196,9 +196,8 @@ def _extent(gap: Gap, threads: int) -> tuple[float, float, int]:
 
     lows, highs, counts = zip(*each(extent, gap.grid.shape, threads), strict=True)
     if not sum(counts):
-        raise InputError(
-            f"counter_radius = {gap.form.reach if isinstance(gap.form, Form) else 0.0:g} is not possible; it must reach the middle of a cell."
-        )
+        radius = gap.form.reach if isinstance(gap.form, Form) else 0.0
+        raise InputError(f"counter_radius = {radius:g} is not possible; it must reach the middle of a cell.")
     return float(min(lows)), float(max(highs)), sum(counts)
 
 
