@@ -184,3 +184,14 @@ def test_a_load_of_a_length_stays_one() -> None:
     assert again == wider
     assert again.contact.load == wider.contact.load
     assert study.replace({"contact.load": "2 N"}).contact.load == 2.0
+
+
+def test_a_seam_across_is_told() -> None:
+    """Of a rough disc that the boundary repeats and its surface does not."""
+    study = line(grid__extent=["0.16 mm", "80 um"], contact__hardness="1 GPa")
+    rough = {"kind": "self-affine", "ra": "0.2 um", "cut_off": "20 um"}
+    seams = [
+        [notice for notice in study.replace({"disc.synthetic": kind}).notices() if "seam there" in notice]
+        for kind in (rough, rough | {"period": "80 um"}, {"kind": "milled", "ra": "1 um", "fine_ra": "0 um"})
+    ]
+    assert [len(told) for told in seams] == [1, 0, 0]

@@ -150,7 +150,9 @@ class CycleJumps:
         if self._fixed is None:
             self._size = max(int(min(allowed, 2 * m)), 1)
         jumps = DOUBLING if doubles else JUMPS
-        self._next_look = self._cycle + max(jumps * self._size, int(OF_DONE * self._cycle * (self._size == 1)))
+        self._next_look = self._cycle + max(
+            jumps * self._size, int(OF_DONE * self._cycle * (self._size == 1))
+        )
 
     def _tried(self, cycles: list[tuple[int, int]]) -> tuple[dict[str, FloatArray], dict[str, float]]:
         """Compute cycles, each with what it stands for; return worn depths, and means over their contacts."""

@@ -223,7 +223,9 @@ class Stepping(Section):
         applies=SWEPT,
     )
     jump_error: Annotated[float, Number(Range(least=0.0, most=0.5))] = key(
-        0.005, "swept: error that jumps may make in the worn depth, rms over the scar, over that depth", applies=SWEPT
+        0.005,
+        "swept: error that jumps may make in the worn depth, rms over the scar, over that depth",
+        applies=SWEPT,
     )
     force: bool = key(False, "go on beyond the explicit stability limit")
 
