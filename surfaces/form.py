@@ -60,6 +60,12 @@ class Form:
         return self.along > 0.0, self.across > 0.0
 
     @property
+    def is_line(self) -> bool:
+        """Tell whether its scar is a rectangle: it rises one way and goes on the other."""
+        along, across = self.rises
+        return along != across
+
+    @property
     def reach(self) -> float:
         """Return the half width [mm] beyond which there is no body."""
         return math.inf

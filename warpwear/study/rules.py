@@ -20,6 +20,8 @@ CLOSE, SPARE = 1.05, 1.1
 PARABOLIC = 0.2
 #: Cells across that a contact takes which ends there.
 FEWEST_ACROSS = 4
+#: What is allowed instead of a contact that ends across.
+A_LINE = "a line contact, contact.boundary = 'line' (contact.law = 'local': a cylinder)"
 
 
 def check(study: Content) -> None:
@@ -53,8 +55,8 @@ def _patches(study: Content) -> None:
     extent, across = study.grid.sides
     if extent != across:
         raise ValueError(
-            f"grid.extent = {study.grid.size} is no square, which study.model = 'two-scale' needs for its macro "
-            "cells; allowed is one length"
+            f"grid.extent = {study.grid.size} is no square, which study.model = 'two-scale' needs for its "
+            "macro cells; allowed is one length"
         )
     if patches.macro_cell > 0.5 * extent * (1.0 + WHOLE):
         raise ValueError(
@@ -79,14 +81,13 @@ def _boundary(study: Content) -> None:
         )
     if isinstance(load, LineLoad) and not study.is_line:
         raise ValueError(
-            f"contact.load = {load.per_length:g} N/mm is the load of a length, which only a line contact has: "
-            "allowed is a force, such as '8 N', or contact.boundary = 'line' (contact.law = 'local': a cylinder)"
+            f"contact.load = {load.per_length:g} N/mm is the load of a length, which only a line contact "
+            f"has: allowed is a force, such as '8 N', or {A_LINE}"
         )
     if study.cells.ny < FEWEST_ACROSS and not study.is_line:
         raise ValueError(
-            f"grid.extent = {grid.size} is {study.cells.ny} cells of {1e3 * grid.cell:g} µm wide: allowed are "
-            f"{FEWEST_ACROSS} or more, or a line contact, contact.boundary = 'line' (contact.law = 'local': a "
-            "cylinder)"
+            f"grid.extent = {grid.size} is {study.cells.ny} cells of {1e3 * grid.cell:g} µm wide: allowed "
+            f"are {FEWEST_ACROSS} or more, or {A_LINE}"
         )
     if study.repeats and not form.is_flat and all(form.rises):
         raise ValueError(
@@ -192,6 +193,7 @@ def _tolerance(study: Content) -> None:
 def doubts(study: Content) -> Iterator[str]:
     """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
     yield from _of_extent(study)
+    yield from _of_seam(study)
     yield from _of_hardness(study)
     yield from _of_film(study)
     yield from _of_parabola(study)
@@ -305,8 +307,8 @@ def too_small(study: Content) -> str | None:
     for patch, extent, way in _sides(study):
         if extent < patch < study.counter.form.most_worn:
             return (
-                f"grid.extent = {study.grid.size} is too small: the worn patch will be {patch:.3g} mm wide or "
-                f"more{way}; a grid.extent of {_spared(patch):g} mm would do"
+                f"grid.extent = {study.grid.size} is too small: the worn patch will be {patch:.3g} mm wide "
+                f"or more{way}; a grid.extent of {_spared(patch):g} mm would do"
             )
     return None
 
@@ -336,6 +338,17 @@ def _of_extent(study: Content) -> Iterator[str]:
                 f"grid.extent = {study.grid.size} may be too small: without roughness the worn patch will be "
                 f"{patch:.3g} mm wide{way} at the end, and with it wider; {_spared(patch):g} mm would do."
             )
+
+
+def _of_seam(study: Content) -> Iterator[str]:
+    """Yield a sentence about a rough line contact whose disc does not repeat as its boundary does."""
+    across = study.grid.sides[1]
+    elastic = study.contact.law == "half-space" and study.boundary == "line"
+    if elastic and not rules_track.repeats(study.disc.synthetic, across, across=True):
+        yield (
+            f"The disc's surface does not repeat across sliding after {across:g} mm (grid.extent), as "
+            "contact.boundary = 'line' does: it has a seam there; disc.synthetic.period may be that long."
+        )
 
 
 def _steps(study: Content) -> None:

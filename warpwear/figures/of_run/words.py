@@ -14,6 +14,7 @@ import numpy as np
 from warpwear.figures.describe import Figure
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.view import PASSES, last_at_hardness
+from warpwear.study.rules import FEWEST_ACROSS
 
 #: What declares a figure of a run.
 Declare = Callable[[FigureData], Figure]
@@ -117,6 +118,7 @@ NO_GROOVE = Reason(
 )
 #: Reasons of several figures.
 FIELD = (NO_SNAPSHOT, ONLY_SAMPLES)
+NARROW = Reason(lambda d: d.study.cells.ny < FEWEST_ACROSS, "the domain is too narrow to be seen in relief")
 COUNTER_WORN = (*FIELD, UNWORN_COUNTER)
 DISC_WORN = (TRACK, *FIELD, UNWORN_DISC)
 GROOVE = (STILL, NO_SNAPSHOT, NO_GROOVE)
