@@ -7,7 +7,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from warpwear.errors import InputError
-from warpwear.inference.data import KINDS, data_of
+from warpwear.inference.data import FORMER, KINDS, data_of
 from warpwear.inference.infer import infer
 from warpwear.inference.report import CALIBRATED, FITTED, content_of
 from warpwear.results.ensemble import dotted
@@ -106,7 +106,7 @@ def _section(content: Any) -> InferSection:
     except ValidationError as error:
         raise InputError(_sentence(error)) from error
     for kind in section.measured:
-        if kind not in KINDS:
+        if FORMER.get(kind, kind) not in KINDS:
             raise InputError(
                 f"infer.measured.{kind} is nothing that can be measured here; allowed: {', '.join(KINDS)}"
             )

@@ -76,7 +76,7 @@ def infer(
             other = wide_enough(study, candidate.changes, unknowns, part, folder, device)
             if other == study:
                 return candidate
-            extent = other.grid.extent if other.grid.extent > study.grid.extent else None
+            extent = other.grid.sides[0] if other.grid.sides > study.grid.sides else None
             return replace(candidate, model=model_of(other, part), extent=extent)
 
         base = model_of(study)
