@@ -174,7 +174,8 @@ def _profile(profile: Profile, kind: str, options: SurfaceOptions) -> Outcome:
         "is for a map of heights, and this is a profile",
     )
     degree = _degree(options.preparation.get("level"))
-    head = tuple(profile_rows(profile, degree))
+    beside = " through the profile beside the groove" if kind == "track" else ""
+    head = tuple(profile_rows(profile, degree, beside=beside))
     if kind == "track":
         width = optional("--track-width", options.track_width, "mm")
         groove = find_groove(profile, degree=degree, width=width)
