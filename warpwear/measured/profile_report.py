@@ -41,7 +41,7 @@ def line_of(surface: Measured, line: str) -> Profile:
 
 
 def profile_rows(profile: Profile, degree: int, *, beside: str = "") -> list[Row]:
-    """Declare what was read. degree: of the polynomial taken off; beside: what it was fitted to, if not all."""
+    """Declare what was read. degree: of the polynomial taken off, beside: fitted to what."""
     form = f"polynomial of degree {degree}{beside} taken off"
     about = profile.about
     return [
