@@ -272,8 +272,12 @@ def test_an_extent_that_roughness_may_fill_is_told_before() -> None:
             r"stepping\.first='0\.0015 mm', stepping\.largest='0\.02 mm'",
         ),
         ({"stepping": {"increment": "0.02 mm"}}, r"stepping\.increment='0\.01 mm'"),
+        (
+            {"stepping": {"increment": None, "largest": None}},
+            r"stepping\.first='0\.0015 mm', stepping\.largest='1\.5 mm'",
+        ),
     ],
-    ids=["growing", "fixed"],
+    ids=["growing", "fixed", "by themselves"],
 )
 def test_an_unbalanced_step_leaves_the_run_so_far(
     changes: dict[str, Any], helps: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -14,7 +14,7 @@ from warpwear.grid import FloatArray
 from warpwear.inference.unknowns import Unknown
 from warpwear.laws import archard
 from warpwear.laws.archard import BODIES
-from warpwear.laws.friction import NUMBERS
+from warpwear.laws.friction import COEFFICIENT, NUMBERS
 from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
 from warpwear.results.summary import course
@@ -110,10 +110,17 @@ def scales(study: Study) -> bool:
     )
 
 
+def wears_by(study: Study, key: str) -> bool:
+    """Tell whether an unknown is a number of the study's wear law."""
+    return key in WEAR or (key == f"friction.{COEFFICIENT}" and study.wear.law == "energy")
+
+
 def needs_runs(study: Study, key: str, *, scaled: bool) -> bool:
     """Tell whether an unknown changes the contact, so that other values need other runs."""
-    if key in WEAR:
+    if wears_by(study, key):
         return not scaled
+    if key == f"friction.{COEFFICIENT}":
+        return False
     if key in FRICTION:
         return study.friction.junction_growth > 0.0 and key.endswith("shear_strength")
     return True
@@ -143,7 +150,7 @@ def make_runs(
     test, cut = study, ""
     if scaled and part is None:
         part = _part_held(test, unknowns, out, device)
-        edge = f"{test.grid.extent:g} mm (grid.extent)"
+        edge = f"{test.grid.size} (grid.extent)"
         cut = f"Priors of the wear are cut off where the scar reaches the edge of the field, {edge}."
         cut = cut if part < 1.0 else ""
     if scaled:
@@ -211,19 +218,21 @@ def wide_enough(
 
     Raises InputError where no field does, or the study cannot have such a wide one.
     """
-    extent, cell = study.grid.extent, study.grid.cell
+    sides, cell = study.grid.sides, study.grid.cell
     for _ in range(MOST_WIDER):
         try:
-            other = study.replace({**changes, "grid.extent": f"{extent:.9g} mm"})
+            extent = [f"{side:.9g} mm" for side in sides]
+            other = study.replace({**changes, "grid.extent": extent if study.is_line else extent[0]})
             if not scales(other) or _holds(other, unknowns, part, out, device):
                 return other
         except InputError as error:
             if "grid.extent" not in str(error):
                 raise
-        extent = cell * np.ceil(WIDER * extent / cell)
+        wider = cell * np.ceil(WIDER * sides[0] / cell)
+        sides = wider, sides[1] if study.is_line else wider
     raise InputError(
         f"the scar of the next test {', '.join(f'{key} = {value}' for key, value in changes.items())} is "
-        f"larger than a field of {extent:.4g} mm (grid.extent): narrower priors or another test are needed"
+        f"larger than a field of {sides[0]:.4g} mm (grid.extent): narrower priors or another test are needed"
     )
 
 
@@ -255,12 +264,13 @@ def _wearing(study: Study, unknowns: Sequence[Unknown], part: float) -> Study:
 
     It wears by Archard's constant law: the others only change how soon it gets as far.
     """
-    wear = [unknown for unknown in unknowns if unknown.key in WEAR]
+    wear = [unknown for unknown in unknowns if wears_by(study, unknown.key)]
     if not wear and study.wear.law == "archard":
         return study
     ends = [unknown.values(np.array([-REACH, REACH])) for unknown in wear]
     corners = [dict(zip((u.key for u in wear), corner, strict=True)) for corner in itertools.product(*ends)]
-    laws = [study.wear_laws, *(study.wear.laws(study.wear_hardness, corner) for corner in corners)]
+    numbers = study.wear_hardness, study.friction.coefficient
+    laws = [study.wear_laws, *(study.wear.laws(*numbers, corner) for corner in corners)]
     fastest = [float(max(pair[body].fastest for pair in laws)) for body in range(len(BODIES))]
     counter, disc = (f"{1e3 * part * k!r} mm^3/N/m" for k in fastest)
     return study.replace({"wear.law": "archard", "wear.counter": counter, "wear.disc": disc})

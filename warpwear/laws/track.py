@@ -2,7 +2,9 @@
 
 A step covers up to `shift` cells of the track and is solved once, with the ball in their middle; the last
 step of a pass is shorter where the shift does not divide the stroke, so that volumes stay exact. A track that
-turns reverses at the end of each pass and covers the same cells the other way.
+turns reverses at the end of each pass and covers the same cells the other way. Of an odd number of cells the
+middle is rounded towards where the counter-body comes from: to and fro the places are as many on either side
+of the stroke's middle. In steps of one cell each is passed twice a cycle and the ends once.
 
 A representative track is a periodic disc shorter than the stroke: one lap is one pass. While it slides by a
 cell, the ball slides by `cell / track_fraction` of the test. So is the track of a rotating disc, one lap a
@@ -71,6 +73,16 @@ class Track:
         return -(-self.cells // self.shift)
 
     @property
+    def passes_of_cycle(self) -> int:
+        """Return the number of passes after which the counter-body is where it was, on the same way."""
+        return 2 if self.reverses else 1
+
+    @property
+    def cycle(self) -> float:
+        """Return what is slid in such a cycle of the test [mm]."""
+        return self.passes_of_cycle * self.stroke
+
+    @property
     def x(self) -> FloatArray:
         """Return the centres of the disc's rows [mm], shape (rows,), 0 = the middle of the stroke."""
         centres: FloatArray = (np.arange(self.rows, dtype=np.float64) - 0.5 * (self.rows - 1)) * self.cell
@@ -85,17 +97,12 @@ class Track:
 
         done, cells: of the part of the step that begins after `done` of its cells and covers `cells` of them.
         """
-        start, covered = self._covered(step)
-        cells = covered if cells is None else cells
-        middle = start + (covered - done - cells if self._back(step) else done) + cells // 2
-        return (middle - self.window // 2) % self.rows if self.periodic else middle
+        first = self._first_row(step, done, cells)
+        return first % self.rows if self.periodic else first
 
     def place(self, step: int) -> float:
         """Return the place of the counter-body's apex at step number `step`, on the scale of `x` [mm]."""
-        start, cells = self._covered(step)
-        first = 0 if self.periodic else self.window // 2
-        middle = 0.5 * (self.window % 2)  # of an odd window the middle of a cell, of an even one an edge
-        return (start + cells // 2 + first + middle - 0.5 * self.rows) * self.cell
+        return (self._first_row(step) + 0.5 * (self.window - self.rows)) * self.cell
 
     def beneath(self, disc: FloatArray, row: int) -> FloatArray:
         """Return the part of a field of the disc that lies under a ball whose first row is on `row`.
@@ -110,6 +117,14 @@ class Track:
         """Tell whether the counter-body slides towards the first row in a step."""
         return self.reverses and self.moves and step // self.steps_of_pass % 2 == 1
 
+    def _first_row(self, step: int, done: int = 0, cells: int | None = None) -> int:
+        """Return what `row` does, of a periodic disc before it is wrapped."""
+        start, covered = self._covered(step)
+        cells = covered if cells is None else cells
+        back = self._back(step)
+        middle = start + (covered - done - cells // 2 if back else done + cells // 2)
+        return middle - self.window // 2 if self.periodic else middle
+
     def _covered(self, step: int) -> tuple[int, int]:
         """Return the first cell of the pass that a step covers, and the number of cells."""
         if not self.moves:
@@ -120,17 +135,18 @@ class Track:
         start = segment * self.shift
         return start, min(self.shift, self.cells - start)
 
-    def increments(self, distance: float) -> Iterator[tuple[float, float]]:
+    def increments(self, distance: float, *, cycle: int = 0) -> Iterator[tuple[float, float]]:
         """Yield the increment of every step and the distance at its end [mm].
 
         distance: slid in all [mm], where the last step is cut; 0 is one increment of 0, a static contact.
+        cycle: number of the one to begin with, from 0.
         """
         if distance == 0.0:
             yield 0.0, 0.0
             return
         per_cell = self.stroke / self.cells
-        done = 0.0
-        for step in itertools.count():
+        done = cycle * self.cycle
+        for step in itertools.count(cycle * self.passes_of_cycle * self.steps_of_pass):
             number = step // self.steps_of_pass
             start, cells = self._covered(step)
             slid = self.cells - start if self.reverses and number % 2 else start + cells

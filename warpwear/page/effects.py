@@ -87,6 +87,11 @@ CASES: dict[str, Callable[[Study, dict[str, Any]], list[str]]] = {
     "friction.shear_strength": lambda study, numbers: [
         "strength, junctions grow" if study.friction.junction_growth else "strength"
     ],
+    "friction.coefficient": lambda study, numbers: (
+        ["coefficient, constant", *["coefficient, energy"] * (study.wear.law == "energy")]
+        if study.friction.fitted == "coulomb"
+        else ["coefficient"]
+    ),
     "friction.area": lambda study, numbers: ["area" if numbers["coefficients"] else "area, strength unknown"],
     "contact.hardness": _hardness,
     "counter.material": _material,
@@ -104,5 +109,3 @@ CASES: dict[str, Callable[[Study, dict[str, Any]], list[str]]] = {
         "surface energy, pieces" if study.wear.particle == "critical" else "surface energy"
     ],
 }
-#: Keys of which more is known than that a sweep tells.
-EFFECTS = {*CASES, *(name for name in SENTENCES if "." in name)}

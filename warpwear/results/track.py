@@ -54,8 +54,23 @@ class Groove:
         return self.section / self.width if self.width else 0.0
 
 
+def is_short(result: ResultFile) -> bool:
+    """Tell whether the stroke is shorter than the contact, whose middle never leaves the disc's scar."""
+    track = result.study.track
+    return not track.periodic and track.stroke < float(result.history["patch_along"][-1])
+
+
+def scar_length(result: ResultFile, index: int) -> float:
+    """Return the length of the rows of the disc that lost anything [mm]."""
+    lost = np.add(*result.track_loss(index, slice(0, result.track_x.size))).any(axis=1)
+    return float(np.count_nonzero(lost)) * result.study.grid.cell
+
+
 def whole_rows(result: ResultFile) -> slice:
-    """Return the rows that all of the contact slides over in a pass: not those at the ends of a stroke."""
+    """Return the rows that all of the contact slides over in a pass: not those at the ends of a stroke.
+
+    Of a stroke shorter than the contact those in the middle of the scar.
+    """
     track = result.study.track
     if track.periodic:
         return slice(0, track.rows)
@@ -127,12 +142,15 @@ def extent(x: FloatArray, y: FloatArray, half_x: float, half_y: float) -> tuple[
 def roughness_in_track(result: ResultFile) -> dict[str, FloatArray]:
     """Return height parameters [µm] in the middle of the groove, unworn and at each snapshot, over `passes`.
 
-    The middle half of the final patch's width, so that all are of the same cells; its form is taken off.
+    The middle half of the final patch's width, so that all are of the same cells, and of its length at least;
+    its form is taken off.
     """
-    whole = whole_rows(result)
+    whole, history = whole_rows(result), result.history
     middle = (whole.start + whole.stop) // 2
-    part = slice(max(whole.start, middle - ROUGH_ROWS // 2), min(whole.stop, middle + ROUGH_ROWS // 2))
-    half = 0.5 * MIDDLE * float(result.history["patch_across"][-1])
+    inner = round(0.5 * MIDDLE * float(history["patch_along"][-1]) / result.study.grid.cell)
+    first, last = min(whole.start, middle - inner), max(whole.stop, middle + inner)
+    part = slice(max(first, middle - ROUGH_ROWS // 2, 0), min(last, middle + ROUGH_ROWS // 2))
+    half = 0.5 * MIDDLE * float(history["patch_across"][-1])
     columns = np.flatnonzero(np.abs(result.y) <= half)
     unworn = result.track_heights(part)[:, columns]
     everywhere = np.ones(unworn.shape, dtype=bool)
@@ -172,9 +190,8 @@ def doubt_of_directions(study: Study, history: Mapping[str, FloatArray]) -> str 
 
 
 def pass_numbers(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.int_]]":
-    """Return the number of the pass that each step belongs to, from 0."""
-    passes = result.history["distance"] / result.study.track.stroke
-    return np.maximum(np.ceil(passes - 1.0e-9).astype(int), 1) - 1
+    """Return the number of the computed pass that each step belongs to, from 0."""
+    return np.arange(result.history["distance"].size) // result.study.track.steps_of_pass
 
 
 def whole_steps(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
@@ -183,23 +200,24 @@ def whole_steps(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.bool_
     A step that is implicit in the wear yields by K p ΔL: a short one has less area, so less friction, and
     higher pressures, which say nothing of the track. All steps of a ball that does not slide over one.
     """
-    increment = result.history["increment"]
+    increment = result.history["increment"] / result.history.get("cycles", 1.0)
     if not result.study.is_swept:
         return np.ones(increment.size, dtype=bool)
     return increment > (1.0 - SHORT) * increment.max() if increment.any() else increment == 0.0
 
 
 def by_pass(result: ResultFile, *means: str) -> dict[str, FloatArray]:
-    """Return one value a pass, of which the last may be short.
+    """Return one value a computed pass, of which the last may be short.
 
-    `number` (from 1), `distance` slid in it [mm], volumes lost in it [mm³], and means over its distance of
+    `number` (from 1; the last that it stands for), `distance` slid in it [mm], volumes lost in it [mm³], and means over its distance of
     the columns of the history that are asked for.
     """
     history, number, increment = result.history, pass_numbers(result), result.history["increment"]
     last = np.append(np.flatnonzero(np.diff(number)), number.size - 1)
     slid = np.bincount(number, increment).astype(np.float64)
     lost = ("wear_volume_counter", "wear_volume_disc", "plastic_volume_disc")
-    table: dict[str, FloatArray] = {"number": np.arange(1.0, last.size + 1.0), "distance": slid}
+    ends = np.ceil(history["distance"][last] / result.study.track.stroke - 1.0e-9)
+    table: dict[str, FloatArray] = {"number": np.maximum(ends, 1.0), "distance": slid}
     table |= {name: np.diff(history[name][last], prepend=0.0) for name in lost}
     for name in means:
         table[name] = np.bincount(number, increment * history[name]) / slid

@@ -71,14 +71,16 @@ def of_history(study: Study, history: Mapping[str, FloatArray], *, finished: boo
     long = int(np.count_nonzero(history.get("area_error", np.zeros(1)) > AREA_ERROR))
     if long:
         yield (
-            f"sliding.shift = {study.sliding.shift} cells is too long for {long} of the steps, "
+            f"sliding.shift = {study.shift} cells is too long for {long} of the steps, "
             f"whose area it changes by more than {100.0 * AREA_ERROR:g} % by estimate: a smaller one is "
             "needed."
         )
     if doubt := doubt_of_directions(study, history):
         yield doubt
     friction, limit = study.friction, study.shear_limit
-    tau = friction.law.final_strength(history, load=study.contact.load, finished=finished, laps=study.laps)
+    tau = friction.law_with().final_strength(
+        history, load=study.contact.load, finished=finished, laps=study.laps
+    )
     film = friction.film.shear_strength if friction.film else 0.0
     for name, strength in (("shear strength τ0", tau), ("film's", film)):
         if strength > limit:
@@ -93,9 +95,11 @@ def of_history(study: Study, history: Mapping[str, FloatArray], *, finished: boo
 
 def smaller_steps(study: Study) -> str:
     """Advise on a contact that could not be balanced; empty where the same step would not come again."""
-    plan = study.stepping
     if study.is_swept or not study.sliding.total:
         return ""
-    names = ("first", "largest") if plan.increment is None else ("increment",)
-    halves = (f"stepping.{name}='{getattr(plan, name) / 2.0:g} mm'" for name in names)
+    first, _, largest = study.increments
+    lengths = {"first": first, "largest": largest}
+    if study.stepping.increment is not None:
+        lengths = {"increment": first}
+    halves = (f"stepping.{name}='{length / 2.0:g} mm'" for name, length in lengths.items())
     return f" A new run may get further with smaller increments: {', '.join(halves)}."

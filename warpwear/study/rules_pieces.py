@@ -26,9 +26,9 @@ def check(study: Content) -> None:
     if not study.grid.cell <= pieces.diameter * (1.0 + 1.0e-9):
         enough = _um(pieces.diameter / CELLS)
         raise ValueError(f"{named} is smaller than a cell; a grid.cell of {enough} or less is needed")
-    if pieces.diameter > LARGEST * study.grid.extent:
+    if pieces.diameter > LARGEST * min(study.grid.sides):
         raise ValueError(
-            f"{named} must be at most a quarter of grid.extent = {study.grid.extent:g} mm; allowed are "
+            f"{named} must be at most a quarter of grid.extent = {study.grid.size}; allowed are "
             "smaller pieces, or a larger extent"
         )
     if pieces.thickness > pieces.diameter:
@@ -57,7 +57,7 @@ def _of_steps(study: Content, pieces: Pieces) -> Iterator[str]:
     """Yield a sentence where a step takes more off a cell at the hardness than the pieces bear."""
     if not math.isfinite(study.hardness):
         return
-    total, largest = study.sliding.total, study.stepping.plan[2]
+    total, largest = study.sliding.total, study.increments[2]
     fraction = 1.0
     if study.is_swept:
         track = study.track
@@ -72,7 +72,7 @@ def _of_steps(study: Content, pieces: Pieces) -> Iterator[str]:
         longest = slid * allowed / depth
         change = f"increments of {longest:.2g} mm or less are needed (stepping)"
         if study.is_swept:
-            cells = math.floor(study.sliding.shift * allowed / depth)
+            cells = math.floor(study.shift * allowed / depth)
             changes = [f"sliding.shift = {cells}"] if cells else ["a smaller grid.cell"]
             if name == "counter" and fraction < 1.0 and study.sliding.track != "full":
                 longer = float(study.sliding.track) * depth / allowed

@@ -36,6 +36,7 @@ class Study(Content):
         self._old_names = tuple(old_names)
 
     def _check(self) -> None:
+        super()._check()
         rules.check(self)
 
     def __eq__(self, other: object) -> bool:
@@ -48,7 +49,7 @@ class Study(Content):
     def __repr__(self) -> str:
         about, cells = self.study, self.cells
         return (
-            f"<Study '{about.name}': {about.model} model, {self.contact.law} law, {self.sliding.kinematics}, "
+            f"<Study '{about.name}': {about.model} model, {self.contact.law} law, {self.kinematics}, "
             f"{cells.nx} × {cells.ny} cells of {1e3 * cells.cell:g} µm, {self.contact.load:g} N over "
             f"{self.sliding.total:g} mm>"
         )
