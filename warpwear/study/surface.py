@@ -24,6 +24,7 @@ from warpwear.surfaces.made.synthetic import Flat
 from warpwear.surfaces.measured import Measured, read_measured
 from warpwear.surfaces.preparation import Preparation
 from warpwear.surfaces.profiles.profile import read_profile
+from warpwear.surfaces.reading import HoldsAProfile
 from warpwear.surfaces.roughness import material_ratio_curve
 
 optimize = lazy.module("scipy.optimize")
@@ -152,7 +153,12 @@ def _of_counter() -> Iterator[None]:
 
 
 def _measured(body: MeasuredBody) -> Measured:
-    """Read a body's file. Raises InputError, naming the field of ``disc``."""
+    """Read a body's file, of a disc also a profile. Raises InputError, naming the field of ``disc``."""
     preparation = Preparation(**{field.name: getattr(body, field.name) for field in fields(Preparation)})
     how = {name: getattr(body, name) for name in ("extend", "pixel", "height_unit", "array")}
-    return read_measured(str(body.surface), preparation, **how)
+    try:
+        return read_measured(str(body.surface), preparation, **how)
+    except HoldsAProfile:
+        if not isinstance(body, Disc):
+            raise
+        return read_measured(str(body.surface), preparation, profile=True, **how)
