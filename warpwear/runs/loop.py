@@ -179,7 +179,9 @@ class StepLoop:
         speed = self._order.study.sliding.mean_speed
         # where points were filled, steps 1, 2, 4, 8, … are looked at too: a run on them stops early
         numbers, doubtful = itertools.count(len(self._rows) + 1), self._filled is not None
-        looks = [keep or (doubtful and n & (n - 1) == 0) for n, (*_, keep) in zip(numbers, left, strict=False)]
+        looks = [
+            keep or (doubtful and n & (n - 1) == 0) for n, (*_, keep) in zip(numbers, left, strict=False)
+        ]
         requests = ((step[0], look or with_fields, step[2]) for step, look in zip(left, looks, strict=True))
         steps = self._model.steps(requests)
         for (_, distance, keep), look, step in zip(left, looks, steps, strict=True):
@@ -203,7 +205,7 @@ class StepLoop:
             row |= {"time": distance / speed if speed else math.nan}
             self._rows.append(row)
             if self._jumps is not None:
-                self._jumps.count()
+                self._jumps.count(row)
             self._progress.step(row)
             if len(self._rows) == 1:
                 self._warn(*doubts.of_count(self._order.study, row["cells_in_contact"], "To begin with"))

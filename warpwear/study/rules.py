@@ -288,9 +288,8 @@ def _of_extent(study: Content) -> Iterator[str]:
 def _steps(study: Content) -> None:
     total, (first, growth, largest) = study.sliding.total, study.increments
     if study.is_swept:
-        jump = study.stepping.jump
-        # How far cycles may be jumped shows on the way.
-        steps = study.track.steps(total) / (MOST_JUMP if jump == "auto" and study.jumps else jump if study.jumps else 1)
+        jump = study.stepping.jump if study.jumps else 1
+        steps = study.track.steps(total) / (MOST_JUMP if jump == "auto" else jump)
         by, larger = f"sliding.shift = {study.shift} cells", "sliding.shift or grid.cell"
     elif growth > 1.0:
         # Growing steps cover first growth^n/(growth − 1); at most the whole distance is left for the largest.
