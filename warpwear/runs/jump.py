@@ -82,11 +82,16 @@ class CycleJumps:
 
     def parts(self) -> Iterator[list[Planned]]:
         """Yield the steps that are left of the cycle at hand, then those of each cycle to be computed."""
-        while self._cycle * self._track.cycle < self._total * (1.0 - 1.0e-12):
+        while True:
             if self._step == 0:
                 self._choose()
             self.model.stands_for = self.stands_for
-            yield self._planned(self._cycle, self.stands_for)[self._step :]
+            part = self._planned(self._cycle, self.stands_for)[self._step :]
+            if not part:  # the last cycle was cut
+                return
+            yield part
+            if self._cycle * self._track.cycle >= self._total * (1.0 - 1.0e-12):
+                return
 
     def count(self, row: Mapping[str, float]) -> None:
         """Book a step that was made."""
