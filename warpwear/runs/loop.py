@@ -205,7 +205,7 @@ class StepLoop:
             row |= {"time": distance / speed if speed else math.nan}
             self._rows.append(row)
             if self._jumps is not None:
-                self._jumps.count()
+                self._jumps.count(row)
             self._progress.step(row)
             if len(self._rows) == 1:
                 self._warn(*doubts.of_count(self._order.study, row["cells_in_contact"], "To begin with"))

@@ -222,7 +222,7 @@ class Stepping(Section):
         f"jump_error allows, from {FEWEST_CYCLES} cycles on",
         applies=SWEPT,
     )
-    jump_error: Annotated[float, Number(Range(least=0.0, most=0.5))] = key(
+    jump_error: Annotated[float, Number(Range(most=0.5))] = key(
         0.005,
         "swept: error that jumps may make in the worn depth, rms over the scar, over that depth",
         applies=SWEPT,
