@@ -9,7 +9,8 @@ from warpwear.comparison.area_load import area_load, has_loads
 from warpwear.comparison.gather import Comparison
 from warpwear.comparison.groups import Course, Group, RunData
 from warpwear.figures import courses, describe
-from warpwear.figures.courses import over_each_other, with_blocks
+from warpwear.figures.blocks import with_blocks
+from warpwear.figures.courses import over_each_other
 from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BY_NAME, Quantity
