@@ -5,28 +5,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from warpwear.figures.describe import (
-    DISTANCE,
-    NOMINAL,
-    Axis,
-    Chart,
-    Figure,
-    Level,
-    Line,
-    Look,
-    Panel,
-    over_distance,
-)
+from warpwear.figures.describe import Axis, Chart, Line, Look, over_distance
+from warpwear.figures.of_run.table import FIGURES
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BY_NAME, Quantity
 from warpwear.results.ensemble import band
-from warpwear.study.study import Study
 
-#: Quantities of a step whose courses are laid over each other, in the order of figures and pages.
-OVERLAID = tuple(
-    BY_NAME[name]
-    for name in ("cof", "area_contact", "pressure_mean", "wear_volume_counter", "wear_volume_disc")
-)
+#: Figure of a run -> quantities of a step of which it says that their courses are laid over each other.
+OVERLAID = {
+    name: [BY_NAME[column] for column in entry.overlaid] for name, entry in FIGURES.items() if entry.overlaid
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,19 +50,3 @@ def over_each_other(
     along = replace(along, label=BY_NAME["distance"].axis)
     title = quantity.label[:1].upper() + quantity.label[1:]
     return Chart(title, along, up, lines, note)
-
-
-def with_blocks(figure: Figure, study: Study) -> Figure:
-    """Draw where the blocks of a programme begin in the charts over the distance, and say what they are."""
-    ends = [block.end for block in study.blocks[:-1]]
-    borders = [Level(end, look=Look(NOMINAL, "dot", 0.8), axis="x") for end in ends]
-
-    def bordered(panel: Panel) -> Panel:
-        if not isinstance(panel, Chart) or panel.x.label != DISTANCE:
-            return panel
-        note = "\n".join(filter(None, (panel.note, f"dotted: blocks of {study.loads} N")))
-        return replace(panel, lines=[*panel.lines, *borders], note=note)
-
-    if study.block is None:
-        return figure
-    return replace(figure, panels=[bordered(panel) for panel in figure.panels])

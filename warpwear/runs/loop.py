@@ -17,7 +17,6 @@ from warpwear.engine.executor import Executor
 from warpwear.errors import RESUME_IT, ConvergenceError, InvariantError
 from warpwear.history.rows import Rows
 from warpwear.history.snapshot import Snapshot
-from warpwear.laws.form import Given
 from warpwear.results.seal import versions
 from warpwear.results.writer import ResultWriter
 from warpwear.runs import doubts
@@ -30,6 +29,7 @@ from warpwear.runs.make import model_in, model_of
 from warpwear.runs.order import RunOrder
 from warpwear.runs.plan import Planned
 from warpwear.runs.step import RunStep
+from warpwear.surfaces.form import Given
 
 LOG = logging.getLogger("warpwear.run")
 
@@ -182,7 +182,9 @@ class StepLoop:
         """Steps of a part of the plan, as `_steps`."""
         # where points were filled, steps 1, 2, 4, 8, … are looked at too: a run on them stops early
         numbers, doubtful = itertools.count(len(self._rows) + 1), self._filled is not None
-        looks = [keep or (doubtful and n & (n - 1) == 0) for n, (*_, keep) in zip(numbers, left, strict=False)]
+        looks = [
+            keep or (doubtful and n & (n - 1) == 0) for n, (*_, keep) in zip(numbers, left, strict=False)
+        ]
         requests = ((step[0], look or with_fields, step[2]) for step, look in zip(left, looks, strict=True))
         steps = self._model.steps(requests)
         for (increment, distance, keep), look, step in zip(left, looks, steps, strict=True):
@@ -206,7 +208,7 @@ class StepLoop:
                     self._writer.add_snapshot(snapshot)
             self._rows.append(row)
             if self._jumps is not None:
-                self._jumps.count()
+                self._jumps.count(row)
             self._progress.step(row)
             if len(self._rows) == 1:
                 self._warn(*doubts.of_count(self._order.study, row["cells_in_contact"], "To begin with"))

@@ -79,12 +79,12 @@ class GridSection(Section):
 
     @property
     def sides(self) -> tuple[float, float]:
-        """The domain's sides along sliding and across it [mm]."""
+        """Return the sides of the domain along sliding and across it [mm]."""
         return self.extent if isinstance(self.extent, tuple) else (self.extent, self.extent)
 
     @property
     def size(self) -> str:
-        """The extent, as sentences say it: "1.5 mm", or "3 × 0.2 mm"."""
+        """Return the extent as sentences say it: "1.5 mm", or "3 × 0.2 mm"."""
         return in_words(self.extent)
 
     def _check(self) -> None:
@@ -221,7 +221,7 @@ class BlockSection(Section):
     duration: Annotated[float, Quantity("s")] | None = key(None, "with a frequency: time of the block")
 
     def over(self, sliding: Sliding) -> Sliding:
-        """Return [sliding] as it is in the block: what this says takes the place of all that said the same."""
+        """Return [sliding] as it is in the block: what this says replaces all that said the same."""
         own = {name: value for name, value in self if value is not None and name != "load"}
         void = dict.fromkeys((*LENGTHS, *(PACES if own.keys() & set(PACES) else ())))
         return sliding.model_copy(update=void | own)
@@ -250,8 +250,10 @@ class Stepping(Section):
         f"jump_error allows, from {FEWEST_CYCLES} cycles on",
         applies=SWEPT,
     )
-    jump_error: Annotated[float, Number(Range(least=0.0, most=0.5))] = key(
-        0.005, "swept: error that jumps may make in the worn depth, rms over the scar, over that depth", applies=SWEPT
+    jump_error: Annotated[float, Number(Range(most=0.5))] = key(
+        0.005,
+        "swept: error that jumps may make in the worn depth, rms over the scar, over that depth",
+        applies=SWEPT,
     )
     force: bool = key(False, "go on beyond the explicit stability limit")
 

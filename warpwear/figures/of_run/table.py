@@ -14,7 +14,7 @@ import numpy as np
 from warpwear import lazy
 from warpwear.errors import InputError, explained
 from warpwear.figures import describe
-from warpwear.figures.courses import with_blocks
+from warpwear.figures.blocks import with_blocks
 from warpwear.figures.of_run import fields, history, shape, snapshots, track
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.words import FIGURES, Entry, first_of
