@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import InputError, Study
+from warpwear.laws.friction import friction_energy
 from warpwear.results.summary import summarise, summary_text
 
 HALF_SPACE = {"contact.law": "half-space", "counter.radius": "3 mm"}
@@ -108,6 +109,10 @@ def test_friction_follows_the_load_of_each_block(device: str) -> None:
     history, tau = result.history, result.summary["shear_strength_MPa"]
     assert_allclose(tau, 0.5 * 6.0 / history["area_contact"][-1], rtol=1e-12)
     assert_allclose(history["cof"], tau * history["area_contact"] / history["load"], rtol=1e-12)
+    # The force τ A hardly jumps with the load: its energy is that of trapezoids of it but for two steps.
+    force = history["cof"] * history["load"]
+    smooth = friction_energy(history["distance"], force, np.ones_like(force))
+    assert_allclose(history["friction_energy"][-1], smooth[-1], rtol=0.02)
 
 
 def test_time_goes_by_the_speed_of_each_block() -> None:
@@ -139,7 +144,11 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     ({"block": [{"distance": "1 mm", "lod": "9 N"}]}, "'block.1.lod' is no key of a study"),
     ({"block": [{"distance": "1 mm", "load": "9 mm"}]}, "block.1.load = '9 mm': has the wrong dimension"),
     ({"block": [{"distance": "1 mm"}], "sliding.distance": "2 mm"}, "sliding.distance and [[block]] exclude"),
-    ({"block": [{"revolutions": 2}]}, "block 1: revolutions = 2 needs sliding.track_radius"),
+    ({"block": [{"revolutions": 2}]}, "block 1: revolutions = 2 needs track_radius"),
+    (
+        {"block": [{"cycles": 2, "stroke": "1 mm", "track_radius": "1 mm"}]},
+        "block 1: stroke and track_radius",
+    ),
     ({"block.7.load": "2 N"}, "block.7: the study has 2 blocks, numbered from 1"),
 ]
 
@@ -157,6 +166,17 @@ def test_a_block_on_a_track_ends_with_a_pass() -> None:
     with pytest.raises(InputError, match=r"block 1: its length, 1\.35 mm, is not a whole number of passes"):
         study.replace(block=[{"distance": "1.35 mm"}, {"passes": 2}])
     assert study.replace(block=[{"passes": 2}, {"distance": "1.35 mm"}]).sliding.total == 1.8 + 1.35
+
+
+def test_strokes_may_differ_at_rest_alone() -> None:
+    still = Study.load("v3-fine").replace({"grid.cell": "20 um", "output.snapshots": []})
+    blocks: list[dict[str, Any]] = [{"cycles": 2, "stroke": "3 mm"}, {"cycles": 2, "stroke": "1 mm"}]
+    assert [block.length for block in still.replace(block=blocks).blocks] == [12.0, 4.0]
+    with pytest.raises(InputError, match="block 2: a pass of 1 mm is not that of block 1, 3 mm"):
+        small("full").replace(block=blocks)
+    track = small("full").replace(block=[{"passes": 2, "stroke": "1.8 mm"}] * 2)
+    assert track.track.stroke == 1.8
+    assert Study.stored(track.to_toml()) == track
 
 
 def test_cycles_that_stand_for_many_stay_within_their_block(tmp_path: Path, device: str) -> None:
