@@ -187,8 +187,8 @@ def _of_sticking(study: Content) -> Iterator[str]:
     if travel > STICKING * stroke:
         yield (
             f"sliding.stroke = {_in_words(stroke)} is slip: smooth bodies like these at a coefficient of "
-            f"{coefficient:g} yield by {1e3 * travel:.3g} µm before they slip (Mindlin), so the drive of such "
-            "a test travels as much farther."
+            f"{coefficient:g} yield by {1e3 * travel:.3g} µm before they slip (Mindlin), so the drive of "
+            "such a test travels as much farther."
         )
 
 
