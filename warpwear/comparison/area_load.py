@@ -120,7 +120,7 @@ def theories_of(comparison: Comparison, load: FloatArray) -> dict[str, FloatArra
 def _moments(study: Study) -> SpectralMoments | None:
     """Find the moments of a period of the disc, all its waves resolved; None of a disc without a period."""
     disc = study.disc.synthetic
-    if disc is None or disc.kind != "self-affine":
+    if disc is None or disc.kind not in ("self-affine", "profile"):
         return None
     points = math.ceil(POINTS_PER_CUT_OFF * disc.period / disc.cut_off)
     places = disc.period / points * np.arange(points, dtype=np.float64)

@@ -153,7 +153,8 @@ _DECLARED: dict[tuple[Per, str | None], dict[str, str]] = {
         "area_plastic [mm^2]": "area of the cells at the hardness",
         "area_touched [mm^2]": "area of the cells that were ever in contact",
         "area_cumulative [mm^2]": "running sum of area_contact over the steps",
-        "area_nominal [mm^2]": "ellipse in the extents of the touched cells: the scar as one measures it",
+        "area_nominal [mm^2]": "ellipse (of a line: rectangle) in the extents of the touched cells: the "
+        "scar as one measures it",
         "patch_along [mm]": "extent of the touched cells along the sliding direction",
         "patch_across [mm]": "extent of the touched cells across the sliding direction",
         "pressure_mean [MPa]": "mean pressure of the cells in contact",

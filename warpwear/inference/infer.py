@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -65,17 +66,9 @@ def infer(
     with _folder(out) as folder:
 
         def model_of(other: Study, part: float | None = None) -> Model:
+            how: Any = {"samples": runs, "seed": seed, "out": folder, "device": device, "part": part}
             rough = bool(data.kinds & {"sq_counter", "sq_disc"})
-            of_other = make_runs(
-                other,
-                unknowns,
-                samples=runs,
-                seed=seed,
-                out=folder,
-                device=device,
-                roughness=rough,
-                part=part,
-            )
+            of_other = make_runs(other, unknowns, roughness=rough, **how)
             return Model(other, tuple(unknowns), of_other, frozenset(data.kinds))
 
         def with_model(candidate: Candidate) -> Candidate:

@@ -39,6 +39,8 @@ def disc_of(study: Study) -> str:
         return "a smooth disc"
     if disc.synthetic is None:
         return f"the measured disc {Path(disc.surface or '').name}"
+    if disc.synthetic.like:
+        return f"a disc made like the profile {Path(disc.synthetic.like).name}"
     kind, ra, sq = disc.synthetic.kind, disc.synthetic.ra, disc.synthetic.sq
     height = f"Ra {1e3 * ra:.3g} µm" if ra else f"Sq {1e3 * (sq or 0.0):.3g} µm"
     return f"a made {kind} disc of {height}"

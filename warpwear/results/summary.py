@@ -112,7 +112,8 @@ def _contact(result: ResultFile, end: dict[str, float]) -> list[Row]:
         of_pass, of_steps = f"(mean of the {_end(result)}), ", f", of the {_end(result)}"
     along, across = end["patch_along"], end["patch_across"]
     real, means = end["area_contact"] / end["area_nominal"], result.history["pressure_mean"]
-    of_nominal = f"{of_pass}{real:.3g} of the nominal area (the scar as an ellipse)"
+    outline = "a rectangle" if result.study.counter.form.is_line else "an ellipse"
+    of_nominal = f"{of_pass}{real:.3g} of the nominal area (the scar as {outline})"
     names = ("plastic", "touched", "cumulative")
     others = [Row(BY_NAME[f"area_{name}"].short, name, end[f"area_{name}"]) for name in names]
     areas = [

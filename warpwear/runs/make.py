@@ -14,7 +14,7 @@ from warpwear.runs.arrangements import PreparedModel
 from warpwear.runs.order import RunOrder
 from warpwear.study.study import Study
 from warpwear.surfaces.base import Surface
-from warpwear.surfaces.made.synthetic import RandomPart
+from warpwear.surfaces.made.synthetic import Periodic
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.roughness import roughness
 
@@ -69,7 +69,7 @@ def _sample(study: Study, surface: Surface, track: Track | None) -> _Sampled:
     """Sample a surface on the cells of a study; a random one is the last one again where nothing differs."""
     grid = study.cells
     place = surface, grid, track
-    random = isinstance(surface, RandomPart)
+    random = isinstance(surface, Periodic)
     for last, sampled in _LAST:
         if random and last == place:
             return sampled
@@ -89,7 +89,7 @@ def _heights_of(study: Study, surface: Surface, track: Track) -> FloatArray:
     A random surface that repeats after whole cells is made once: the sums behind it take most of the time.
     """
     x, y, disc = track.x, study.cells.y, study.disc.synthetic
-    if disc is not None and disc.kind == "self-affine":
+    if disc is not None and disc.kind in ("self-affine", "profile"):
         period = disc.period / track.cell
         if abs(period - round(period)) <= WHOLE * period and round(period) < track.rows:
             return surface.heights(x[: round(period)], y)[np.arange(track.rows) % round(period)]

@@ -100,7 +100,7 @@ def _no_such_study(name: str) -> str:
 
 
 #: Keys that name a file, relative to the study's.
-FILES = ("disc.surface", "counter.surface")
+FILES = ("disc.surface", "disc.synthetic.like", "counter.surface")
 CONSTANTS = ("young", "poisson", "hardness")
 MACRO_CELL = "10 um"
 

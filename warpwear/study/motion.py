@@ -72,12 +72,12 @@ class GridSection(Section):
 
     @property
     def sides(self) -> tuple[float, float]:
-        """The domain's sides along sliding and across it [mm]."""
+        """Return the sides of the domain along sliding and across it [mm]."""
         return self.extent if isinstance(self.extent, tuple) else (self.extent, self.extent)
 
     @property
     def size(self) -> str:
-        """The extent, as sentences say it: "1.5 mm", or "3 × 0.2 mm"."""
+        """Return the extent as sentences say it: "1.5 mm", or "3 × 0.2 mm"."""
         return in_words(self.extent)
 
     def _check(self) -> None:

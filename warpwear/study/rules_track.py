@@ -3,9 +3,10 @@
 import math
 from collections.abc import Iterator
 
-from warpwear.laws.form import Form
 from warpwear.laws.track import WHOLE, is_whole
+from warpwear.study.bodies import Synthetic
 from warpwear.study.content import Content
+from warpwear.surfaces.form import Form
 
 #: Part of a stroke from which on the travel before slip is told.
 STICKING = 0.05
@@ -169,7 +170,7 @@ def doubts(study: Content) -> Iterator[str]:
             f"sliding.track_radius = {radius:g} mm: the track is computed straight, though the contact is "
             "wide beside its radius."
         )
-    if sliding.track != "full" and not _repeats(study, float(sliding.track)):
+    if sliding.track != "full" and not repeats(study.disc.synthetic, float(sliding.track)):
         yield (
             f"The disc's surface does not repeat after sliding.track = {float(sliding.track):g} mm: it has a "
             "seam where the lap closes."
@@ -192,14 +193,15 @@ def _of_sticking(study: Content) -> Iterator[str]:
         )
 
 
-def _repeats(study: Content, length: float) -> bool:
-    """Tell whether the disc's surface closes on itself after a length [mm] of the track."""
-    disc = study.disc.synthetic
+def repeats(disc: Synthetic | None, length: float, *, across: bool = False) -> bool:
+    """Tell whether the disc's surface closes on itself after a length [mm] along, or across, sliding."""
     if disc is None:  # a file: nothing says that it does
         return False
     if disc.kind == "flat":
         return True
     closes = is_whole(length / disc.period) or (disc.kind == "milled" and disc.fine_ra == 0.0)
     if disc.kind == "milled":
-        closes = closes and is_whole(length * abs(math.sin(math.radians(disc.lay))) / disc.feed)
+        turned = math.radians(disc.lay + 90.0 * across)
+        way = abs(round(math.sin(turned), 12))
+        closes = closes and (way == 0.0 or is_whole(length * way / disc.feed))
     return closes
