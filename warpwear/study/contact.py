@@ -240,8 +240,8 @@ class Wear(Section):
 
     counter: WearCoefficient = key(
         ...,
-        'wear coefficient K of the counter-body, such as "2e-6 mm^3/N/m"; 0 where it does not wear; without a '
-        "unit k = K H, H as of the disc",
+        'wear coefficient K of the counter-body, such as "2e-6 mm^3/N/m"; 0 where it does not wear; without '
+        "a unit k = K H, H as of the disc",
         formerly="wear.sphere",
     )
     disc: WearCoefficient = key(
