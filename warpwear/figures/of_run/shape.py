@@ -3,6 +3,7 @@
 import numpy as np
 
 from warpwear.figures import describe
+from warpwear.figures.coarse import coarsen
 from warpwear.figures.describe import (
     Arrow,
     Axis,
@@ -21,7 +22,7 @@ from warpwear.figures.describe import (
 )
 from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
-from warpwear.figures.of_run.view import Profile, coarsen, or_nan, positive
+from warpwear.figures.of_run.view import Profile, or_nan, positive
 from warpwear.figures.wording import after
 from warpwear.grid import FloatArray
 
@@ -57,7 +58,7 @@ def setup(data: FigureData) -> Figure:
     low, top, high = float(np.nanmin(disc)), float(np.nanmax(disc)), float(np.nanmax(counter))
     middle, half = 0.5 * (x0 + x1), 0.5 * ARROW * (x1 - x0)
     note = (
-        f"{study.counter.title}\n{study.contact.load:.3g} N, domain {study.grid.size} wide\n"
+        f"{study.counter.title}\n{study.loads} N, domain {study.grid.size} wide\n"
         f"heights drawn {{larger}} times as large"
     )
     parts = (
