@@ -10,6 +10,7 @@ from scipy import integrate, special
 
 from warpwear import Result, Study, run, solve_contact
 from warpwear.errors import InputError, InvariantError
+from warpwear.figures.of_run.data import smooth_shares
 from warpwear.laws.elastic import Hertz
 from warpwear.surfaces.form import sag
 from warpwear.surfaces.measured import read_measured
@@ -396,3 +397,28 @@ def test_level_cylinder(axis: str, tmp_path: Path) -> None:
     radius = float(sentence.partition("radius ")[2].partition(" mm")[0])
     assert radius == pytest.approx(2.0, rel=1e-2)
     assert "bulging" in sentence
+
+
+def test_figures_and_the_page(tmp_path: Path, quick_pictures: Any) -> None:
+    """Figures of a pin, which has nothing beyond its rim, are drawn, and the page names it."""
+    study = study_of(SHAPES["pin"] | {"output.snapshots": ["3 mm"]})
+    with quick_pictures(), run(study, out=tmp_path / "run", plots="essential") as result:
+        assert {"setup", "profiles"} <= {path.stem for path in (tmp_path / "run" / "figures").glob("*.png")}
+        result.plot.counter_map()
+    page = (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
+    assert f"A {study.counter.title} on" in page
+
+
+def test_loads_of_patches_beside_a_measured_body(ball_file: dict[str, Any]) -> None:
+    """The smooth contact beside the patches is that of the measured body, whose file is gone by then."""
+    keys = {
+        "study.model": "two-scale",
+        "patches.macro_cell": "100 um",
+        "contact.bulk_stiffness": "2e6 N/mm^3",
+        "sliding.distance": "0.1 mm",
+    }
+    with run(study_of(SHAPES["ball"] | keys), plots=False) as ball:
+        shares = smooth_shares(ball, [0, 9])
+    with run(study_of(ball_file | keys), plots=False) as result:
+        Path(ball_file["counter.surface"]).unlink()
+        np.testing.assert_allclose(smooth_shares(result, [0, 9]), shares, rtol=1e-9, atol=1e-12)
