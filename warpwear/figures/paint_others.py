@@ -27,6 +27,8 @@ SCAR = 0.55
 #: Circles and spokes of facets of a cap.
 CIRCLES, SPOKES = 36, 97
 LIGHT = LightSource(azdeg=300, altdeg=50)
+#: Width over length of a box below which its side has room for a few words alone.
+NARROW = 0.4
 #: Most values of a grid that are written into it.
 WRITTEN = 49
 #: Characters of a line of text, where it begins behind its label, and its height [points].
@@ -45,7 +47,8 @@ def paint_box(axes: Any, box: Box) -> None:
     axes.set_box_aspect(((x1 - x0) / side, (y1 - y0) / side, HEIGHT), zoom=1.17)
     axes.view_init(elev=ELEVATION, azim=AZIMUTH)
     axes.set_xlabel(ALONG, labelpad=-4)
-    axes.set_ylabel(ACROSS, labelpad=-4)
+    narrow = y1 - y0 < NARROW * (x1 - x0)
+    axes.set_ylabel("y, mm" if narrow else ACROSS, labelpad=-4)
     axes.set_zlabel(box.label, labelpad=-5)
     larger = float(f"{HEIGHT * side / (1e-3 * (box.high - box.low)):.2g}")
     axes.set_title(box.note.format(larger=f"{larger:g}"), y=1.0, pad=7)
@@ -53,7 +56,9 @@ def paint_box(axes: Any, box: Box) -> None:
         artist.set_clip_on(False)
     axes.zaxis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
     for axis, low, high in ((axes.xaxis, x0, x1), (axes.yaxis, y0, y1)):
-        ticks = MaxNLocator(4, steps=[1, 2, 5, 10]).tick_values(low, high)
+        ticks = MaxNLocator(2 if narrow and axis is axes.yaxis else 4, steps=[1, 2, 5, 10]).tick_values(
+            low, high
+        )
         room = CORNER * (high - low)
         axis.set_ticks([tick for tick in ticks if low + room < tick < high - room])
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
