@@ -113,7 +113,7 @@ class FrictionLaw:
         """Return key of a strength -> the area [mm²] that it shears at every step, without `factor`."""
         area = history[f"area_{self.area}"]
         if FILM_STRENGTH not in self.strengths:
-            return {STRENGTH: area}
+            return dict.fromkeys(self.strengths, area)
         bare, filmed = self._mean(1.0, 0.0, history), self._mean(0.0, 1.0, history)
         return {STRENGTH: area * bare, FILM_STRENGTH: area * filmed}
 
@@ -176,10 +176,6 @@ class CoulombLaw(FrictionLaw):
     def coefficient(self, history: Mapping[str, FloatArray], **fit: Any) -> FloatArray:
         """Return μ of every step."""
         return np.full_like(history["distance"], self.values[COEFFICIENT])
-
-    def sheared(self, history: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Return no area: none shears."""
-        return {}
 
     def final_strength(self, history: Mapping[str, FloatArray], **fit: Any) -> float:
         """Return NaN: there is no shear strength."""

@@ -17,7 +17,6 @@ from warpwear.engine.executor import Executor
 from warpwear.errors import RESUME_IT, ConvergenceError, InvariantError
 from warpwear.history.rows import Rows
 from warpwear.history.snapshot import Snapshot
-from warpwear.laws.form import Given
 from warpwear.results.seal import versions
 from warpwear.results.writer import ResultWriter
 from warpwear.runs import doubts
@@ -30,6 +29,7 @@ from warpwear.runs.make import model_of
 from warpwear.runs.order import RunOrder
 from warpwear.runs.plan import Planned
 from warpwear.runs.step import RunStep
+from warpwear.surfaces.form import Given
 
 LOG = logging.getLogger("warpwear.run")
 

@@ -12,7 +12,6 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
 from warpwear.history.rows import Rows
-from warpwear.laws.form import Form
 from warpwear.laws.friction import friction_energy
 from warpwear.results.ensemble import dotted
 from warpwear.runs.arrangements import Maker, arrangement_of
@@ -23,6 +22,7 @@ from warpwear.study.rules import too_small
 from warpwear.study.study import Study
 from warpwear.study.surface import counter_surface, form_of, surface_in
 from warpwear.surfaces.base import Surface
+from warpwear.surfaces.form import Form
 from warpwear.surfaces.measured import Measured
 
 

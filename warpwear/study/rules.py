@@ -16,6 +16,8 @@ MOST_STEPS = 1_000_000
 MOST_JUMP = 1000
 #: Extent over worn patch below which roughness may fill the domain, and that a sentence recommends.
 CLOSE, SPARE = 1.05, 1.1
+#: Half width of a scar over the radius up to which a parabola stands for a circle, to 1 %.
+PARABOLIC = 0.2
 #: Cells across that a contact takes which ends there.
 FEWEST_ACROSS = 4
 #: What is allowed instead of a contact that ends across.
@@ -194,6 +196,7 @@ def doubts(study: Content) -> Iterator[str]:
     yield from _of_seam(study)
     yield from _of_hardness(study)
     yield from _of_film(study)
+    yield from _of_parabola(study)
     yield from rules_pieces.doubts(study)
     speed, pace = study.sliding.speed, study.sliding.pace
     if speed is not None and pace is not None and abs(speed - pace) > 0.01 * pace:
@@ -221,6 +224,17 @@ def doubts(study: Content) -> Iterator[str]:
         yield (
             "wear.law = 'bearing-curve': the area in contact is the share of the cells that bears; "
             "pressures are means over whole cells, and no hardness caps those of the share."
+        )
+
+
+def _of_parabola(study: Content) -> Iterator[str]:
+    """Yield a sentence about a crowned body whose scar gets so wide that it is no parabola any more."""
+    form, patch = study.counter.form, rules_track.worn_patch(study)
+    curvature = max(form.along, form.across)
+    if study.counter.shape in ("crowned", "cylinder") and 0.5 * patch * curvature > PARABOLIC:
+        yield (
+            f"counter.shape = '{study.counter.shape}' is a parabola, and the scar will be {patch:.3g} mm "
+            f"wide: at its edge a circle rises {25.0 * (patch * curvature / 2.0) ** 2:.2g} % more."
         )
 
 

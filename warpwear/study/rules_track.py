@@ -3,10 +3,13 @@
 import math
 from collections.abc import Iterator
 
-from warpwear.laws.form import Form
 from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study.bodies import Synthetic
 from warpwear.study.content import Content
+from warpwear.surfaces.form import Form
+
+#: Part of a stroke from which on the travel before slip is told.
+STICKING = 0.05
 
 
 def check(study: Content) -> None:
@@ -171,6 +174,22 @@ def doubts(study: Content) -> Iterator[str]:
         yield (
             f"The disc's surface does not repeat after sliding.track = {float(sliding.track):g} mm: it has a "
             "seam where the lap closes."
+        )
+    yield from _of_sticking(study)
+
+
+def _of_sticking(study: Content) -> Iterator[str]:
+    """Yield a sentence about a stroke so short that what the bodies yield before they slip matters to it."""
+    stroke, coefficient, hertz = study.sliding.stroke, study.friction.coefficient, study.hertz
+    bodies = study.counter.elastic, study.disc.elastic
+    if stroke is None or hertz is None or hertz.is_line or study.friction.fitted is None:
+        return
+    travel = 2.0 * hertz.travel_to_slip(coefficient, *(body for body in bodies if body is not None))
+    if travel > STICKING * stroke:
+        yield (
+            f"sliding.stroke = {_in_words(stroke)} is slip: smooth bodies like these at a coefficient of "
+            f"{coefficient:g} yield by {1e3 * travel:.3g} µm before they slip (Mindlin), so the drive of such "
+            "a test travels as much farther."
         )
 
 

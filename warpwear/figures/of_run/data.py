@@ -31,7 +31,7 @@ from warpwear.results.evolution import (
 from warpwear.results.file import ResultFile
 from warpwear.results.formats.bodies import worn_heights
 from warpwear.results.summary import bare_course
-from warpwear.results.track import whole_steps
+from warpwear.results.track import is_short, whole_steps
 from warpwear.surfaces.spectrum import Spectrum
 
 #: Most blocks along a side of a map, and of the relief in 3-D.
@@ -79,6 +79,11 @@ class FigureData:
     def slider(self) -> str:
         """What figures call the body that slides."""
         return self.study.counter.name
+
+    @property
+    def groove(self) -> str:
+        """What figures call the place where the disc wears: a groove where the contact leaves it."""
+        return "groove" if self.study.is_swept and not is_short(self.result) else "scar"
 
     def name_of(self, body: str) -> str:
         """Return what a figure calls the body "counter" or "disc"."""

@@ -155,7 +155,7 @@ class Entry(NamedTuple):
 #: Figures of a run by name.
 FIGURES: dict[str, Entry] = {}
 #: Fields of a caption that are filled in where no run is at hand.
-OF_ANY_RUN = {"slider": "counter-body", "when": "at the snapshots", "end": "at the end"}
+OF_ANY_RUN = {"slider": "counter-body", "when": "at the snapshots", "end": "at the end", "groove": "groove"}
 
 
 def figure(*reasons: Reason, essential: bool = False, section: str = "") -> Callable[[Declare], Declare]:
@@ -284,5 +284,6 @@ FIELDS: dict[str, Callable[[FigureData], str]] = {
     "blocks": _blocks,
     "critical": _critical,
     "smooth": _smooth,
+    "groove": lambda d: d.groove,
     "law": law_of,
 }

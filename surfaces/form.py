@@ -129,7 +129,7 @@ class Ball(Form):
 
 @dataclass(frozen=True)
 class Pin(Form):
-    """A flat pin with a rounded edge: 0 on its face, then a quarter of a circle, and nothing beyond."""
+    """A flat pin is 0 high on its face, then a quarter of a circle, with nothing beyond."""
 
     face: float = 0.0  # radius a of the flat face [mm]
     edge: float = 0.0  # radius ρ of the edge [mm]
