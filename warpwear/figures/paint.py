@@ -108,9 +108,8 @@ def _is_long(cell: Any) -> bool:
 def _stretched(cell: Any) -> Map:
     """Give a map that fills a row, higher than it is, and says so."""
     title = ", ".join(filter(None, [*cell.labels, *cell.notes])).replace("\n", ", ")
-    return replace(
-        cell, square=False, labels=[], notes=[], stretch_note=f"{title} (y drawn {{}} times as large as x)"
-    )
+    note = f"{title} (y drawn {{}} times as large as x)"
+    return replace(cell, square=False, labels=[], notes=[], stretch_note=note, y="across, mm")
 
 
 def _from_above(panel: Bodies, name: str) -> Map:

@@ -123,8 +123,8 @@ def _over_blocks(combine: np.ufunc, field: "NDArray[Any]", n: int) -> "NDArray[A
 
 
 def coarsen(field: FloatArray, most: int) -> tuple[FloatArray, int]:
-    """Return means over squares, at most `most` along a side, and how many places a square is wide."""
-    n = -(-max(field.shape) // most)
+    """Return means over squares, at most `most` along a side that is not narrow, and the places of a side."""
+    n = min(-(-max(field.shape) // most), *field.shape)
     return _over_blocks(np.add, field, n) / n**2, n
 
 
