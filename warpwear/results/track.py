@@ -215,8 +215,8 @@ def whole_steps(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.bool_
 def by_pass(result: ResultFile, *means: str) -> dict[str, FloatArray]:
     """Return one value a computed pass, of which the last may be short.
 
-    `number` (from 1; the last that it stands for), `distance` slid in it [mm], volumes lost in it [mm³], and means over its distance of
-    the columns of the history that are asked for.
+    `number` (from 1; of a jump its last), `distance` slid in it [mm], volumes lost in it [mm³], and means
+    over its distance of the columns of the history that are asked for.
     """
     history, number, increment = result.history, pass_numbers(result), result.history["increment"]
     last = np.append(np.flatnonzero(np.diff(number)), number.size - 1)

@@ -1,14 +1,16 @@
 """Rules that the sections of a study must keep together before anything is computed."""
 
 import math
+import re
 from collections.abc import Iterator
 
 from warpwear.laws.archard import CALLED
-from warpwear.laws.track import WHOLE
+from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study import rules_pieces, rules_track
 from warpwear.study.contact import LineLoad
 from warpwear.study.content import Content
 from warpwear.study.keys import check_keys
+from warpwear.study.motion import LENGTHS, BlockSection, Sliding
 
 #: More steps than anybody waits for, or than a history holds.
 MOST_STEPS = 1_000_000
@@ -27,6 +29,9 @@ A_LINE = "a line contact, contact.boundary = 'line' (contact.law = 'local': a cy
 def check(study: Content) -> None:
     """Refuse a study that cannot be computed as it stands: raises ValueError with one sentence."""
     check_keys(study)
+    if study.block is not None:  # each of which was checked by itself
+        _steps(study)
+        return
     _junction_growth(study)
     if study.study.model == "two-scale":
         _patches(study)
@@ -39,6 +44,33 @@ def check(study: Content) -> None:
     _tolerance(study)
     _stability(study)
     _steps(study)
+
+
+def sliding_of_blocks(study: Content) -> Sliding:
+    """Return [sliding] with the distance that the blocks of a programme add up to: raises ValueError."""
+    for name in LENGTHS:
+        if getattr(study.sliding, name) is not None:
+            raise ValueError(f"sliding.{name} and [[block]] exclude each other: the lengths of blocks add up")
+    if not study.block:
+        raise ValueError("block = []: a programme has one block or more; without a programme leave it out")
+    for number, part in enumerate(study.parts, 1):
+        try:
+            check(part)
+        except ValueError as error:
+            here = re.sub(
+                rf"(contact\.|sliding\.)({'|'.join(BlockSection.model_fields)})\b", r"\2", str(error)
+            )
+            raise ValueError(f"block {number}: {here}") from error
+    lap = study.lap
+    for block in study.blocks[:-1]:
+        if lap is not None and not is_whole(block.length / lap):
+            raise ValueError(
+                f"block {block.number}: its length, {block.length:g} mm, is not a whole number of "
+                f"passes of {lap:g} mm, after which alone another block may follow on a track"
+            )
+    sliding = study.sliding.model_copy(update={"distance": study.blocks[-1].end})
+    sliding.model_fields_set.discard("distance")
+    return sliding
 
 
 def _patches(study: Content) -> None:
@@ -194,6 +226,9 @@ def doubts(study: Content) -> Iterator[str]:
     """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
     yield from _of_extent(study)
     yield from _of_seam(study)
+    if study.block is not None:
+        yield from dict.fromkeys(sentence for part in study.parts for sentence in doubts(part))
+        return
     yield from _of_hardness(study)
     yield from _of_film(study)
     yield from _of_parabola(study)

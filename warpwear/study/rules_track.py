@@ -94,11 +94,11 @@ def worn_widths(study: Content, distance: float | None = None) -> tuple[float, f
     rest tells more. They are what the domain must hold, 0 where the counter-body does not rise; the domain's
     own where it is as large.
     """
-    form, load, domain = study.counter.form, study.contact.load, study.grid.sides
+    form, domain = study.counter.form, study.grid.sides
     total = study.sliding.total if distance is None else distance
     if form.is_flat:
         return domain
-    counter, disc = (load * law.wear_per_pressure(0.0, total) for law in study.wear_laws)
+    counter, disc = (study.volume(law, total) for law in study.wear_laws)
     lap = study.sliding.lap
     at_rest = _held(form, form.worn(counter + disc, domain))
     if not study.is_swept or lap is None:
@@ -149,7 +149,7 @@ def doubts(study: Content) -> Iterator[str]:
         return
     sliding = study.sliding
     step = study.shift * study.grid.cell
-    first = 2.0 * math.sqrt(study.contact.load / (math.pi * study.hardness))
+    first = 2.0 * math.sqrt(study.blocks[0].load / (math.pi * study.hardness))
     if step > first > 0.0:
         yield (
             f"sliding.shift = {study.shift} cells, {1e3 * step:g} µm, is longer than a contact at the "
@@ -188,8 +188,8 @@ def _of_sticking(study: Content) -> Iterator[str]:
     if travel > STICKING * stroke:
         yield (
             f"sliding.stroke = {_in_words(stroke)} is slip: smooth bodies like these at a coefficient of "
-            f"{coefficient:g} yield by {1e3 * travel:.3g} µm before they slip (Mindlin), so the drive of such "
-            "a test travels as much farther."
+            f"{coefficient:g} yield by {1e3 * travel:.3g} µm before they slip (Mindlin), so the drive of "
+            "such a test travels as much farther."
         )
 
 

@@ -56,17 +56,12 @@ class Plan:
         smooth, rough = self.studies["v1"], self.studies["v3"]
         step = smooth.increments[2]
         own = rough.disc.synthetic.seed if rough.disc.synthetic else None
-        return (
-            self.studies
-            | {IMPLICIT.format(increment): _implicit(smooth, increment) for increment in self.increments}
-            | {"beyond": smooth.replace(HERTZ_AREA | {"stepping.force": True})}
-            | {"steady": _implicit(smooth, step).replace(HERTZ_AREA)}
-            | {
-                f"{SURFACE}{seed}": rough.replace({"disc.synthetic.seed": seed})
-                for seed in self.seeds
-                if seed != own
-            }
-        )
+        implicit = {IMPLICIT.format(length): _implicit(smooth, length) for length in self.increments}
+        beyond = smooth.replace(HERTZ_AREA | {"stepping.force": True})
+        steady = _implicit(smooth, step).replace(HERTZ_AREA)
+        seeds = [seed for seed in self.seeds if seed != own]
+        others = {f"{SURFACE}{seed}": rough.replace({"disc.synthetic.seed": seed}) for seed in seeds}
+        return self.studies | implicit | {"beyond": beyond, "steady": steady} | others
 
 
 def published(*, quick: bool = False) -> Plan:

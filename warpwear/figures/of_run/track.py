@@ -80,12 +80,13 @@ def wear_per_pass(data: FigureData) -> Figure:
     if not whole.any():
         whole[:] = True
     number = table["number"][whole]
+    many = np.maximum(np.rint(table["distance"] / stroke), 1.0)  # passes that a computed one stands for
     length = np.maximum(
-        table["distance"], table["patch_along"]
+        table["distance"] / many, table["patch_along"]
     )  # of a short stroke the scar keeps its middle
     marker = "o" if number.size < 12 else ""
     lines = [
-        Line(number, 1e3 * (table[name] / (length * table["patch_across"]))[whole], label, look)
+        Line(number, 1e3 * (table[name] / (many * length * table["patch_across"]))[whole], label, look)
         for name, label, look in (
             ("wear_volume_disc", "worn", Look(describe.DISC, marker=marker)),
             ("plastic_volume_disc", "displaced", Look(describe.NEUTRAL, "dot", marker=marker)),
@@ -102,7 +103,8 @@ def cof_stroke(data: FigureData) -> Figure:
     course, stroke = data.course, data.study.lap
     assert stroke is not None  # or the figure is left out
     number = np.maximum(np.ceil(course["distance"] / stroke - 1e-9).astype(int), 1)
-    passes = np.unique(number)
+    number[course.get("cycles", np.ones(number.size)) > 1.0] = 0  # a jump is no pass
+    passes = np.unique(number[number > 0])
     lines = []
     numbers = passes[chosen(passes.size, SHOWN)]
     for count, look in zip(numbers, in_time(describe.NEUTRAL, numbers.size), strict=True):

@@ -7,7 +7,7 @@ docstrings of functions that declare figures; their fields are filled in here.
 import inspect
 from collections import defaultdict
 from collections.abc import Callable, Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -130,12 +130,14 @@ class Entry(NamedTuple):
     """A figure of a run: what declares it, and why a run may have none.
 
     essential: whether it goes into a paper, and is drawn by default. section: of the page that shows it.
+    overlaid: columns of the history whose courses are laid over those of other runs.
     """
 
     declare: Declare
     reasons: tuple[Reason, ...]
     essential: bool
     section: str = ""
+    overlaid: tuple[str, ...] = ()
 
     @property
     def template(self) -> str:
@@ -158,14 +160,14 @@ FIGURES: dict[str, Entry] = {}
 OF_ANY_RUN = {"slider": "counter-body", "when": "at the snapshots", "end": "at the end", "groove": "groove"}
 
 
-def figure(*reasons: Reason, essential: bool = False, section: str = "") -> Callable[[Declare], Declare]:
+def figure(*reasons: Reason, essential: bool = False, **others: Any) -> Callable[[Declare], Declare]:
     """Enter a function among the figures of a run; the start of its docstring is the caption.
 
-    section: of the run's page that shows it, of `warpwear.page.sections`; empty for none.
+    others: of `Entry`; a section is one of `warpwear.page.sections`.
     """
 
     def enter(declare: Declare) -> Declare:
-        FIGURES[declare.__name__] = Entry(declare, reasons, essential, section)
+        FIGURES[declare.__name__] = Entry(declare, reasons, essential, **others)
         return declare
 
     return enter
@@ -192,7 +194,8 @@ def law_of(data: FigureData) -> str:
         law = "Local law, cell by cell"
     patches = ", patches that share the load" if study.study.model == "two-scale" else ""
     cap = f", hardness {study.hardness:.3g} MPa" if np.isfinite(study.hardness) else ""
-    return f"{law}{patches}{cap}; load {study.contact.load:.3g} N; cells of {1e3 * study.grid.cell:.3g} µm."
+    loads = f"blocks of {study.programme}" if study.block else f"load {study.loads} N"
+    return f"{law}{patches}{cap}; {loads}; cells of {1e3 * study.grid.cell:.3g} µm."
 
 
 def _when(data: FigureData) -> str:
