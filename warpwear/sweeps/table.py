@@ -183,7 +183,9 @@ class SweepResult:
             number = self.numbers(key)
             words = [str(_written(point.values[key])) for point in self.plan.points]
             coordinates[key] = ("run", words) if number is None else ("run", number[0], {"units": number[1]})
-        data = {name: described(COLUMNS, name, ("run", "distance"), self.courses(name)) for name in names}
+        data: dict[str, Any] = {
+            name: described(COLUMNS, name, ("run", "distance"), self.courses(name)) for name in names
+        }
         for name in dict.fromkeys(name for row in self.rows for name in row.ends):
             plain = name.partition(" [")[0]
             data[f"end_{plain}"] = ("run", self.ends(name), {"units": name.partition("[")[2].rstrip("]")})
