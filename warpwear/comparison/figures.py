@@ -9,6 +9,7 @@ from warpwear.comparison.area_load import area_load, has_loads
 from warpwear.comparison.gather import Comparison, means_of_parts
 from warpwear.comparison.groups import Course, Group, RunData
 from warpwear.figures import courses, describe
+from warpwear.figures.blocks import with_blocks
 from warpwear.figures.courses import over_each_other
 from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale
 from warpwear.grid import FloatArray
@@ -186,7 +187,11 @@ def _figure(comparison: Comparison, charts: Sequence[Chart]) -> Figure:
     text = band_told([len(group.runs) for group in comparison.groups])
     note = "\n".join(filter(None, [charts[0].note, text]))
     several = len(comparison.groups) + len(comparison.experiments)
-    return Figure([replace(charts[0], note=note), *charts[1:]], legend=several)
+    figure = Figure([replace(charts[0], note=note), *charts[1:]], legend=several)
+    studies = {run.study.programme: run.study for run in comparison.runs}
+    if len(studies) > 1 or None in studies:
+        return figure
+    return with_blocks(figure, *studies.values())
 
 
 def _on_one_scale(charts: Sequence[Chart]) -> list[Chart]:

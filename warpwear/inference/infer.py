@@ -59,6 +59,7 @@ def infer(
     Raises InputError for what does not go together, ConvergenceError where samples do not converge.
     """
     study = study if isinstance(study, Study) else Study.load(study)
+    study.refuse_blocks("warpwear calibrate bayes")
     data = measured if isinstance(measured, Data) else data_of(study, experiments, measured or {})
     priors = dict(unknown) if isinstance(unknown, Mapping) else dict.fromkeys(unknown)
     unknowns, noise = unknowns_of(study, priors), noise_for(data, priors)

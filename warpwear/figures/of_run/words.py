@@ -14,6 +14,7 @@ import numpy as np
 from warpwear.figures.describe import Figure
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.view import PASSES, last_at_hardness
+from warpwear.study.rules import FEWEST_ACROSS
 
 #: What declares a figure of a run.
 Declare = Callable[[FigureData], Figure]
@@ -117,6 +118,7 @@ NO_GROOVE = Reason(
 )
 #: Reasons of several figures.
 FIELD = (NO_SNAPSHOT, ONLY_SAMPLES)
+NARROW = Reason(lambda d: d.study.cells.ny < FEWEST_ACROSS, "the domain is too narrow to be seen in relief")
 COUNTER_WORN = (*FIELD, UNWORN_COUNTER)
 DISC_WORN = (TRACK, *FIELD, UNWORN_DISC)
 GROOVE = (STILL, NO_SNAPSHOT, NO_GROOVE)
@@ -155,7 +157,7 @@ class Entry(NamedTuple):
 #: Figures of a run by name.
 FIGURES: dict[str, Entry] = {}
 #: Fields of a caption that are filled in where no run is at hand.
-OF_ANY_RUN = {"slider": "counter-body", "when": "at the snapshots", "end": "at the end"}
+OF_ANY_RUN = {"slider": "counter-body", "when": "at the snapshots", "end": "at the end", "groove": "groove"}
 
 
 def figure(*reasons: Reason, essential: bool = False, **others: Any) -> Callable[[Declare], Declare]:
@@ -192,7 +194,8 @@ def law_of(data: FigureData) -> str:
         law = "Local law, cell by cell"
     patches = ", patches that share the load" if study.study.model == "two-scale" else ""
     cap = f", hardness {study.hardness:.3g} MPa" if np.isfinite(study.hardness) else ""
-    return f"{law}{patches}{cap}; load {study.contact.load:.3g} N; cells of {1e3 * study.grid.cell:.3g} µm."
+    loads = f"blocks of {study.programme}" if study.block else f"load {study.loads} N"
+    return f"{law}{patches}{cap}; {loads}; cells of {1e3 * study.grid.cell:.3g} µm."
 
 
 def _when(data: FigureData) -> str:
@@ -284,5 +287,6 @@ FIELDS: dict[str, Callable[[FigureData], str]] = {
     "blocks": _blocks,
     "critical": _critical,
     "smooth": _smooth,
+    "groove": lambda d: d.groove,
     "law": law_of,
 }
