@@ -29,7 +29,8 @@ MUCH_MISSING = 2.0  # percent of the points
 MANY_OUTLIERS = 0.5  # percent of the points
 SPIKE = 7.0  # times Sq: heights over the mean that random roughness of ten million points does not reach
 SEAM = 3.0  # times the rms step between neighbours: a higher one, where copies meet, is a seam
-WIDE = 1e3  # mm: half the width across of a disc that is known along a line
+#: Columns that a profile is taken for, enough for a spline, and their distance [mm]: wider than any domain.
+COLUMNS, WIDE = 16, 100.0
 COARSE = 0.05  # mm: pixel and Sq both above it look like micrometres called millimetres
 
 
@@ -269,7 +270,7 @@ def read_measured(
 
 
 def _alike_across(reading: Reading, preparation: Preparation) -> Reading:
-    """Return a profile as two columns of a map that is wider than any domain. Raises InputError."""
+    """Return a profile as columns of a map that is wider than any domain. Raises InputError."""
     for name in ("crop", "sliding_axis", "outliers", "s_filter", "l_filter", "level"):
         value = getattr(preparation, name)
         if value == "sphere" if name == "level" else value != getattr(DEFAULT, name):
@@ -277,7 +278,7 @@ def _alike_across(reading: Reading, preparation: Preparation) -> Reading:
                 f"disc.{name} = {value!r} is for a map, and disc.surface is a profile: leave it out"
             )
     return replace(
-        reading, heights=np.repeat(reading.heights[:, None], 2, axis=1), pixel=(*reading.pixel, WIDE)
+        reading, heights=np.repeat(reading.heights[:, None], COLUMNS, axis=1), pixel=(*reading.pixel, WIDE)
     )
 
 
