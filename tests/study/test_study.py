@@ -77,7 +77,10 @@ BAD = [
     ({"friction.coefficient": 0.5, "friction.shear_strength": "3 MPa"}, r"exclude each other"),
     ({"friction.coefficient": 4.0}, r"friction\.coefficient = 4\.0: must be at most 3"),
     ({"disc.surface": "a.sur", "disc.synthetic": {"kind": "flat"}}, r"disc\.surface .*\[disc\.synthetic\]"),
-    ({"disc.level": "cubic"}, r"disc\.level = 'cubic' is not allowed; allowed: 'none', 'plane', 'sphere' or 'cylinder'"),
+    (
+        {"disc.level": "cubic"},
+        r"disc\.level = 'cubic' is not allowed; allowed: 'none', 'plane', 'sphere' or 'cylinder'",
+    ),
     ({"disc.synthetic.kind": "sandy"}, r"disc\.synthetic\.kind = 'sandy' is not allowed; .*'flat'"),
     ({"wear.counter": "-1e-4 mm^3/N/m"}, r"wear\.counter = '-1e-4 mm\^3/N/m': must be at least 0"),
     ({"wear.disc": "1 mm"}, r"wear\.disc = '1 mm': has the wrong dimension"),

@@ -259,10 +259,12 @@ def changed_since(surface: Measured, before: Path, preparation: Mapping[str, str
 
 
 def _degree(level: str | None) -> int:
-    """Return the degree of --level for a worn disc. Raises InputError for a sphere."""
+    """Return the degree of --level for a worn disc. Raises InputError for a form."""
     degree = degree_of(_level(level) if level is not None else "plane")
     if isinstance(degree, str):
-        raise InputError("--level sphere is for a ball: allowed here is none, plane or a degree")
+        raise InputError(
+            f"--level {degree} is for a ball or a roller: allowed here is none, plane or a degree"
+        )
     return degree
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from warpwear.engine.executor import Executor
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
+from warpwear.laws.passes import Block
 from warpwear.laws.track import WHOLE, Track
 from warpwear.runs.arrangements import PreparedModel
 from warpwear.runs.order import RunOrder
@@ -48,10 +49,17 @@ def model_of(
         seen = slice(None if track is None else MOST_ROWS)
         measured = heights[seen] if filled is None else np.where(filled[seen], np.nan, heights[seen])
         record["on_the_grid"] = _roughness_on(grid, measured)
-    task = replace(study.contact_task, form=order.form)
     if order.counter is not None:
         record["counter"] = order.counter.record()
-    return replace(order.arrangement.model(study, task, heights, executor, record), filled=filled)
+    return replace(model_in(order, order.blocks[0], heights, executor, record), filled=filled)
+
+
+def model_in(
+    order: RunOrder, block: Block, heights: FloatArray, executor: Executor, record: dict[str, Any]
+) -> PreparedModel:
+    """The model of a block of the programme, on unworn bodies. heights, record: of the disc as it was."""
+    task = replace(order.study.parts[block.number - 1].contact_task, form=order.form)
+    return order.arrangement.model(order.study, task, heights, executor, record)
 
 
 class _Sampled(NamedTuple):

@@ -6,10 +6,10 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from warpwear.laws.form import Form, Given, form_of
 from warpwear.study.keys import Hardness, Length, LengthOrZero, Pressure, Rule, Section, key, needs, when
 from warpwear.study.materials import material
 from warpwear.study.units import Number, Quantity, Range, is_pair, is_quantity, one_by_one
+from warpwear.surfaces.form import Form, Given, form_of
 
 ROUGH = when("is_rough", otherwise="does not apply to the macro model, which has a smooth disc")
 NO_KIND = "does not apply to kind = '{}'"
@@ -95,7 +95,7 @@ class MeasuredBody(Section):
 
 
 class Shape(Section):
-    """The keys of a counter-body's shape."""
+    """A counter-body has one of these shapes."""
 
     shape: Literal["ball", "crowned", "cylinder", "pin", "measured"] = key(
         "ball",

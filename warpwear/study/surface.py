@@ -12,11 +12,11 @@ from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.laws.bearing_curve import Logistic
-from warpwear.laws.form import Ball, Form, Given
 from warpwear.laws.track import WHOLE
 from warpwear.study.bodies import Disc, MeasuredBody, Synthetic
 from warpwear.study.study import Study
 from warpwear.surfaces.base import Surface
+from warpwear.surfaces.form import Ball, Form, Given
 from warpwear.surfaces.made.like import LikeProfile
 from warpwear.surfaces.made.milled import Milled
 from warpwear.surfaces.made.self_affine import SelfAffine
@@ -56,7 +56,8 @@ def _check_track(study: Study, length: float) -> None:
     text = sliding.track if sliding.track == "full" else f"{sliding.track:g} mm"
     raise InputError(
         f"sliding.track = {text}{lap} needs {needed:.4g} mm of the disc along the sliding direction, and "
-        f"disc.surface has {length:.4g} mm of it: allowed are {shorter if most >= study.grid.sides[0] else ''}"
+        f"disc.surface has {length:.4g} mm of it: allowed are "
+        f"{shorter if most >= study.grid.sides[0] else ''}"
         "disc.extend = 'mirror' or 'periodic'."
     )
 

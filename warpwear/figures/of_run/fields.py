@@ -70,7 +70,7 @@ def _of_views(
     return Figure([panel], legend=4 if len(fields) > 1 else 2)
 
 
-@words.figure(*words.FIELD)
+@words.figure(words.NARROW, *words.FIELD)
 def pressure_3d(data: FigureData) -> Figure:
     """Load over area of coarse squares, cells without contact included, at the first and the last
     distance kept; axes differ, colours are of one scale.
@@ -99,7 +99,8 @@ def pressure_profiles(data: FigureData) -> Figure:
     views, looks = data.views, describe.in_time(describe.CONTACT, len(data.views))
     tops = [float(max(v.along.pressure.max(), v.across.pressure.max())) for v in views]
     seen = [top for top in tops if top > 0.0]
-    label = f"pressure, mean of middle {1e3 * data.strip:.3g} µm, MPa"
+    widths = " and ".join(dict.fromkeys(f"{1e3 * strip:.3g}" for strip in data.strips))
+    label = f"pressure, mean of middle {widths} µm, MPa"
     pressure = Axis(label, low=0.0, high=1.15 * max(tops) or None)
     if seen and max(seen) > describe.WIDE * min(seen):
         pressure = Axis(label, "log", 0.2 * min(seen), 1.5 * max(seen))
