@@ -273,7 +273,7 @@ def _alike_across(reading: Reading, preparation: Preparation) -> Reading:
     """Return a profile as columns of a map that is wider than any domain. Raises InputError."""
     for name in ("crop", "sliding_axis", "outliers", "s_filter", "l_filter", "level"):
         value = getattr(preparation, name)
-        if value == "sphere" if name == "level" else value != getattr(DEFAULT, name):
+        if value in ("sphere", "cylinder") if name == "level" else value != getattr(DEFAULT, name):
             raise InputError(
                 f"disc.{name} = {value!r} is for a map, and disc.surface is a profile: leave it out"
             )

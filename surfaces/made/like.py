@@ -1,4 +1,4 @@
-"""Random surfaces like a measured profile: with its spectrum, its Rq and its distribution of heights."""
+"""Random surfaces are made like a measured profile: its spectrum, its Rq, its distribution of heights."""
 
 import math
 from collections.abc import Iterator
@@ -205,9 +205,9 @@ class LikeProfile(Periodic):
             heights[np.argsort(surface, axis=None, kind="stable")] = values
             waves = fft.rfft2(heights.reshape(count, count))
             waves *= size / np.maximum(np.abs(waves), 1e-300)
-        made = waves[rows, : n + 1] * (2.0 / count**2)
-        made[: n + 1, 0] = 0.0
-        return made
+        amplitudes = waves[rows, : n + 1] * (2.0 / count**2)
+        amplitudes[: n + 1, 0] = 0.0
+        return amplitudes
 
 
 def _likeliest(projected: FloatArray, bands: FloatArray, waves: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Profile parameters of ISO 21920-2, after the filters and over the lengths of ISO 21920-3."""
+"""Compute the profile parameters of ISO 21920-2, by the filters and over the lengths of ISO 21920-3."""
 
 import math
 from dataclasses import dataclass

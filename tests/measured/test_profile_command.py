@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases_profiles import rough, x3p
+from cases_instruments import rough, x3p
 from click.testing import CliRunner, Result
 
 from warpwear.cli.main import commands

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases_profiles import rough
+from cases_instruments import rough
 
 from warpwear import Study
 from warpwear.errors import InputError

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from cases_profiles import profile, rough
+from cases_instruments import profile, rough
 from scipy import fft
 
 from warpwear.errors import InputError

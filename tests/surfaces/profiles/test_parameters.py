@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases_profiles import profile, rough
+from cases_instruments import profile, rough
 
 from warpwear.errors import InputError
 from warpwear.surfaces.measured import read_measured

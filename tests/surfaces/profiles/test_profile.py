@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases_profiles import prf, sdf, x3p
+from cases_instruments import prf, sdf, x3p
 
 from warpwear.errors import InputError
 from warpwear.surfaces.profiles.profile import read_profile
