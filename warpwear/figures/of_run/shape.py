@@ -3,6 +3,7 @@
 import numpy as np
 
 from warpwear.figures import describe
+from warpwear.figures.coarse import coarsen
 from warpwear.figures.describe import (
     Arrow,
     Axis,
@@ -21,7 +22,7 @@ from warpwear.figures.describe import (
 )
 from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
-from warpwear.figures.of_run.view import Profile, coarsen, or_nan, positive
+from warpwear.figures.of_run.view import Profile, or_nan, positive
 from warpwear.figures.wording import after
 from warpwear.grid import FloatArray
 
