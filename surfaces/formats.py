@@ -394,10 +394,11 @@ def _read_topography(source: Source, *, plain: bool = False) -> Raw:
             raise ValueError("a list of points x y z that is no complete regular grid")
         unit = topography.unit if isinstance(topography.unit, str) else None
         if channel.dim == 1:
-            heights, *pixel = spaced(np.column_stack([topography.positions(), np.ma.filled(heights, np.nan)]))
+            places = np.ravel(topography.positions())
+            heights, *steps = spaced(np.column_stack([places, np.ma.filled(heights, np.nan)]))
         else:
-            pixel = topography.pixel_size
-        pixel = tuple(float(p) for p in pixel) if sizes is None else None
+            steps = topography.pixel_size
+        pixel = tuple(float(p) for p in steps) if sizes is None else None
         return Raw(heights, name, pixel, lateral_unit=unit, height_unit=unit)
 
 

@@ -278,12 +278,13 @@ def _alike_across(reading: Reading, preparation: Preparation) -> Reading:
                 f"disc.{name} = {value!r} is for a map, and disc.surface is a profile: leave it out"
             )
     return replace(
-        reading, heights=np.repeat(reading.heights[:, None], COLUMNS, axis=1), pixel=(*reading.pixel, WIDE)
+        reading, heights=np.repeat(reading.heights[:, None], COLUMNS, axis=1), pixel=(reading.pixel[0], WIDE)
     )
 
 
 def _of_file(path: Path, reading: Reading) -> dict[str, Any]:
     """Return what a file holds, for the record, before anything is done to it."""
+    sides = list(zip(reading.pixel, reading.heights.shape, strict=False))  # one of a profile
     return {
         "file": path.name,
         "sha256": reading.digest,
@@ -292,8 +293,8 @@ def _of_file(path: Path, reading: Reading) -> dict[str, Any]:
         "unit_from": "study" if reading.unit_given else "file",
         "pixel_from": "study" if reading.pixel_given else "file",
         "file_grid": list(reading.heights.shape),
-        "file_pixel_um": [1e3 * pixel for pixel in reading.pixel],
-        "file_extent_mm": [n * pixel for n, pixel in zip(reading.heights.shape, reading.pixel, strict=True)],
+        "file_pixel_um": [1e3 * pixel for pixel, _ in sides],
+        "file_extent_mm": [pixel * n for pixel, n in sides],
         "height_min_um": float(np.nanmin(reading.heights)) * 1e3,
         "height_max_um": float(np.nanmax(reading.heights)) * 1e3,
         "sq_as_read_um": float(np.nanstd(reading.heights)) * 1e3,

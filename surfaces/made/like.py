@@ -85,7 +85,7 @@ class LikeProfile(Periodic):
 
     def record(self) -> dict[str, Any]:
         """Return the parameters, and height parameters of the profile and of the surface."""
-        points = np.arange(POINTS * self._largest) * (self.period / (POINTS * self._largest))
+        points = np.linspace(0.0, self.period, POINTS * self._largest, endpoint=False)
         own = height_parameters(self.heights(points, points))
         profile = height_parameters(self._levelled)
         i, j = self._modes
@@ -94,7 +94,7 @@ class LikeProfile(Periodic):
         return {
             "kind": "profile",
             "like": self.like,
-            "profile_sha256": self.digest,
+            "sha256": self.digest,
             "profile": {"rq_um": 1e3 * profile["sq"], "rsk": profile["ssk"], "rku": profile["sku"]},
             "left_out_percent": {"shorter": 100.0 * self._left_out[0], "longer": 100.0 * self._left_out[1]},
             "cut_off_um": 1e3 * self.cut_off,

@@ -9,6 +9,7 @@ from cases_instruments import rough
 from warpwear import Study
 from warpwear.errors import InputError
 from warpwear.study.surface import surface_in
+from warpwear.sweeps.points import points_of
 
 STEP = 0.002
 
@@ -72,3 +73,14 @@ def test_bad_discs(folder: Path, disc: str, what: str) -> None:
     np.savetxt(folder / "bare.csv", np.loadtxt(folder / "p.csv", delimiter=",", skiprows=1), delimiter=";")
     with pytest.raises(InputError, match=what):
         surface_in(study(folder, disc))
+
+
+def test_a_changed_profile_is_another_run(folder: Path) -> None:
+    before = study(folder, LIKE)
+    assert before.disc.file == str(folder / "p.csv")
+    names = []
+    for end in ("", "3,0\n"):
+        with (folder / "p.csv").open("a", encoding="utf-8") as file:
+            file.write(end)
+        names.append(points_of(before, [{}], device="cpu")[0].run)
+    assert names[0] != names[1]

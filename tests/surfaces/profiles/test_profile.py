@@ -118,3 +118,12 @@ def test_a_damaged_x3p(tmp_path: Path) -> None:
     (tmp_path / "p.x3p").write_bytes(whole[:-40])
     with pytest.raises(InputError, match=r"disc\.surface .*as \.x3p"):
         read_profile(tmp_path / "p.x3p")
+
+
+def test_a_line_scan_of_surfacetopography(tmp_path: Path) -> None:
+    topography = pytest.importorskip("SurfaceTopography")
+    scan = topography.UniformLineScan(1e3 * HEIGHTS, 1e3 * SPACING * HEIGHTS.size, unit="um")
+    scan.to_netcdf(str(tmp_path / "p.nc"))
+    profile = read_profile(tmp_path / "p.nc")
+    assert profile.spacing == pytest.approx(SPACING, rel=1e-6)
+    np.testing.assert_allclose(profile.heights, HEIGHTS, atol=1e-12)
