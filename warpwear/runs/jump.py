@@ -32,6 +32,8 @@ OF_CONTACT = 0.02
 HOPELESS, PATIENCE, AGAIN = 4.0, 4, 0.25
 #: Jumps of the coarse state before which their size does not grow.
 YOUNG = 2
+#: Part of a closed track from the beginning of one jump to that of the next: no two are near each other.
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 #: Columns of the history that both states are compared by.
 COMPARED = ("area_contact", "bare_fraction")
 
@@ -85,7 +87,7 @@ class CycleJumps:
         while True:
             if self._step == 0:
                 self._choose()
-            self.model.stands_for = self.stands_for
+            self._set_out(self._cycle, self.stands_for)
             part = self._planned(self._cycle, self.stands_for)[self._step :]
             if not part:  # the last cycle was cut
                 return
@@ -125,6 +127,12 @@ class CycleJumps:
         ends.append((cycle + stands_for) * self._track.cycle)
         return [(stands_for * step, end, False) for (step, _), end in zip(steps, ends, strict=True)]
 
+    def _set_out(self, cycle: int, stands_for: int) -> None:
+        """Tell the model of the next cycle: a jump leaves a ramp where it begins, on a closed track elsewhere."""
+        rows, elsewhere = self._track.rows, self._track.periodic and stands_for > 1
+        self.model.stands_for = stands_for
+        self.model.turned = int(rows * (cycle * GOLDEN % 1.0)) if elsewhere else 0
+
     def _choose(self) -> None:
         """Choose what the cycle that begins stands for: half of a jump of the coarse state."""
         if self._left == 0:
@@ -147,7 +155,7 @@ class CycleJumps:
         """Let the coarse state jump to where the run is, see how they differ, and choose the next size."""
         fine, worn, jump = state.save(self.model, whole=True), self._worn(), self._cycle - self._behind
         state.restore(self.model, self._coarse, json.loads(self._numbers))
-        self.model.stands_for = jump
+        self._set_out(self._behind, jump)
         means = dict.fromkeys(COMPARED, 0.0)
         try:
             for step in self.model.steps([(step[0], False) for step in self._planned(self._behind, jump)]):
