@@ -32,6 +32,8 @@ OF_CONTACT = 0.02
 HOPELESS, PATIENCE, AGAIN = 4.0, 4, 0.25
 #: Jumps of the coarse state before which their size does not grow.
 YOUNG = 2
+#: Jumps to a stop over the next one at least: they get shorter, so that the contact there is of no jump.
+LANDING = 4
 #: Part of a closed track from the beginning of one jump to that of the next: no two are near each other.
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 #: Columns of the history that both states are compared by.
@@ -129,9 +131,11 @@ class CycleJumps:
 
     def _set_out(self, cycle: int, stands_for: int) -> None:
         """Tell the model of the next cycle: a jump leaves a ramp where it begins, on a closed track elsewhere."""
-        rows, elsewhere = self._track.rows, self._track.periodic and stands_for > 1
+        track, elsewhere = self._track, self._track.periodic and stands_for > 1
         self.model.stands_for = stands_for
-        self.model.turned = int(rows * (cycle * GOLDEN % 1.0)) if elsewhere else 0
+        # By whole steps: the places of the contact are those of every other cycle.
+        steps = int(track.steps_of_pass * (cycle * GOLDEN % 1.0)) if elsewhere else 0
+        self.model.turned = steps * track.shift
 
     def _choose(self) -> None:
         """Choose what the cycle that begins stands for: half of a jump of the coarse state."""
@@ -140,7 +144,7 @@ class CycleJumps:
                 self._follow()
             free = min((c for c in (*self._alone, self._last) if c >= self._cycle), default=0) - self._cycle
             self._left = min(max(free, 1), 2)
-            self.stands_for = max(min(self._size, free // 2), 1)
+            self.stands_for = max(min(self._size, free // LANDING), 1)
             if not self._coarse and free > 1 and self._cycle >= self._again:
                 self._keep_coarse()
                 self._behind, self._age = self._cycle, 0

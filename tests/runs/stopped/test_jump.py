@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases_stopped import differences, run_stopped
 from cases_track import small
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -37,30 +38,39 @@ def distance_of(one: FloatArray, other: FloatArray) -> float:
 
 @pytest.mark.parametrize("track", ["full", "representative", "rotating"])
 def test_jumps_keep_volumes_and_meet_every_stop(track: str, device: str) -> None:
-    study = study_of(track, stepping__jump=4, sliding__distance="60.3 mm", output__snapshots=["20 mm"])
+    study = study_of(track, stepping__jump=3, sliding__distance="180.3 mm", output__snapshots=["90 mm"])
     result = warpwear.run(study, device=device)
-    history = result.history
-    assert history["cycles"].max() == 4
-    assert history["distance"][-1] == pytest.approx(60.3, rel=1e-15)
+    history, total = result.history, 180.3
+    assert history["cycles"].max() == 3
+    assert history["distance"][-1] == total
     assert_allclose(np.cumsum(history["increment"]), history["distance"], rtol=1e-12)
-    for body in BODIES:
+    for body, k in (("counter", 1e-8), ("disc", 3e-8)):
         expected = history[f"archard_volume_{body}"]
         assert_allclose(history[f"wear_volume_{body}"], expected, rtol=1e-12)
-    last = result.summary["volume_mm3"]["disc"]
-    assert last == pytest.approx(3e-8 * study.contact.load * 60.3, rel=1e-12)
+        assert expected[-1] == pytest.approx(k * study.contact.load * total, rel=1e-12)
     every = warpwear.run(study.replace({"stepping.jump": 1}), device=device)
-    assert_array_equal(result.snapshot_distances, every.snapshot_distances)
+    assert_allclose(result.snapshot_distances, every.snapshot_distances, rtol=1e-15)
 
 
-@pytest.mark.parametrize("law", LAWS)
-def test_the_error_that_is_told_holds(law: str, device: str) -> None:
-    study = study_of(sliding__distance="400 mm", stepping__jump="auto").replace(LAWS[law])
-    every, jumped = (warpwear.run(study.replace({"stepping.jump": j}), device=device) for j in (1, "auto"))
+def test_laws_of_the_distance_are_integrated_over_what_a_jump_stands_for() -> None:
+    law = {"wear.law": "running-in", "wear.running_in": "9 mm", "wear.initial_disc": "3e-4 mm^3/N/m"}
+    results = [
+        warpwear.run(study_of(stepping__jump=j, sliding__distance="60 mm").replace(law)) for j in (1, 4)
+    ]
+    every, jumped = (result.history["wear_volume_disc"][-1] for result in results)
+    assert jumped == pytest.approx(every, rel=1e-12)
+
+
+@pytest.mark.parametrize(("law", "jump"), [("local", 8), ("half-space", "auto")])
+def test_the_error_that_is_told_holds(law: str, jump: Any, device: str) -> None:
+    study = study_of(sliding__distance="250 mm").replace(LAWS[law])
+    every, jumped = (warpwear.run(study.replace({"stepping.jump": j}), device=device) for j in (1, jump))
     told = jumped.summary["track"]["jumps"]
-    assert told["contacts"] < 0.5 * told["contacts_of_every_cycle"]
+    assert told["contacts"] < 0.6 * told["contacts_of_every_cycle"]
+    largest = max(told["depth_error_percent"].values())
+    assert 0.0 < largest <= 0.5
     for body, depth in worn(every).items():
-        assert distance_of(depth, worn(jumped)[body]) <= told["depth_error_percent"][body] / 100.0
-        assert told["depth_error_percent"][body] <= 0.5
+        assert distance_of(depth, worn(jumped)[body]) <= largest / 100.0
 
 
 def test_a_run_that_cannot_jump_is_that_of_every_cycle(device: str) -> None:
@@ -73,31 +83,21 @@ def test_a_run_that_cannot_jump_is_that_of_every_cycle(device: str) -> None:
     assert none.summary["track"]["jumps"]["depth_error_percent"] == {"counter": 0.0, "disc": 0.0}
 
 
-def test_a_run_with_jumps_goes_on_bit_for_bit(tmp_path: Path) -> None:
-    study = study_of(sliding__distance="150 mm", run__checkpoint="0 s", output__snapshots=["60 mm"])
-    alone = warpwear.run(study)
-    steps = alone.history["distance"].size
-
-    class Stop(Exception):
-        pass
-
-    for index in (3, 17, steps // 2 + 3, steps - 5):
-
-        def stop(step: warpwear.RunStep, index: int = index) -> None:
-            if step.index == index:
-                raise Stop
-
-        with pytest.raises(Stop):
-            warpwear.run(study, out=tmp_path / "run", plots=False, resume=True, callback=stop)
-    again = warpwear.run(study, out=tmp_path / "run", plots=False, resume=True)
-    for name, values in alone.history.items():
-        assert_allclose(again.history[name], values, rtol=1e-9)
-    assert again.record["cycle_jump"] == pytest.approx(alone.record["cycle_jump"], rel=1e-6)
+@pytest.mark.parametrize("law", LAWS)
+def test_a_run_with_jumps_goes_on_bit_for_bit(law: str, tmp_path: Path) -> None:
+    """Stopped in the midst of both halves of a jump, and beside the coarse state."""
+    study = study_of(stepping__jump=2, sliding__distance="14.3 mm").replace(LAWS[law])
+    one, other = tmp_path / "alone", tmp_path / "stopped"
+    warpwear.run(study, out=one, plots=False).close()
+    for steps, resume in ((13, False), (9, True), (10, True)):
+        run_stopped(study, other, steps, resume=resume)
+    warpwear.run(study, out=other, plots=False, resume=True).close()
+    assert differences(one, other) == []
 
 
 def test_few_cycles_are_each_computed() -> None:
     study = study_of(sliding__distance="7 mm")
     assert not study.jumps
     assert study.replace({"stepping.jump": 3}).jumps
-    with pytest.raises(InputError, match="stepping.jump"):
+    with pytest.raises(InputError, match=r"stepping\.jump"):
         study.replace({"stepping.jump": 0})
