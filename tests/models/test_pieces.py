@@ -27,6 +27,7 @@ from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.pieces import OF_BODY, SlidingPieces
 from warpwear.results.summary import summarise, summary_text
 from warpwear.study.surface import surface_in
+from warpwear.surfaces.form import Ball
 
 CELL = 0.005
 GRID = Grid(40, 37, CELL)
@@ -121,7 +122,9 @@ class Reference:
 
 def bodies_of(executor: Executor, disc: FloatArray, pieces: Pieces) -> SlidingBodies:
     wears = WearLaw(9.4e-7), WearLaw(12.7e-7)
-    task = ContactTask(load=1.0, hardness=600.0, curvature=1 / 3.0, wear=wears, compliance=0.0, pieces=pieces)
+    task = ContactTask(
+        load=1.0, hardness=600.0, form=Ball(1 / 3.0, 1 / 3.0), wear=wears, compliance=0.0, pieces=pieces
+    )
     return SlidingBodies.of(task, executor, disc)
 
 

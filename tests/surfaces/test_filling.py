@@ -13,13 +13,14 @@ from warpwear.measured.surface_command import SurfaceOptions, describe
 from warpwear.measured.surface_figure import _map_of_heights, ball_figure, track_figure
 from warpwear.measured.surface_report import examine
 from warpwear.surfaces.filling import completed
+from warpwear.surfaces.form import sag
 from warpwear.surfaces.levelling import areal_low_pass, without_polynomial
 from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.measured import Measured, read_measured
 from warpwear.surfaces.preparation import Preparation
 from warpwear.surfaces.roughness import bearing_parameters, height_parameters, profile_roughness
 from warpwear.surfaces.spectrum import slope_against_cut_off
-from warpwear.surfaces.sphere import places, sag
+from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.ball import find_worn_ball
 from warpwear.surfaces.worn.track import find_track
 

@@ -39,6 +39,8 @@ def disc_of(study: Study) -> str:
         return "a smooth disc"
     if disc.synthetic is None:
         return f"the measured disc {Path(disc.surface or '').name}"
+    if disc.synthetic.like:
+        return f"a disc made like the profile {Path(disc.synthetic.like).name}"
     kind, ra, sq = disc.synthetic.kind, disc.synthetic.ra, disc.synthetic.sq
     height = f"Ra {1e3 * ra:.3g} µm" if ra else f"Sq {1e3 * (sq or 0.0):.3g} µm"
     return f"a made {kind} disc of {height}"
@@ -59,7 +61,7 @@ def motion_of(study: Study, distance: float) -> str:
 
 def asked_of(study: Study, distance: float) -> str:
     """Say in one sentence what the run was to find. distance: that it has slid [mm]."""
-    load = f"under {study.contact.load:.4g} N"
+    load = f"under {study.loads} N" + (f" in {len(study.block)} blocks" if study.block else "")
     more = ", how much is worn off" if study.sliding.total else ""
     law = "the local law" if study.contact.law == "local" else "the half-space"
     return (
@@ -75,7 +77,6 @@ def answers_of(study: Study, s: dict[str, Any]) -> list[Answer]:
     of_pass = f", mean of the {s['end_values']}" if "track" in s else ""
     spread = f"standard deviation {pressure['std']:.3g} MPa"
     spread = spread if pressure["std"] > 1e-6 * pressure["mean"] else "uniform"
-    error = s.get("track", {}).get("parts", {}).get("estimated_error_at_most", 0.0)
     scar = shown([s["scar_mm"]["along"], s["scar_mm"]["across"]])
     return [
         Answer(
@@ -84,7 +85,7 @@ def answers_of(study: Study, s: dict[str, Any]) -> list[Answer]:
         _answer(
             "area_contact",
             s,
-            error=f"± {100.0 * error:.2g} % by the length of the steps" if error > 0.0 else "",
+            error=s["verdict"]["area"],
             note=f"{100.0 * s['area_real_over_nominal']:.3g} % of the scar{of_pass}",
         ),
         _answer("pressure_mean", s, note=f"{spread}, largest {shown(pressure['max'])} MPa"),

@@ -19,11 +19,11 @@ from warpwear.grid import FloatArray, IntArray
 from warpwear.history.quantities import FIELDS, OF_PIECES, UNITS
 from warpwear.history.rows import History, Named
 from warpwear.history.snapshot import Snapshot
-from warpwear.laws.form import Given
 from warpwear.results.check import ATTRIBUTES, check_content, check_fields, current, stored
 from warpwear.results.seal import digest_of, has_mark, read_header
 from warpwear.study.study import Study
 from warpwear.study.units import parse
+from warpwear.surfaces.form import Given
 
 Derived = TypeVar("Derived")
 FILE_NAME = "result.h5"
@@ -193,9 +193,8 @@ class ResultFile:
         return Named((name, self._array(f"pieces/{name}", lacks)) for name in OF_PIECES)
 
     def _of_patches(self, name: str) -> FloatArray:
-        return self._array(
-            name, f"has no patches: study.model is '{self.study.study.model}', not 'two-scale'"
-        )
+        model = self.study.study.model
+        return self._array(name, f"has no patches: study.model is '{model}', not 'two-scale'")
 
     def _array(self, name: str, otherwise: str = "", rows: slice = slice(None)) -> FloatArray:
         """Rows of a dataset. otherwise: what the run lacks where it has none, as the end of a sentence."""

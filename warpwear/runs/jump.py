@@ -9,7 +9,7 @@ scar, is the error that is told: that of the run is no larger, as it goes with n
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from itertools import islice
 from typing import Any, ClassVar
 
@@ -20,8 +20,8 @@ from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.laws.archard import BODIES
 from warpwear.models.model import Model
+from warpwear.runs.order import RunOrder
 from warpwear.runs.plan import Planned, kept_after
-from warpwear.study.study import Study
 
 #: Part of what is allowed that a jump is made for, as the next ones differ from the last.
 SAFETY = 0.8
@@ -43,7 +43,8 @@ COMPARED = ("area_contact", "bare_fraction")
 class CycleJumps:
     """Plans the cycles of a run one by one, as steps of a model, and keeps the books of their error.
 
-    Snapshots and the end are met: their cycles, and the last whole one, stand for themselves.
+    Snapshots, ends of blocks and the end are met: their cycles, and the last whole one, stand for themselves.
+    begin: makes the model ready for a step.
     """
 
     STATE: ClassVar = {
@@ -60,19 +61,23 @@ class CycleJumps:
         "_left": int,
         "_age": int,
         "_errors": dict,
+        "_earlier": dict,
         "_jumped": bool,
         "_again": int,
     }
 
-    def __init__(self, study: Study, model: Model) -> None:
-        self.model, self._track, self._total = model, study.track, study.sliding.total
+    def __init__(self, order: RunOrder, model: Model, begin: Callable[[Planned], None]) -> None:
+        study = order.study
+        self.model, self._begin = model, begin
+        self._track, self._total = study.track, study.sliding.total
         self._stops = study.snapshot_distances
         jump = study.stepping.jump
         self._fixed = jump if isinstance(jump, int) else None
         self._tolerance = study.stepping.jump_error
         cycle = self._track.cycle
         #: Cycles that stand for themselves: those with a stop, and all from the last whole one on.
-        self._alone = {max(math.ceil(stop / cycle - 1.0e-9) - 1, 0) for stop in self._stops}
+        stops = {*self._stops, *(block.end for block in order.blocks)}
+        self._alone = {max(math.ceil(stop / cycle - 1.0e-9) - 1, 0) for stop in stops}
         self._last = max(math.floor(self._total / cycle - 1.0 + 1.0e-9), 0)
         #: Cycles that the one being made stands for; contacts computed, the coarse state's included.
         self.stands_for, self.contacts = 1, 0
@@ -83,11 +88,14 @@ class CycleJumps:
         self._numbers, self._behind, self._means = "", 0, dict.fromkeys(COMPARED, 0.0)
         #: Differences of worn depths, by body [mm, root of the sum over cells].
         self._errors = dict.fromkeys(BODIES, 0.0)
+        #: Those of the blocks before.
+        self._earlier = dict.fromkeys(BODIES, 0.0)
 
     def parts(self) -> Iterator[list[Planned]]:
         """Yield the steps that are left of the cycle at hand, then those of each cycle to be computed."""
         while True:
             if self._step == 0:
+                self._begin(self._planned(self._cycle, 1)[0])
                 self._choose()
             self._set_out(self._cycle, self.stands_for)
             part = self._planned(self._cycle, self.stands_for)[self._step :]
@@ -96,6 +104,12 @@ class CycleJumps:
             yield part
             if self._cycle * self._track.cycle >= self._total * (1.0 - 1.0e-12):
                 return
+
+    def go_on_with(self, model: Model) -> None:
+        """Go on with the model of another block, whose coarse state begins anew; what was told stays."""
+        self.model, self._coarse, self._numbers, self._left = model, {}, "", 0
+        self._again, self._age, self._earlier = self._cycle, 0, dict(self._told)
+        self._jumped = False
 
     def count(self, row: Mapping[str, float]) -> None:
         """Book a step that was made."""
@@ -111,8 +125,13 @@ class CycleJumps:
             "contacts": self.contacts,
             "contacts_of_every_cycle": int(self._track.steps(self._total)),
             "cycles": self._total / self._track.cycle,
-            "depth_error": self._relative() if self._jumped else dict.fromkeys(BODIES, 0.0),
+            "depth_error": self._relative(self._told),
         }
+
+    @property
+    def _told(self) -> dict[str, float]:
+        """Return the errors as far as the run has jumped itself, not the coarse state alone."""
+        return self._errors if self._jumped else self._earlier
 
     @property
     def _steps(self) -> int:
@@ -130,7 +149,7 @@ class CycleJumps:
         return [(stands_for * step, end, False) for (step, _), end in zip(steps, ends, strict=True)]
 
     def _set_out(self, cycle: int, stands_for: int) -> None:
-        """Tell the model of the next cycle: a jump leaves a ramp where it begins, on a closed track elsewhere."""
+        """Tell the model of the next cycle: a jump leaves a ramp where it begins, each time elsewhere."""
         track, elsewhere = self._track, self._track.periodic and stands_for > 1
         self.model.stands_for = stands_for
         # By whole steps: the places of the contact are those of every other cycle.
@@ -164,7 +183,8 @@ class CycleJumps:
         try:
             for step in self.model.steps([(step[0], False) for step in self._planned(self._behind, jump)]):
                 means, self.contacts = _added(means, step.row), self.contacts + 1
-            self._errors = {body: _norm(depth - worn[body]) for body, depth in self._worn().items()}
+            apart = {body: _norm(depth - worn[body]) for body, depth in self._worn().items()}
+            self._errors = {body: self._earlier[body] + error for body, error in apart.items()}
             self._keep_coarse()
             self._behind, self._age = self._cycle, self._age + 1
         except ConvergenceError:
@@ -183,7 +203,7 @@ class CycleJumps:
 
     def _of_depth(self) -> float:
         """Return the larger relative error of both depths, over what is allowed."""
-        return max(self._relative().values()) / self._tolerance
+        return max(self._relative(self._errors).values()) / self._tolerance
 
     def _of_contact(self, means: Mapping[str, float], jump: int) -> float:
         """Return the largest relative change of what is compared of the contact, over what is allowed."""
@@ -191,10 +211,10 @@ class CycleJumps:
         pairs = [(mean, self._means[name] / cycles) for name, mean in means.items() if self._means[name]]
         return max(abs(coarse / fine - 1.0) for coarse, fine in pairs) / OF_CONTACT
 
-    def _relative(self) -> dict[str, float]:
-        """Return the errors over the depths, rms over the scar."""
+    def _relative(self, errors: Mapping[str, float]) -> dict[str, float]:
+        """Return errors over the depths, rms over the scar."""
         depths = {body: _norm(worn) for body, worn in self._worn().items()}
-        return {body: self._errors[body] / depth if depth else 0.0 for body, depth in depths.items()}
+        return {body: errors[body] / depth if depth else 0.0 for body, depth in depths.items()}
 
     def _worn(self) -> dict[str, FloatArray]:
         """Return copies of what both bodies have lost [mm]."""

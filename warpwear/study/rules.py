@@ -1,13 +1,16 @@
 """Rules that the sections of a study must keep together before anything is computed."""
 
 import math
+import re
 from collections.abc import Iterator
 
 from warpwear.laws.archard import CALLED
-from warpwear.laws.track import WHOLE
+from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study import rules_pieces, rules_track
+from warpwear.study.contact import LineLoad
 from warpwear.study.content import Content
 from warpwear.study.keys import check_keys
+from warpwear.study.motion import LENGTHS, BlockSection, Sliding
 
 #: More steps than anybody waits for, or than a history holds.
 MOST_STEPS = 1_000_000
@@ -15,11 +18,20 @@ MOST_STEPS = 1_000_000
 MOST_JUMP = 1000
 #: Extent over worn patch below which roughness may fill the domain, and that a sentence recommends.
 CLOSE, SPARE = 1.05, 1.1
+#: Half width of a scar over the radius up to which a parabola stands for a circle, to 1 %.
+PARABOLIC = 0.2
+#: Cells across that a contact takes which ends there.
+FEWEST_ACROSS = 4
+#: What is allowed instead of a contact that ends across.
+A_LINE = "a line contact, contact.boundary = 'line' (contact.law = 'local': a cylinder)"
 
 
 def check(study: Content) -> None:
     """Refuse a study that cannot be computed as it stands: raises ValueError with one sentence."""
     check_keys(study)
+    if study.block is not None:  # each of which was checked by itself
+        _steps(study)
+        return
     _junction_growth(study)
     if study.study.model == "two-scale":
         _patches(study)
@@ -34,6 +46,33 @@ def check(study: Content) -> None:
     _steps(study)
 
 
+def sliding_of_blocks(study: Content) -> Sliding:
+    """Return [sliding] with the distance that the blocks of a programme add up to: raises ValueError."""
+    for name in LENGTHS:
+        if getattr(study.sliding, name) is not None:
+            raise ValueError(f"sliding.{name} and [[block]] exclude each other: the lengths of blocks add up")
+    if not study.block:
+        raise ValueError("block = []: a programme has one block or more; without a programme leave it out")
+    for number, part in enumerate(study.parts, 1):
+        try:
+            check(part)
+        except ValueError as error:
+            here = re.sub(
+                rf"(contact\.|sliding\.)({'|'.join(BlockSection.model_fields)})\b", r"\2", str(error)
+            )
+            raise ValueError(f"block {number}: {here}") from error
+    lap = study.lap
+    for block in study.blocks[:-1]:
+        if lap is not None and not is_whole(block.length / lap):
+            raise ValueError(
+                f"block {block.number}: its length, {block.length:g} mm, is not a whole number of "
+                f"passes of {lap:g} mm, after which alone another block may follow on a track"
+            )
+    sliding = study.sliding.model_copy(update={"distance": study.blocks[-1].end})
+    sliding.model_fields_set.discard("distance")
+    return sliding
+
+
 def _patches(study: Content) -> None:
     patches, cell = study.patches, study.grid.cell
     rules_track.refuse_parts("patches.macro_cell", patches.macro_cell, cell)
@@ -45,17 +84,43 @@ def _patches(study: Content) -> None:
             "overlap; allowed are a smaller patches.width (by default the macro cell) and a larger "
             "patches.macro_cell"
         )
-    if patches.macro_cell > 0.5 * study.grid.extent * (1.0 + WHOLE):
+    extent, across = study.grid.sides
+    if extent != across:
         raise ValueError(
-            f"{named} is larger than the contact's domain allows: grid.extent = {study.grid.extent:g} mm "
+            f"grid.extent = {study.grid.size} is no square, which study.model = 'two-scale' needs for its "
+            "macro cells; allowed is one length"
+        )
+    if patches.macro_cell > 0.5 * extent * (1.0 + WHOLE):
+        raise ValueError(
+            f"{named} is larger than the contact's domain allows: grid.extent = {extent:g} mm "
             "must hold two macro cells or more"
         )
-    rules_track.refuse_parts("grid.extent", study.grid.extent, patches.macro_cell, cells=named)
+    rules_track.refuse_parts("grid.extent", extent, patches.macro_cell, cells=named)
 
 
 def _boundary(study: Content) -> None:
-    """Refuse a half-space that repeats a counter-body, unless that goes on beyond its file."""
-    form = study.counter.form
+    """Refuse a half-space that repeats a counter-body, unless that goes on, and lines that are none."""
+    form, grid, load = study.counter.form, study.grid, study.contact.load
+    line = study.contact.law == "half-space" and study.boundary == "line"
+    if line and study.study.model == "two-scale":
+        raise ValueError(
+            "contact.boundary = 'line' is for one grid: allowed for patches are 'free', 'periodic'"
+        )
+    if line and form.rises[1]:
+        raise ValueError(
+            "contact.boundary = 'line' would repeat the counter-body beside itself: allowed is 'free', or a "
+            "cylinder or a flat"
+        )
+    if isinstance(load, LineLoad) and not study.is_line:
+        raise ValueError(
+            f"contact.load = {load.per_length:g} N/mm is the load of a length, which only a line contact "
+            f"has: allowed is a force, such as '8 N', or {A_LINE}"
+        )
+    if study.cells.ny < FEWEST_ACROSS and not study.is_line:
+        raise ValueError(
+            f"grid.extent = {grid.size} is {study.cells.ny} cells of {1e3 * grid.cell:g} µm wide: allowed "
+            f"are {FEWEST_ACROSS} or more, or {A_LINE}"
+        )
     if study.repeats and not form.is_flat and all(form.rises):
         raise ValueError(
             "contact.boundary = 'periodic' would repeat the counter-body beside itself: allowed is 'free', "
@@ -65,13 +130,13 @@ def _boundary(study: Content) -> None:
 
 def _shape(study: Content) -> None:
     """Refuse a pin without a rim, or one that the domain does not hold."""
-    counter, extent = study.counter, study.grid.extent
+    counter, extent = study.counter, min(study.grid.sides)
     width = 2.0 * counter.form.reach
     if counter.shape == "pin" and not width <= extent - 2.0 * study.grid.cell:
         raise ValueError(
             f"counter.radius = {counter.nominal_radius:g} mm with counter.edge_radius = "
-            f"{counter.edge_radius:g} mm makes a pin {width:g} mm wide, and grid.extent = {extent:g} mm must "
-            "hold it with a cell on each side; allowed are a smaller pin and a larger grid.extent"
+            f"{counter.edge_radius:g} mm makes a pin {width:g} mm wide, and grid.extent = {study.grid.size} "
+            "must hold it with a cell on each side; allowed are a smaller pin and a larger grid.extent"
         )
 
 
@@ -160,8 +225,13 @@ def _tolerance(study: Content) -> None:
 def doubts(study: Content) -> Iterator[str]:
     """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
     yield from _of_extent(study)
+    yield from _of_seam(study)
+    if study.block is not None:
+        yield from dict.fromkeys(sentence for part in study.parts for sentence in doubts(part))
+        return
     yield from _of_hardness(study)
     yield from _of_film(study)
+    yield from _of_parabola(study)
     yield from rules_pieces.doubts(study)
     speed, pace = study.sliding.speed, study.sliding.pace
     if speed is not None and pace is not None and abs(speed - pace) > 0.01 * pace:
@@ -189,6 +259,17 @@ def doubts(study: Content) -> Iterator[str]:
         yield (
             "wear.law = 'bearing-curve': the area in contact is the share of the cells that bears; "
             "pressures are means over whole cells, and no hardness caps those of the share."
+        )
+
+
+def _of_parabola(study: Content) -> Iterator[str]:
+    """Yield a sentence about a crowned body whose scar gets so wide that it is no parabola any more."""
+    form, patch = study.counter.form, rules_track.worn_patch(study)
+    curvature = max(form.along, form.across)
+    if study.counter.shape in ("crowned", "cylinder") and 0.5 * patch * curvature > PARABOLIC:
+        yield (
+            f"counter.shape = '{study.counter.shape}' is a parabola, and the scar will be {patch:.3g} mm "
+            f"wide: at its edge a circle rises {25.0 * (patch * curvature / 2.0) ** 2:.2g} % more."
         )
 
 
@@ -258,13 +339,22 @@ def too_small(study: Content) -> str | None:
     """
     if study.counter.form.is_flat:
         return None
-    patch = rules_track.worn_patch(study)
-    if not study.grid.extent < patch < study.counter.form.most_worn:
-        return None
-    return (
-        f"grid.extent = {study.grid.extent:g} mm is too small: the worn patch will be {patch:.3g} mm wide or "
-        f"more; a grid.extent of {_spared(patch):g} mm would do"
-    )
+    for patch, extent, way in _sides(study):
+        if extent < patch < study.counter.form.most_worn:
+            return (
+                f"grid.extent = {study.grid.size} is too small: the worn patch will be {patch:.3g} mm wide "
+                f"or more{way}; a grid.extent of {_spared(patch):g} mm would do"
+            )
+    return None
+
+
+def _sides(study: Content) -> Iterator[tuple[float, float, str]]:
+    """Yield the width of the worn patch, the domain's side [mm] and its name; of a square the wider alone."""
+    patches, sides = rules_track.worn_widths(study), study.grid.sides
+    if sides[0] == sides[1]:
+        yield max(patches), sides[0], ""
+    else:
+        yield from zip(patches, sides, (" along sliding", " across sliding"), strict=True)
 
 
 def _spared(patch: float) -> float:
@@ -277,19 +367,33 @@ def _of_extent(study: Content) -> Iterator[str]:
     """Yield a sentence where a worn patch will all but fill the domain: roughness makes it wider."""
     if study.counter.form.is_flat or not study.is_rough:
         return
-    patch, extent = rules_track.worn_patch(study), study.grid.extent
-    if patch <= extent < CLOSE * patch:
+    for patch, extent, way in _sides(study):
+        if patch <= extent < CLOSE * patch:
+            yield (
+                f"grid.extent = {study.grid.size} may be too small: without roughness the worn patch will be "
+                f"{patch:.3g} mm wide{way} at the end, and with it wider; {_spared(patch):g} mm would do."
+            )
+
+
+def _of_seam(study: Content) -> Iterator[str]:
+    """Yield a sentence about a rough line contact whose disc does not repeat as its boundary does."""
+    across = study.grid.sides[1]
+    elastic = study.contact.law == "half-space" and study.boundary == "line"
+    if elastic and not rules_track.repeats(study.disc.synthetic, across, across=True):
         yield (
-            f"grid.extent = {extent:g} mm may be too small: without roughness the worn patch will be "
-            f"{patch:.3g} mm wide at the end, and with it wider; {_spared(patch):g} mm would do."
+            f"The disc's surface does not repeat across sliding after {across:g} mm (grid.extent), as "
+            "contact.boundary = 'line' does: it has a seam there; disc.synthetic.period may be that long."
         )
 
 
 def _steps(study: Content) -> None:
     total, (first, growth, largest) = study.sliding.total, study.increments
     if study.is_swept:
-        jump = study.stepping.jump if study.jumps else 1
-        steps = study.track.steps(total) / (MOST_JUMP if jump == "auto" else jump)
+        jump = study.stepping.jump
+        # How far cycles may be jumped shows on the way.
+        steps = study.track.steps(total) / (
+            MOST_JUMP if jump == "auto" and study.jumps else jump if study.jumps else 1
+        )
         by, larger = f"sliding.shift = {study.shift} cells", "sliding.shift or grid.cell"
     elif growth > 1.0:
         # Growing steps cover first growth^n/(growth − 1); at most the whole distance is left for the largest.

@@ -3,14 +3,18 @@
 import math
 from collections.abc import Iterator
 
-from warpwear.laws.form import Form
 from warpwear.laws.track import WHOLE, is_whole
+from warpwear.study.bodies import Synthetic
 from warpwear.study.content import Content
+from warpwear.surfaces.form import Form
+
+#: Part of a stroke from which on the travel before slip is told.
+STICKING = 0.05
 
 
 def check(study: Content) -> None:
     """Refuse a track that cannot be computed as it is asked for: raises ValueError with one sentence."""
-    sliding, cell, extent = study.sliding, study.grid.cell, study.grid.extent
+    sliding, cell, extent = study.sliding, study.grid.cell, study.grid.sides[0]
     lap = sliding.lap
     if lap is None:
         return
@@ -49,7 +53,7 @@ def check(study: Content) -> None:
     if track.periodic and track.cells < track.window:
         whose = f"sliding.track = {sliding.track:g} mm" if sliding.track != "full" else named
         raise ValueError(
-            f"{whose} is shorter than grid.extent = {extent:g} mm: the counter-body would lie on the "
+            f"{whose} is shorter than grid.extent = {study.grid.size}: the counter-body would lie on the "
             "same cells twice"
         )
     if track.cells < study.shift:
@@ -74,42 +78,54 @@ def _in_words(length: float) -> str:
     return f"{length:.9g} mm" if length >= 0.1 else f"{1e3 * length:.6g} µm"
 
 
-def worn_patch(study: Content, distance: float | None = None) -> float:
-    """Return the width of smooth bodies' worn patch after a distance [mm]; roughness makes it wider.
+def worn_patch(study: Content) -> float:
+    """Return the wider of the `worn_widths` of the whole test [mm]."""
+    return max(worn_widths(study))
+
+
+def worn_widths(study: Content, distance: float | None = None) -> tuple[float, float]:
+    """Return the widths of smooth bodies' worn patch along and across [mm]; roughness makes it wider.
 
     distance: by default the whole test [mm].
 
     On a disc that lies still both bodies lose the overlap of the counter-body with a plane, π a⁴/4R of a
     paraboloid, whatever the pressure. One that slides loses that overlap alone; or, where it hardly wears,
     its groove is a segment of its own circle, 2a³/3R in section. Of a stroke shorter than that the disc at
-    rest tells more. It is the wider of what the domain must hold, along sliding and across it; the domain's
-    own where the counter-body is as large.
+    rest tells more. They are what the domain must hold, 0 where the counter-body does not rise; the domain's
+    own where it is as large.
     """
-    form, load, extent = study.counter.form, study.contact.load, study.grid.extent
+    form, domain = study.counter.form, study.grid.sides
     total = study.sliding.total if distance is None else distance
     if form.is_flat:
-        return extent
-    domain = extent, extent
-    counter, disc = (load * law.wear_per_pressure(0.0, total) for law in study.wear_laws)
+        return domain
+    counter, disc = (study.volume(law, total) for law in study.wear_laws)
     lap = study.sliding.lap
     at_rest = _held(form, form.worn(counter + disc, domain))
     if not study.is_swept or lap is None:
         return at_rest
-    groove = Form(across=form.across).worn(disc, (lap, extent))[1] if total > lap and form.across else 0.0
-    return min(max(_held(form, form.worn(counter, domain)), groove), at_rest)
+    of_groove = Form(across=form.across)
+    groove = of_groove.worn(disc, (lap, domain[1]))[1] if total > lap and form.across else 0.0
+    along, across = (
+        min(max(moving, groove), still)
+        for moving, still in zip(_held(form, form.worn(counter, domain)), at_rest, strict=True)
+    )
+    return along, across
 
 
-def _held(form: Form, widths: tuple[float, float]) -> float:
-    """Return the larger of the widths [mm] towards which a form rises: the domain must hold it."""
-    return max((width for width, rises in zip(widths, form.rises, strict=True) if rises), default=0.0)
+def _held(form: Form, widths: tuple[float, float]) -> tuple[float, float]:
+    """Return the widths [mm] that the domain must hold: those towards which a form rises."""
+    along, across = (width if rises else 0.0 for width, rises in zip(widths, form.rises, strict=True))
+    return along, across
 
 
-def extent_for(study: Content, distance: float) -> float:
-    """Return the extent [mm] that a test needs whose contact fills its own after a distance [mm].
+def extent_for(study: Content, distance: float) -> tuple[float, float]:
+    """Return the sides [mm] that a test needs whose contact fills its own after a distance [mm].
 
     What the contact is wider by than the worn patch of smooth bodies stays, as that grows.
     """
-    return study.grid.extent + worn_patch(study) - worn_patch(study, distance)
+    widths = zip(study.grid.sides, worn_widths(study), worn_widths(study, distance), strict=True)
+    along, across = (side + end - now for side, end, now in widths)
+    return along, across
 
 
 def unstable(study: Content) -> str | None:
@@ -133,7 +149,7 @@ def doubts(study: Content) -> Iterator[str]:
         return
     sliding = study.sliding
     step = study.shift * study.grid.cell
-    first = 2.0 * math.sqrt(study.contact.load / (math.pi * study.hardness))
+    first = 2.0 * math.sqrt(study.blocks[0].load / (math.pi * study.hardness))
     if step > first > 0.0:
         yield (
             f"sliding.shift = {study.shift} cells, {1e3 * step:g} µm, is longer than a contact at the "
@@ -149,26 +165,43 @@ def doubts(study: Content) -> Iterator[str]:
             f"contact.law = 'half-space', else to halve {finer} until the area stays."
         )
     radius = sliding.track_radius
-    if radius is not None and radius < 2.0 * study.grid.extent:
+    if radius is not None and radius < 2.0 * study.grid.sides[1]:
         yield (
             f"sliding.track_radius = {radius:g} mm: the track is computed straight, though the contact is "
             "wide beside its radius."
         )
-    if sliding.track != "full" and not _repeats(study, float(sliding.track)):
+    if sliding.track != "full" and not repeats(study.disc.synthetic, float(sliding.track)):
         yield (
             f"The disc's surface does not repeat after sliding.track = {float(sliding.track):g} mm: it has a "
             "seam where the lap closes."
         )
+    yield from _of_sticking(study)
 
 
-def _repeats(study: Content, length: float) -> bool:
-    """Tell whether the disc's surface closes on itself after a length [mm] of the track."""
-    disc = study.disc.synthetic
+def _of_sticking(study: Content) -> Iterator[str]:
+    """Yield a sentence about a stroke so short that what the bodies yield before they slip matters to it."""
+    stroke, coefficient, hertz = study.sliding.stroke, study.friction.coefficient, study.hertz
+    bodies = study.counter.elastic, study.disc.elastic
+    if stroke is None or hertz is None or hertz.is_line or study.friction.fitted is None:
+        return
+    travel = 2.0 * hertz.travel_to_slip(coefficient, *(body for body in bodies if body is not None))
+    if travel > STICKING * stroke:
+        yield (
+            f"sliding.stroke = {_in_words(stroke)} is slip: smooth bodies like these at a coefficient of "
+            f"{coefficient:g} yield by {1e3 * travel:.3g} µm before they slip (Mindlin), so the drive of "
+            "such a test travels as much farther."
+        )
+
+
+def repeats(disc: Synthetic | None, length: float, *, across: bool = False) -> bool:
+    """Tell whether the disc's surface closes on itself after a length [mm] along, or across, sliding."""
     if disc is None:  # a file: nothing says that it does
         return False
     if disc.kind == "flat":
         return True
     closes = is_whole(length / disc.period) or (disc.kind == "milled" and disc.fine_ra == 0.0)
     if disc.kind == "milled":
-        closes = closes and is_whole(length * abs(math.sin(math.radians(disc.lay))) / disc.feed)
+        turned = math.radians(disc.lay + 90.0 * across)
+        way = abs(round(math.sin(turned), 12))
+        closes = closes and (way == 0.0 or is_whole(length * way / disc.feed))
     return closes

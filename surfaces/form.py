@@ -60,6 +60,12 @@ class Form:
         return self.along > 0.0, self.across > 0.0
 
     @property
+    def is_line(self) -> bool:
+        """Tell whether its scar is a rectangle: it rises one way and goes on the other."""
+        along, across = self.rises
+        return along != across
+
+    @property
     def reach(self) -> float:
         """Return the half width [mm] beyond which there is no body."""
         return math.inf
@@ -123,7 +129,7 @@ class Ball(Form):
 
 @dataclass(frozen=True)
 class Pin(Form):
-    """A flat pin with a rounded edge: 0 on its face, then a quarter of a circle, and nothing beyond."""
+    """A flat pin is 0 high on its face, then a quarter of a circle, with nothing beyond."""
 
     face: float = 0.0  # radius a of the flat face [mm]
     edge: float = 0.0  # radius ρ of the edge [mm]
@@ -142,8 +148,9 @@ class Pin(Form):
         """Return 0 for r ≤ a, then ρ − √(ρ² − (r − a)²), without its cancellation near the face [mm]."""
         beyond = np.maximum(np.hypot(x[:, np.newaxis], y) - self.face, 0.0)
         below = np.sqrt(np.maximum(self.edge**2 - beyond**2, 0.0))
-        rise = np.divide(beyond**2, self.edge + below, out=np.zeros_like(beyond), where=beyond > 0.0)
-        return np.where(beyond <= self.edge, rise, np.inf)
+        rise = np.where(beyond > 0.0, np.inf, 0.0)
+        on_edge = (beyond > 0.0) & (beyond <= self.edge)
+        return np.divide(beyond**2, self.edge + below, out=rise, where=on_edge)
 
     def worn(self, volume: float, extent: tuple[float, float]) -> tuple[float, float]:
         """Return the width [mm] of the face when it is lower by a volume [mm³] over its section."""
@@ -181,7 +188,7 @@ def form_of(
     radius_across: float = math.inf,
     edge_radius: float = 0.0,
 ) -> Form:
-    """Return the form of a shape, "ball", "crowned", "cylinder" or "pin", of radii [mm] as [counter] has them.
+    """Return the form of a ball, or of what is crowned, a cylinder or a pin, of [counter]'s radii [mm].
 
     Raises InputError for another shape, and a pin without a finite radius.
     """
