@@ -9,7 +9,6 @@ from typing import Any
 
 import tomlkit
 
-from warpwear.errors import InputError
 from warpwear.study.loading import change
 from warpwear.study.rules_track import worn_patch
 from warpwear.study.study import Study
