@@ -80,7 +80,7 @@ def _of_steps(study: Content, pieces: Pieces) -> Iterator[str]:
             change = f"{' or '.join(changes)} is needed"
         yield (
             f"A step wears a cell of the {CALLED[name]} at the hardness by K H ΔL = {_um(depth)}, more than "
-            f"half of wear.particle_thickness = {_um(pieces.thickness)}, so that areas depend on it: {change}."
+            f"half of wear.particle_thickness = {_um(pieces.thickness)}, so areas depend on it: {change}."
         )
 
 
