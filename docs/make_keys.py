@@ -87,7 +87,8 @@ def condition(rule: Rule) -> str:
         return rule.otherwise.replace("not: ", "not where ").format("…")
     if rule.values == (None,):
         return f"without `{rule.name}`"
-    return f"with `{rule.name}` = " + " or ".join(f'`"{value}"`' for value in rule.values)
+    name = "sliding.kinematics" if rule.name == "kinematics" else rule.name  # as the study comes to it
+    return f"with `{name}` = " + " or ".join(f'`"{value}"`' for value in rule.values)
 
 
 def demand_text(demand: Demand) -> str:

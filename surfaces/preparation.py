@@ -15,7 +15,7 @@ from warpwear.surfaces.levelling import areal_low_pass, without_polynomial
 from warpwear.surfaces.outliers import outliers
 from warpwear.surfaces.reading import Reading
 from warpwear.surfaces.roughness import FLAT
-from warpwear.surfaces.sphere import NoSphere, fit_sphere, places
+from warpwear.surfaces.sphere import Cylinder, NoSphere, Sphere, fit_cylinder, fit_sphere, places
 
 HIGHEST_DEGREE = 12  # of a polynomial taken off
 LARGEST_SQ = 1.0  # mm: above it a unit is wrong
@@ -35,7 +35,8 @@ class Preparation:
     sliding_axis: which of the file's axes, "x" or "y", lies along the sliding direction; "y" transposes.
     outliers: how many robust standard deviations from the local median make a point count as missing, at
         least 3; None keeps all (see `outliers.outliers`).
-    level: form removed by least squares: "none" (the mean only), "plane", a degree from 0 to 12, "sphere".
+    level: form removed by least squares: "none" (the mean only), "plane", a degree from 0 to 12, "sphere",
+        "cylinder" (its axis along one of the field's).
     s_filter, l_filter: cut-offs [mm] of the areal Gaussian filters of ISO 16610-61 that take off what is
         shorter (S) and longer (L), 50 % transmission at the cut-off, mirrored at the edges. Missing points
         have no weight in them, and are filled last (see `filling.completed`).
@@ -139,18 +140,18 @@ def prepare(reading: Reading, preparation: Preparation, *, name: str) -> Prepare
     return Prepared(heights, absent if missing + removed else None, pixel, record)
 
 
-def degree_of(level: str | int) -> int | Literal["sphere"]:
-    """Return the degree of the polynomial that a level takes off, or "sphere".
+def degree_of(level: str | int) -> int | Literal["sphere", "cylinder"]:
+    """Return the degree of the polynomial that a level takes off, or "sphere" or "cylinder".
 
     level: as in `Preparation`. Raises InputError, naming ``disc.level``, for anything else.
     """
-    if level == "sphere":
-        return "sphere"
+    if level == "sphere" or level == "cylinder":
+        return "sphere" if level == "sphere" else "cylinder"
     degree = {"none": 0, "plane": 1}.get(level) if isinstance(level, str) else level
     if degree is None or isinstance(level, bool) or not 0 <= degree <= HIGHEST_DEGREE:
         raise InputError(
-            f'disc.level is {level!r}: allowed is "none", "plane", "sphere" or a polynomial degree from 0 to '
-            f"{HIGHEST_DEGREE}"
+            f'disc.level is {level!r}: allowed is "none", "plane", "sphere", "cylinder" or a degree from 0 '
+            f"to {HIGHEST_DEGREE}"
         )
     return degree
 
@@ -188,18 +189,20 @@ def _cropped(
 def _levelled(heights: FloatArray, pixel: tuple[float, float], level: str | int) -> tuple[FloatArray, str]:
     """Return the heights less the form of a level, and what was done."""
     degree = degree_of(level)
-    if degree == "sphere":
+    if isinstance(degree, str):
+        fit = fit_sphere if degree == "sphere" else fit_cylinder
         try:
-            sphere = fit_sphere(heights, pixel=pixel)
+            form: Sphere | Cylinder = fit(heights, pixel=pixel)
         except NoSphere as error:
             raise InputError(
-                f'disc.level is "sphere" and no sphere fits the measurement ({error}): allowed is "none", '
-                '"plane" or a degree'
+                f'disc.level is "{degree}" and no {degree} fits the measurement ({error}): allowed is '
+                '"none", "plane" or a degree'
             ) from error
-        rest = heights - sphere.heights(*places(heights.shape, pixel))
+        rest = heights - form.heights(*places(heights.shape, pixel))
         rest -= np.nanmean(rest)
-        way = "bulging" if sphere.radius > 0 else "hollow"
-        return rest, f"least-squares sphere of radius {abs(sphere.radius):.5g} mm ({way}) taken off"
+        way = "bulging" if form.radius > 0 else "hollow"
+        along = f" along {'xy'[form.axis]}" if isinstance(form, Cylinder) else ""
+        return rest, f"least-squares {degree}{along} of radius {abs(form.radius):.5g} mm ({way}) taken off"
     form = {"none": "mean height", "plane": "least-squares plane"}.get(
         str(level), f"least-squares polynomial of degree {level}"
     )

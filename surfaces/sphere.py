@@ -1,4 +1,4 @@
-"""Give the height of a sphere over its apex, and fit one to measured heights."""
+"""Fit a sphere or a cylinder to measured heights."""
 
 import math
 from dataclasses import dataclass
@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpwear import lazy
-from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.laws.linear import least_squares
 from warpwear.surfaces.base import BoolArray
@@ -15,29 +14,6 @@ optimize = lazy.module("scipy.optimize")
 
 FIT_POINTS = 200_000  # more change a radius by less than the roughness does
 FEWEST_POINTS = 10  # that a sphere is fitted to
-
-
-def sag(x: FloatArray, y: FloatArray, *, radius: float) -> FloatArray:
-    """Return the height [mm] of a sphere's lower side over its apex at the points x × y.
-
-    x, y: points [mm], 1-D, 0 = below the apex. radius: R [mm]; infinite for a rigid flat (sag 0). The shape
-    is (x.size, y.size). It is r²/(R + √(R² − r²)), equal to R − √(R² − r²) (thesis eq 3.1) without its
-    cancellation near the apex, and infinite beyond the sphere's edge (r > R). Raises InputError for a radius
-    that is not positive.
-    """
-    if not radius > 0:
-        raise InputError(f"sphere.radius is {radius:g} mm: allowed is any positive length, or inf for a flat")
-    if math.isinf(radius):
-        return np.zeros((x.size, y.size))
-    squared = np.add.outer(np.square(x), np.square(y)).astype(np.float64, copy=False)
-    below = radius * radius - squared
-    outside = below < 0.0
-    np.maximum(below, 0.0, out=below)
-    np.sqrt(below, out=below)
-    below += radius
-    np.divide(squared, below, out=squared)
-    squared[outside] = np.inf
-    return squared
 
 
 class NoSphere(ValueError):
@@ -116,6 +92,69 @@ def fit_sphere(
     if not math.isfinite(fitted):
         raise NoSphere("no curvature")
     return Sphere(apex=(float(p[0] * scale), float(p[1] * scale), float(p[2] * scale)), radius=float(fitted))
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """A cylinder along an axis of the field has a crest, a signed radius [mm] and a tilt along its axis."""
+
+    axis: int  # of the field, along which it lies
+    crest: tuple[float, float]  # place across it [mm] from the field's middle, and height [mm]
+    radius: float  # positive bulges outward
+    tilt: float
+
+    def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Return heights [mm] at the points x × y [mm], shape (x.size, y.size); NaN beyond its sides."""
+        along, across = (x, y) if self.axis == 0 else (y, x)
+        with np.errstate(invalid="ignore"):
+            arc = self.crest[1] - _sag((across - self.crest[0]) ** 2, 1.0 / self.radius)
+        return (
+            np.add.outer(self.tilt * along, arc) if self.axis == 0 else np.add.outer(arc, self.tilt * along)
+        )
+
+
+def fit_cylinder(heights: FloatArray, *, pixel: tuple[float, float]) -> Cylinder:
+    """Fit a cylinder by least squares of heights to the valid points, along the axis that it fits best.
+
+    heights, pixel: as of `fit_sphere`. Raises NoSphere where no parabola along either axis starts the fit.
+    """
+    fits, why = [], NoSphere("no curvature")
+    for axis in (0, 1):
+        try:
+            fit = _fit_along(heights, axis, places(heights.shape, pixel))
+        except NoSphere as error:
+            why = error
+            continue
+        rest = float(np.nanmean((heights - fit.heights(*places(heights.shape, pixel))) ** 2))
+        fits.append((rest, axis, fit))
+    if not fits:
+        raise why
+    return min(fits)[2]
+
+
+def _fit_along(heights: FloatArray, axis: int, points: tuple[FloatArray, FloatArray]) -> Cylinder:
+    """Fit a cylinder along an axis of the field. points: places of its pixels [mm]."""
+    i, j = np.nonzero(np.isfinite(heights))
+    if i.size < FEWEST_POINTS:
+        raise NoSphere("fewer than ten points")
+    keep = slice(None, None, max(1, i.size // FIT_POINTS))
+    px, py, z = points[0][i[keep]], points[1][j[keep]], heights[i[keep], j[keep]]
+    along, across = (px, py) if axis == 0 else (py, px)
+    scale = max(float(np.ptp(across)) / 2.0, 1e-12)
+    design = np.stack([np.ones_like(z), along / scale, across / scale, (across / scale) ** 2], axis=1)
+    z0, tilt, slope, bend = least_squares(design, z)
+    if abs(bend) < 1e-9 * scale:
+        raise NoSphere("no curvature")
+    kappa, x0 = -2.0 * bend / scale**2, -0.5 * slope * scale / bend
+    start = [x0 / scale, (z0 - 0.25 * slope**2 / bend) / scale, kappa * scale, tilt]
+
+    def rest(p: FloatArray) -> FloatArray:
+        arc = _sag((across - p[0] * scale) ** 2, p[2] / scale)
+        return np.nan_to_num(p[1] * scale - arc + p[3] * along / scale - z, nan=1e3)
+
+    with np.errstate(invalid="ignore"):
+        x0, top, k, slope = optimize.least_squares(rest, start, method="lm", xtol=1e-14, ftol=1e-14).x
+    return Cylinder(axis, (float(x0 * scale), float(top * scale)), float(scale / k), float(slope / scale))
 
 
 def _sag(squared: FloatArray, curvature: float) -> FloatArray:

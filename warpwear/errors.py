@@ -1,5 +1,8 @@
 """How a run can end badly, and what misleads of one that ends well: each is one sentence for the user."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 #: What the command line and Python call by different names, for the sentences of both.
 OVERWRITE_IT = "overwrite it (--overwrite, overwrite=True)"
 OTHER_FOLDER = f"give another folder (out), or {OVERWRITE_IT}"
@@ -17,6 +20,15 @@ class InputError(ValueError):
     def __init__(self, sentence: str) -> None:
         line = printable(sentence)
         super().__init__(line if line.endswith((".", "?")) else f"{line}.")
+
+
+@contextmanager
+def explained(what: str) -> Iterator[None]:
+    """Turn an error of the system into an InputError. what: the sentence up to the reason."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"{what}: {error.strerror or error}") from error
 
 
 class InvariantError(InputError):

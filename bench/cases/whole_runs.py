@@ -33,7 +33,7 @@ IN_A_ROW = 2
 def plan_of(study: Study) -> list[float]:
     """The increments of a run [mm]."""
     stops = set(study.output.snapshots)
-    return [d for d, _ in increments(study.stepping.plan, study.sliding.total, stops)]
+    return [d for d, _ in increments(study.increments, study.sliding.total, stops)]
 
 
 def places_in(plan: Sequence[float], count: int) -> list[int]:

@@ -13,8 +13,8 @@ import warpwear
 from warpwear.cli.calibrate import calibrate as command
 from warpwear.cli.main import commands
 from warpwear.errors import InputError
+from warpwear.laws.form import sag
 from warpwear.surfaces.made.self_affine import SelfAffine
-from warpwear.surfaces.sphere import sag
 
 TEST = ("--load", "8 N", "--distance", "2400 mm")
 GIVEN = ("--pixel", "3 um", "--height-unit", "um")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import integrate
 
-from warpwear.calibration.energy import Dissipation, friction_work
+from warpwear.calibration.energy import Dissipation
 from warpwear.calibration.friction import fit_friction
 from warpwear.calibration.wear import (
     cap,
@@ -19,6 +19,7 @@ from warpwear.calibration.wear import (
     wear_coefficient,
 )
 from warpwear.errors import InputError
+from warpwear.laws.friction import friction_energy
 from warpwear.results.report import scientific
 from warpwear.thesis import printed as thesis
 from warpwear.thesis.coefficients import patch, table_4_1
@@ -278,13 +279,13 @@ def test_what_cannot_be_fitted_is_refused(change, words):
         fit_friction(given.pop("distance"), given.pop("cof"), **given)
 
 
-def test_friction_work():
+def test_friction_energy():
     uneven = np.cumsum(np.geomspace(0.003, 3.0, 400))
-    assert friction_work(uneven, np.full(400, 4.8)) == pytest.approx(4.8e-3 * uneven[-1])
+    assert friction_energy(uneven, np.full(400, 4.8))[-1] == pytest.approx(4.8e-3 * uneven[-1])
     # straight from the end of the first step: exact but for the first step, which has no other row
-    work = friction_work(uneven, 2.0 * uneven)
+    work = friction_energy(uneven, 2.0 * uneven)[-1]
     assert work == pytest.approx(1e-3 * (uneven[-1] ** 2 + uneven[0] ** 2), rel=1e-12)
-    assert friction_work(np.array([3.0]), np.array([2.0])) == pytest.approx(6e-3)
+    assert friction_energy(np.array([3.0]), np.array([2.0]))[-1] == pytest.approx(6e-3)
 
 
 def test_speed_changes_power_and_pv_and_not_the_energy():

@@ -231,7 +231,7 @@ def worn_study(kind: str, factor: str) -> Study:
 
 
 def increments_of(this: Study) -> FloatArray:
-    first, growth, largest = this.stepping.plan
+    first, growth, largest = this.increments
     return np.minimum(first * growth ** np.arange(40), largest)
 
 

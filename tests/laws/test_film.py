@@ -26,7 +26,7 @@ def test_friction_of_a_contact_that_is_bare_in_part() -> None:
     history = {"distance": np.array([1.0, 2.0]), "area_contact": np.array([0.014, 0.02])}
     history["bare_fraction"] = np.array([0.0, 0.25])
     filmed, bare = history["area_contact"] * (1.0 - history["bare_fraction"]), np.array([0.0, 0.005])
-    found = law.law.coefficient(history, load=8.0, finished=False)
+    found = law.law_with().coefficient(history, load=8.0, finished=False)
     assert_allclose(found, 0.02 + (40.0 * filmed + 172.0 * bare) / 8.0, rtol=1e-14)
 
 

@@ -18,7 +18,7 @@ LOAD = 8.0
 
 
 def cof(given: Friction, *, finished: bool = True) -> np.ndarray:
-    return given.law.coefficient(HISTORY, load=LOAD, finished=finished)
+    return given.law_with().coefficient(HISTORY, load=LOAD, finished=finished)
 
 
 def test_a_given_strength() -> None:
@@ -45,7 +45,7 @@ def test_a_coefficient_that_waits_for_the_end_is_not_a_number_before() -> None:
 
 
 def test_every_calibration_is_told() -> None:
-    told = Friction(coefficient=0.6).law.calibrations(HISTORY, load=LOAD, hardness=590.0)
+    told = Friction(coefficient=0.6).law_with().calibrations(HISTORY, load=LOAD, hardness=590.0)
     assert told["contact_end"] == pytest.approx(0.6 * 8.0 / 1.25)
     assert told["contact_initial"] == pytest.approx(0.6 * 8.0 / 0.01)
     assert told["hardness"] == pytest.approx(590.0 / (3.0 * math.sqrt(3.0)))
@@ -66,7 +66,7 @@ def test_a_shear_strength_that_runs_in() -> None:
 def test_a_calibration_that_is_told_is_the_strength_that_a_run_takes(when: str) -> None:
     # It once left the running-in out: 480 MPa, where the run took 165.4.
     section = {"coefficient": 0.6, "calibrate": when, "initial_ratio": 3.0, "running_in": "20 mm"}
-    law = Friction(**section).law
+    law = Friction(**section).law_with()
     taken = law.final_strength(HISTORY, load=LOAD, finished=True)
     told = law.calibrations(HISTORY, load=LOAD, hardness=590.0)
     assert told[f"contact_{when}"] == taken

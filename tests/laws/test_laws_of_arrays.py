@@ -53,10 +53,10 @@ def test_a_friction_law_of_arrays() -> None:
 )
 def test_a_law_says_its_numbers(keys: dict[str, Any], words: str) -> None:
     wear = Wear(counter="1e-3 mm^3/N/m", disc="2e-3 mm^3/N/m", **keys)
-    sentence = said(wear.laws(590.0))
+    sentence = said(wear.laws(590.0, 0.6))
     assert words in sentence
     assert bool(sentence) == bool(keys)
     film = {"thickness": "10 nm", "shear_strength": "40 MPa"}
-    law = Friction(shear_strength="172 MPa", ploughing=0.1, film=film).law
+    law = Friction(shear_strength="172 MPa", ploughing=0.1, film=film).law_with()
     assert law.said == "0.1 of the coefficient does not shear"
     assert r"\varphi" in law.formula

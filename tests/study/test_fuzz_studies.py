@@ -209,7 +209,7 @@ def small_studies(draw: st.DrawFn) -> Study | None:
     except InputError as error:
         check_sentence(error)
         return None
-    plan = increments(study.stepping.plan, study.sliding.total, set(study.output.snapshots))
+    plan = increments(study.increments, study.sliding.total, set(study.output.snapshots))
     few = sum(1 for _, _ in zip(range(60), plan, strict=False)) < 60
     return study if few and study.cells.cells <= 64**2 else None
 

@@ -187,13 +187,13 @@ def test_presets_come_back_from_their_own_text(name: str) -> None:
 
 def test_the_presets_are_the_thesis() -> None:
     v3, fine = Study.load("v3"), Study.load("v3-fine")
-    assert (v3.cells.nx, v3.load_tolerance, v3.stepping.plan) == (150, 0.5, (0.3, 1.0, 0.3))
+    assert (v3.cells.nx, v3.load_tolerance, v3.increments) == (150, 0.5, (0.3, 1.0, 0.3))
     assert (v3.stepping.scheme, v3.wear.distance_factor, v3.friction.area) == (
         "explicit",
         "across",
         "cumulative",
     )
-    assert (fine.cells.nx, fine.stepping.plan) == (1500, (0.003, 1.02, 3.0))
+    assert (fine.cells.nx, fine.increments) == (1500, (0.003, 1.02, 3.0))
     assert (fine.stepping.scheme, fine.wear.distance_factor, fine.friction.area) == (
         "implicit",
         "none",
@@ -223,7 +223,7 @@ def test_show_marks_what_the_thesis_does_not_give() -> None:
 def test_replacing_one_way_of_saying_drops_the_other() -> None:
     fine = Study.load("v3-fine")
     assert fine.replace({"counter.diameter": "8 mm"}).counter.curvature == 0.25
-    assert fine.replace({"stepping.increment": "0.3 mm"}).stepping.plan == (0.3, 1.0, 0.3)
+    assert fine.replace({"stepping.increment": "0.3 mm"}).increments == (0.3, 1.0, 0.3)
     assert fine.replace(sliding={"passes": 2}).sliding.total == 60.0
     assert fine.replace({"disc.surface": "a.sur"}).disc.synthetic is None
     lower = fine.replace({"disc.synthetic.sq": "1 um"}).disc.synthetic
@@ -349,12 +349,12 @@ def test_what_a_study_leaves_out_is_shown_as_assumed() -> None:
     for section in ("stepping", "friction", "assumed"):
         del nested[section]
     study = Study(**nested)
-    assert study.stepping.plan == (0.003, 1.02, 3.0)
+    assert study.increments == (0.003, 1.02, 3.0)
     assert {"stepping.first", "friction.coefficient", "contact.stiffness"} <= set(assumptions(study))
     shown = to_marked_toml(study)
     assert re.search(r"^coefficient = 0\.6 +# ASSUMED", shown, re.MULTILINE)
     assert re.search(r'^first = "3 um" +# ASSUMED', shown, re.MULTILINE)
-    assert Study(**tomllib.loads(study.to_toml())).stepping.plan == study.stepping.plan
+    assert Study(**tomllib.loads(study.to_toml())).increments == study.increments
 
 
 def test_a_load_tolerance_must_be_smaller_than_the_load() -> None:

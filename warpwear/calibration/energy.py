@@ -9,7 +9,8 @@ import numpy as np
 
 from warpwear.calibration import options
 from warpwear.errors import InputError
-from warpwear.grid import FloatArray
+from warpwear.laws.archard import BODIES
+from warpwear.laws.friction import friction_energy
 from warpwear.measured.options import optional, quantity, refuse
 from warpwear.result import Result
 from warpwear.results.report import Row, lines, record, table, to_json
@@ -91,16 +92,6 @@ class Dissipation:
         )
 
 
-def friction_work(distance: FloatArray, force: FloatArray) -> float:
-    """Integrate the friction force over the distance slid: ∫ F dL [J].
-
-    distance [mm] at the end of each step, force [N] in it, both (n,). Trapezoids between the ends of the
-    steps; before the end of the first there is no other row, so its force holds from the start.
-    """
-    between = 0.5 * (force[1:] + force[:-1]) * np.diff(distance)
-    return 1e-3 * (float(force[0] * distance[0]) + float(between.sum()))
-
-
 def calibrate_energy(
     *,
     result: Path | None = None,
@@ -122,7 +113,7 @@ def calibrate_energy(
     if result is not None:
         beside = {"--load": load, "--distance": distance, "--cof": cof, "--area": area}
         refuse(beside, "and --result exclude each other: the run has its own")
-        work, source = _of_run(result)
+        work, source, worn = _of_run(result)
     else:
         force, slid = options.load_of(load), options.distance_of(distance, None, None)
         if cof is None:
@@ -132,9 +123,9 @@ def calibrate_energy(
         pressures = {} if size is None else {"given": force / size}
         energy = 1e-3 * mu * force * slid
         work = Dissipation(energy=energy, distance=slid, load=force, cof_end=mu, pressures=pressures)
-        source = f"a constant coefficient of {mu:g}"
+        source, worn = f"a constant coefficient of {mu:g}", []
     in_joule = Row("", "energy_J", work.energy, digits=5)
-    rows = [Row("source", "source", source), in_joule, *work.rows]
+    rows = [Row("source", "source", source), in_joule, *worn, *work.rows]
     at_speeds = [work.at(speed).rows for speed in speeds]
     if as_json:
         return to_json(record([*rows, Row("", "speeds", at_speeds)]))
@@ -142,8 +133,8 @@ def calibrate_energy(
     return "\n".join([title, *lines(rows), *table(at_speeds)])
 
 
-def _of_run(folder: Path) -> tuple[Dissipation, str]:
-    """Find what a run dissipates, and say where that is from. Raises InputError."""
+def _of_run(folder: Path) -> tuple[Dissipation, str, list[Row]]:
+    """Find what a run dissipates, say where that is from, and what it wears. Raises InputError."""
     with Result.open(folder) as result:
         history, finished = result.history, result.finished
     slid, cof = float(history["distance"][-1]), history["cof"]
@@ -155,10 +146,12 @@ def _of_run(folder: Path) -> tuple[Dissipation, str]:
         )
     load = float(history["load"][-1])
     work = Dissipation(
-        energy=friction_work(history["distance"], cof * history["load"]),
+        energy=float(friction_energy(history["distance"], cof * history["load"])[-1]),
         distance=slid,
         load=load,
         cof_end=float(cof[-1]),
         pressures={name: load / float(history[f"area_{name}"][-1]) for name in ("nominal", "contact")},
     )
-    return work, f"the run {folder}, {'whole' if finished else 'interrupted'}"
+    worn = {body: float(history[f"wear_volume_{body}"][-1]) / work.energy for body in BODIES}
+    of_energy = [Row("worn volume", "wear_mm3_per_J", worn, unit="mm³/J", note="of friction energy")]
+    return work, f"the run {folder}, {'whole' if finished else 'interrupted'}", of_energy

@@ -2,26 +2,16 @@
 
 import math
 from collections import defaultdict
+from dataclasses import replace
 
 import numpy as np
 
 from warpwear.comparison.gather import Comparison
 from warpwear.comparison.groups import Group
-from warpwear.figures.describe import (
-    CONTACT,
-    COUNTER,
-    DASHES,
-    DISC,
-    MARKERS,
-    MEAN_PRESSURE,
-    Axis,
-    Chart,
-    Figure,
-    Line,
-    Look,
-)
+from warpwear.figures import describe
+from warpwear.figures.describe import Axis, Chart, Figure, Line, Look
 from warpwear.grid import FloatArray
-from warpwear.laws.elastic import Hertz, SpectralMoments, greenwood_williamson_area, persson_area
+from warpwear.laws.elastic import SpectralMoments, greenwood_williamson_area, persson_area
 from warpwear.results.ensemble import band
 from warpwear.study.study import Study
 from warpwear.study.surface import surface_in
@@ -33,7 +23,7 @@ LINES = 60
 #: Points in a surface's shortest wave; with more than two the mean squares of its slopes are exact.
 POINTS_PER_CUT_OFF = 2.5
 #: Colour of each series.
-COLOURS = (CONTACT, DISC, COUNTER, MEAN_PRESSURE)
+COLOURS = (describe.CONTACT, describe.DISC, describe.COUNTER, describe.MEAN_PRESSURE)
 
 
 def has_loads(comparison: Comparison) -> bool:
@@ -49,14 +39,15 @@ def area_load(comparison: Comparison) -> Figure:
     """
     loads, lines = loads_of(comparison), []
     for number, (name, (force, area, low, high)) in enumerate(series_of(comparison).items()):
-        look = Look(COLOURS[number % len(COLOURS)], marker=MARKERS[number % len(COLOURS)], size=4.0)
+        look = Look(COLOURS[number % len(COLOURS)], marker=describe.MARKERS[number % len(COLOURS)], size=4.0)
         lines.append(Line(force, area, name, look))
         ends = ((at, pair) for at, *pair in zip(force, low, high, strict=True) if pair[0] < pair[1])
         bar = Look(look.colour, width=0.9)
         lines += [Line(np.full(2, at), np.array(pair), look=bar) for at, pair in ends]
     values = np.concatenate([line.y for line in lines])
     low, high = np.nanmin(values) / MARGIN, np.nanmax(values) * MARGIN
-    for (name, theory), dash in zip(theories_of(comparison, loads).items(), DASHES[1:], strict=False):
+    theories = theories_of(comparison, loads)
+    for (name, theory), dash in zip(theories.items(), describe.DASHES[1:], strict=False):
         if np.any((1e3 * theory > low) & (1e3 * theory < high)):
             lines.append(Line(loads, 1e3 * theory, name, Look(dash=dash, width=0.9)))
     along = Axis("normal load, N", "log", low=loads[0], high=loads[-1])
@@ -110,14 +101,14 @@ def theories_of(comparison: Comparison, load: FloatArray) -> dict[str, FloatArra
     modulus, moments = first.effective_modulus, _moments(first)
     if modulus is None:
         return areas
-    if first.counter.curvature:
+    if first.hertz is not None:
         if moments is not None:
             # As long as erf(x) is 2x/√π it does not matter how the load is spread.
             slope = moments.rms_slope
             areas["Persson, light loads"] = np.sqrt(8.0 / np.pi) * load / (modulus * slope)
-        of_hertz = [Hertz(modulus, 1.0 / first.counter.curvature, float(force)).area for force in load]
+        of_hertz = [replace(first.hertz, load=float(force)).area for force in load]
         areas["Hertz, smooth bodies"] = np.array(of_hertz)
-    elif moments is not None:
+    elif moments is not None and first.counter.form.is_flat:
         nominal = first.cells.area
         pressure = load / nominal
         areas["Persson"] = nominal * persson_area(pressure, modulus=modulus, rms_slope=moments.rms_slope)

@@ -8,26 +8,9 @@ import numpy as np
 from warpwear.comparison.area_load import area_load, has_loads
 from warpwear.comparison.gather import Comparison
 from warpwear.comparison.groups import Course, Group, RunData
-from warpwear.figures import courses
+from warpwear.figures import courses, describe
 from warpwear.figures.courses import over_each_other
-from warpwear.figures.describe import (
-    ACROSS,
-    ALONG,
-    DISTANCE,
-    GREYS,
-    PAGE,
-    Axis,
-    Chart,
-    Figure,
-    Level,
-    Line,
-    Look,
-    Map,
-    Scale,
-    look_of_group,
-    look_of_measured,
-    values_of,
-)
+from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BY_NAME
 from warpwear.laws.archard import BODIES, CALLED
@@ -56,14 +39,14 @@ def cof(comparison: Comparison) -> Figure:
     for group, course in every:
         mean = course.line().y
         friction = group.runs[0].study.friction
-        if friction.shear_strength is None:
+        if friction.fitted in ("end", "initial"):
             end = slice(-1, None) if friction.calibrate == "end" else slice(1)
             mark = Look(course.look.colour, "", marker="o", size=4.0, hollow=True)
             inputs.append(Line(course.places[end], mean[end], look=mark))
         level = mean_of_last_tenth(course.places, mean)
         if mean.size > 1 and level > 0.0:
             relative.append(replace(course, label="", values=course.values / level))
-    number = sum(run.study.friction.fitted == "end" for run in comparison.runs)
+    number = sum(run.study.friction.ends_as_given for run in comparison.runs)
     note = "○: calibrated to this value" if inputs else ""
     if number:
         note = f"the end is an input of {number} of {len(comparison.runs)} runs"
@@ -79,7 +62,7 @@ def cof(comparison: Comparison) -> Figure:
         if experiment.final_cof > 0.0
     ]
     lines = [*beside, *(course.line() for course in relative)]
-    axes = Axis(DISTANCE, low=0.0), Axis("relative coefficient, –", low=0.0)
+    axes = Axis(describe.DISTANCE, low=0.0), Axis("relative coefficient, –", low=0.0)
     second = Chart("Relative coefficient of friction", *axes, lines, RELATIVE)
     return _figure(comparison, [replace(chart, lines=[*chart.lines, *inputs]), second])
 
@@ -113,7 +96,7 @@ def profiles(comparison: Comparison) -> Figure:
         lines = [_within(course.line(), reach) for _, course in _courses(comparison, _profile_of(body))]
         up = Axis("change of height by wear, µm", high=0.0)
         note = f"{CALLED[body]}, at the end"
-        across = Axis(ACROSS, low=-reach or None, high=reach or None)
+        across = Axis(describe.ACROSS, low=-reach or None, high=reach or None)
         charts.append(Chart(f"Wear of the {CALLED[body]}", across, up, lines, note))
     return _figure(comparison, _on_one_scale(charts))
 
@@ -142,11 +125,11 @@ def scar(comparison: Comparison) -> Figure:
             scale,
             [name],
             [f"mean {1e3 * float(values[inside].mean()):.3g} µm in the scar"],
-            x=ALONG,
+            x=describe.ALONG,
         )
         for name, (values, scale) in fields.items()
     ]
-    return Figure(maps, width=PAGE)
+    return Figure(maps, width=describe.PAGE)
 
 
 def groove(comparison: Comparison) -> Figure:
@@ -155,20 +138,20 @@ def groove(comparison: Comparison) -> Figure:
     assert beside is not None  # or it is not drawn
     y, depth = beside.y, 1e3 * beside.profile.depth
     error = np.full(y.shape, 1e3 * beside.profile.band)
-    grey, pale = Look(GREYS[0], width=1.0), Look(GREYS[1], "", alpha=0.4)
+    grey, pale = Look(describe.GREYS[0], width=1.0), Look(describe.GREYS[1], "", alpha=0.4)
     depths: list[Line | Level] = [
         Line(y, depth, look=pale, low=depth - error, high=depth + error),
         Line(y, depth, "measured ± standard error", grey),
     ]
     gaps: list[Line | Level] = [Line(y, 0.0 * y, look=pale, low=-error, high=error)]
-    gaps.append(Level(0.0, look=Look(GREYS[0], width=0.6)))
+    gaps.append(Level(0.0, look=Look(describe.GREYS[0], width=0.6)))
     for number, run in enumerate(beside.computed):
-        look, profile = look_of_group(number), 1e3 * run.profile
+        look, profile = describe.look_of_group(number), 1e3 * run.profile
         depths.append(Line(y, profile, in_legend(run.name), look))
         gaps.append(Line(y, depth - profile, look=look))
     charts = [
-        Chart("Mean profiles", Axis(ACROSS), Axis("mean depth lost, µm", inverted=True), depths),
-        Chart("Measured less computed", Axis(ACROSS), Axis("measured − computed, µm"), gaps),
+        Chart("Mean profiles", Axis(describe.ACROSS), Axis("mean depth lost, µm", inverted=True), depths),
+        Chart("Measured less computed", Axis(describe.ACROSS), Axis("measured − computed, µm"), gaps),
     ]
     return Figure(charts, legend=3)
 
@@ -216,7 +199,8 @@ def _courses(
     """Give the groups that have a course with its line, which is the same in every figure."""
     for index, group in enumerate(comparison.groups):
         if (course := group.courses(course_of)) is not None:
-            yield group, courses.Course(in_legend(group.name), look_of_group(index), *course, group.name)
+            look = describe.look_of_group(index)
+            yield group, courses.Course(in_legend(group.name), look, *course, group.name)
 
 
 def _course(comparison: Comparison, name: str) -> Chart:
@@ -234,7 +218,7 @@ def _figure(comparison: Comparison, charts: Sequence[Chart]) -> Figure:
 
 def _on_one_scale(charts: Sequence[Chart]) -> list[Chart]:
     """Give charts of two bodies one scale from zero, unless one would hardly be seen on the other's."""
-    every = [np.concatenate([np.zeros(1), *values_of(chart, "y")]) for chart in charts]
+    every = [np.concatenate([np.zeros(1), *describe.values_of(chart, "y")]) for chart in charts]
     ends = [float(np.nanmax(np.abs(values))) for values in every]
     if not max(ends) < UNLIKE * min(ends):
         return list(charts)
@@ -246,7 +230,7 @@ def _on_one_scale(charts: Sequence[Chart]) -> list[Chart]:
 
 
 def _looks_of_measured(comparison: Comparison) -> Iterable[tuple[Experiment, Look]]:
-    return ((experiment, look_of_measured(n)) for n, experiment in enumerate(comparison.experiments))
+    return ((experiment, describe.look_of_measured(n)) for n, experiment in enumerate(comparison.experiments))
 
 
 def measured_line(experiment: Experiment, look: Look, end: float = 1.0) -> Line:

@@ -4,7 +4,7 @@ import csv
 import json
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -180,6 +180,14 @@ def unlike(names: Sequence[str], taken: Sequence[str] = (), *, of: str = "") -> 
             name, count = f"{label} ({count})", count + 1
         seen.append(name)
         yield name
+
+
+def names_by_sentence(sentences: Iterable[tuple[RunData, str]]) -> dict[str, list[str]]:
+    """Map each sentence to the names of the runs that it is said of."""
+    names: dict[str, list[str]] = {}
+    for run, sentence in sentences:
+        names.setdefault(sentence, []).append(run.name)
+    return names
 
 
 def listed(names: Sequence[str], number: int) -> str:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 
-from warpwear.comparison.groups import MOST_NAMES, Group, RunData, listed
+from warpwear.comparison.groups import MOST_NAMES, Group, RunData, listed, names_by_sentence
 from warpwear.measured.course import check_coverage
 from warpwear.measured.experiment import Experiment
 from warpwear.study.keys import declarations, inapplicable, value_of
@@ -22,7 +22,7 @@ def _of_patches(value_of: Callable[[Study], float | str]) -> Callable[[Study], f
 #: What makes two runs unlike tests -> unit and value; None where a run has no such thing.
 CONDITIONS: dict[str, tuple[str, Callable[[Study], float | str | None]]] = {
     "model": ("", lambda s: s.study.model),
-    "kinematics": ("", lambda s: s.sliding.kinematics),
+    "kinematics": ("", lambda s: s.kinematics),
     "contact.law": ("", lambda s: s.contact.law),
     "patches.macro_cell": ("µm", _of_patches(lambda s: 1.0e3 * s.patches.macro_cell)),
     "patches.width": ("µm", _of_patches(lambda s: 1.0e3 * s.patches.patch_width)),
@@ -35,7 +35,7 @@ CONDITIONS: dict[str, tuple[str, Callable[[Study], float | str | None]]] = {
     "sliding distance": ("mm", lambda s: s.sliding.total),
     "wear coefficient of the counter-body": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[0]),
     "wear coefficient of the disc": ("mm³/(N·m)", lambda s: 1.0e3 * s.wear_coefficients[1]),
-    "counter-body's curvature": ("1/mm", lambda s: s.counter.curvature),
+    "counter-body's curvature": ("1/mm", lambda s: max(s.counter.form.along, s.counter.form.across)),
 }
 #: Sections whose keys make runs unlike too, and those of them that stand above.
 LAWS, ABOVE = ("wear.", "friction."), ("wear.counter", "wear.disc")
@@ -61,11 +61,12 @@ def notes_of(
     yield from _differences(groups)
     yield from _of_runs([(run, INTERRUPTED) for run in runs if not run.summary["finished"]], runs)
     yield from _of_runs([(run, text) for run in runs for text in run.summary["warnings"]], runs)
-    if inputs := [r.name for r in runs if r.study.friction.fitted == "end" and r.cof is not None]:
-        yield (
-            f"The CoF at the end of {listed(inputs, len(runs))} is an input (friction.calibrate = 'end'), "
-            "not a result: compare the shear strengths, or run all with one friction.shear_strength."
-        )
+    for way, key in (("end", "calibrate = 'end'"), ("coulomb", "law = 'coulomb'")):
+        if inputs := [r.name for r in runs if r.study.friction.fitted == way and r.cof is not None]:
+            yield (
+                f"The CoF at the end of {listed(inputs, len(runs))} is an input (friction.{key}), "
+                "not a result: compare the shear strengths, or run all with one friction.shear_strength."
+            )
     yield from _of_runs([(run, NO_COF) for run in runs if run.cof is None], runs)
     missing = [(run, NO_FIELD if run.study.samples_area else NO_SNAPSHOT) for run in runs if not run.wear]
     yield from _of_runs(missing, runs)
@@ -75,9 +76,7 @@ def notes_of(
 
 def _of_runs(sentences: Sequence[tuple[RunData, str]], runs: Sequence[RunData]) -> Iterator[str]:
     """Make one note of all runs that have the same sentence."""
-    names: dict[str, list[str]] = {}
-    for run, sentence in sentences:
-        names.setdefault(sentence, []).append(run.name)
+    names = names_by_sentence(sentences)
     return (f"{listed(of, len(runs))}: {sentence}" for sentence, of in names.items())
 
 

@@ -3,7 +3,7 @@
 import math
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -13,12 +13,13 @@ import numpy as np
 
 from warpwear.comparison.figures import figures_of
 from warpwear.comparison.gather import Comparison
-from warpwear.comparison.groups import RunData, differing, listed
+from warpwear.comparison.groups import RunData, differing, listed, names_by_sentence
 from warpwear.comparison.scar import answers_of
 from warpwear.comparison.table import BANDS, PASSES, columns, has_bands
 from warpwear.figures.describe import Section
+from warpwear.figures.wording import counted
 from warpwear.history.end_values import ENDS, Value
-from warpwear.page.html import page_of
+from warpwear.page.html import page_of, under_headings
 from warpwear.page.limits import limits_of
 from warpwear.results import manifest
 from warpwear.results.report import shown
@@ -34,33 +35,14 @@ ANSWERS = (
 BESIDE, LISTED = 4, 4
 #: Letters of a value that stand in a cell.
 LONGEST = 60
-#: Sections of the page: heading, anchor, figures and what is said of them.
+PROFILES = "Mean of the middle eighth of the scar, at the end; of a track the mean section of its groove."
+GROOVE = "Measured with its standard error, from what such a mean finds on unworn surface."
+#: Sections of the page: heading, anchor, figures and what is said of them; courses are all other figures.
 SECTIONS = (
-    (
-        "Courses",
-        "courses",
-        ("cof", "area", "pressure", "volumes"),
-        "Move over a chart to read its values.",
-    ),
-    (
-        "What wear has left",
-        "profiles",
-        ("profiles",),
-        "Mean of the middle eighth of the scar, at the end; of a track the mean section of its groove.",
-    ),
+    ("What wear has left", "profiles", ("profiles",), PROFILES),
     ("Area against load", "loads", ("area_load",), ""),
-    (
-        "The scar, measured and computed",
-        "scar",
-        ("scar",),
-        "Both depths on one scale.",
-    ),
-    (
-        "Mean profiles of the scar",
-        "groove",
-        ("groove",),
-        "Measured with its standard error, from what such a mean finds on unworn surface.",
-    ),
+    ("The scar, measured and computed", "scar", ("scar",), "Both depths on one scale."),
+    ("Mean profiles of the scar", "groove", ("groove",), GROOVE),
 )
 #: Relative differences below this are round-off.
 ALIKE = 5e-4
@@ -69,11 +51,9 @@ ALIKE = 5e-4
 def page(comparison: Comparison, pictures: Mapping[str, bytes], folder: Path) -> bytes:
     """Make the page. pictures: name of a figure -> PNG file; folder: where the page will lie, for links."""
     runs, measured = len(comparison.runs), len(comparison.experiments)
-    several = len(comparison.groups) < runs
-    counts = [f"{runs} run{'s' * (runs != 1)}" + f" in {len(comparison.groups)} groups" * several] * (
-        runs > 0
-    )
-    counts += [f"{measured} measured course{'s' * (measured != 1)}"] * (measured > 0)
+    groups = f" in {len(comparison.groups)} groups" * (len(comparison.groups) < runs)
+    counts = [counted(runs, "run") + groups] * (runs > 0)
+    counts += [counted(measured, "measured course")] * (measured > 0)
     content = {
         "name": "Comparison",
         "version": __version__,
@@ -87,7 +67,7 @@ def page(comparison: Comparison, pictures: Mapping[str, bytes], folder: Path) ->
         + [PASSES] * any(r.study.is_swept for r in comparison.runs),
         "limits": _limits(comparison.runs),
         "runs": [_link(run, folder) for run in comparison.runs],
-        "sections": list(_sections(comparison)),
+        "sections": _sections(comparison),
     }
     return page_of("compare.html", content, pictures)
 
@@ -123,7 +103,7 @@ def _answers(comparison: Comparison) -> dict[str, Any]:
     """Return head and rows of the table of answers: value, scatter and difference to the first of each."""
     table, scatter = columns(comparison), columns(comparison, scatter=True)
     known = [key for key in ANSWERS if any(isinstance(row[key], int | float) for row in table.values())]
-    inputs = {g.name for g in comparison.groups if any(r.study.friction.fitted == "end" for r in g.runs)}
+    inputs = {g.name for g in comparison.groups if any(r.study.friction.ends_as_given for r in g.runs)}
     rows: list[list[Any]] = []
     firsts: dict[str, Value] = {}
     for name, values in table.items():
@@ -159,10 +139,7 @@ def _than(value: float, first: Value) -> str:
 
 def _limits(runs: Sequence[RunData]) -> list[str]:
     """List what the models cannot show, with the names of the runs that it holds for where not for all."""
-    names: dict[str, list[str]] = {}
-    for run in runs:
-        for sentence in limits_of(run.study):
-            names.setdefault(sentence, []).append(run.name)
+    names = names_by_sentence([(run, sentence) for run in runs for sentence in limits_of(run.study)])
     return [s if len(of) == len(runs) else f"{listed(of, len(runs))}: {s}" for s, of in names.items()]
 
 
@@ -173,11 +150,10 @@ def _link(run: RunData, folder: Path) -> tuple[str, str, str]:
     return run.name, str(run.folder), quote(os.path.relpath(path.resolve(), folder.resolve()))
 
 
-def _sections(comparison: Comparison) -> Iterator[Section]:
+def _sections(comparison: Comparison) -> list[Section]:
     """Lay the figures under headings."""
-    every = figures_of(comparison)
-    one = len(comparison.groups) + len(comparison.experiments) > 1
-    for title, id_, names, text in SECTIONS:
-        if figures := {name: every[name] for name in names if name in every}:
-            legend = one and id_ in ("courses", "profiles")
-            yield Section(title, figures, id_, text, one_legend=legend)
+    every, elsewhere = figures_of(comparison), {name for _, _, names, _ in SECTIONS for name in names}
+    courses = [name for name in every if name not in elsewhere]
+    layout = [("Courses", "courses", courses, "Move over a chart to read its values."), *SECTIONS]
+    several = len(comparison.groups) + len(comparison.experiments) > 1
+    return under_headings(every, layout, one_legend=("courses", "profiles") if several else ())

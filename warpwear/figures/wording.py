@@ -19,6 +19,11 @@ def after(distance: float) -> str:
     return f"after {distance:.4g} mm" if distance else "static contact"
 
 
+def counted(number: int, what: str) -> str:
+    """Count things: 1 run, 2 runs."""
+    return f"{number} {what}{'s' * (number != 1)}"
+
+
 def short(value: float) -> str:
     """Write a number as people do: 0.001, 20, 20 000, 10⁻⁵, 2·10⁶."""
     if THOUSANDS <= abs(value) < 1e5 and value == round(value):

@@ -133,6 +133,7 @@ LOOKS: dict[str, dict[str, Any]] = {
     **_of_bodies("wear_volume", "worn volume", factor=1.0e3, shown_unit="10⁻³ mm³"),
     **_of_bodies("wear_depth", "deepest wear", family="depth of the deepest cell", **_MICRONS),
     "cof": _look("coefficient of friction"),
+    "friction_energy": _look("energy dissipated by friction"),
     "bare_fraction": _look("bare fraction of the area in contact", "DISC"),
     "diameter": _look("diameter as cut", **_MICRONS),
 }
@@ -162,6 +163,7 @@ _DECLARED: dict[tuple[Per, str | None], dict[str, str]] = {
         "wear_depth_counter [mm]": "deepest wear of a cell of the counter-body",
         "wear_depth_disc [mm]": "deepest wear of a cell of the disc",
         "cof [1]": "coefficient of friction; NaN until its shear strength is calibrated",
+        "friction_energy [J]": "dissipated by friction since the start, ∫ μ F dL; NaN as long as cof is",
         "cells_in_contact [1]": "number of cells with pressure",
         "archard_volume_counter [mm^3]": "K F ΔL summed: what Archard's law asks of the counter-body",
         "archard_volume_disc [mm^3]": "what Archard's law asks of the disc, with its distance factor",
@@ -245,7 +247,7 @@ _DECLARED: dict[tuple[Per, str | None], dict[str, str]] = {
     },
 }
 #: Columns that follow from the whole history at the end of a run.
-UNBOOKED = ("cof",)
+UNBOOKED = ("cof", "friction_energy")
 
 
 def _quantities() -> Iterator[Quantity]:

@@ -61,8 +61,10 @@ class Ledger:
         self._track_fraction = track_fraction
         # Beyond the ball's rim there is nothing to touch: a contact as wide as the ball is cut off.
         widths = (grid.x + 1.5 * grid.cell, grid.y + 1.5 * grid.cell)
-        rows, columns = (int(np.count_nonzero(width * task.curvature >= 1.0)) for width in widths)
-        self._edge, self._rim = self._inside(margin, margin), self._inside(rows, columns)
+        rows, columns = (int(np.count_nonzero(width * task.form.curvature >= 1.0)) for width in widths)
+        # A body that does not rise towards an edge ends there, and is to touch as far.
+        margins = (margin if rises else -1 for rises in task.form.rises)
+        self._edge, self._rim = self._inside(*margins), self._inside(rows, columns)
         #: By `EXTENTS`, as far as what is touched is neither at the edge nor at the rim.
         self.within = tuple(map(min, self._edge, self._rim))
         self.most = dict.fromkeys(MAXIMA, -math.inf)

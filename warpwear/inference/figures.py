@@ -5,25 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from warpwear.figures.describe import (
-    COLUMN,
-    CONTACT,
-    DISTANCE,
-    GREYS,
-    HARDNESS,
-    PAGE,
-    ROW,
-    TOUCHED,
-    Axis,
-    Chart,
-    Cloud,
-    Empty,
-    Figure,
-    Line,
-    Look,
-    Panel,
-    look_of_measured,
-)
+from warpwear.figures import describe
+from warpwear.figures.describe import Axis, Chart, Cloud, Empty, Figure, Line, Look, Panel
 from warpwear.figures.wording import power_of_ten
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BY_NAME
@@ -62,7 +45,7 @@ def corner(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray]) -> Fig
         up = Axis(labels[row] if first else "", low=low, high=high, ticks=3, numbered=first)
         panels.append(Chart("", across, up, [_pair(columns[column], columns[row])]))
     size = count * SIDE + ROOM
-    return Figure(panels, count, width=max(size, COLUMN), height=max(size, ROW) / count)
+    return Figure(panels, count, width=max(size, describe.COLUMN), height=max(size, describe.ROW) / count)
 
 
 def course(predicted: tuple[FloatArray, FloatArray, FloatArray], data: Data) -> Figure:
@@ -71,23 +54,24 @@ def course(predicted: tuple[FloatArray, FloatArray, FloatArray], data: Data) -> 
     lines: list[Line] = []
     if np.any(most - least > (high - low) * (1.0 + 1e-9)):
         label = "90 % of points of another test"
-        lines.append(Line(distance, mean, label, Look(CONTACT, "", alpha=0.15), least, most))
+        lines.append(Line(distance, mean, label, Look(describe.CONTACT, "", alpha=0.15), least, most))
     lines += [
-        Line(distance, mean, "90 % of what is computed", Look(CONTACT, "", alpha=0.4), low, high),
-        Line(distance, mean, "mean of what is computed", Look(CONTACT)),
+        Line(distance, mean, "90 % of what is computed", Look(describe.CONTACT, "", alpha=0.4), low, high),
+        Line(distance, mean, "mean of what is computed", Look(describe.CONTACT)),
     ]
     for place, measured in enumerate(data.courses):
-        look = replace(look_of_measured(place), dash="")
+        look = replace(describe.look_of_measured(place), dash="")
         lines.append(Line(measured.distance, measured.cof, in_legend(measured.name), look))
     for number, point in enumerate(data.points):
         at, label = np.full(1, point.at or 0.0), "" if number else "measured ± u"
         ends = np.array([point.value - point.error, point.value + point.error])
-        lines.append(Line(np.repeat(at, 2), ends, look=Look(GREYS[0], width=1.0)))
-        lines.append(Line(at, np.full(1, point.value), label, Look(GREYS[0], "", marker="o", size=4.0)))
+        lines.append(Line(np.repeat(at, 2), ends, look=Look(describe.GREYS[0], width=1.0)))
+        dot = Look(describe.GREYS[0], "", marker="o", size=4.0)
+        lines.append(Line(at, np.full(1, point.value), label, dot))
     end = float(distance[-1]) * 1.02
     up = Axis(BY_NAME["cof"].axis, low=0.0)
-    chart = Chart("Coefficient of friction", Axis(DISTANCE, low=0.0, high=end), up, lines)
-    return Figure([chart], legend=2, width=0.72 * PAGE, height=3.4)
+    chart = Chart("Coefficient of friction", Axis(describe.DISTANCE, low=0.0, high=end), up, lines)
+    return Figure([chart], legend=2, width=0.72 * describe.PAGE, height=3.4)
 
 
 def _power(column: FloatArray) -> int:
@@ -121,8 +105,8 @@ def _alone(unknown: Unknown, column: FloatArray, factor: float) -> list[Line]:
         prior = np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi) / np.gradient(at, z)
     places, heights = np.repeat(edges, 2)[1:-1], np.repeat(density, 2)
     return [
-        Line(places, heights, look=Look(TOUCHED, ""), low=0.0 * heights, high=heights),
-        Line(at, prior, look=Look(HARDNESS, "dash", 0.8)),
+        Line(places, heights, look=Look(describe.TOUCHED, ""), low=0.0 * heights, high=heights),
+        Line(at, prior, look=Look(describe.HARDNESS, "dash", 0.8)),
     ]
 
 
@@ -134,7 +118,7 @@ def _pair(across: FloatArray, up: FloatArray) -> Cloud:
     part = np.cumsum(order) / order.sum()
     levels = sorted({float(order[min(int(np.searchsorted(part, p)), order.size - 1)]) for p in ENCLOSED})
     x, y = (0.5 * (edges[1:] + edges[:-1]) for edges in (xs, ys))
-    colours = ("#cfe6f5", TOUCHED)[-len(levels) :]
+    colours = ("#cfe6f5", describe.TOUCHED)[-len(levels) :]
     return Cloud(x, y, smooth, tuple(levels), colours)
 
 

@@ -106,7 +106,7 @@ def infer_from(
             return Model(other, tuple(unknowns), of_other, frozenset(data.kinds))
 
         def with_model(candidate: Candidate) -> Candidate:
-            part = base.runs.part if study.wear.law == "archard" else 1.0
+            part = base.runs.part if study.wear.law in ("archard", "energy") else 1.0
             other = wide_enough(study, candidate.changes, unknowns, part, folder, device)
             if other == study:
                 return candidate
@@ -182,7 +182,7 @@ def _check_unknowns(study: Study, unknowns: Sequence[Unknown], data: Data) -> No
     """Raise InputError for unknowns that the study does not use, or that nothing follows from."""
     unused = inapplicable(study)
     for unknown in unknowns:
-        if unknown.key.removeprefix("friction.") in FITTED:
+        if unknown.key.removeprefix("friction.") in FITTED and study.friction.law != "coulomb":
             raise InputError(
                 f"{unknown.key} cannot be an unknown: it is measured, and says what friction.shear_strength "
                 "is; allowed is that one, with the coefficient as a measured value (--cof)"
@@ -195,7 +195,7 @@ def _check_unknowns(study: Study, unknowns: Sequence[Unknown], data: Data) -> No
     medians = {unknown.key: float(unknown.values(np.zeros(1))[0]) for unknown in unknowns}
     study.replace({u.key: u.text(medians[u.key]) for u in unknowns if u.key.startswith("friction.")})
     law = study.friction.law_with(medians)
-    if data.distance.size and law.values[STRENGTH] is None:
+    if data.distance.size and STRENGTH in law.strengths and law.values[STRENGTH] is None:
         raise InputError(
             "friction.shear_strength is neither given nor unknown: the study calibrates it to "
             "friction.coefficient; give it as an unknown with a prior, such as "

@@ -60,10 +60,10 @@ class Model:
     _values: dict[str, tuple[FloatArray, Emulator]] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
-        law, runs = self.study.friction.law, self.runs
+        law, runs = self.study.friction.law_with(), self.runs
         distance, area, scatter = runs.smooth(f"area_{law.area}")
         columns = {f"area_{law.area}": area}
-        whole = len(law.strengths) == 1
+        whole = len(law.strengths) <= 1
         if not whole:
             columns["bare_fraction"] = runs.course("bare_fraction")[1]
         for key, sheared in law.sheared(columns).items():
@@ -87,12 +87,13 @@ class Model:
     @property
     def error(self) -> float:
         """Largest error of the emulators between runs, as a part of what they give; 0 without one."""
-        return max(emulator.error for _, emulator in (self._strengths | self._values).values())
+        return max((emulator.error for _, emulator in (self._strengths | self._values).values()), default=0.0)
 
     @property
     def scatter(self) -> float:
         """Largest scatter of areas about what is computed, as a part of them."""
-        return max(float(emulator.scatter.max()) for _, emulator in self._strengths.values())
+        scatters = (float(emulator.scatter.max()) for _, emulator in self._strengths.values())
+        return max(scatters, default=0.0)
 
     def friction(self, values: Values, distance: FloatArray) -> Friction:
         """Return the terms of the coefficient of friction at distances [mm], (points,).
@@ -104,8 +105,8 @@ class Model:
         worn = self._worn(values, distance[None])
         areas = {key: self._looked_up(*course, values, worn) for key, course in self._strengths.items()}
         area = np.sum([area for area, _, _ in areas.values()], axis=0)
-        history = columns_for(law, load, distance[None], area)
-        terms = {"friction.ploughing": np.ones((count, distance.size))}
+        history = columns_for(law, load, distance[None], area) if areas else {}
+        terms = {f"friction.{law.constant}": np.ones((count, distance.size))}
         errors = [np.zeros((count, 0, distance.size))]
         square = np.zeros((count, distance.size))
         for key, (area, apart, scatter) in areas.items():
@@ -147,12 +148,12 @@ class Model:
         if not self.runs.scaled:
             return np.ones(_count(values), dtype=bool)
         end = np.full((_count(values), 1), self.study.sliding.total)
-        last = next(iter(self._strengths.values()))[0][-1]
+        last = min((places[-1] for places, _ in (self._strengths | self._values).values()), default=math.inf)
         return np.asarray(self._worn(values, end)[:, 0] <= last * (1.0 + 1e-9))
 
     def number(self, values: Values, key: str) -> FloatArray:
         """Return the values of a key of friction, unknown or as the study has it, (samples,); or NaN."""
-        own = self.study.friction.law.values[key.removeprefix("friction.")]
+        own = self.study.friction.law_with().values[key.removeprefix("friction.")]
         return values.get(key, np.full(_count(values), math.nan if own is None else own))
 
     def _friction_law(self, values: Values) -> FrictionLaw:
@@ -161,7 +162,8 @@ class Model:
 
     def _wear_laws(self, values: Values) -> tuple[WearLaw, WearLaw]:
         """Return the laws of wear, whose numbers that are unknown have the shape (samples, 1)."""
-        return self.study.wear.laws(self.study.wear_hardness, _columns(values))
+        study = self.study
+        return study.wear.laws(study.wear_hardness, study.friction.coefficient, _columns(values))
 
     def _course(
         self, distance: FloatArray, courses: FloatArray, name: str, scatter: FloatArray | float = 0.0

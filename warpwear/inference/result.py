@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from warpwear.errors import InputError
 from warpwear.figures.paint import paint
+from warpwear.figures.wording import counted
 from warpwear.grid import FloatArray
 from warpwear.inference import figures
 from warpwear.inference.data import SHOWN
@@ -173,7 +174,7 @@ class Inference:
     def how(self) -> str:
         """Where the numbers come from, in two sentences."""
         runs, samples = self.posterior.model.runs, self.samples
-        count = f"{len(runs.rows)} run{'s' * (len(runs.rows) > 1)}"
+        count = counted(len(runs.rows), "run")
         source = f"{count} of the study."
         if runs.scaled:
             source = f"{count}, scaled: area and scar follow from (K_s + K_d) L."
@@ -239,7 +240,7 @@ class Inference:
             for row in self.computed()
         ]
         tests = [
-            [test.label, _count_tests(test.repeats), f"± {100 * test.expected:.2g} %"] for test in self.tests
+            [one.label, counted(one.repeats, "test"), f"± {100 * one.expected:.2g} %"] for one in self.tests
         ]
         now = f"{100 * self.tests[0].now:.2g}" if tests else ""
         last = {f"next tests for {self.target}, now ± {now} %": tests}
@@ -287,7 +288,3 @@ def _wider(unknown: Unknown, end: str) -> str:
         low, high = first - (second - first), second + (second - first)
     ends = (max(low, unknown.least), second) if end == "lower" else (first, min(high, unknown.most))
     return f"{unknown.prior.kind} {ends[0]:.4g} .. {ends[1]:.4g} {unknown.unit}".rstrip()
-
-
-def _count_tests(number: int) -> str:
-    return "1 test" if number == 1 else f"{number} tests"

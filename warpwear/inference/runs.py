@@ -14,7 +14,7 @@ from warpwear.grid import FloatArray
 from warpwear.inference.unknowns import Unknown
 from warpwear.laws import archard
 from warpwear.laws.archard import BODIES
-from warpwear.laws.friction import NUMBERS
+from warpwear.laws.friction import COEFFICIENT, NUMBERS
 from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
 from warpwear.results.summary import course
@@ -110,10 +110,17 @@ def scales(study: Study) -> bool:
     )
 
 
+def wears_by(study: Study, key: str) -> bool:
+    """Tell whether an unknown is a number of the study's wear law."""
+    return key in WEAR or (key == f"friction.{COEFFICIENT}" and study.wear.law == "energy")
+
+
 def needs_runs(study: Study, key: str, *, scaled: bool) -> bool:
     """Tell whether an unknown changes the contact, so that other values need other runs."""
-    if key in WEAR:
+    if wears_by(study, key):
         return not scaled
+    if key == f"friction.{COEFFICIENT}":
+        return False
     if key in FRICTION:
         return study.friction.junction_growth > 0.0 and key.endswith("shear_strength")
     return True
@@ -255,12 +262,13 @@ def _wearing(study: Study, unknowns: Sequence[Unknown], part: float) -> Study:
 
     It wears by Archard's constant law: the others only change how soon it gets as far.
     """
-    wear = [unknown for unknown in unknowns if unknown.key in WEAR]
+    wear = [unknown for unknown in unknowns if wears_by(study, unknown.key)]
     if not wear and study.wear.law == "archard":
         return study
     ends = [unknown.values(np.array([-REACH, REACH])) for unknown in wear]
     corners = [dict(zip((u.key for u in wear), corner, strict=True)) for corner in itertools.product(*ends)]
-    laws = [study.wear_laws, *(study.wear.laws(study.wear_hardness, corner) for corner in corners)]
+    numbers = study.wear_hardness, study.friction.coefficient
+    laws = [study.wear_laws, *(study.wear.laws(*numbers, corner) for corner in corners)]
     fastest = [float(max(pair[body].fastest for pair in laws)) for body in range(len(BODIES))]
     counter, disc = (f"{1e3 * part * k!r} mm^3/N/m" for k in fastest)
     return study.replace({"wear.law": "archard", "wear.counter": counter, "wear.disc": disc})

@@ -18,7 +18,7 @@ from warpwear.inference.data import Data
 from warpwear.study.contact import ArchardCoefficient, value_in
 from warpwear.study.keys import key_of, no_such_key
 from warpwear.study.study import Study
-from warpwear.study.units import Number, Quantity, Range, parse
+from warpwear.study.units import EXAMPLES, Number, Quantity, Range, parse
 from warpwear.sweeps.distributions import Distribution, distribution
 
 special = lazy.module("scipy.special")
@@ -161,7 +161,7 @@ def _unknown(study: Study, key: str, text: str | None) -> Unknown:
     wear = ArchardCoefficient in [getattr(part, "__origin__", part) for part in kinds]
     if kind is None and not wear:
         raise InputError(f"'{key}' cannot be an unknown: it is no number")
-    unit = ArchardCoefficient.unit if wear else getattr(kind, "unit", "")
+    unit = study.wear.unit if wear else getattr(kind, "unit", "")
     allowed = Range(or_equal=True) if kind is None else kind.range
     prior = _about(key, _value(study, key), unit) if text is None else _in_unit(_read(text, key), unit, key)
     return _within_allowed(Unknown(key, prior, unit, allowed.least, allowed.most, assumed=text is None))
@@ -212,6 +212,9 @@ def _in_unit(prior: Distribution, unit: str, key: str) -> Distribution:
     if not prior.unit:
         raise InputError(f"the prior of '{key}' needs its unit, such as {unit}")
     try:
+        wears = unit in (ArchardCoefficient.unit, energy := ArchardCoefficient.of_energy)
+        if wears and ArchardCoefficient.read(f"1 {prior.unit}").per_energy != (unit == energy):
+            raise ValueError(f"does not go with the study's wear.law: {EXAMPLES[unit]} is expected")
         factor = parse(f"1 {prior.unit}", unit)
     except ValueError as error:
         raise InputError(f"the prior of '{key}' has the unit {prior.unit}: it {error}") from None

@@ -121,8 +121,17 @@ class BearingCurveLaw(WearLaw):
     sentence = "constant, in the share of each cell that bears by the disc's bearing area curve"
 
 
+@dataclass(frozen=True)
+class EnergyLaw(WearLaw):
+    """Wear is in proportion to the energy that friction dissipates: V = α ∫ τ ds, with τ = μ p K is α μ."""
+
+    name = "energy"
+    formula = r"\alpha_\mathrm{E} \mu"
+    sentence = "worn volume in proportion to the energy that friction dissipates"
+
+
 #: Value of `wear.law` -> law.
-WEAR_LAWS = {law.name: law for law in (WearLaw, ExponentialLaw, RunningInLaw, BearingCurveLaw)}
+WEAR_LAWS = {law.name: law for law in (WearLaw, ExponentialLaw, RunningInLaw, BearingCurveLaw, EnergyLaw)}
 #: Keys of [wear] that are numbers of a law, and those of them that are a K.
 KEYS = {key.format(body=body) for law in WEAR_LAWS.values() for key in law.keys.values() for body in BODIES}
 COEFFICIENTS = {key for key in KEYS if key.endswith(BODIES)}

@@ -27,43 +27,115 @@ def effective_modulus(first: tuple[float, float], second: tuple[float, float]) -
 
 @dataclass(frozen=True)
 class Hertz:
-    """A smooth elastic counter-body is pressed on a flat (Johnson, Contact Mechanics, 1985, section 4.2)."""
+    """A smooth elastic counter-body is pressed on a flat (Johnson, Contact Mechanics, 1985, section 4.2).
+
+    A ball by default; with another radius across sliding the contact is an ellipse. One radius may be
+    infinite: that is a cylinder, pressed over its length, whose approach has no absolute zero (NaN).
+    """
 
     modulus: float  # E* [MPa]
-    counter_radius: float  # R [mm]
+    counter_radius: float  # R [mm] of the section along sliding
     load: float  # F [N]
+    radius_across: float | None = None  # of the section across sliding [mm]; None: of a ball
+    length: float = math.inf  # of a cylinder [mm]
+
+    @property
+    def semi_axes(self) -> tuple[float, float]:
+        """Return the half widths of the contact [mm] along sliding and across it; of a line one is its own.
+
+        A ball has a³ = 3 F R/(4 E*), a line a² = 4 F R/(π E* l), an ellipse elliptic integrals: here those of
+        Carlson, K − E = e² R_D(0, 1−e², 1)/3 and E/(1−e²) − K = e² R_D(0, 1, 1−e²)/3, which do not cancel.
+        """
+        along, across = self.counter_radius, self.radius_across
+        if across is None or along == across:
+            a = float((0.75 * self.load * along / self.modulus) ** (1.0 / 3.0))
+            return a, a
+        least, most = sorted((along, across))
+        if math.isinf(most):
+            a = math.sqrt(4.0 * self.load * least / (math.pi * self.modulus * self.length))
+            return (a, 0.5 * self.length) if along < across else (0.5 * self.length, a)
+        ratio = self._ratio(most / least)
+        integrals = special.elliprd(0.0, 1.0, ratio**2) * special.elliprd(0.0, ratio**2, 1.0)
+        one = self.load * math.sqrt(least * most) / (math.pi * self.modulus)
+        mean = float(one * ratio**1.5 * math.sqrt(integrals)) ** (1.0 / 3.0)
+        axes = mean * math.sqrt(ratio), mean / math.sqrt(ratio)
+        return axes if along < across else axes[::-1]
+
+    @staticmethod
+    def _ratio(of_radii: float) -> float:
+        """Find the ellipse's lesser over its greater axis. of_radii: the greater radius over the lesser."""
+
+        def excess(log: float) -> float:
+            squared = math.exp(2.0 * log)
+            ratio = special.elliprd(0.0, 1.0, squared) / special.elliprd(0.0, squared, 1.0)
+            return float(math.log(ratio / of_radii))
+
+        return math.exp(optimize.brentq(excess, -math.log(of_radii) - 1.0, 0.0, xtol=1e-14))
+
+    @property
+    def is_line(self) -> bool:
+        """Tell whether the contact is a line's, of a cylinder."""
+        return math.isinf(max(self.counter_radius, self.radius_across or 0.0))
 
     @property
     def radius(self) -> float:
-        """Return the radius a of the contact [mm]: a³ = 3 F R / (4 E*)."""
-        return float((0.75 * self.load * self.counter_radius / self.modulus) ** (1.0 / 3.0))
+        """Return the radius of the contact [mm], of an ellipse √(a b); of a line its half width."""
+        along, across = self.semi_axes
+        if self.is_line:
+            return across if math.isinf(self.counter_radius) else along
+        return along if along == across else math.sqrt(along * across)
 
     @property
     def area(self) -> float:
-        """Return the area of the contact [mm²]: π a²."""
-        return math.pi * self.radius**2
+        """Return the area of the contact [mm²]: π a², of a line 2 a times its length."""
+        return 2.0 * self.radius * self.length if self.is_line else math.pi * self.radius**2
 
     @property
     def peak_pressure(self) -> float:
-        """Return the pressure in the middle [MPa], 3/2 of the mean."""
-        return 1.5 * self.load / self.area
+        """Return the pressure in the middle [MPa]: 3/2 of the mean, of a line 4/π of it."""
+        return (4.0 / math.pi if self.is_line else 1.5) * self.load / self.area
 
     @property
     def approach(self) -> float:
-        """Tell how far the bodies approach each other [mm]: a²/R."""
-        return self.radius**2 / self.counter_radius
+        """Tell how far the bodies approach each other [mm]: a²/R, of an ellipse p₀ b K(e)/E*."""
+        least, most = sorted(self.semi_axes)
+        if self.is_line:
+            return math.nan
+        if least == most:
+            return least**2 / self.counter_radius
+        integral = special.elliprf(0.0, (least / most) ** 2, 1.0)  # K(e)
+        return float(self.peak_pressure * least * integral / self.modulus)
 
     def pressure(self, r: FloatArray) -> FloatArray:
-        """Return the pressure [MPa] at distances r from the middle [mm], an array of any shape."""
-        inside = np.maximum(0.0, 1.0 - np.square(r / self.radius))
+        """Return the pressure [MPa] at distances r along sliding from the middle [mm], of any shape."""
+        inside = np.maximum(0.0, 1.0 - np.square(r / self.semi_axes[0]))
+        if math.isinf(self.counter_radius):
+            inside = (np.abs(r) <= self.semi_axes[0]).astype(np.float64)
         return np.asarray(self.peak_pressure * np.sqrt(inside))
 
     def foundation(self, match: str, *, radius: float | None = None) -> float:
-        """Return K_N = C_W E*/a [N/mm³] (thesis eq 2.7).
+        """Return K_N = C_W E*/a [N/mm³] (thesis eq 2.7); of an ellipse and a line what gives the same value.
 
         match: which of Hertz's values K_N reproduces, a key of `MATCHES`. radius: a [mm], Hertz's by default.
+        A foundation of stiffness K bears F = π K δ² √(R R') under an ellipse, of the area 2π δ √(R R').
+        Raises ValueError for the approach of a line, which has none.
         """
-        return MATCHES[match] * self.modulus / (radius or self.radius)
+        if self.radius_across in (None, self.counter_radius):
+            return MATCHES[match] * self.modulus / (radius or self.radius)
+        return self._foundation(match) * (self.radius / radius if radius else 1.0)
+
+    def _foundation(self, match: str) -> float:
+        """Return K_N of an ellipse or a line."""
+        if self.is_line:
+            factor = {"area": 3.0 * math.pi / 8.0, "pressure": 64.0 / (9.0 * math.pi**2)}.get(match)
+            if factor is None:
+                raise ValueError("the approach of a line contact has no absolute zero")
+            return factor * self.modulus / self.radius
+        mean = math.sqrt(self.counter_radius * (self.radius_across or 0.0))
+        depth = {"area": self.radius**2 / (2.0 * mean), "approach": self.approach}.get(match)
+        if depth is None:
+            return math.pi * mean * self.peak_pressure**2 / self.load
+        return self.load / (math.pi * mean * depth**2)
 
 
 #: Separations, in standard deviations of the summits, between which Greenwood and Williamson's is looked for.

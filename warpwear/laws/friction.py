@@ -1,14 +1,14 @@
-"""A coefficient of friction follows from an area: junctions shear, with an offset for ploughing.
+"""A coefficient of friction follows from an area: junctions shear, with an offset for ploughing; or is μ.
 
 μ = μ_p + τ A / F (thesis eqs 4.18 to 4.20; the offset after eq 2.8). Which area A shears, and when a
 measured coefficient fixes τ, are choices of the study. τ is a constant τ0 times `FACTORS`. With a film τ is
-the mean over the cells in contact, of which a fraction is bare.
+the mean over the cells in contact, of which a fraction is bare. By Coulomb's law it is one number.
 """
 
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -18,9 +18,10 @@ from warpwear.laws.passes import WHEN, Laps, When, mean_over
 
 AREAS = ("contact", "touched", "cumulative", "nominal")
 #: Keys of [friction] that the coefficient is linear in: the offset, and the shear strengths.
+COEFFICIENT = "coefficient"
 PLOUGHING, STRENGTH, FILM_STRENGTH = "ploughing", "shear_strength", "film.shear_strength"
 #: Keys of a measured coefficient, to which the shear strength is fitted.
-FITTED = ("coefficient", "calibrate")
+FITTED = (COEFFICIENT, "calibrate")
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,9 @@ KEYS = (*NUMBERS, *FITTED, "area")
 @dataclass(frozen=True)
 class FrictionLaw:
     """Holds what a contact's friction follows from: key of `KEYS` -> its value, a number also as an array."""
+
+    #: Key of what is the same at every step.
+    constant: ClassVar[str] = PLOUGHING
 
     values: Mapping[str, Any]
 
@@ -159,6 +163,45 @@ class FrictionLaw:
             for when in WHEN
         }
         return strengths | ({"hardness": junction_strength(hardness)} if math.isfinite(hardness) else {})
+
+
+class CoulombLaw(FrictionLaw):
+    """Coulomb's law has one coefficient μ, ploughing included, whatever the area."""
+
+    constant = COEFFICIENT
+    factors = strengths = ()
+    said = ""
+    formula = r"\mathrm{const}"
+
+    def coefficient(self, history: Mapping[str, FloatArray], **fit: Any) -> FloatArray:
+        """Return μ of every step."""
+        return np.full_like(history["distance"], self.values[COEFFICIENT])
+
+    def sheared(self, history: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+        """Return no area: none shears."""
+        return {}
+
+    def final_strength(self, history: Mapping[str, FloatArray], **fit: Any) -> float:
+        """Return NaN: there is no shear strength."""
+        return math.nan
+
+    def calibrations(self, history: Mapping[str, FloatArray], **fit: Any) -> dict[str, float]:
+        """Return none: no shear strength is fitted."""
+        return {}
+
+
+#: Value of `friction.law` -> law.
+FRICTION_LAWS = {"shear-strength": FrictionLaw, "coulomb": CoulombLaw}
+
+
+def friction_energy(distance: FloatArray, force: FloatArray) -> FloatArray:
+    """Integrate the friction force over the distance slid: ∫ F dL [J] up to the end of each step.
+
+    distance [mm] at the end of each step, force [N] in it, both (n,). Trapezoids between the ends of the
+    steps; before the end of the first there is no other row, so its force holds from the start.
+    """
+    before = np.concatenate([force[:1], force[:-1]])
+    return 0.5e-3 * np.cumsum((force + before) * np.diff(distance, prepend=0.0))
 
 
 def fitted_strength(coefficient: float, ploughing: float, *, load: float, area: float) -> float:

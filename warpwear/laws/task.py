@@ -7,6 +7,7 @@ from typing import Literal
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.elastic import Hertz
 from warpwear.laws.film import Film
+from warpwear.laws.form import Form
 from warpwear.laws.pieces import Pieces
 
 
@@ -16,7 +17,7 @@ class ContactTask:
 
     load: float  # F [N]
     hardness: float  # largest pressure of a cell H [MPa]; inf without one
-    curvature: float  # of the counter-body, 1/R [1/mm]
+    form: Form  # of the unworn counter-body
     wear: tuple[WearLaw, WearLaw]  # of counter-body and disc
     compliance: float  # 1/k of the cells of the unworn contact, without wear [mm³/N]
     implicit: bool = True  # whether the wear of a step adds to its compliance

@@ -2,7 +2,9 @@
 
 A step covers up to `shift` cells of the track and is solved once, with the ball in their middle; the last
 step of a pass is shorter where the shift does not divide the stroke, so that volumes stay exact. A track that
-turns reverses at the end of each pass and covers the same cells the other way.
+turns reverses at the end of each pass and covers the same cells the other way. Of an odd number of cells the
+middle is rounded towards where the counter-body comes from: to and fro the places are as many on either side
+of the stroke's middle. In steps of one cell each is passed twice a cycle and the ends once.
 
 A representative track is a periodic disc shorter than the stroke: one lap is one pass. While it slides by a
 cell, the ball slides by `cell / track_fraction` of the test. So is the track of a rotating disc, one lap a
@@ -85,17 +87,12 @@ class Track:
 
         done, cells: of the part of the step that begins after `done` of its cells and covers `cells` of them.
         """
-        start, covered = self._covered(step)
-        cells = covered if cells is None else cells
-        middle = start + (covered - done - cells if self._back(step) else done) + cells // 2
-        return (middle - self.window // 2) % self.rows if self.periodic else middle
+        first = self._first_row(step, done, cells)
+        return first % self.rows if self.periodic else first
 
     def place(self, step: int) -> float:
         """Return the place of the counter-body's apex at step number `step`, on the scale of `x` [mm]."""
-        start, cells = self._covered(step)
-        first = 0 if self.periodic else self.window // 2
-        middle = 0.5 * (self.window % 2)  # of an odd window the middle of a cell, of an even one an edge
-        return (start + cells // 2 + first + middle - 0.5 * self.rows) * self.cell
+        return (self._first_row(step) + 0.5 * (self.window - self.rows)) * self.cell
 
     def beneath(self, disc: FloatArray, row: int) -> FloatArray:
         """Return the part of a field of the disc that lies under a ball whose first row is on `row`.
@@ -109,6 +106,14 @@ class Track:
     def _back(self, step: int) -> bool:
         """Tell whether the counter-body slides towards the first row in a step."""
         return self.reverses and self.moves and step // self.steps_of_pass % 2 == 1
+
+    def _first_row(self, step: int, done: int = 0, cells: int | None = None) -> int:
+        """Return what `row` does, of a periodic disc before it is wrapped."""
+        start, covered = self._covered(step)
+        cells = covered if cells is None else cells
+        back = self._back(step)
+        middle = start + (covered - done - cells // 2 if back else done + cells // 2)
+        return middle - self.window // 2 if self.periodic else middle
 
     def _covered(self, step: int) -> tuple[int, int]:
         """Return the first cell of the pass that a step covers, and the number of cells."""

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from warpwear import lazy
-from warpwear.errors import InputError
+from warpwear.errors import InputError, explained
 from warpwear.figures.of_run.table import Plotter
 from warpwear.page import paper, words
 from warpwear.page.limits import limits_of
@@ -64,7 +64,7 @@ def words_of(study: Study, rows: Sequence[Row]) -> dict[str, Any]:
     """Collect all texts of the page by name. rows: as of `summarise`."""
     summary = record(rows)
     top, methods = top_of(study, summary), paper.methods_of(study, summary)
-    table = paper.table_of(study.counter.curvature, summary, top["answers"])
+    table = paper.table_of(study.counter, summary, top["answers"])
     return top | {
         "limits": limits_of(study),
         "summary": summary_text(rows),
@@ -92,13 +92,11 @@ def statics(content: Mapping[str, Any]) -> list[str]:
 def write_page(folder: Path, page: bytes) -> Path:
     """Write the page into a run folder, in place of an older one. Raises InputError for a file of others."""
     path = folder / manifest.PAGE
-    try:
+    with explained(f"{path} cannot be written"):
         if path.is_symlink() or (path.exists() and MARK not in path.read_bytes()[:20_000]):
             raise InputError(f"{path} is not a page of warpwear; move it away, the page needs its name.")
         new = folder / f".{manifest.PAGE}.partial"
         new.write_bytes(page)
         new.replace(path)
         manifest.add(folder, manifest.PAGE)
-    except OSError as error:
-        raise InputError(f"{path} cannot be written: {error.strerror}.") from error
     return path

@@ -87,6 +87,11 @@ CASES: dict[str, Callable[[Study, dict[str, Any]], list[str]]] = {
     "friction.shear_strength": lambda study, numbers: [
         "strength, junctions grow" if study.friction.junction_growth else "strength"
     ],
+    "friction.coefficient": lambda study, numbers: (
+        ["coefficient, constant", *["coefficient, energy"] * (study.wear.law == "energy")]
+        if study.friction.fitted == "coulomb"
+        else ["coefficient"]
+    ),
     "friction.area": lambda study, numbers: ["area" if numbers["coefficients"] else "area, strength unknown"],
     "contact.hardness": _hardness,
     "counter.material": _material,

@@ -34,9 +34,10 @@ CONDITIONS: dict[str, Callable[[Study], bool]] = {
     "sampled by patches": lambda study: study.samples_area,
     "two scales": lambda study: study.study.model == "two-scale",
     "loads of a smooth contact": lambda study: study.patches.coupling == "load",
-    "friction fitted": lambda study: study.friction.fitted is not None,
+    "friction fitted": lambda study: study.friction.fitted in ("end", "initial"),
+    "friction constant": lambda study: study.friction.fitted == "coulomb",
     "friction not fitted": lambda study: study.friction.fitted is None,
-    "empirical friction": lambda study: bool(study.friction.law.said),
+    "empirical friction": lambda study: bool(study.friction.law_with().said),
     "wear in pieces": lambda study: study.wear.sheds,
 }
 

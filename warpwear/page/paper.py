@@ -8,6 +8,7 @@ from warpwear.history.quantities import printed
 from warpwear.laws.archard import said
 from warpwear.page.words import disc_of, motion_of, slider_of, source_of
 from warpwear.results.report import shown
+from warpwear.study.bodies import CounterBody
 from warpwear.study.study import Study
 
 Line: TypeAlias = tuple[str, str, str]  # quantity, value and unit
@@ -50,6 +51,9 @@ def methods_of(study: Study, s: dict[str, Any]) -> str:
             f"{film['thickness_nm']:.3g} nm, {s['shear_strength_MPa']:.3g} MPa where wear has broken it, "
             f"{source_of(s)}{_friction_law(study)}."
         )
+    elif s["cof_input"] == "coulomb":
+        source = "assumed" if "friction.coefficient" in s["assumptions"] else "given by the study"
+        sentences.append(f"The coefficient of friction is constant, {s['cof_reference']:g}, {source}.")
     elif s["shear_strength_MPa"] is not None:
         sentences.append(
             f"Friction is the area ({s['cof_area']}) times an interfacial shear strength of "
@@ -69,20 +73,24 @@ def _wear_law(study: Study) -> str:
 
 
 def _friction_law(study: Study) -> str:
-    sentence = study.friction.law.said
+    sentence = study.friction.law_with().said
     return f"; {sentence}" if sentence else ""
 
 
-def table_of(curvature: float, s: dict[str, Any], answers: Iterable[dict[str, str]]) -> list[Line]:
-    """List quantity, value and unit of what went in and what came out. curvature: of the ball [1/mm]."""
+def table_of(counter: CounterBody, s: dict[str, Any], answers: Iterable[dict[str, str]]) -> list[Line]:
+    """List quantity, value and unit of what went in and what came out."""
     hardness, unit = s["hardness_MPa"], printed("mm^3/N/m")
     return [
         ("Load", shown(s["load_N"]), "N"),
-        *([("Radius of the counter-body", shown(1.0 / curvature), "mm")] if curvature else []),
+        *([] if counter.form.is_flat else [("Counter-body", counter.title, "")]),
         ("Sliding distance", shown(s["distance_mm"], 6), "mm"),
         ("Cell", shown(s["cell_um"]), "µm"),
         *([("Hardness (cap of the pressure)", shown(hardness), "MPa")] if hardness else []),
         *((f"Wear coefficient, {b}", shown(k), unit) for b, k in s["wear_coefficient_mm3_per_Nm"].items()),
+        *(
+            (f"Wear of friction energy, {b}", shown(a), "mm³/J")
+            for b, a in s.get("wear_coefficient_mm3_per_J", {}).items()
+        ),
         *((answer["label"], answer["value"], answer["unit"]) for answer in answers),
     ]
 
@@ -100,7 +108,7 @@ def latex_of(study: Study, methods: str, table: Iterable[Line]) -> str:
     lines = [
         to_latex(methods),
         rf"\[ \mathrm{{d}}V / \mathrm{{d}}L = F \left({study.wear_laws[0].formula}\right), \quad "
-        rf"\mu = {study.friction.law.formula} \]",
+        rf"\mu = {study.friction.law_with().formula} \]",
         "",
         r"\begin{table}",
         rf"  \caption{{{to_latex(study.study.name)}}}",

@@ -7,31 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.figures.describe import (
-    HARDNESS,
-    NEUTRAL,
-    NOMINAL,
-    Bars,
-    Bodies,
-    Chart,
-    Empty,
-    Figure,
-    Grid,
-    Level,
-    Line,
-    Map,
-    scaled,
-    values_of,
-)
+from warpwear.figures import describe
+from warpwear.figures.describe import Bars, Bodies, Chart, Empty, Figure, Grid, Level, Line, Map
 from warpwear.figures.wording import chosen
 from warpwear.grid import FloatArray
 
 #: Most points of a line.
 POINTS = 1500
 #: Colours that have to stand out from a dark page as well: the script takes the text's instead.
-INKS = {HARDNESS: "ink", NEUTRAL: "ink", NOMINAL: "soft"}
-#: The colour of a state that is not drawn.
-CLEAR = "#FFFFFF"
+INKS = {describe.HARDNESS: "ink", describe.NEUTRAL: "ink", describe.NOMINAL: "soft"}
 #: Pixels of a point of a line's width.
 PIXELS = 5.0 / 3.0
 #: How a value holds between places, as the script has it.
@@ -104,8 +88,8 @@ def _chart(chart: Chart) -> dict[str, Any]:
         "x": chart.x.label,
         "y": chart.y.label,
         "lines": [_line(line, chart.title) for line in [*lines, *levels]],
-        "log_x": scaled(chart.x, *values_of(chart, "x")).scale == "log",
-        "log_y": scaled(chart.y, *values_of(chart, "y")).scale == "log",
+        "log_x": describe.scaled(chart.x, *describe.values_of(chart, "x")).scale == "log",
+        "log_y": describe.scaled(chart.y, *describe.values_of(chart, "y")).scale == "log",
         "inverted": [chart.x.inverted, chart.y.inverted],
         "ends": [[_end(axis.low), _end(axis.high)] for axis in (chart.x, chart.y)],
     }
@@ -156,7 +140,7 @@ def _map(field: Map) -> dict[str, Any]:
         "fields": [vars(code) for code in coded],
         "unit": scale.label.rpartition(", ")[2],
         "colours": scale.colours,
-        "states": [(label, "clear" if c == CLEAR else colour_of(c)) for label, c in field.states],
+        "states": [(label, "clear" if c == describe.CLEAR else colour_of(c)) for label, c in field.states],
     }
 
 

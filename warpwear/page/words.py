@@ -46,8 +46,7 @@ def disc_of(study: Study) -> str:
 
 def slider_of(study: Study) -> str:
     """Say what slides on it."""
-    curvature = study.counter.curvature
-    return f"A ball of {1.0 / curvature:.4g} mm radius" if curvature else "A rigid flat"
+    return f"A {study.counter.title}"
 
 
 def motion_of(study: Study, distance: float) -> str:
@@ -111,7 +110,7 @@ def _worn(study: Study, s: dict[str, Any]) -> Answer:
     less = ", less what no piece has carried off yet" if study.wear.sheds else ", whatever the contact"
     volumes = [ENDS[f"volume_{body}"] for body in BODIES]
     return Answer(
-        f"Worn volume, {'counter' if study.counter.curvature else 'flat'} and disc",
+        f"Worn volume, {study.counter.name} and disc",
         ", ".join(f"{volume.factor * s['volume_mm3'][volume.short]:.4g}" for volume in volumes),
         volumes[0].unit,
         "as good as the wear coefficients",
@@ -125,6 +124,10 @@ def _cof(s: dict[str, Any]) -> Answer:
     if s["cof"]["end"] is None:
         note = "calibrated at the end, which the run did not reach"
         return Answer(BY_NAME["cof"].label.capitalize(), "–", "", note=note)
+    if s["cof_input"] == "coulomb":
+        return Answer(
+            ENDS["cof"].label.capitalize(), f"{s['cof']['end']:.3g}", "", input_note="An input, constant"
+        )
     strength, note = s["shear_strength_MPa"], f"the area that shears: {s['cof_area']}"
     tau = "its shear strength" if strength is None else f"its shear strength, {strength:.3g} MPa,"
     label, value = ENDS["cof"].label.capitalize(), f"{s['cof']['end']:.3g}"

@@ -26,7 +26,7 @@ ATTRIBUTES: dict[str, type | tuple[type, ...]] = {
 #: Columns that no step has without a contact.
 AREAS = ("area_contact", "area_touched", "area_cumulative", "area_nominal")
 #: Columns that the results of earlier versions lack, all of a set.
-LATER = ({"parts", "area_error"}, {"violation", "energy_gap", "energy_gap_relative"})
+LATER = ({"parts", "area_error"}, {"friction_energy"}, {"violation", "energy_gap", "energy_gap_relative"})
 #: What a run records beside numbers, with what it has to be.
 RECORD: dict[str, type | tuple[type, ...]] = {
     "surface": dict,
@@ -79,6 +79,8 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
     _check_distance(file["history/distance"][()], _numbers(file, "history/increment")[()])
     _numbers(file, "grid/x", (nx,))
     _numbers(file, "grid/y", (ny,))
+    if study.counter.shape == "measured":
+        _numbers(file, "counter/heights", (nx, ny))
     if study.is_swept:
         _numbers(file, "track/x", (rows,))
         _numbers(file, "track/heights", (rows, ny))

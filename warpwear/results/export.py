@@ -10,7 +10,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from warpwear.errors import InputError
+from warpwear.errors import InputError, explained
 from warpwear.laws.archard import BODIES
 from warpwear.results.file import ResultFile
 from warpwear.results.formats.bodies import TRACK, WRITABLE, Body, Files, Job
@@ -138,13 +138,12 @@ def _write_all(folder: Path, writers: dict[str, Callable[[Path], None]]) -> list
     """Write files beside their places and move them there when all are whole. writers: by name."""
     is_new = not folder.exists()
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=".export-", dir=folder) as work:
-            for name, write in writers.items():
-                write(Path(work) / name)
-            return [(Path(work) / name).replace(folder / name) for name in writers]
-    except OSError as error:
-        raise InputError(f"out = {folder} cannot be written: {error.strerror or error}") from error
+        with explained(f"out = {folder} cannot be written"):
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(prefix=".export-", dir=folder) as work:
+                for name, write in writers.items():
+                    write(Path(work) / name)
+                return [(Path(work) / name).replace(folder / name) for name in writers]
     finally:
         if is_new:
             with suppress(OSError):  # unless there is something in it

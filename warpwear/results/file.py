@@ -14,11 +14,12 @@ from typing import Any, Self, SupportsIndex, TypeVar, overload
 import h5py
 import numpy as np
 
-from warpwear.errors import OVERWRITE_IT, InputError
+from warpwear.errors import OVERWRITE_IT, InputError, explained
 from warpwear.grid import FloatArray, IntArray
 from warpwear.history.quantities import FIELDS, OF_PIECES, UNITS
 from warpwear.history.rows import History, Named
 from warpwear.history.snapshot import Snapshot
+from warpwear.laws.form import Given
 from warpwear.results.check import ATTRIBUTES, check_content, check_fields, current, stored
 from warpwear.results.seal import digest_of, has_mark, read_header
 from warpwear.study.study import Study
@@ -40,18 +41,14 @@ MAGIC = "warpwear result"
 
 def check_seal(path: Path) -> None:
     """Raises InputError for a sealed file that is not what was written. One made by hand may be anything."""
-    try:
-        with path.open("rb") as file:
-            words = read_header(file)
-            sealed = " ".join(words[:2]) == MAGIC
-            if sealed and words[2:] != [digest_of(file)]:
-                raise InputError(
-                    f"{path} is damaged: it is not what was written, by a fault of the disk or because "
-                    f"another program changed it; run the study again and {OVERWRITE_IT}; what is added to "
-                    "a result belongs in a file of its own."
-                )
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror}.") from error
+    with explained(f"{path} cannot be read"), path.open("rb") as file:
+        words = read_header(file)
+        if " ".join(words[:2]) == MAGIC and words[2:] != [digest_of(file)]:
+            raise InputError(
+                f"{path} is damaged: it is not what was written, by a fault of the disk or because another "
+                f"program changed it; run the study again and {OVERWRITE_IT}; what is added to a result "
+                "belongs in a file of its own."
+            )
 
 
 def is_one(path: Path) -> bool:
@@ -320,6 +317,18 @@ class ResultFile:
     def track_heights(self, rows: slice = slice(None)) -> FloatArray:
         """Heights of the track before any wear [mm], shape (rows, ny). InputError without a track."""
         return self._array("track/heights", "has no track", rows)
+
+    def unworn_counter(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Return the unworn counter-body's height over its lowest point [mm] at x × y [mm].
+
+        Of a measured one it is that of the nearest cells; infinite where there is no body.
+        """
+        form, cell = self.study.counter.form, self.study.grid.cell
+        if not isinstance(form, Given):
+            return form.heights(x, y)
+        axes = zip((x, y), (self.x, self.y), strict=True)
+        near = (np.clip(np.floor((p - of[0]) / cell + 0.5).astype(int), 0, of.size - 1) for p, of in axes)
+        return self._array("counter/heights", "has no measured counter-body")[np.ix_(*near)]
 
     def track_loss(self, index: int, rows: slice = slice(None)) -> tuple[FloatArray, FloatArray]:
         """Return depths worn off the track, and displaced of it for good, at snapshot number `index` [mm]."""

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from warpwear import lazy
-from warpwear.errors import OTHER_FOLDER, InputError
+from warpwear.errors import OTHER_FOLDER, InputError, explained
 
 filelock = lazy.module("filelock")
 
@@ -61,11 +61,8 @@ def check_writable(folder: Path) -> None:
     for path in (folder, *folder.parents):
         if path.exists() and not path.is_dir():
             raise InputError(f"out = {folder}: {path} is a file; the name of a folder is expected")
-    try:
-        with tempfile.TemporaryFile(dir=_inside(folder)):
-            pass
-    except OSError as error:
-        raise InputError(f"out = {folder} cannot be written: {error.strerror or error}") from error
+    with explained(f"out = {folder} cannot be written"), tempfile.TemporaryFile(dir=_inside(folder)):
+        pass
 
 
 def check_folder(folder: Path, marks: Sequence[str], *, what: str, overwrite: bool) -> None:
@@ -89,24 +86,24 @@ def whole_folder(folder: Path, marks: Sequence[str], *, stale: Iterable[str] = (
     marks: names of files to move last. stale: names of files of an older one, which go. What else the folder
     holds stays. Raises InputError where files cannot be written; the folder is then as it was.
     """
-    try:
-        with held(folder) if folder.is_dir() else nullcontext():
-            work = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=_inside(folder)))
-            try:
-                work.chmod(0o755)
-                yield work
-                if folder.is_dir():
-                    for name in stale:
-                        (folder / name).unlink(missing_ok=True)
-                    for path in sorted(work.iterdir(), key=lambda path: (path.name in marks, path.name)):
-                        path.replace(folder / path.name)
-                else:
-                    folder.parent.mkdir(parents=True, exist_ok=True)
-                    work.rename(folder)
-            finally:
-                shutil.rmtree(work, ignore_errors=True)
-    except OSError as error:
-        raise InputError(f"out = {folder} could not be written: {error.strerror or error}") from error
+    with (
+        explained(f"out = {folder} could not be written"),
+        held(folder) if folder.is_dir() else nullcontext(),
+    ):
+        work = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=_inside(folder)))
+        try:
+            work.chmod(0o755)
+            yield work
+            if folder.is_dir():
+                for name in stale:
+                    (folder / name).unlink(missing_ok=True)
+                for path in sorted(work.iterdir(), key=lambda path: (path.name in marks, path.name)):
+                    path.replace(folder / path.name)
+            else:
+                folder.parent.mkdir(parents=True, exist_ok=True)
+                work.rename(folder)
+        finally:
+            shutil.rmtree(work, ignore_errors=True)
 
 
 def _inside(folder: Path) -> Path:

@@ -43,6 +43,7 @@ def summarise(result: ResultFile) -> list[Row]:
         *(summary_models.track(result) if result.study.is_swept else []),
         *summary_models.arrangement(result),
         *_friction(result, end),
+        *_energy(result, end),
         *_film(result),
         *_checks(result, end),
     ]
@@ -96,6 +97,7 @@ def _run(result: ResultFile, end: dict[str, float]) -> list[Row]:
             "hardness_MPa": finite(study.hardness),
             "wear_coefficient_mm3_per_Nm": {body: 1.0e3 * k for body, k in coefficients.items()},
             "wear_coefficient_per_Pa": {body: 1.0e-6 * k for body, k in coefficients.items()},
+            **({"wear_coefficient_mm3_per_J": study.wear.per_energy} if study.wear.law == "energy" else {}),
         }
     )
 
@@ -193,7 +195,7 @@ def _of_one_spot(result: ResultFile) -> list[Row]:
 def _friction(result: ResultFile, end: dict[str, float]) -> list[Row]:
     """Declare friction: its course, the strength that it is made of, and those that other choices ask for."""
     study, history, section = result.study, result.history, result.study.friction
-    law, load, laps = section.law, study.contact.load, study.laps
+    law, load, laps = section.law_with(), study.contact.load, study.laps
     first, last = finite(passes.mean_over(history, history["cof"], "initial", laps)), finite(end["cof"])
     strength = finite(law.final_strength(history, load=load, finished=result.finished, laps=laps))
     others = law.calibrations(history, load=load, hardness=study.indentation_hardness, laps=laps)
@@ -202,7 +204,7 @@ def _friction(result: ResultFile, end: dict[str, float]) -> list[Row]:
         Row("", "cof_input", section.fitted),
         _strength(study, strength),
         Row("", "shear_strength_of_softer_body_MPa", finite(study.shear_limit)),
-        Row("", "cof_area", section.area),
+        Row("", "cof_area", section.area if law.strengths else None),
         Row("", "cof_shape", _shape(*course(result, "cof"))),
         Row("", "area_shape", _shape(*course(result, f"area_{section.area}"))),
         Row("", "cof_reference", section.coefficient),
@@ -216,10 +218,19 @@ def _cof(study: Study, first: float | None, last: float | None) -> Row:
     if first is None or last is None:
         return Row("", "cof", ends)
     source = ASSUMED if "friction.coefficient" in render.assumptions(study) else INPUT
+    if study.friction.fitted == "coulomb":
+        return Row("friction", "cof", ends, sentence=f"{shown(last, 3)}{source}, at every distance")
     marks = {when: source if when == study.friction.fitted else "" for when in passes.WHEN}
     text = shown({f"at first{marks['initial']}": first, f"at the end{marks['end']}": last}, 3)
     area = f"(area: {study.friction.area}; relative to the end: {first / last:.3g})"
     return Row("friction", "cof", ends, sentence=f"{text} {area}")
+
+
+def _energy(result: ResultFile, end: dict[str, float]) -> list[Row]:
+    """Declare what friction has dissipated, and by the energy law what it wears."""
+    law, energy = result.study.wear, finite(end.get("friction_energy", math.nan))
+    note = f", wears {shown(law.per_energy)} mm³/J" if law.law == "energy" else ""
+    return [Row("friction energy", "friction_energy_J", energy, note=note)] if end["distance"] else []
 
 
 def _strength(study: Study, strength: float | None) -> Row:

@@ -11,7 +11,7 @@ from warpwear.laws.passes import WHEN, mean_over
 from warpwear.results.evolution import growth_of_view, settling, surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.report import Row, entries, finite, record, shown
-from warpwear.results.track import both_directions, groove, roughness_in_track
+from warpwear.results.track import both_directions, groove, is_short, roughness_in_track, scar_length
 
 
 def arrangement(result: ResultFile) -> list[Row]:
@@ -82,12 +82,18 @@ def _groove(result: ResultFile) -> list[Row]:
         "width_mm": last.width,
         "section_um2": section,
     }
-    text = f"mean section {section:.4g} µm², {last.width:.3g} mm wide"
-    text += f", mean profile {deepest:.3g} µm deep at most"
+    called, of_what = "groove", "mean"
+    text = ""
+    if is_short(result):
+        called, of_what = "scar of the disc", "middle"
+        sizes["length_mm"] = scar_length(result, result.snapshot_distances.size - 1)
+        text = f"{sizes['length_mm']:.3g} mm long, "
+    text += f"{of_what} section {section:.4g} µm², {last.width:.3g} mm wide"
+    text += f", {of_what} profile {deepest:.3g} µm deep at most"
     roughness = {name: values for name, values in roughness_in_track(result).items() if name != "passes"}
     unworn, end = ({name: float(values[at]) for name, values in roughness.items()} for at in (0, -1))
     return [
-        Row("groove", "groove", sizes, sentence=text),
+        Row(called, "groove", sizes, sentence=text),
         Row("", "roughness_um", {"unworn": unworn, "end": end}),
     ]
 
@@ -148,8 +154,11 @@ def _hertz(result: ResultFile, *, is_line: bool) -> Row:
         Row("radius", "radius_um", 1.0e3 * hertz.radius, digits=3),
         Row("", "area_mm2", hertz.area),
         Row("peak", "peak_pressure_MPa", hertz.peak_pressure),
-        Row("approach", "approach_um", 1.0e3 * hertz.approach, digits=3),
     ]
+    if not hertz.is_line:  # whose approach has no absolute zero
+        rows.append(Row("approach", "approach_um", 1.0e3 * hertz.approach, digits=3))
+    if hertz.radius_across is not None:
+        rows.append(Row("", "semi_axes_um", [1.0e3 * axis for axis in hertz.semi_axes]))
     return Row("Hertz, unworn", "hertz", rows) if is_line else Row("", "hertz", record(rows))
 
 

@@ -54,8 +54,23 @@ class Groove:
         return self.section / self.width if self.width else 0.0
 
 
+def is_short(result: ResultFile) -> bool:
+    """Tell whether the stroke is shorter than the contact, whose middle never leaves the disc's scar."""
+    track = result.study.track
+    return not track.periodic and track.stroke < float(result.history["patch_along"][-1])
+
+
+def scar_length(result: ResultFile, index: int) -> float:
+    """Return the length of the rows of the disc that lost anything [mm]."""
+    lost = np.add(*result.track_loss(index, slice(0, result.track_x.size))).any(axis=1)
+    return float(np.count_nonzero(lost)) * result.study.grid.cell
+
+
 def whole_rows(result: ResultFile) -> slice:
-    """Return the rows that all of the contact slides over in a pass: not those at the ends of a stroke."""
+    """Return the rows that all of the contact slides over in a pass: not those at the ends of a stroke.
+
+    Of a stroke shorter than the contact those in the middle of the scar.
+    """
     track = result.study.track
     if track.periodic:
         return slice(0, track.rows)
@@ -127,12 +142,15 @@ def extent(x: FloatArray, y: FloatArray, half_x: float, half_y: float) -> tuple[
 def roughness_in_track(result: ResultFile) -> dict[str, FloatArray]:
     """Return height parameters [µm] in the middle of the groove, unworn and at each snapshot, over `passes`.
 
-    The middle half of the final patch's width, so that all are of the same cells; its form is taken off.
+    The middle half of the final patch's width, so that all are of the same cells, and of its length at least;
+    its form is taken off.
     """
-    whole = whole_rows(result)
+    whole, history = whole_rows(result), result.history
     middle = (whole.start + whole.stop) // 2
-    part = slice(max(whole.start, middle - ROUGH_ROWS // 2), min(whole.stop, middle + ROUGH_ROWS // 2))
-    half = 0.5 * MIDDLE * float(result.history["patch_across"][-1])
+    inner = round(0.5 * MIDDLE * float(history["patch_along"][-1]) / result.study.grid.cell)
+    first, last = min(whole.start, middle - inner), max(whole.stop, middle + inner)
+    part = slice(max(first, middle - ROUGH_ROWS // 2, 0), min(last, middle + ROUGH_ROWS // 2))
+    half = 0.5 * MIDDLE * float(history["patch_across"][-1])
     columns = np.flatnonzero(np.abs(result.y) <= half)
     unworn = result.track_heights(part)[:, columns]
     everywhere = np.ones(unworn.shape, dtype=bool)

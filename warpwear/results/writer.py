@@ -139,6 +139,11 @@ class ResultWriter:
         dataset.attrs["units"] = "mm"
         _label(dataset, self._file["grid"], "track_x", "y")
 
+    def add_counter(self, heights: FloatArray) -> None:
+        """Keep a measured counter-body's form on the domain's cells [mm], before any wear."""
+        self._require_space(heights.nbytes)
+        self._file.create_dataset("counter/heights", data=heights).attrs["units"] = "mm"
+
     @property
     def copied_bytes(self) -> int:
         """Return the size of what `copy_to` copies [B]."""

@@ -86,7 +86,9 @@ class Maker:
         """Return rows of both bodies over those of the grid."""
         return 2.0
 
-    def model(self, study: Study, heights: FloatArray, executor: Executor, record: Record) -> PreparedModel:
+    def model(
+        self, study: Study, task: ContactTask, heights: FloatArray, executor: Executor, record: Record
+    ) -> PreparedModel:
         """Make the model; it may add to the surface's record. Raises InputError for heights it cannot use."""
         raise NotImplementedError
 
@@ -99,12 +101,14 @@ class AtRest(Maker, name="rest"):
         differs = not study.contact_task.is_uniform or study.wear.law == "bearing-curve"
         return super().fields(study, device=device) + (SLIDING_FIELDS + 2.0) * differs
 
-    def model(self, study: Study, heights: FloatArray, executor: Executor, record: Record) -> PreparedModel:
+    def model(
+        self, study: Study, task: ContactTask, heights: FloatArray, executor: Executor, record: Record
+    ) -> PreparedModel:
         """Make a model of one grid."""
         curve = bearing_curve_of(study) if study.wear.law == "bearing-curve" else None
         if curve is not None:
             record["bearing_curve"] = asdict(curve)
-        model = model_at_rest(study.contact_task, heights, executor, bearing_curve=curve)
+        model = model_at_rest(task, heights, executor, bearing_curve=curve)
         return PreparedModel(model, heights, record, pieces=getattr(model, "pieces", None))
 
 
@@ -127,9 +131,11 @@ class OnTrack(Maker, name="track"):
         """Count the disc's rows."""
         return study.track.rows / study.cells.nx + 1.0
 
-    def model(self, study: Study, heights: FloatArray, executor: Executor, record: Record) -> PreparedModel:
+    def model(
+        self, study: Study, task: ContactTask, heights: FloatArray, executor: Executor, record: Record
+    ) -> PreparedModel:
         """Make a model of the whole track."""
-        model = models_track.SweptModel(study.contact_task, study.track, heights, executor)
+        model = models_track.SweptModel(task, study.track, heights, executor)
         return PreparedModel(model, heights, record, pieces=model.pieces)
 
 
@@ -142,9 +148,11 @@ class OfPatches(AtRest, name="patches"):
         _check_memory_of_book(study, patches, device)
         return Executor(patches.grid, device=device, threads=threads, fields_needed=fields)
 
-    def model(self, study: Study, heights: FloatArray, executor: Executor, record: Record) -> PreparedModel:
+    def model(
+        self, study: Study, task: ContactTask, heights: FloatArray, executor: Executor, record: Record
+    ) -> PreparedModel:
         """Make a model of all patches."""
-        patches, task = study.patch_layout, study.contact_task
+        patches = study.patch_layout
         width.refuse_unsuitable(study, patches, heights)
         of_law = models_patches.HalfSpacePatches if task.half_space else models_two_scale.TwoScaleModel
         model = of_law(task, patches, heights, executor)

@@ -28,6 +28,7 @@ import numpy as np
 from warpwear.errors import OVERWRITE_IT, RESUME_IT, InputError
 from warpwear.grid import FloatArray
 from warpwear.history.rows import Rows
+from warpwear.laws.form import Given
 from warpwear.results.check import check_snapshots
 from warpwear.results.ensemble import dotted
 from warpwear.results.seal import HEADER, digest_of, has_mark, read_header, seal
@@ -80,6 +81,7 @@ class Checkpoints:
             "study": order.toml,
             "device": device,
             "surface": checksum(heights),
+            "counter": _of_counter(order),
         }
         self._every = order.study.run.checkpoint
         self._last = time.monotonic()
@@ -138,6 +140,7 @@ class StoredCheckpoint:
             self._about = {
                 name: about[name] for name in (*OF_THE_RUN, "version", "study", "device", "surface", "kinds")
             }
+            self._about["counter"] = about.get("counter")
             self._order = RunOrder(Study.stored(about["study"]))
             self._rows = Rows(map(str, file["rows"].attrs["columns"]), file["rows"][()])
             if not isinstance(self._about["device"], str):
@@ -169,6 +172,11 @@ class StoredCheckpoint:
             raise InputError(
                 f"{self._path} is of another study ({', '.join(changed)}); {RESUME_IT} with the study as it "
                 f"was, or {OVERWRITE_IT}."
+            )
+        if self._about["counter"] != _of_counter(order):
+            raise InputError(
+                f"{self._path} cannot go on: counter.surface is not what it was when the run began; "
+                f"{RESUME_IT} with the file as it was, or {OVERWRITE_IT}."
             )
         if order.study.checks.strict and (failed := self._about["reported_violations"]):
             raise InputError(
@@ -245,6 +253,11 @@ def holds_checkpoint(folder: Path) -> bool:
 def is_one(path: Path) -> bool:
     """Whether a file calls itself a checkpoint of warpwear."""
     return has_mark(path, MAGIC)
+
+
+def _of_counter(order: RunOrder) -> int | None:
+    """A number that tells what was measured of the counter-body; None where nothing was."""
+    return checksum(order.form.values) if isinstance(order.form, Given) else None
 
 
 def checksum(heights: FloatArray) -> int:

@@ -71,14 +71,16 @@ def of_history(study: Study, history: Mapping[str, FloatArray], *, finished: boo
     long = int(np.count_nonzero(history.get("area_error", np.zeros(1)) > AREA_ERROR))
     if long:
         yield (
-            f"sliding.shift = {study.sliding.shift} cells is too long for {long} of the steps, "
+            f"sliding.shift = {study.shift} cells is too long for {long} of the steps, "
             f"whose area it changes by more than {100.0 * AREA_ERROR:g} % by estimate: a smaller one is "
             "needed."
         )
     if doubt := doubt_of_directions(study, history):
         yield doubt
     friction, limit = study.friction, study.shear_limit
-    tau = friction.law.final_strength(history, load=study.contact.load, finished=finished, laps=study.laps)
+    tau = friction.law_with().final_strength(
+        history, load=study.contact.load, finished=finished, laps=study.laps
+    )
     film = friction.film.shear_strength if friction.film else 0.0
     for name, strength in (("shear strength τ0", tau), ("film's", film)):
         if strength > limit:

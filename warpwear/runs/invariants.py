@@ -46,11 +46,8 @@ class Invariants:
 
     def __init__(self, study: Study) -> None:
         self._extent_for = partial(extent_for, study)
-        self._shape, self._extent, self._curvature = (
-            study.cells.shape,
-            study.grid.extent,
-            study.counter.curvature,
-        )
+        self._shape, self._extent = study.cells.shape, study.grid.extent
+        self._radius, self._repeats = study.counter.nominal_radius, study.repeats
         of_bearing_area = study.load_tolerance if study.uses_bearing_area else 0.0
         #: Load that may be left unbalanced [N]: what the study's balance is solved to.
         self._residual = max(TOLERANCE * study.contact.load, of_bearing_area)
@@ -79,7 +76,7 @@ class Invariants:
             allowed = CONSERVATION * row[expected] + ROUNDING * row.get("area_touched", 0.0)
             if abs(row[worn] + row.get(pending, 0.0) - row[expected]) > allowed:
                 yield self._not_conserved(row, worn, row[expected])
-        if (touches_edge or touches_rim) and self._curvature > 0.0:
+        if (touches_edge and not self._repeats) or touches_rim:
             yield self._outside(row, rim=touches_rim)
 
     def of_filled(self, snapshot: Snapshot, row: Mapping[str, float]) -> Iterator[Violation]:
@@ -125,7 +122,7 @@ class Invariants:
         if rim:
             return Violation(
                 "rim",
-                f"counter.radius = {1.0 / self._curvature:g} mm is too small: the contact reached the "
+                f"counter.radius = {self._radius:g} mm is too small: the contact reached the "
                 f"counter-body's rim {after}, so the counter-body is worn away",
                 "a larger radius, or less load, wear or distance is needed",
                 sound=True,

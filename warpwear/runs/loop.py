@@ -16,6 +16,7 @@ from warpwear.engine.executor import Executor
 from warpwear.errors import RESUME_IT, ConvergenceError, InvariantError
 from warpwear.history.rows import Rows
 from warpwear.history.snapshot import Snapshot
+from warpwear.laws.form import Given
 from warpwear.results.seal import versions
 from warpwear.results.writer import ResultWriter
 from warpwear.runs import doubts
@@ -74,6 +75,8 @@ class StepLoop:
             self._warn(*doubts.of_slope(order.study, prepared.record["on_the_grid"]["rms_slope"]))
             if order.track is not None and writer is not None:
                 writer.add_track(order.track, prepared.heights)
+            if writer is not None and isinstance(order.form, Given):
+                writer.add_counter(order.form.values)
             if stored is not None:
                 self._restore(stored)
         if folder and work:

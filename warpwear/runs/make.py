@@ -48,7 +48,10 @@ def model_of(
         seen = slice(None if track is None else MOST_ROWS)
         measured = heights[seen] if filled is None else np.where(filled[seen], np.nan, heights[seen])
         record["on_the_grid"] = _roughness_on(grid, measured)
-    return replace(order.arrangement.model(study, heights, executor, record), filled=filled)
+    task = replace(study.contact_task, form=order.form)
+    if order.counter is not None:
+        record["counter"] = order.counter.record()
+    return replace(order.arrangement.model(study, task, heights, executor, record), filled=filled)
 
 
 class _Sampled(NamedTuple):

@@ -12,6 +12,8 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
 from warpwear.history.rows import Rows
+from warpwear.laws.form import Form
+from warpwear.laws.friction import friction_energy
 from warpwear.results.ensemble import dotted
 from warpwear.runs.arrangements import Maker, arrangement_of
 from warpwear.runs.array_surface import ArraySurface, take_surface
@@ -19,8 +21,9 @@ from warpwear.runs.invariants import Invariants
 from warpwear.runs.plan import plan_of
 from warpwear.study.rules import too_small
 from warpwear.study.study import Study
-from warpwear.study.surface import surface_in
+from warpwear.study.surface import counter_surface, form_of, surface_in
 from warpwear.surfaces.base import Surface
+from warpwear.surfaces.measured import Measured
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,20 +77,34 @@ class RunOrder:
         return self.heights.surface if self.heights else surface_in(self.study)
 
     @cached_property
+    def counter(self) -> Measured | None:
+        """What was measured of the counter-body. Raises InputError as `counter_surface` does."""
+        return counter_surface(self.study)
+
+    @cached_property
+    def form(self) -> Form:
+        """The unworn counter-body's form on the domain's cells. Raises InputError as `form_of` does."""
+        return form_of(self.study, self.counter)
+
+    @cached_property
     def notes(self) -> list[str]:
         """Sentences on what of the study and of the surface misleads before anything is computed."""
         grid = self.study.cells
         along = grid.x if self.track is None else self.track
-        return [*self.study.notices(), *self.surface.notices(along, grid.y)]
+        of_counter = self.counter.notices(grid.x, grid.y) if self.counter else []
+        of_counter = [f"The counter-body: {notice.replace('disc.', 'counter.')}" for notice in of_counter]
+        return [*self.study.notices(), *self.surface.notices(along, grid.y), *of_counter]
 
     def history_of(self, rows: Rows, *, finished: bool) -> dict[str, FloatArray]:
-        """Make the history of its rows, with the coefficient of friction."""
+        """Make the history of its rows, with the coefficient of friction and its energy."""
         history = {name: rows.column(name) for name in self.columns}
-        return history | {"cof": self.cof_of(history, finished=finished)}
+        cof = self.cof_of(history, finished=finished)
+        energy = friction_energy(history["distance"], cof * history["load"])
+        return history | {"cof": cof, "friction_energy": energy}
 
     def cof_of(self, history: dict[str, FloatArray], *, finished: bool) -> FloatArray:
         """Return the coefficient of friction of every step; NaN while it waits for the whole run."""
-        law, load = self.study.friction.law, self.study.contact.load
+        law, load = self.study.friction.law_with(), self.study.contact.load
         return law.coefficient(history, load=load, finished=finished, laps=self.study.laps)
 
 

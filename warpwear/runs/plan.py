@@ -12,10 +12,10 @@ def plan_of(study: Study) -> list[tuple[float, float, bool]]:
     if study.is_swept:
         return _kept_after(stops, study.track.increments(total), total)
     if study.output.snapshots == "auto":
-        return _kept_after(stops, increments(study.stepping.plan, total), total)
+        return _kept_after(stops, increments(study.increments, total), total)
     return [
         (increment, distance, distance in stops or distance == total)
-        for increment, distance in increments(study.stepping.plan, total, stops)
+        for increment, distance in increments(study.increments, total, stops)
     ]
 
 

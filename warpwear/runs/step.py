@@ -32,11 +32,11 @@ class RunStep:
     def row(self) -> dict[str, float]:
         """Name -> value of every column of the history, in the units of `units`.
 
-        The coefficient of friction is NaN where no friction.shear_strength is given: what it is calibrated
-        with is the whole run.
+        The coefficient of friction is NaN where it is calibrated: with the whole run. So is its energy, a
+        sum over all steps.
         """
         row = Named((name, self._booked.get(name, np.nan)) for name in self._order.columns)
-        if self._order.study.friction.shear_strength is not None:
+        if self._order.study.friction.fitted in (None, "coulomb"):
             history = {name: np.array([value]) for name, value in row.items()}
             row["cof"] = float(self._order.cof_of(history, finished=False)[0])
         return row

@@ -1,20 +1,24 @@
-"""[counter] and [disc]: the bodies, what they are made of, and the disc's surface."""
+"""[counter] and [disc]: the bodies, what they are made of, their forms and measured surfaces."""
 
+import math
 from functools import partial
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from warpwear.study.keys import Hardness, Length, LengthOrZero, Pressure, Section, key, when
+from warpwear.laws.form import Form, Given, form_of
+from warpwear.study.keys import Hardness, Length, LengthOrZero, Pressure, Rule, Section, key, needs, when
 from warpwear.study.materials import material
 from warpwear.study.units import Number, Quantity, Range, is_pair, is_quantity, one_by_one
 
 ROUGH = when("is_rough", otherwise="does not apply to the macro model, which has a smooth disc")
-FROM_A_FILE = when("disc.synthetic", None, otherwise="does not apply to a synthetic surface")
 RANDOM = when("disc.synthetic.kind", "self-affine", "milled", otherwise="does not apply to kind = '{}'")
 MILLED = when("disc.synthetic.kind", "milled", otherwise="does not apply to kind = '{}'")
+CROWNED = when("counter.shape", "crowned")
+NOMINAL = when("counter.has_radius", otherwise="does not apply to this counter.shape and counter.level")
 random_key, milled_key = partial(key, applies=RANDOM), partial(key, applies=MILLED)
-file_key = partial(key, applies=ROUGH + FROM_A_FILE)
+file_key = partial(key, applies="FROM_A_FILE")
+Radius = Annotated[float, Quantity("mm", Range(infinite=True))]
 
 
 class Body(Section):
@@ -35,21 +39,161 @@ class Body(Section):
         return None if self.young is None or self.poisson is None else (self.young, self.poisson)
 
 
-class CounterBody(Body):
-    """The section [counter] says how large the ball is and what it is made of."""
+def _pixel(value: Any) -> Any:
+    value = one_by_one(value)
+    return (value, value) if isinstance(value, str) or is_quantity(value) or is_pair(value) else value
 
-    radius: Annotated[float, Quantity("mm", Range(infinite=True))] | None = key(
-        None, "radius; 'inf mm' is a rigid flat", one_of="size", must_be_said=True
+
+def _crop(value: Any) -> Any:
+    value = _pixel(value)
+    if isinstance(value, list | tuple) and len(value) not in (2, 4):
+        raise ValueError("needs a size, a size along x and along y, or four lengths x0, x1, y0, y1")
+    return value
+
+
+class MeasuredBody(Section):
+    """A body may be measured; `FROM_A_FILE` says when its file is read."""
+
+    FROM_A_FILE: ClassVar[tuple[Rule, ...]] = ()
+
+    surface: str | None = file_key(None, "file of a measured surface, relative to the study")
+    extend: Literal["refuse", "mirror", "periodic"] = file_key(
+        "refuse", "when the file is smaller than the domain"
     )
-    diameter: Length | None = key(None, "diameter, instead of the radius", one_of="size")
+    height_sign: Literal["up", "down"] = file_key("up", "down turns the file's heights over: it gives depths")
+    crop: Annotated[tuple[LengthOrZero, ...], BeforeValidator(_crop)] | None = file_key(
+        None, "part of the file used: x0, x1, y0, y1 from its corner, or a size around its middle"
+    )
+    sliding_axis: Literal["x", "y"] = file_key("x", "axis of the file that lies along sliding")
+    outliers: Annotated[float, Number(Range(least=3.0, or_equal=True))] | None = file_key(
+        None, "points farther than so many robust standard deviations from the local median are removed"
+    )
+    level: Literal["none", "plane", "sphere", "cylinder"] | Annotated[int, Field(ge=0, le=12)] = file_key(
+        "plane", "form removed from the measurement: none, plane, sphere, cylinder or degree of a polynomial"
+    )
+    s_filter: Length | None = file_key(
+        None, "waves shorter than this are filtered out (Gaussian, ISO 16610-61)"
+    )
+    l_filter: Length | None = file_key(
+        None, "waves longer than this are filtered out (Gaussian, ISO 16610-61)"
+    )
+    pixel: Annotated[tuple[Length, Length], BeforeValidator(_pixel)] | None = file_key(
+        None, "distance of the file's points, needed by .npy; overrides what a file says"
+    )
+    height_unit: Literal["m", "mm", "um", "µm", "nm"] | None = file_key(
+        None, "unit of the file's heights, needed by .npy; overrides what a file says"
+    )
+    array: str | None = file_key(None, "which array of a .npz, or measurement of a .zip, by name or number")
+
+
+class Shape(Section):
+    """The keys of a counter-body's shape."""
+
+    shape: Literal["ball", "crowned", "cylinder", "pin", "measured"] = key(
+        "ball",
+        "ball; crowned: a paraboloid of two radii; cylinder: a parabola of counter.radius along sliding, its "
+        "axis across it, as long as the domain; pin: a flat round face with an edge; measured: a file, seen "
+        "as by an instrument from outside and turned over about the direction of sliding",
+        demands=needs("counter.surface", of="measured")
+        + needs("counter.radius_along", of="crowned")
+        + needs("counter.radius_across", of="crowned"),
+    )
+    radius: Radius | None = key(
+        None,
+        "radius of the ball ('inf mm' is a rigid flat), of the cylinder, of the pin's flat face, or of the "
+        "nominal form that a measured body's level puts back",
+        applies=NOMINAL,
+        one_of="size",
+        must_be_said=True,
+    )
+    diameter: Length | None = key(None, "diameter, instead of the radius", applies=NOMINAL, one_of="size")
+    radius_along: Radius | None = key(
+        None, "radius of the section along sliding; inf: a cylinder that lies along it", applies=CROWNED
+    )
+    radius_across: Radius | None = key(
+        None, "radius of the section across sliding; inf: a cylinder that lies across it", applies=CROWNED
+    )
+    edge_radius: LengthOrZero = key(
+        "0 mm", "radius of the edge around the pin's face; 0 is sharp", applies=when("counter.shape", "pin")
+    )
+
+
+class CounterBody(MeasuredBody, Shape, Body):
+    """The section [counter] says which shape and size the counter-body has and what it is made of."""
+
+    FROM_A_FILE: ClassVar = when("counter.shape", "measured")
+
+    level: Literal["none", "plane", "sphere", "cylinder"] | Annotated[int, Field(ge=0, le=12)] = file_key(
+        "plane",
+        "what is not the body's own in the measurement: none; plane, a tilt; sphere, cylinder (axis across "
+        "sliding): the fitted form, so that roughness is left, and the form of counter.radius is put back; a "
+        "degree: a polynomial, so that a rough flat is left",
+    )
+    extend: Literal["refuse", "mirror", "periodic"] = file_key(
+        "refuse",
+        "beyond the file; other than refuse: the body goes on beyond the domain too, whose edge the contact "
+        "may then reach, as under a flat",
+    )
+
+    @property
+    def has_radius(self) -> bool:
+        """True where one radius says how large the body is."""
+        measured = self.shape == "measured" and self.level in ("sphere", "cylinder")
+        return measured or self.shape in ("ball", "cylinder", "pin")
+
+    @property
+    def nominal_radius(self) -> float:
+        """The radius [mm], by whichever key; infinite where none plays a part."""
+        if not self.has_radius:
+            return math.inf
+        return self.radius if self.radius is not None else 0.5 * (self.diameter or math.inf)
+
+    @property
+    def has_hertz(self) -> bool:
+        """True where Hertz knows the contact: of a ball, a crowned body or a cylinder."""
+        return self.shape in ("ball", "crowned", "cylinder") and not self.form.is_flat
+
+    @property
+    def has_approach(self) -> bool:
+        """True where Hertz's approach is known too: not of a line."""
+        return self.has_hertz and all(self.form.rises)
 
     @property
     def curvature(self) -> float:
-        """Curvature [1/mm]: 1/R, which is 0 for a flat."""
-        if self.radius is not None:
-            return 1.0 / self.radius
-        assert self.diameter is not None
-        return 2.0 / self.diameter
+        """Curvature [1/mm] of a ball: 1/R, which is 0 for a flat and for any other shape."""
+        return self.form.curvature
+
+    @property
+    def form(self) -> Form:
+        """The unworn form; of a measured body its nominal one, whose heights `study.surface` reads."""
+        if self.shape == "measured":
+            one = 1.0 / self.nominal_radius
+            return Given(one, one if self.level == "sphere" else 0.0, goes_on=self.extend != "refuse")
+        return form_of(
+            self.shape,
+            radius=self.nominal_radius,
+            radius_along=self.radius_along or math.inf,
+            radius_across=self.radius_across or math.inf,
+            edge_radius=self.edge_radius,
+        )
+
+    @property
+    def name(self) -> str:
+        """What figures and pages call it: ball, flat or counter-body."""
+        return "flat" if self.form.is_flat else "ball" if self.shape == "ball" else "counter-body"
+
+    @property
+    def title(self) -> str:
+        """What it is, for a sentence: 'ball of 3 mm radius'."""
+        radius = f"{self.nominal_radius:.4g} mm radius"
+        if self.form.is_flat and self.shape != "measured":
+            return "rigid flat"
+        if self.shape == "crowned":
+            along, across = (f"{r:.4g} mm" for r in (self.radius_along, self.radius_across))
+            return f"crowned body of {along} radius along and {across} across sliding"
+        edge = f" and {self.edge_radius:.4g} mm edge radius" if self.edge_radius else ""
+        of = {"pin": f"flat pin of {radius}{edge}", "measured": "measured counter-body"}
+        return of.get(self.shape, f"{self.shape} of {radius}")
 
 
 class Synthetic(Section):
@@ -78,20 +222,12 @@ class Synthetic(Section):
     )
 
 
-def _pixel(value: Any) -> Any:
-    value = one_by_one(value)
-    return (value, value) if isinstance(value, str) or is_quantity(value) or is_pair(value) else value
-
-
-def _crop(value: Any) -> Any:
-    value = _pixel(value)
-    if isinstance(value, list | tuple) and len(value) not in (2, 4):
-        raise ValueError("needs a size, a size along x and along y, or four lengths x0, x1, y0, y1")
-    return value
-
-
-class Disc(Body):
+class Disc(MeasuredBody, Body):
     """The section [disc] says what the disc is made of and which surface it has."""
+
+    FROM_A_FILE: ClassVar = ROUGH + when(
+        "disc.synthetic", None, otherwise="does not apply to a synthetic surface"
+    )
 
     surface: str | None = key(
         None,
@@ -101,30 +237,3 @@ class Disc(Body):
         must_be_said=True,
     )
     synthetic: Synthetic | None = key(None, "a synthetic surface instead", applies=ROUGH, one_of="surface")
-    extend: Literal["refuse", "mirror", "periodic"] = file_key(
-        "refuse", "when the file is smaller than the domain"
-    )
-    height_sign: Literal["up", "down"] = file_key("up", "down turns the file's heights over: it gives depths")
-    crop: Annotated[tuple[LengthOrZero, ...], BeforeValidator(_crop)] | None = file_key(
-        None, "part of the file used: x0, x1, y0, y1 from its corner, or a size around its middle"
-    )
-    sliding_axis: Literal["x", "y"] = file_key("x", "axis of the file along which the counter-body slides")
-    outliers: Annotated[float, Number(Range(least=3.0, or_equal=True))] | None = file_key(
-        None, "points farther than so many robust standard deviations from the local median are removed"
-    )
-    level: Literal["none", "plane", "sphere"] | Annotated[int, Field(ge=0, le=12)] = file_key(
-        "plane", "form removed from the measurement: none, plane, sphere or degree of a polynomial"
-    )
-    s_filter: Length | None = file_key(
-        None, "waves shorter than this are filtered out (Gaussian, ISO 16610-61)"
-    )
-    l_filter: Length | None = file_key(
-        None, "waves longer than this are filtered out (Gaussian, ISO 16610-61)"
-    )
-    pixel: Annotated[tuple[Length, Length], BeforeValidator(_pixel)] | None = file_key(
-        None, "distance of the file's points, needed by .npy; overrides what a file says"
-    )
-    height_unit: Literal["m", "mm", "um", "µm", "nm"] | None = file_key(
-        None, "unit of the file's heights, needed by .npy; overrides what a file says"
-    )
-    array: str | None = file_key(None, "which array of a .npz, or measurement of a .zip, by name or number")

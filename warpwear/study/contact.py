@@ -12,7 +12,7 @@ from pydantic import Field, PlainSerializer, PlainValidator
 
 from warpwear.laws.archard import BODIES, COEFFICIENTS, WEAR_LAWS, WearLaw
 from warpwear.laws.elastic import MATCHES
-from warpwear.laws.friction import KEYS, FrictionLaw
+from warpwear.laws.friction import COEFFICIENT, FRICTION_LAWS, KEYS, FrictionLaw
 from warpwear.study.keys import (
     Demand,
     Length,
@@ -37,11 +37,12 @@ ROUGH = when(
 )
 LOCAL = when("contact.law", "local", otherwise="does not apply to contact.law = '{}': E* of both bodies does")
 AT_REST = when(
-    "sliding.kinematics",
+    "kinematics",
     "stationary",
     otherwise="does not apply to sliding.kinematics = '{}', where a cell slides while the contact is over it",
 )
 FITTED = when("friction.shear_strength", None, otherwise="does not apply with a friction.shear_strength")
+SHEARS = when("friction.law", "shear-strength")
 SHEDS = when("wear.sheds", otherwise="does not apply without a wear.particle: all wear leaves at once")
 shed_key = partial(key, applies=SHEDS)
 running_in_key = partial(key, applies=when("wear.law", "running-in"))
@@ -51,6 +52,8 @@ ELASTIC = (
     "Young's modulus and Poisson's ratio of both bodies: counter.material or counter.young and "
     "counter.poisson, and the same of the disc"
 )
+#: Shapes that Hertz knows.
+ROUND = "a ball, a crowned body or a cylinder"
 #: The sentence's end where a stiffness is allowed instead.
 A_STIFFNESS = "; or a stiffness such as '2e6 N/mm^3'"
 THICKNESS = (
@@ -60,6 +63,10 @@ THICKNESS = (
 CRITICAL = (
     "junctions.surface_energy, such as '2 J/m^2', and of the softer body Young's modulus, Poisson's ratio "
     "and hardness; or give a diameter, such as '20 um'"
+)
+NOT_BY_AREA = (
+    ": by a shear strength all cells that touch would wear alike, whatever their pressure, which no contact "
+    "here is solved with"
 )
 IN_ONE_PROPORTION = ", which keeps what counter-body and disc wear in one proportion"
 
@@ -71,7 +78,6 @@ def no_cell_by_cell(why: str, of: tuple[str, ...] = ()) -> tuple[Demand, ...]:
 
 fitted_key = partial(
     key,
-    applies=FITTED,
     one_of="strength: measured",
     demands=no_cell_by_cell(", which needs friction.shear_strength itself"),
 )
@@ -124,7 +130,8 @@ class Contact(Section):
         assumed="one spring constant matches one of Hertz's three values",
         applies=BULK,
         formerly="contact.foundation",
-        demands=needs("counter.curvature", of=tuple(MATCHES), what="a ball", why=A_STIFFNESS)
+        demands=needs("counter.has_hertz", of=tuple(MATCHES), what=ROUND, why=A_STIFFNESS)
+        + needs("counter.has_approach", of="approach", what="a ball or a crowned body", why=A_STIFFNESS)
         + needs("effective_modulus", of=tuple(MATCHES), what=ELASTIC, why=A_STIFFNESS),
     )
     bulk_update: Literal["initial", "updated"] = key(
@@ -132,19 +139,23 @@ class Contact(Section):
         "K_N = C_W E*/a with Hertz's a for ever, or with that of the area in contact (two-scale: scar)",
         applies=BULK,
         formerly="contact.foundation_update",
-        demands=needs("contact.bulk_stiffness", *MATCHES, of="updated"),
+        demands=needs("contact.bulk_stiffness", *MATCHES, of="updated")
+        + needs("counter.has_approach", of="updated", what="a ball or a crowned body"),
     )
 
 
 @dataclass(frozen=True)
 class ArchardCoefficient:
-    """A wear coefficient is K of V = K F L [mm³/(N·m)], or k of V = k F L / H, a bare number."""
+    """A wear coefficient is K of V = K F L [mm³/(N·m)], k of V = k F L / H, a bare number, or α [mm³/J]."""
 
     unit: ClassVar[str] = "mm^3/N/m"
+    of_energy: ClassVar[str] = "mm^3/J"
     range: ClassVar[Range] = NOT_NEGATIVE
 
     value: float
     dimensionless: bool = False
+    #: Whether it is volume over friction energy. A joule is a newton metre: units alone do not tell.
+    per_energy: bool = False
 
     @classmethod
     def read(cls, quantity: Any) -> Self:
@@ -153,14 +164,20 @@ class ArchardCoefficient:
             return quantity
         bare = isinstance(quantity, Real) and not isinstance(quantity, bool)
         value = Number(cls.range).read(quantity) if bare else parse(quantity, cls.unit)
-        return cls(cls.range.check(value), bare)
+        return cls(cls.range.check(value), bare, not bare and "J" in str(quantity).replace("joule", "J"))
 
     def write(self) -> str | float:
         """Return what `read` reads back: text with a unit, or a bare number."""
-        return self.value if self.dimensionless else text(self.value, self.unit)
+        unit = self.of_energy if self.per_energy else self.unit
+        return self.value if self.dimensionless else text(self.value, unit)
 
-    def resolved(self, hardness: float) -> float:
-        """Return K [mm²/N] (thesis eqs 4.12 and 4.13). hardness: H of V = k F L / H [MPa]."""
+    def resolved(self, hardness: float, friction: Any = math.nan) -> Any:
+        """Return K [mm²/N] (thesis eqs 4.12 and 4.13). hardness: H of V = k F L / H [MPa].
+
+        friction: coefficient μ, of K = α μ.
+        """
+        if self.per_energy:
+            return 1.0e-3 * (self.value * friction)
         return self.value / hardness if self.dimensionless else 1.0e-3 * self.value
 
 
@@ -183,15 +200,17 @@ class Wear(Section):
         'wear coefficient K of the disc, such as "2e-6 mm^3/N/m"; 0 where it does not wear; without a unit '
         "k = K H, with contact.hardness or else the softer body's for both bodies",
     )
-    law: Literal["archard", "exponential", "running-in", "bearing-curve"] = key(
+    law: Literal["archard", "exponential", "running-in", "bearing-curve", "energy"] = key(
         "archard",
-        "depth = K × pressure × distance, K constant or by an empirical law of the distance slid",
+        "depth = K × pressure × distance, K constant or by an empirical law of the distance slid; energy: "
+        "depth = α × friction energy of an area, with counter and disc in mm^3/J",
         demands=needs("wear.decay", of="exponential")
         + needs("wear.running_in", of="running-in")
         + needs("wear.starts_apart", of="running-in", what="wear.initial_counter or wear.initial_disc")
         + needs("study.model", "macro", of="bearing-curve", why=": the other models resolve the roughness")
         + needs("stepping.scheme", "implicit", of="bearing-curve")
-        + excludes("study.model", "two-scale", of="running-in", why=IN_ONE_PROPORTION),
+        + excludes("study.model", "two-scale", of="running-in", why=IN_ONE_PROPORTION)
+        + needs("friction.law", "coulomb", of="energy", why=NOT_BY_AREA),
     )
     decay: Annotated[float, Quantity("1/mm")] | None = key(
         None,
@@ -213,6 +232,7 @@ class Wear(Section):
         applies=AT_REST,
         demands=excludes("study.model", "two-scale", of=("across", "radial"), why=IN_ONE_PROPORTION)
         + excludes("contact.law", "half-space", of=("across", "radial"))
+        + needs("counter.shape", "ball", of=("across", "radial"))
         + excludes("wear.particle", of=("across", "radial")),
     )
     particle: Annotated[float | Literal["critical"], Quantity("mm", words=("critical",))] | None = key(
@@ -247,19 +267,28 @@ class Wear(Section):
         """True where worn volume leaves in pieces."""
         return self.particle is not None
 
-    def laws(self, hardness: float, values: Mapping[str, Any] = UNCHANGED) -> tuple[WearLaw, WearLaw]:
+    @property
+    def unit(self) -> str:
+        """Give the unit that coefficients have under the law."""
+        return ArchardCoefficient.of_energy if self.law == "energy" else ArchardCoefficient.unit
+
+    def laws(
+        self, hardness: float, friction: float, values: Mapping[str, Any] = UNCHANGED
+    ) -> tuple[WearLaw, WearLaw]:
         """Return the laws of counter-body and disc. hardness: H of V = k F L / H [MPa].
 
-        values: dotted keys -> numbers, or arrays of them, in the keys' units, that replace the section's.
+        friction: coefficient, of the energy law. values: dotted keys -> numbers, or arrays of them, in the
+        keys' units, that replace those of the study.
         """
+        friction = values.get(f"friction.{COEFFICIENT}", friction)
 
         def number(key: str) -> Any:
             value = values.get(f"wear.{key}")
             if value is None:
                 value = getattr(self, key)
             elif key in COEFFICIENTS:
-                value = ArchardCoefficient(value)
-            return value.resolved(hardness) if isinstance(value, ArchardCoefficient) else value
+                value = ArchardCoefficient(value, per_energy=self.law == "energy")
+            return value.resolved(hardness, friction) if isinstance(value, ArchardCoefficient) else value
 
         counter, disc = (WEAR_LAWS[self.law].of(body, number) for body in BODIES)
         return counter, disc
@@ -268,6 +297,20 @@ class Wear(Section):
     def starts_apart(self) -> bool:
         """True where a body runs in, from a coefficient of its own."""
         return self.initial_counter is not None or self.initial_disc is not None
+
+    @property
+    def per_energy(self) -> dict[str, float]:
+        """Map a body to its coefficient α of the energy law [mm³/J]."""
+        return {body: getattr(self, body).value for body in BODIES}
+
+    def _check(self) -> None:
+        for name in sorted(COEFFICIENTS):
+            value, other = getattr(self, name), "the energy of friction" if self.law == "energy" else "load"
+            if value and value.value and value.per_energy != (self.law == "energy"):
+                raise ValueError(
+                    f"wear.{name} = '{value.write()}' does not go with wear.law = '{self.law}', which wears "
+                    f"by {other}: its unit is {self.unit}"
+                )
 
 
 class FilmSection(Section):
@@ -293,26 +336,46 @@ class FilmSection(Section):
 class Friction(Section):
     """The section [friction] says what fixes the coefficient of friction."""
 
-    shear_strength: Pressure | None = key(None, "interfacial shear strength τ0", one_of="strength")
-    coefficient: Annotated[float, Number(Range(most=3.0))] = fitted_key(
-        0.6, "measured coefficient that fixes τ0, instead", assumed="for want of a measured one"
+    law: Literal["shear-strength", "coulomb"] = key(
+        "shear-strength",
+        "the coefficient is τ0 × area / load, and ploughing; coulomb: it is friction.coefficient at every "
+        "distance, ploughing included",
     )
-    calibrate: Literal["end", "initial"] = fitted_key("end", "when the measured coefficient holds")
+    shear_strength: Pressure | None = key(
+        None,
+        "interfacial shear strength τ0",
+        one_of="strength",
+        demands=excludes("friction.law", "coulomb", why=", a coefficient alone"),
+    )
+    coefficient: Annotated[float, Number(Range(most=3.0))] = fitted_key(
+        0.6,
+        "measured coefficient that fixes τ0, instead; coulomb: the coefficient μ",
+        assumed="for want of a measured one",
+        applies=FITTED,
+    )
+    calibrate: Literal["end", "initial"] = fitted_key(
+        "end", "when the measured coefficient holds", applies=SHEARS + FITTED
+    )
     ploughing: Annotated[float, Number(Range(or_equal=True, most=3.0))] = key(
-        0.0, "part μ_p of the coefficient that does not shear"
+        0.0, "part μ_p of the coefficient that does not shear", applies=SHEARS
     )
     initial_ratio: Annotated[float, Number(Range(or_equal=True, most=1000.0))] | None = key(
         None,
         "running-in: τ at the start over τ0, with τ0 (1 + (ratio − 1) e^(−L/L_τ)); an empirical fit",
+        applies=SHEARS,
         demands=needs("friction.running_in")
         + no_cell_by_cell(": a shear strength that runs in by a fit would be counted twice"),
     )
     running_in: Length | None = key(
-        None, "running-in: L_τ of the shear strength", demands=needs("friction.initial_ratio")
+        None,
+        "running-in: L_τ of the shear strength",
+        applies=SHEARS,
+        demands=needs("friction.initial_ratio"),
     )
     area: Literal["contact", "touched", "cumulative", "nominal"] = key(
         "contact",
         "area that shears",
+        applies=SHEARS,
         demands=no_cell_by_cell(", which shears the cells in contact", of=NOT_CONTACT),
     )
     junction_growth: Annotated[float, Number(Range(or_equal=True, most=100.0))] = key(
@@ -325,19 +388,22 @@ class Friction(Section):
     film: FilmSection | None = key(None, "a film that wear breaks", demands=BARE_STRENGTH + NO_BEARING_CURVE)
 
     @property
-    def fitted(self) -> Literal["end", "initial"] | None:
-        """Where the coefficient is an input, to which τ0 is fitted; None where τ0 is given."""
+    def fitted(self) -> Literal["end", "initial", "coulomb"] | None:
+        """Where the coefficient is an input, to which τ0 is fitted, or all of it; None where τ0 is given."""
+        if self.law == "coulomb":
+            return self.law
         return self.calibrate if self.shear_strength is None else None
 
-    def law_with(self, values: Mapping[str, Any] = UNCHANGED) -> FrictionLaw:
-        """Return the law of friction. values: as of `Wear.laws`."""
-        own = {key: value_in(self, key) for key in KEYS}
-        return FrictionLaw({key: values.get(f"friction.{key}", value) for key, value in own.items()})
-
     @property
-    def law(self) -> FrictionLaw:
-        """The law by which a run's friction follows from its history."""
-        return self.law_with()
+    def ends_as_given(self) -> bool:
+        """True where the coefficient at the end is an input."""
+        return self.fitted in ("end", "coulomb")
+
+    def law_with(self, values: Mapping[str, Any] = UNCHANGED) -> FrictionLaw:
+        """Return the law by which friction follows from a history. values: as of `Wear.laws`."""
+        own = {key: value_in(self, key) for key in KEYS}
+        numbers = {key: values.get(f"friction.{key}", value) for key, value in own.items()}
+        return FRICTION_LAWS[self.law](numbers)
 
     @property
     def limit(self) -> str:
@@ -345,7 +411,7 @@ class Friction(Section):
         return "H/√α" if self.junction_growth else "H/(3√3)"
 
     def _check(self) -> None:
-        if self.shear_strength is None and self.coefficient <= self.ploughing:
+        if self.fitted in ("end", "initial") and self.coefficient <= self.ploughing:
             raise ValueError(
                 f"friction.coefficient = {self.coefficient:g} must exceed friction.ploughing = "
                 f"{self.ploughing:g}"

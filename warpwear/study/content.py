@@ -1,6 +1,7 @@
 """The content of a study: its sections, and what follows from them."""
 
 import math
+from typing import Any
 
 from pydantic import Field
 
@@ -14,11 +15,11 @@ from warpwear.laws.passes import Laps
 from warpwear.laws.patches import Patches
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
-from warpwear.laws.track import Track
+from warpwear.laws.track import WHOLE, Track
 from warpwear.study.bodies import CounterBody, Disc
 from warpwear.study.contact import Contact, Friction, Junctions, Wear
 from warpwear.study.keys import Section, key, value_of, when
-from warpwear.study.motion import GridSection, Sliding, Stepping
+from warpwear.study.motion import MOST_SHIFT, STEPS_OF_STROKE, GridSection, Sliding, Stepping
 from warpwear.study.settings import About, Checks, Output, PatchesSection, Run
 from warpwear.study.units import text
 
@@ -66,8 +67,32 @@ class Content(Section):
 
     @property
     def is_swept(self) -> bool:
-        """True where the ball slides over a track, false where it stays on the same cells of the disc."""
-        return self.sliding.kinematics == "swept"
+        """True where the counter-body slides over a track, false where it stays on the same cells."""
+        return self.kinematics == "swept"
+
+    @property
+    def kinematics(self) -> str:
+        """How the bodies move: as named, else "swept" of the micro model with a stroke or a track radius."""
+        slides = self.study.model == "micro" and self.sliding.lap is not None
+        return self.sliding.kinematics or ("swept" if slides else "stationary")
+
+    @property
+    def shift(self) -> int:
+        """Cells that a step of a swept study covers: as named, else what leaves a stroke its least steps.
+
+        Of a track whose length is named it is a divisor, if there is one that is more than half as many.
+        """
+        sliding, cell, lap = self.sliding, self.grid.cell, self.sliding.lap
+        assert lap is not None  # checked with the study
+        most = max(1, min(MOST_SHIFT, math.floor(lap / cell / STEPS_OF_STROKE * (1.0 + WHOLE))))
+        cells = most if sliding.track == "full" else round(float(sliding.track) / cell)
+        fits = (n for n in range(most, most // 2, -1) if cells % n == 0)
+        return sliding.shift or next(fits, most)
+
+    @property
+    def increments(self) -> tuple[float, float, float]:
+        """First increment at rest [mm], the factor by which increments grow, and the largest [mm]."""
+        return self.stepping.plan(self.sliding.total)
 
     @property
     def lap(self) -> float | None:
@@ -82,18 +107,18 @@ class Content(Section):
     @property
     def track(self) -> Track:
         """The track that a swept study asks for; `rules_track` says whether it may."""
-        sliding, cell = self.sliding, self.grid.cell
+        sliding, cell, shift = self.sliding, self.grid.cell, self.shift
         lap = sliding.lap
         assert lap is not None  # checked with the study
         rotates = sliding.track_radius is not None
         if sliding.track != "full":
             cells = round(float(sliding.track) / cell)
         elif rotates:
-            cells = max(1, round(lap / (sliding.shift * cell))) * sliding.shift
+            cells = max(1, round(lap / (shift * cell))) * shift
         else:
             cells = round(lap / cell)
         periodic = rotates or sliding.track != "full"
-        return Track(cells, sliding.shift, cell, self.cells.nx, lap, periodic, not rotates)
+        return Track(cells, shift, cell, self.cells.nx, lap, periodic, not rotates)
 
     @property
     def patch_layout(self) -> Patches:
@@ -159,27 +184,42 @@ class Content(Section):
     @property
     def boundary(self) -> str:
         """Boundary of the half-space, or of every patch: "free" or "periodic"."""
-        whole_counter = self.counter.curvature and self.study.model != "two-scale"
+        whole_counter = not self.counter.form.is_flat and self.study.model != "two-scale"
         return self.contact.boundary or ("free" if whole_counter else "periodic")
 
     @property
-    def resolved(self) -> dict[str, str]:
-        """Map the keys that were left open to what they come to under the choices made, as text."""
-        resolved = {
+    def repeats(self) -> bool:
+        """True where the domain, with the counter-body, is repeated beside itself."""
+        elastic = self.contact.law == "half-space" and self.study.model == "micro"
+        return elastic and self.boundary == "periodic"
+
+    @property
+    def resolved(self) -> dict[str, Any]:
+        """Map the keys that were left open to what they come to under the choices made."""
+        resolved: dict[str, Any] = {
             "contact.hardness": text(self.indentation_hardness, "MPa"),
             "contact.boundary": self.boundary,
+            "sliding.kinematics": self.kinematics,
+            "stepping.largest": text(self.increments[2], "mm"),
             "patches.width": text(self.patches.patch_width, "mm"),
         }
+        if self.is_swept:
+            resolved["sliding.shift"] = self.shift
         values = self.model_dump()
         return {name: value for name, value in resolved.items() if value_of(values, name) is None}
 
     @property
     def hertz(self) -> Hertz | None:
-        """Hertz's contact of the bodies before any wear; None for a flat or unknown elastic constants."""
-        modulus, curvature = self.effective_modulus, self.counter.curvature
-        if modulus is None or curvature == 0.0:
+        """Hertz's contact of the bodies before any wear; None for other forms or unknown constants."""
+        modulus, form, load = self.effective_modulus, self.counter.form, self.contact.load
+        if modulus is None or not self.counter.has_hertz:
             return None
-        return Hertz(modulus, 1.0 / curvature, self.contact.load)
+        if form.along == form.across:
+            return Hertz(modulus, 1.0 / form.along, load)
+        radii = (1.0 / curvature if curvature else math.inf for curvature in (form.along, form.across))
+        # Along which a cylinder lies, it is as long as the domain, which is a square.
+        along, across = radii
+        return Hertz(modulus, along, load, across, self.grid.extent)
 
     @property
     def junction_strength(self) -> float | None:
@@ -240,7 +280,7 @@ class Content(Section):
         return ContactTask(
             load=self.contact.load,
             hardness=self.hardness,
-            curvature=self.counter.curvature,
+            form=self.counter.form,
             wear=self.wear_laws,
             compliance=self.contact_law().compliance,
             implicit=self.stepping.scheme == "implicit",
@@ -303,7 +343,7 @@ class Content(Section):
     @property
     def wear_laws(self) -> tuple[WearLaw, WearLaw]:
         """The laws by which counter-body and disc wear."""
-        return self.wear.laws(self.wear_hardness)
+        return self.wear.laws(self.wear_hardness, self.friction.coefficient)
 
     @property
     def wear_hardness(self) -> float:

@@ -162,7 +162,7 @@ class Declared:
     #: Why this default was chosen, where it is a physical assumption.
     assumed: str | None = None
     #: When the key is used; the first rule that does not hold says why it is not. Those of a section hold for
-    #: its keys too.
+    #: its keys too. Of a key that sections share it is the name of what they have them in.
     applies: tuple[Rule, ...] = ()
     #: What the key demands of others where it is used.
     demands: tuple[Demand, ...] = ()
@@ -254,6 +254,8 @@ def declarations(model: type[BaseModel], prefix: str = "") -> Mapping[str, Decla
     for name, info in model.model_fields.items():
         extra = info.json_schema_extra
         declared = replace(extra if isinstance(extra, Declared) else Declared(), field=info)
+        if isinstance(declared.applies, str):
+            declared = replace(declared, applies=getattr(model, declared.applies))
         keys[prefix + name] = declared
         section = section_in(info.annotation)
         if section is not None:

@@ -79,9 +79,9 @@ def read_sections(path_or_preset: str | Path) -> dict[str, Any]:
         raise InputError(f"{path} is not text, which a study is.") from error
     except (ValueError, RecursionError) as error:  # also numbers of thousands of digits, endless nesting
         raise InputError(f"{path} is not TOML: {error}.") from error
-    surface = value_of(sections, "disc.surface")
-    if isinstance(surface, str):
-        sections["disc"]["surface"] = str(path.parent.resolve() / surface)
+    for name in FILES:
+        if isinstance(file := value_of(sections, name), str):
+            insert(sections, name, str(path.parent.resolve() / file))
     return sections
 
 
@@ -99,6 +99,8 @@ def _no_such_study(name: str) -> str:
     return f"STUDY = '{name}' is neither a file nor a preset ({', '.join(presets())}).{hint}"
 
 
+#: Keys that name a file, relative to the study's.
+FILES = ("disc.surface", "counter.surface")
 CONSTANTS = ("young", "poisson", "hardness")
 MACRO_CELL = "10 um"
 

@@ -9,18 +9,23 @@ from pydantic import Field
 from warpwear.study.keys import Length, LengthOrZero, Section, key, needs, needs_compliance, when
 from warpwear.study.units import Number, Quantity, Range
 
+#: Parts of a distance at rest that no increment exceeds, unless given.
+LARGEST_PARTS = 800
 #: Most cells along a side: a million squared is more than any memory holds.
 MOST_CELLS = 1_000_000
 
+#: Cells of a step at most, if not given, and steps of a stroke at least: docs/theory/track.md says why.
+MOST_SHIFT, STEPS_OF_STROKE = 8, 8
+
 Strokes = Annotated[int, Field(ge=0, le=1_000_000_000, strict=True)]
 
-SWEPT = when("sliding.kinematics", "swept")
+SWEPT = when("kinematics", "swept", otherwise="does not apply to sliding.kinematics = '{}'")
 ON_A_CIRCLE = when(
     "sliding.uses_track_radius", otherwise="does not apply to sliding.kinematics = 'stationary'"
 )
 CAPPED = when("caps_pressure", otherwise="does not apply without a contact.hardness: no cell reaches it")
 STEPS = when(
-    "sliding.kinematics",
+    "kinematics",
     "stationary",
     otherwise="does not apply to sliding.kinematics = '{}', whose steps are sliding.shift cells long",
 )
@@ -90,10 +95,10 @@ class Sliding(Section):
     speed: Annotated[float, Quantity("mm/s")] | None = key(
         None, "sliding speed, for the time axis only; by default the mean of the frequency"
     )
-    kinematics: Literal["stationary", "swept"] = key(
-        "stationary",
-        "stationary: the same disc cells stay under the counter-body; swept: it slides along a track "
-        "on the disc",
+    kinematics: Literal["stationary", "swept"] | None = key(
+        None,
+        "swept: the counter-body slides along a track on the disc, as it does by itself with a stroke or "
+        "track_radius; stationary: the same disc cells stay under it",
         demands=needs("study.model", "micro", of="swept", why=A_DISC_OF_CELLS)
         + needs("sliding.lap", of="swept", what="sliding.stroke, or sliding.track_radius of a rotating disc"),
     )
@@ -102,9 +107,10 @@ class Sliding(Section):
         "swept: the whole stroke, or the length of a periodic disc on which one lap stands for one pass",
         applies=SWEPT,
     )
-    shift: Annotated[int, Field(ge=1, le=100_000, strict=True)] = key(
-        8,
-        "swept: cells that the counter-body moves on in a step, which the half-space divides where it must",
+    shift: Annotated[int, Field(ge=1, le=100_000, strict=True)] | None = key(
+        None,
+        "swept: cells that the counter-body moves on in a step, which the half-space divides where it must; "
+        f"{MOST_SHIFT}, or less for a stroke of fewer than {STEPS_OF_STROKE} such steps",
         assumed="well within the contact's length",
         applies=SWEPT,
     )
@@ -118,8 +124,8 @@ class Sliding(Section):
 
     @property
     def uses_track_radius(self) -> bool:
-        """True where the ball slides along the track's radius, or revolutions are counted or timed."""
-        return self.kinematics == "swept" or self.revolutions is not None or self.frequency is not None
+        """True where the counter-body slides on a circle, or revolutions are counted or timed."""
+        return self.kinematics != "stationary" or self.revolutions is not None or self.frequency is not None
 
     @property
     def lap(self) -> float | None:
@@ -160,8 +166,10 @@ class Stepping(Section):
     growth: Annotated[float, Number(Range(least=1.0, or_equal=True, most=10.0))] = growing_key(
         1.02, "ratio of an increment to the last", assumed="grow with the distance slid"
     )
-    largest: Length = growing_key(
-        "3 mm", "growing increments: the largest", assumed="a tenth of a usual stroke"
+    largest: Length | None = growing_key(
+        None,
+        f"growing increments: the largest; 3 mm, or of a longer distance its {LARGEST_PARTS}th part",
+        assumed="a tenth of a usual stroke, small beside the distance",
     )
     load_tolerance: Annotated[float | Literal["one cell"], Quantity("N", words=("one cell",))] = key(
         "one cell", "bearing area only: load left unbalanced, at most", applies=NO_COMPLIANCE
@@ -169,14 +177,13 @@ class Stepping(Section):
     force: bool = key(False, "go on beyond the explicit stability limit")
 
     def _check(self) -> None:
-        if self.first > self.largest:
+        if self.largest is not None and self.first > self.largest:
             raise ValueError(
                 f"stepping.first = {self.first:g} mm must not exceed stepping.largest = {self.largest:g} mm"
             )
 
-    @property
-    def plan(self) -> tuple[float, float, float]:
-        """First increment [mm], the factor by which increments grow, and the largest [mm]."""
+    def plan(self, distance: float) -> tuple[float, float, float]:
+        """First increment over a distance [mm], the factor by which increments grow, and the largest [mm]."""
         if self.increment is not None:
             return self.increment, 1.0, self.increment
-        return self.first, self.growth, self.largest
+        return self.first, self.growth, self.largest or max(3.0, distance / LARGEST_PARTS, self.first)

@@ -22,6 +22,7 @@ def check(study: Content) -> None:
     if study.study.model == "two-scale":
         _patches(study)
     _boundary(study)
+    _shape(study)
     rules_track.check(study)
     rules_pieces.check(study)
     _hardness(study)
@@ -51,12 +52,24 @@ def _patches(study: Content) -> None:
 
 
 def _boundary(study: Content) -> None:
-    """Refuse a half-space that repeats a ball."""
-    elastic = study.contact.law == "half-space" and study.study.model == "micro"
-    if elastic and study.boundary == "periodic" and study.counter.curvature != 0.0:
+    """Refuse a half-space that repeats a counter-body, unless that goes on beyond its file."""
+    form = study.counter.form
+    if study.repeats and not form.is_flat and all(form.rises):
         raise ValueError(
             "contact.boundary = 'periodic' would repeat the counter-body beside itself: allowed is 'free', "
             "or a flat, counter.radius = 'inf mm'"
+        )
+
+
+def _shape(study: Content) -> None:
+    """Refuse a pin without a rim, or one that the domain does not hold."""
+    counter, extent = study.counter, study.grid.extent
+    width = 2.0 * counter.form.reach
+    if counter.shape == "pin" and not width <= extent - 2.0 * study.grid.cell:
+        raise ValueError(
+            f"counter.radius = {counter.nominal_radius:g} mm with counter.edge_radius = "
+            f"{counter.edge_radius:g} mm makes a pin {width:g} mm wide, and grid.extent = {extent:g} mm must "
+            "hold it with a cell on each side; allowed are a smaller pin and a larger grid.extent"
         )
 
 
@@ -107,15 +120,15 @@ def _dimensionless(study: Content) -> Iterator[str]:
 
 
 def _capacity(study: Content) -> None:
-    curvature, hardness = study.counter.curvature, min(study.caps)  # all cells may become bare
-    under_counter = math.pi / curvature**2 if curvature else math.inf
+    counter, hardness = study.counter, min(study.caps)  # all cells may become bare
+    under_counter = math.pi * counter.form.reach**2
     carried = hardness * min(study.cells.area, under_counter)
     if hardness * under_counter < study.contact.load:
         radius = math.sqrt(study.contact.load / (math.pi * hardness))
         raise ValueError(
-            f"counter.radius = {1.0 / curvature:g} mm is too small: at this hardness, {hardness:g} MPa, "
-            f"a ball carries {hardness * under_counter:.4g} N on its whole section, and contact.load "
-            f"= {study.contact.load:g} N needs more than {radius:.3g} mm"
+            f"counter.radius = {counter.nominal_radius:g} mm is too small: at this hardness, "
+            f"{hardness:g} MPa, a {counter.shape} carries {hardness * under_counter:.4g} N on its whole "
+            f"section, and contact.load = {study.contact.load:g} N needs more than {radius:.3g} mm"
         )
     if carried < study.contact.load:
         raise ValueError(
@@ -228,10 +241,10 @@ def _unstable(study: Content) -> str | None:
     if study.is_swept:
         return rules_track.unstable(study)
     limit = study.contact_law().stable_increment(sum(law.fastest for law in study.wear_laws))
-    if min(study.stepping.plan[2], study.sliding.total) < limit:
+    if min(study.increments[2], study.sliding.total) < limit:
         return None
     return (
-        f"stepping.{_largest(study)} = {study.stepping.plan[2]:g} mm is beyond the explicit stability limit "
+        f"stepping.{_largest(study)} = {study.increments[2]:g} mm is beyond the explicit stability limit "
         f"2/(k K) = {limit:.3g} mm"
     )
 
@@ -241,11 +254,10 @@ def too_small(study: Content) -> str | None:
 
     Roughness only makes the patch wider. Patches wider than the radius are left to the run.
     """
-    curvature = study.counter.curvature
-    if curvature == 0.0:
+    if study.counter.form.is_flat:
         return None
     patch = rules_track.worn_patch(study)
-    if not study.grid.extent < patch < 1.0 / curvature:
+    if not study.grid.extent < patch < study.counter.form.most_worn:
         return None
     return (
         f"grid.extent = {study.grid.extent:g} mm is too small: the worn patch will be {patch:.3g} mm wide or "
@@ -261,7 +273,7 @@ def _spared(patch: float) -> float:
 
 def _of_extent(study: Content) -> Iterator[str]:
     """Yield a sentence where a worn patch will all but fill the domain: roughness makes it wider."""
-    if study.counter.curvature == 0.0 or not study.is_rough:
+    if study.counter.form.is_flat or not study.is_rough:
         return
     patch, extent = rules_track.worn_patch(study), study.grid.extent
     if patch <= extent < CLOSE * patch:
@@ -272,10 +284,10 @@ def _of_extent(study: Content) -> Iterator[str]:
 
 
 def _steps(study: Content) -> None:
-    total, (first, growth, largest) = study.sliding.total, study.stepping.plan
+    total, (first, growth, largest) = study.sliding.total, study.increments
     if study.is_swept:
         steps = study.track.steps(total)
-        by, larger = f"sliding.shift = {study.sliding.shift} cells", "sliding.shift or grid.cell"
+        by, larger = f"sliding.shift = {study.shift} cells", "sliding.shift or grid.cell"
     elif growth > 1.0:
         # Growing steps cover first growth^n/(growth − 1); at most the whole distance is left for the largest.
         covered = (largest - first) / (growth - 1.0)

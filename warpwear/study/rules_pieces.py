@@ -57,7 +57,7 @@ def _of_steps(study: Content, pieces: Pieces) -> Iterator[str]:
     """Yield a sentence where a step takes more off a cell at the hardness than the pieces bear."""
     if not math.isfinite(study.hardness):
         return
-    total, largest = study.sliding.total, study.stepping.plan[2]
+    total, largest = study.sliding.total, study.increments[2]
     fraction = 1.0
     if study.is_swept:
         track = study.track
@@ -72,7 +72,7 @@ def _of_steps(study: Content, pieces: Pieces) -> Iterator[str]:
         longest = slid * allowed / depth
         change = f"increments of {longest:.2g} mm or less are needed (stepping)"
         if study.is_swept:
-            cells = math.floor(study.sliding.shift * allowed / depth)
+            cells = math.floor(study.shift * allowed / depth)
             changes = [f"sliding.shift = {cells}"] if cells else ["a smaller grid.cell"]
             if name == "counter" and fraction < 1.0 and study.sliding.track != "full":
                 longer = float(study.sliding.track) * depth / allowed

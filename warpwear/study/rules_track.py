@@ -3,23 +3,30 @@
 import math
 from collections.abc import Iterator
 
+from warpwear.laws.form import Form
 from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study.content import Content
 
 
 def check(study: Content) -> None:
     """Refuse a track that cannot be computed as it is asked for: raises ValueError with one sentence."""
-    if not study.is_swept:
-        return
     sliding, cell, extent = study.sliding, study.grid.cell, study.grid.extent
     lap = sliding.lap
-    assert lap is not None  # the key that says so was checked
+    if lap is None:
+        return
     named = f"sliding.stroke = {lap:g} mm"
     if sliding.track_radius is not None:
         named = f"sliding.track_radius = {sliding.track_radius:g} mm (a track of {lap:.4g} mm)"
+    if not study.is_swept:
+        if sliding.kinematics is None:
+            raise ValueError(
+                f"{named}: in the {study.study.model} model the disc lies still; allowed are study.model = "
+                "'micro', in which the counter-body slides, and sliding.kinematics = 'stationary'"
+            )
+        return
     if sliding.track != "full":
         length = float(sliding.track)
-        step = sliding.shift * cell
+        step = study.shift * cell
         steps = length / step
         if not is_whole(steps):
             least, most = math.ceil(extent / step * (1.0 - WHOLE)), math.floor(lap / step * (1.0 + WHOLE))
@@ -29,7 +36,7 @@ def check(study: Content) -> None:
             allowed = f"the nearest allowed is {near:.9g} mm"
             raise ValueError(
                 f"sliding.track = {length:g} mm is not a whole number of steps of sliding.shift = "
-                f"{sliding.shift} cells, {1e3 * step:g} µm; "
+                f"{study.shift} cells, {1e3 * step:g} µm; "
                 f"{allowed if least <= most else 'a smaller sliding.shift is needed'}"
             )
         if length > lap * (1.0 + WHOLE):
@@ -45,16 +52,10 @@ def check(study: Content) -> None:
             f"{whose} is shorter than grid.extent = {extent:g} mm: the counter-body would lie on the "
             "same cells twice"
         )
-    if track.cells < sliding.shift:
+    if track.cells < study.shift:
         raise ValueError(
-            f"sliding.shift = {sliding.shift} cells of {1e3 * cell:g} µm is longer than {named}; a smaller "
+            f"sliding.shift = {study.shift} cells of {1e3 * cell:g} µm is longer than {named}; a smaller "
             "sliding.shift is needed"
-        )
-    contact = extent if study.counter.curvature == 0.0 else worn_patch(study)
-    if lap < contact:
-        raise ValueError(
-            f"{named} is shorter than the contact will be, {contact:.3g} mm: its middle would never leave "
-            "the counter-body; allowed are longer ones, or sliding.kinematics = 'stationary'"
         )
 
 
@@ -78,21 +79,29 @@ def worn_patch(study: Content, distance: float | None = None) -> float:
 
     distance: by default the whole test [mm].
 
-    On a disc that lies still both bodies lose the overlap of a ball with a plane, π a⁴/4R of a paraboloid,
-    whatever the pressure. A ball that slides loses that overlap alone; or, where it hardly wears, its
-    groove is a segment of its own circle, 2a³/3R in section.
+    On a disc that lies still both bodies lose the overlap of the counter-body with a plane, π a⁴/4R of a
+    paraboloid, whatever the pressure. One that slides loses that overlap alone; or, where it hardly wears,
+    its groove is a segment of its own circle, 2a³/3R in section. Of a stroke shorter than that the disc at
+    rest tells more. It is the wider of what the domain must hold, along sliding and across it; the domain's
+    own where the counter-body is as large.
     """
-    curvature, load = study.counter.curvature, study.contact.load
+    form, load, extent = study.counter.form, study.contact.load, study.grid.extent
     total = study.sliding.total if distance is None else distance
-    if curvature == 0.0:
-        return study.grid.extent
+    if form.is_flat:
+        return extent
+    domain = extent, extent
     counter, disc = (load * law.wear_per_pressure(0.0, total) for law in study.wear_laws)
     lap = study.sliding.lap
+    at_rest = _held(form, form.worn(counter + disc, domain))
     if not study.is_swept or lap is None:
-        return float(2.0 * (4.0 * (counter + disc) / (math.pi * curvature)) ** 0.25)
-    patch = (4.0 * counter / (math.pi * curvature)) ** 0.25
-    groove = (1.5 * disc / (lap * curvature)) ** (1.0 / 3.0) if total > lap else 0.0
-    return float(2.0 * max(patch, groove))
+        return at_rest
+    groove = Form(across=form.across).worn(disc, (lap, extent))[1] if total > lap and form.across else 0.0
+    return min(max(_held(form, form.worn(counter, domain)), groove), at_rest)
+
+
+def _held(form: Form, widths: tuple[float, float]) -> float:
+    """Return the larger of the widths [mm] towards which a form rises: the domain must hold it."""
+    return max((width for width, rises in zip(widths, form.rises, strict=True) if rises), default=0.0)
 
 
 def extent_for(study: Content, distance: float) -> float:
@@ -123,20 +132,21 @@ def doubts(study: Content) -> Iterator[str]:
     if not study.is_swept:
         return
     sliding = study.sliding
-    step = sliding.shift * study.grid.cell
+    step = study.shift * study.grid.cell
     first = 2.0 * math.sqrt(study.contact.load / (math.pi * study.hardness))
     if step > first > 0.0:
         yield (
-            f"sliding.shift = {sliding.shift} cells, {1e3 * step:g} µm, is longer than a contact at the "
+            f"sliding.shift = {study.shift} cells, {1e3 * step:g} µm, is longer than a contact at the "
             f"hardness, {1e3 * first:.3g} µm: at first the disc is worn in places only."
         )
     local = study.contact.law == "local" and not study.uses_bearing_area
     if local and study.contact_law().compliance == 0.0:
+        finer = "sliding.shift" if study.shift > 1 else "grid.cell"
         yield (
-            f"sliding.shift = {sliding.shift} cells: by contact.law = 'local' with contact.stiffness = inf "
+            f"sliding.shift = {study.shift} cells: by contact.law = 'local' with contact.stiffness = inf "
             "bodies yield by the wear of a step alone, so the area in contact depends on its length, up to "
             "in proportion to it on a smooth or run-in disc under a ball that hardly wears; the cure is "
-            "contact.law = 'half-space', else to halve sliding.shift until the area stays."
+            f"contact.law = 'half-space', else to halve {finer} until the area stays."
         )
     radius = sliding.track_radius
     if radius is not None and radius < 2.0 * study.grid.extent:

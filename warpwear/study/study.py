@@ -48,7 +48,7 @@ class Study(Content):
     def __repr__(self) -> str:
         about, cells = self.study, self.cells
         return (
-            f"<Study '{about.name}': {about.model} model, {self.contact.law} law, {self.sliding.kinematics}, "
+            f"<Study '{about.name}': {about.model} model, {self.contact.law} law, {self.kinematics}, "
             f"{cells.nx} × {cells.ny} cells of {1e3 * cells.cell:g} µm, {self.contact.load:g} N over "
             f"{self.sliding.total:g} mm>"
         )

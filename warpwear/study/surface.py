@@ -1,7 +1,9 @@
-"""The [disc] section of a study says what the disc's surface is; here it is made or read."""
+"""The sections [disc] and [counter] say what the bodies' surfaces are; here they are made or read."""
 
 import math
-from dataclasses import fields
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import fields, replace
 
 import numpy as np
 
@@ -9,8 +11,9 @@ from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.laws.bearing_curve import Logistic
+from warpwear.laws.form import Ball, Form, Given
 from warpwear.laws.track import WHOLE
-from warpwear.study.bodies import Disc
+from warpwear.study.bodies import Disc, MeasuredBody
 from warpwear.study.study import Study
 from warpwear.surfaces.base import Surface
 from warpwear.surfaces.made.milled import Milled
@@ -89,10 +92,47 @@ def surface_of(disc: Disc) -> Surface:
     """Return the disc's surface. Raises InputError, naming the field of ``disc``, where it cannot be used."""
     synthetic = disc.synthetic
     if synthetic is None:
-        preparation = Preparation(**{field.name: getattr(disc, field.name) for field in fields(Preparation)})
-        how = {name: getattr(disc, name) for name in ("extend", "pixel", "height_unit", "array")}
-        return read_measured(str(disc.surface), preparation, **how)
+        return _measured(disc)
     if synthetic.kind == "flat":
         return Flat()
     kind = SelfAffine if synthetic.kind == "self-affine" else Milled
     return kind(**{field.name: getattr(synthetic, field.name) for field in fields(kind)})
+
+
+def counter_surface(study: Study) -> Measured | None:
+    """Return what was measured of the counter-body; None of another shape. Raises InputError."""
+    if study.counter.shape != "measured":
+        return None
+    with _of_counter():
+        return _measured(study.counter)
+
+
+def form_of(study: Study, surface: Measured | None) -> Form:
+    """Return the unworn counter-body's form, of a measured one the heights turned over on the domain's cells.
+
+    surface: as of `counter_surface`. Raises InputError where it is smaller than the domain.
+    """
+    form, grid = study.counter.form, study.cells
+    if surface is None or not isinstance(form, Given):
+        return form
+    with _of_counter():
+        seen = surface.heights(grid.x, -grid.y[::-1])[:, ::-1]
+    nominal = Ball(form.along, form.across) if form.across else Form(form.along)
+    heights = nominal.heights(grid.x, grid.y) - seen
+    return replace(form, values=heights - heights.min())
+
+
+@contextmanager
+def _of_counter() -> Iterator[None]:
+    """Name the keys of [counter] in what is said of a file, whose readers speak of the disc's."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(str(error).replace("disc.", "counter.")) from error
+
+
+def _measured(body: MeasuredBody) -> Measured:
+    """Read a body's file. Raises InputError, naming the field of ``disc``."""
+    preparation = Preparation(**{field.name: getattr(body, field.name) for field in fields(Preparation)})
+    how = {name: getattr(body, name) for name in ("extend", "pixel", "height_unit", "array")}
+    return read_measured(str(body.surface), preparation, **how)

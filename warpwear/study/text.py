@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 from warpwear.errors import printable
 from warpwear.study.content import Content
 from warpwear.study.keys import declarations, given_keys, inapplicable, key_of, no_such_key, section_in
-from warpwear.study.loading import CONSTANTS, insert
+from warpwear.study.loading import CONSTANTS, FILES, insert
 from warpwear.study.materials import material
 from warpwear.study.units import is_quantity
 
@@ -31,7 +31,7 @@ def to_toml(study: Content) -> str:
     left_open = study.resolved
     for name, value in _applicable(study):
         if name not in left_open:
-            insert(nested, name, str(Path(value).absolute()) if name == "disc.surface" else value)
+            insert(nested, name, str(Path(value).absolute()) if name in FILES and value else value)
     assumed = assumptions(study)  # of defaults too, which look like given values in this text
     return tomli_w.dumps(nested | ({"assumed": assumed} if assumed else {}))
 
@@ -158,7 +158,7 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     if kind == "literal_error":
         branches = [e for e in error.errors() if e["type"] == kind and e["loc"][:2] == first["loc"][:2]]
         options = sorted({str(e["ctx"]["expected"]) for e in branches})
-        more = " or a degree from 0 to 12" if name == "disc.level" else ""
+        more = " or a degree from 0 to 12" if name.endswith(".level") else ""
         return f"{name} = {text} is not allowed; allowed: {', '.join(options)}{more}."
     if kind in ("string_pattern_mismatch", "string_too_long"):  # of study.name, a folder's
         message = "allowed are up to 100 letters, digits, spaces and the signs . _ + -"

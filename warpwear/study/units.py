@@ -27,6 +27,7 @@ EXAMPLES = {
     "deg": "an angle such as '90 deg'",
     "Hz": "a frequency such as '1 Hz'",
     "mm^3/N/m": "a wear coefficient such as '9.4e-4 mm^3/N/m'",
+    "mm^3/J": "a wear volume of an energy such as '2e-5 mm^3/J'",
     "1/mm": "an inverse length such as '0.1 1/m'",
     "N/mm": "an energy of an area such as '2 J/m^2'",
 }

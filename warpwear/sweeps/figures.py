@@ -6,25 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from warpwear.figures import describe
 from warpwear.figures.courses import OVERLAID, Course, over_each_other
-from warpwear.figures.describe import (
-    COLUMN,
-    COUNTER,
-    DASHES,
-    GROUPS,
-    NOMINAL,
-    WIDE_DISTANCE,
-    Axis,
-    Bars,
-    Chart,
-    Figure,
-    Grid,
-    Line,
-    Look,
-    look_of_group,
-    look_of_measured,
-    shade,
-)
+from warpwear.figures.describe import Axis, Bars, Chart, Figure, Grid, Line, Look
 from warpwear.figures.wording import power_of_ten
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import Quantity, printed
@@ -37,7 +21,7 @@ NUMBER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)")
 #: Groups that are drawn one by one; more are only told apart by the table.
 MOST_GROUPS = 28
 #: Values of two keys that have a colour and a kind of line each.
-COLOURS, KINDS = GROUPS, DASHES[:4]
+COLOURS, KINDS = describe.GROUPS, describe.DASHES[:4]
 RANKS = "Rank correlation (Spearman) sees only what rises or falls throughout; of words and seeds η²."
 INDICES = (
     "Bar: the total index, interactions included, with its interval of 95 %. Dot: the first-order index."
@@ -82,7 +66,7 @@ def courses(
     looks, names = _looks(result, groups)
     labels = [""] * len(groups) if names else [in_legend(label or "mean of all runs") for label, _ in groups]
     measured = [
-        Line(e.distance, e.cof, in_legend(e.name), look_of_measured(number))
+        Line(e.distance, e.cof, in_legend(e.name), describe.look_of_measured(number))
         for number, e in enumerate(experiments)
     ]
     charts: list[Chart] = []
@@ -103,12 +87,12 @@ def scatter(result: SweepResult, quantity: Quantity, varied: dict[str, tuple[Flo
     keys = [key for key in varied if not is_label(key)][:4] or list(varied)[:4]
     names, ends = short_names(result.plan.keys), quantity.scaled(result.ends(quantity.name))
     least = 0.0 if np.nanmin(ends) > 0.0 else None
-    look = Look(COUNTER, "", marker="o", alpha=0.6)
+    look = Look(describe.COUNTER, "", marker="o", alpha=0.6)
     charts = []
     for key in keys:
         values, unit = varied[key]
         name = _axis_of(names[key], unit)
-        along = Axis(name, wide=WIDE_DISTANCE, integer=is_label(key))
+        along = Axis(name, wide=describe.WIDE_DISTANCE, integer=is_label(key))
         along = replace(along, scale="auto") if np.nanmin(values) > 0.0 else along
         line = Line(values, ends, look=look)
         charts.append(Chart(f"Over {names[key]}", along, Axis(_at_the_end(quantity), low=least), [line]))
@@ -126,7 +110,7 @@ def heat_map(result: SweepResult, quantity: Quantity, keys: dict[str, tuple[Floa
     title = f"{unit[:1].upper()}{unit[1:]}, over {' and '.join(names)}"
     across, down = ([f"{value:.4g}" for value in values] for values in (xs, ys))
     grid = Grid(title, across, down, means, x=labels[0], y=labels[1], unit=unit)
-    return Figure([grid], width=1.3 * COLUMN)
+    return Figure([grid], width=1.3 * describe.COLUMN)
 
 
 def tornado(result: SweepResult, quantities: Sequence[Quantity]) -> Figure:
@@ -170,16 +154,16 @@ def _looks(result: SweepResult, groups: list[tuple[str, list[int]]]) -> tuple[li
     levels = {key: list(dict.fromkeys(of[key] for of in values)) for key in names}
     two = sorted(names, key=lambda key: -len(levels[key]))
     if len(two) != 2 or len(levels[two[0]]) > len(COLOURS) or len(levels[two[1]]) > len(KINDS):
-        return [look_of_group(index) for index in range(len(groups))], []
+        return [describe.look_of_group(index) for index in range(len(groups))], []
     colours, kinds = (levels[key] for key in two)
     shades = np.linspace(0.0, 0.9, len(kinds))
 
     def look(colour: str, kind: int) -> Look:
-        return Look(shade(colour, float(shades[kind])), KINDS[kind], 1.1 if kind else 2.4)
+        return Look(describe.shade(colour, float(shades[kind])), KINDS[kind], 1.1 if kind else 2.4)
 
     looks = [look(COLOURS[colours.index(of[two[0]])], kinds.index(of[two[1]])) for of in values]
     entries = [(two[0], value, Look(COLOURS[n], width=2.4)) for n, value in enumerate(colours)]
-    entries += [(two[1], value, look(NOMINAL, n)) for n, value in enumerate(kinds)]
+    entries += [(two[1], value, look(describe.NOMINAL, n)) for n, value in enumerate(kinds)]
     nothing = np.zeros(0)
     named = [Line(nothing, nothing, in_legend(_written(f"{names[k]} {v}")), of) for k, v, of in entries]
     return looks, named

@@ -11,7 +11,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.end_values import ENDS
 from warpwear.history.quantities import BY_NAME
 from warpwear.measured.experiment import Experiment
-from warpwear.page.html import page_of
+from warpwear.page.html import page_of, under_headings
 from warpwear.page.limits import limits_of
 from warpwear.page.words import Answer
 from warpwear.results import manifest
@@ -27,6 +27,12 @@ MOST_ROWS, MOST_VALUES = 200, 12
 #: Letters of a number that was drawn, and not written by a person.
 LONG = 12
 BANDS = "Mean of each group, in a band of 5 to 95 % of its runs where it has several."
+#: Sections of the page: heading, anchor, figures and what is said of them.
+SECTIONS = (
+    ("Courses", "courses", ("courses",), BANDS),
+    ("What decides them", "indices", ("tornado",), ""),
+    ("At the end, over what was varied", "ends", ("scatter", "heat_map"), ""),
+)
 #: End values at the top and in the table of runs.
 ANSWERS = (
     *(ENDS[name] for name in ("patch_across", "area_contact", "pressure_mean")),
@@ -98,13 +104,12 @@ def _ends(result: SweepResult, column: str) -> FloatArray | None:
 def _answers(result: SweepResult) -> list[Answer]:
     """Give the numbers at the top: mean and band of a sampled design, least and most of a listed one."""
     answers = []
-    fitted = result.plan.study.friction.fitted == "end"
     notes = {
-        "cof": "An input: its shear strength is fitted so that it is met"
-        if fitted
-        else "Not predicted: area × shear strength over load",
+        "cof": "Not predicted: area × shear strength over load",
         "wear_volume_disc": "Not predicted: wear coefficient × load × distance",
     }
+    if result.plan.study.friction.ends_as_given:
+        notes["cof"] = "An input: constant, or its shear strength is fitted so that it is met"
     for answer in ANSWERS:
         if (values := _ends(result, answer.name)) is None:
             continue
@@ -136,17 +141,9 @@ def _decides(result: SweepResult) -> str:
 
 def _sections(result: SweepResult, experiments: Sequence[Experiment]) -> list[Section]:
     """Lay the figures under headings."""
-    every = figures_of(result, experiments)
-    one = len(groups_of(result)) + len(experiments) > 1
-    sections = [
-        Section(title, {name: every[name] for name in names if name in every}, id_, text, one_legend=legend)
-        for title, id_, names, text, legend in (
-            ("Courses", "courses", ("courses",), BANDS, one),
-            ("What decides them", "indices", ("tornado",), "", False),
-            ("At the end, over what was varied", "ends", ("scatter", "heat_map"), "", False),
-        )
-    ]
-    return [section for section in sections if section.figures]
+    several = len(groups_of(result)) + len(experiments) > 1
+    figures, one_legend = figures_of(result, experiments), ("courses",) if several else ()
+    return under_headings(figures, SECTIONS, one_legend=one_legend)
 
 
 def _rows(result: SweepResult) -> list[dict[str, Any]]:

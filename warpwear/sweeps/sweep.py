@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from warpwear.engine.device import find_device, gpu_count, usable_cores
-from warpwear.errors import InputError
+from warpwear.errors import InputError, explained
 from warpwear.results import manifest
 from warpwear.results.folder import LOCK, check_writable, held, refuse_if_held
 from warpwear.runs.console import warn
@@ -280,13 +280,11 @@ def share_runs(folder: Path, store: Path) -> None:
     Raises InputError where that cannot be, or where the sweep has its runs elsewhere.
     """
     place = folder / RUNS
-    try:
+    with explained(f"--runs {store} cannot be shared"):
         store.mkdir(parents=True, exist_ok=True)
         if not place.is_dir():
             folder.mkdir(parents=True, exist_ok=True)
             place.symlink_to(store.resolve(), target_is_directory=True)
-    except OSError as error:
-        raise InputError(f"--runs {store} cannot be shared: {error.strerror or error}.") from error
     if place.resolve() != store.resolve():
         raise InputError(f"--runs {store}: the sweep in {folder} has its runs in {place.resolve()}.")
 
@@ -298,12 +296,10 @@ def opened_folder(out: Path | None) -> Iterator[Path]:
         with tempfile.TemporaryDirectory(prefix="warpwear-sweep-", ignore_cleanup_errors=True) as place:
             yield Path(place)
         return
-    try:
+    lock = ExitStack()
+    with explained(f"out = {out} cannot be written"):
         (out / RUNS).mkdir(parents=True, exist_ok=True)
-        lock = ExitStack()
         lock.enter_context(held(out))
-    except OSError as error:
-        raise InputError(f"out = {out} cannot be written: {error.strerror or error}.") from error
     with lock:
         yield out
 

@@ -3,19 +3,7 @@
 import numpy as np
 
 from warpwear.figures import describe
-from warpwear.figures.describe import (
-    ACROSS,
-    DISTANCE,
-    Axis,
-    Chart,
-    Figure,
-    Line,
-    Look,
-    Map,
-    Outline,
-    Scale,
-    in_time,
-)
+from warpwear.figures.describe import Axis, Chart, Figure, Line, Look, Map, Outline, Scale, in_time
 from warpwear.figures.of_run.view import Window, positive
 from warpwear.figures.wording import after, with_scatter
 from warpwear.grid import FloatArray
@@ -104,8 +92,8 @@ def disc_of_v1(runs: Runs, numbers: Numbers) -> Figure:
     ]
     root = root_through_end(distance, depth, "square root", describe.HARDNESS)
     depths = [Line(distance, depth, "deepest cell", Look(describe.DISC)), root]
-    panels = [chart(profiles, Axis(HEIGHT), ACROSS), chart(depths, "depth of the disc, µm", DISTANCE)]
-    return Figure(panels, legend=3)
+    sections = chart(profiles, Axis(HEIGHT), describe.ACROSS)
+    return Figure([sections, chart(depths, "depth of the disc, µm")], legend=3)
 
 
 @figure
@@ -150,7 +138,7 @@ def disc_profiles(runs: Runs, numbers: Numbers) -> Figure:
             Line(runs[name].y, worn, "worn", Look(describe.DISC)),
         ]
         note = f"{VERSIONS[name]}: deepest wear {numbers[f'{name}.disc_depth_um']:.3g} µm"
-        panels.append(chart(lines, Axis(HEIGHT, low=low - room, high=high + room), ACROSS, note))
+        panels.append(chart(lines, Axis(HEIGHT, low=low - room, high=high + room), describe.ACROSS, note))
     return Figure(panels, columns=2, legend=2, height=2.3)
 
 

@@ -255,7 +255,7 @@ def _stability(runs: Runs) -> Numbers:
     wear = sum(study.wear_coefficients)
     return {
         "beyond.limit_mm": study.contact_law().stable_increment(wear),
-        "beyond.increment_mm": study.stepping.plan[2],
+        "beyond.increment_mm": study.increments[2],
         "v1.limit_mm": runs["v1"].study.contact_law().stable_increment(wear),
         "beyond.area_last": low[-1],
         "beyond.area_mean": low.mean(),

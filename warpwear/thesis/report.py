@@ -149,7 +149,7 @@ def _count(verdicts: Mapping[str, Verdict]) -> dict[Kind, int]:
 def _how(name: str, result: Result) -> dict[str, Any]:
     """Say in words how a run was computed."""
     study = result.study
-    first, growth, largest = study.stepping.plan
+    first, growth, largest = study.increments
     steps = f"{first:g} mm" if growth == 1.0 else f"{1e3 * first:g} µm growing to {largest:g} mm"
     law = (
         f"foundation, {number(study.contact_law().stiffness)} N/mm³"

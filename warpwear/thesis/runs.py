@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from warpwear.calibration.wear import diameter_of_cap
 from warpwear.errors import InputError, StudyWarning
+from warpwear.laws.form import sag
 from warpwear.result import Result
 from warpwear.runs.run import run
 from warpwear.study.study import Study
 from warpwear.study.surface import surface_in
-from warpwear.surfaces.sphere import sag
 
 #: Cell of the fine rough model in a quick report; it takes a tenth of the time.
 QUICK_CELL = "5 um"
@@ -54,7 +54,7 @@ class Plan:
     def runs(self) -> dict[str, Study]:
         """Every study by the name of its run in `Runs`, in the order of computing."""
         smooth, rough = self.studies["v1"], self.studies["v3"]
-        step = smooth.stepping.plan[2]
+        step = smooth.increments[2]
         own = rough.disc.synthetic.seed if rough.disc.synthetic else None
         return (
             self.studies

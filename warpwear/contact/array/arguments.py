@@ -1,6 +1,8 @@
 """Check what is handed to `solve_contact`, and say what is not possible."""
 
 import math
+import warnings
+from collections.abc import Mapping
 from numbers import Real
 from typing import Any
 
@@ -10,6 +12,7 @@ import numpy.typing as npt
 from warpwear.engine.staging import each
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.laws.form import Form, form_of
 
 #: Sizes of numbers whose squares and products stay far from what float64 cannot hold.
 LARGEST = 1e100
@@ -17,8 +20,10 @@ LARGEST = 1e100
 TOLERANCES = (1e-14, 1e-2)
 
 
-def checked_heights(heights: npt.ArrayLike, threads: int) -> tuple[FloatArray, float, float, float]:
-    """Return the heights as an array; the lowest, the highest and the sum of them."""
+def checked_heights(
+    heights: npt.ArrayLike, threads: int, *, name: str = "heights"
+) -> tuple[FloatArray, float, float, float]:
+    """Return the heights as an array; the lowest, the highest and the sum of them. name: of the argument."""
     try:
         values = np.asanyarray(heights)
         if np.ma.is_masked(values) or np.iscomplexobj(values):
@@ -30,12 +35,12 @@ def checked_heights(heights: npt.ArrayLike, threads: int) -> tuple[FloatArray, f
         values = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InputError(
-            f"heights of type {type(heights).__name__} are not possible ({error}); "
+            f"{name} of type {type(heights).__name__} are not possible ({error}); "
             "they must be real numbers, none of them masked."
         ) from error
     if values.ndim != 2 or values.size == 0:
         raise InputError(
-            f"heights of shape {values.shape} are not possible; they must be (nx, ny), with a cell or more."
+            f"{name} of shape {values.shape} are not possible; they must be (nx, ny), with a cell or more."
         )
     looks = each(lambda rows: [f(values[rows]) for f in (np.min, np.max, np.sum)], values.shape, threads)
     lows, highs, sums = np.array(looks).T
@@ -43,12 +48,12 @@ def checked_heights(heights: npt.ArrayLike, threads: int) -> tuple[FloatArray, f
         wrong = np.argwhere(~np.isfinite(values))
         i, j = wrong[0].tolist()
         raise InputError(
-            f"heights[{i}, {j}] = {values[i, j]:g} is not possible ({len(wrong)} of {values.size} are not "
+            f"{name}[{i}, {j}] = {values[i, j]:g} is not possible ({len(wrong)} of {values.size} are not "
             "finite); fill what is missing first."
         )
     if max(-lows.min(), highs.max()) > LARGEST:
         raise InputError(
-            f"heights up to {max(-lows.min(), highs.max()):g} are not possible; at most {LARGEST:g} are."
+            f"{name} up to {max(-lows.min(), highs.max()):g} are not possible; at most {LARGEST:g} are."
         )
     return values, float(lows.min()), float(highs.max()), float(sums.sum())
 
@@ -87,7 +92,60 @@ def check_choice(how_many: str, **choice: float | None) -> None:
         raise InputError(f"{values} given; {how_many} of {', '.join(names)} and {last} {may} be.")
 
 
-def boundary_of(boundary: str | None, modulus: float | None, counter_radius: float | None) -> str | None:
+#: Keys of a study's [counter] that say its form, of which a radius may be infinite.
+FORM_KEYS = ("radius", "radius_along", "radius_across", "edge_radius")
+
+
+def counter_of(
+    counter: Any, *, counter_radius: Any, sphere_radius: Any, shape: tuple[int, int]
+) -> Form | FloatArray | None:
+    """Return the counter-body's form, or its heights over the lowest, of a shape; None for a plane."""
+    if sphere_radius is not None:
+        warnings.warn(
+            "sphere_radius has a new name, and the next release refuses the old one: type counter_radius.",
+            stacklevel=3,
+        )
+        check_choice("at most one", counter_radius=counter_radius, sphere_radius=sphere_radius)
+        counter_radius = sphere_radius
+    if counter_radius is not None:
+        if counter is not None:
+            raise InputError(f"counter_radius = {counter_radius!r} and counter are given; give one of them.")
+        counter = {"radius": number("counter_radius", counter_radius)}
+    if counter is None:
+        return None
+    if isinstance(counter, Mapping):
+        return _form_of(counter)
+    values, lowest, *_ = checked_heights(counter, 1, name="counter")
+    if values.shape != shape:
+        raise InputError(
+            f"counter of shape {values.shape} is not possible; it must be that of heights, {shape}."
+        )
+    return values - lowest
+
+
+def _form_of(keys: Mapping[str, Any]) -> Form:
+    """Return the form that the keys of a study's [counter] say, in the caller's units."""
+    unknown = [key for key in keys if key not in ("shape", *FORM_KEYS)]
+    if unknown:
+        raise InputError(f"counter has no {unknown[0]!r}; its keys are shape, {', '.join(FORM_KEYS)}.")
+    shape = keys.get("shape", "ball")
+    needed = {"crowned": FORM_KEYS[1:3]}.get(shape, FORM_KEYS[:1])
+    if missing := [key for key in needed if key not in keys]:
+        raise InputError(f"counter of shape {shape!r} needs {missing[0]}.")
+    values = {key: value for key, value in keys.items() if key != "shape"}
+    for key, value in values.items():
+        if value != math.inf and (key != "edge_radius" or value != 0.0):
+            values[key] = number(f"counter {key}", value, optional=False)
+    return form_of(shape, **values)
+
+
+def _named(form: Form | FloatArray) -> str:
+    """Name a counter-body in a sentence."""
+    curvature = form.curvature if isinstance(form, Form) else 0.0
+    return f"counter_radius = {1.0 / curvature:g}" if curvature else "a counter-body"
+
+
+def boundary_of(boundary: str | None, modulus: float | None, form: Form | FloatArray | None) -> str | None:
     """Return the boundary of the half-space; None where there is no half-space."""
     if modulus is None:
         if boundary is not None:
@@ -97,11 +155,8 @@ def boundary_of(boundary: str | None, modulus: float | None, counter_radius: flo
         return None
     if boundary not in (None, "periodic", "free"):
         raise InputError(f'boundary = {boundary!r} is unknown; allowed are "periodic" and "free".')
-    if counter_radius is None:
+    if form is None:
         return boundary or "periodic"
     if boundary == "periodic":
-        raise InputError(
-            f'boundary = "periodic" is not possible with counter_radius = {counter_radius:g}; '
-            'it must be "free".'
-        )
+        raise InputError(f'boundary = "periodic" is not possible with {_named(form)}; it must be "free".')
     return "free"

@@ -5,12 +5,21 @@ Numbers are in consistent units of the caller's choice; the solvers work in unit
 
 import math
 import warnings
+from collections.abc import Mapping
 from functools import partial
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from warpwear.contact.array.arguments import boundary_of, check_choice, checked_heights, number, tolerance_of
+from warpwear.contact.array.arguments import (
+    boundary_of,
+    check_choice,
+    checked_heights,
+    counter_of,
+    number,
+    tolerance_of,
+)
 from warpwear.contact.array.contact import ArrayContact
 from warpwear.contact.array.elastic import solve_half_space
 from warpwear.contact.array.memory import check_memory, giving_back
@@ -25,6 +34,7 @@ from warpwear.engine.staging import download, each
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import LANES, Cells
+from warpwear.laws.form import Form
 
 #: Largest difference between the load carried and the load asked for, relatively.
 LOAD_TOLERANCE = 1.0e-9
@@ -44,11 +54,13 @@ def solve_contact(
     stiffness: float | None = None,
     boundary: str | None = None,
     counter_radius: float | None = None,
+    counter: Mapping[str, Any] | npt.ArrayLike | None = None,
     tolerance: float = TOLERANCE,
     device: str = "cpu",
     threads: int | None = None,
+    sphere_radius: float | None = None,
 ) -> ArrayContact:
-    """Press a rigid plane, or a ball, on heights and return the pressure and the gap of every cell.
+    """Press a rigid plane, or a counter-body, on heights and return the pressure and the gap of every cell.
 
     All numbers are in consistent units of the caller's choice (mm, N and MPa, say, or m, N and Pa).
 
@@ -59,8 +71,12 @@ def solve_contact(
     it, pressure over length, of independent springs under the cells (a Winkler foundation). Without both
     every cell that is touched carries the hardness: the bearing area.
     boundary: of the half-space; "periodic", where the surface repeats without end (by default under a
-    plane), or "free", where nothing lies beside the array (by default, and always, under a ball).
-    counter_radius: of the counter-body, whose apex comes down on the middle of the array; None for a plane.
+    plane), or "free", where nothing lies beside the array (by default, and always, under a counter-body).
+    counter_radius: of a ball, whose apex comes down on the middle of the array; None for a plane.
+    counter: another body instead, by the keys of a study's [counter], {"shape": "pin", "radius": 0.3,
+    "edge_radius": 0.1}; or how high each cell of it lies over the surface's, an array of the shape of heights
+    that counts from its lowest.
+    sphere_radius: the old name of counter_radius.
     tolerance: largest violation of the contact conditions of the half-space over the rms height of the gap;
     from 1e-14 to 0.01; one that rounding hides is raised to what it shows, `certificate.allowed`. The other
     laws are solved to rounding. device: "cpu" or "cuda:0". threads: of the CPU, by default every core; no
@@ -87,19 +103,21 @@ def solve_contact(
     load, mean_pressure = number("load", load), number("mean_pressure", mean_pressure)
     approach = number("approach", approach, any_sign=True)
     modulus, stiffness = number("modulus", modulus), number("stiffness", stiffness)
-    hardness, counter_radius = number("hardness", hardness), number("counter_radius", counter_radius)
+    hardness = number("hardness", hardness)
+    radii = {"counter_radius": counter_radius, "sphere_radius": sphere_radius}
+    form = counter_of(counter, **radii, shape=surface.shape)
     check_choice("exactly one", load=load, mean_pressure=mean_pressure, approach=approach)
     check_choice("at most one", modulus=modulus, stiffness=stiffness)
     if hardness is modulus is stiffness is None:
         raise InputError(
             "hardness = None is not possible without modulus or stiffness; the bearing area needs a hardness."
         )
-    edge = boundary_of(boundary, modulus, counter_radius)
+    edge = boundary_of(boundary, modulus, form)
     nx, ny = surface.shape
     grid, middle = Grid(nx, ny, cell), total / surface.size
     nearest, furthest, carriers = middle - highest, middle - lowest, surface.size
-    unscaled = Gap(surface, middle, grid, counter_radius)
-    if counter_radius is not None:
+    unscaled = Gap(surface, middle, grid, form)
+    if form is not None:
         nearest, furthest, carriers = _extent(unscaled, workers)
     mean = mean_pressure if load is None else load / grid.area
     if mean is not None and hardness is not None:
@@ -146,7 +164,7 @@ def solve_contact(
                 f"solve_contact failed: with {task.length:.6g} for a mm and {task.pressure:.6g} for a MPa, "
                 f"{error}"
             ) from error
-    if counter_radius is not None and _touches_edge(contact.pressure):
+    if form is not None and _touches_edge(contact.pressure, form):
         warnings.warn(
             f"the contact with the ball reaches the edge of heights, of the shape {surface.shape}, beyond "
             "which nothing carries; a larger array is needed for the whole contact.",
@@ -176,14 +194,15 @@ def _extent(gap: Gap, threads: int) -> tuple[float, float, int]:
     lows, highs, counts = zip(*each(extent, gap.grid.shape, threads), strict=True)
     if not sum(counts):
         raise InputError(
-            f"counter_radius = {gap.counter_radius:g} is not possible; it must reach the middle of a cell."
+            f"counter_radius = {gap.form.reach if isinstance(gap.form, Form) else 0.0:g} is not possible; it must reach the middle of a cell."
         )
     return float(min(lows)), float(max(highs)), sum(counts)
 
 
-def _touches_edge(pressure: FloatArray) -> bool:
-    """Tell whether a cell at the rim of the array carries a pressure."""
-    return bool(pressure[[0, -1]].any() or pressure[:, [0, -1]].any())
+def _touches_edge(pressure: FloatArray, form: Form | FloatArray) -> bool:
+    """Tell whether a cell at the rim of the array, towards which the body rises, carries a pressure."""
+    along, across = form.rises if isinstance(form, Form) else (True, True)
+    return bool((along and pressure[[0, -1]].any()) or (across and pressure[:, [0, -1]].any()))
 
 
 def _contact_of(

@@ -16,7 +16,7 @@ from warpwear.engine.executor import Executor, Field
 from warpwear.engine.staging import each
 from warpwear.grid import FloatArray, Grid, blocks_of_rows
 from warpwear.kernels.cells import PADDING
-from warpwear.surfaces.sphere import sag
+from warpwear.laws.form import Form
 
 #: Cells looked at together, which stay in the cache of a core.
 TOGETHER = 2**16
@@ -30,13 +30,15 @@ class Gap(NamedTuple):
     heights: FloatArray
     middle: float  # of the mean plane
     grid: Grid
-    counter_radius: float | None
+    form: Form | FloatArray | None  # of the counter-body, or its heights; None for a plane
 
     def __call__(self, rows: slice, out: FloatArray | None = None) -> FloatArray:
         """Return the gap in some rows, infinite beyond the ball's edge. out: where it is to be laid."""
         gap = np.subtract(self.middle, self.heights[rows], out=out)
-        if self.counter_radius is not None:
-            gap += sag(self.grid.x[rows], self.grid.y, radius=self.counter_radius)
+        if isinstance(self.form, Form):
+            gap += self.form.heights(self.grid.x[rows], self.grid.y)
+        elif self.form is not None:
+            gap += self.form[rows]
         return gap
 
 

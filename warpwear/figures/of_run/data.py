@@ -12,7 +12,7 @@ from typing import Any, Self
 import numpy as np
 
 from warpwear.engine.executor import Executor
-from warpwear.figures.of_run.view import Bodies, FilmState, Loads, Profile, State, View, Window, sag_or_nan
+from warpwear.figures.of_run.view import Bodies, FilmState, Loads, Profile, State, View, Window, or_nan
 from warpwear.figures.wording import chosen
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.snapshot import Snapshot
@@ -81,7 +81,7 @@ class FigureData:
     @property
     def slider(self) -> str:
         """What figures call the body that slides."""
-        return "ball" if self.study.counter.curvature else "flat"
+        return self.study.counter.name
 
     def name_of(self, body: str) -> str:
         """Return what a figure calls the body "counter" or "disc"."""
@@ -91,6 +91,8 @@ class FigureData:
     def shear(self) -> str:
         """Say where the shear strength comes from."""
         study, friction = self.study, self.study.friction
+        if friction.fitted == "coulomb":
+            return f"constant, {friction.coefficient:g}, an input"
         if friction.shear_strength is not None:
             film = f", film {friction.film.shear_strength:g} MPa" if friction.film else ""
             return f"shear strength {friction.shear_strength:g} MPa{film}, as given"
@@ -248,7 +250,7 @@ class FigureData:
     def _half(self) -> float:
         """Half the side [mm] of the square that is shown; the domain is a square, too."""
         places, cell = self.result.x, self.study.grid.cell
-        if self.study.counter.curvature == 0.0:
+        if not all(self.study.counter.form.rises):
             return float(places[-1]) + 0.5 * cell
         touched = self.snapshot(self.indices[-1]).touched
         reach = max(float(np.abs(places[touched.any(axis=axis)]).max()) for axis in (0, 1))
@@ -276,8 +278,9 @@ class FigureData:
         bins = pressure.size // cells
         first = (pressure.size - bins * cells) // 2
         whole = slice(first, first + bins * cells)
-        curvature = self.study.counter.curvature
-        counter = sag_or_nan(places[part], np.zeros(1), curvature)[:, 0] + line(snapshot.wear_counter)
+        axes = places[part], np.zeros(1)
+        unworn = self.result.unworn_counter(*(axes if axis == 0 else axes[::-1])).ravel()
+        counter = or_nan(unworn) + line(snapshot.wear_counter)
         return Profile(
             place=places[part],
             counter=counter,

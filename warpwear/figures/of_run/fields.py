@@ -1,28 +1,16 @@
 """Declare figures of fields: pressure, state of contact, loads of patches; as maps, in 3-D, as lines."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from warpwear.figures import describe
-from warpwear.figures.describe import (
-    Axis,
-    Box,
-    Chart,
-    Figure,
-    Line,
-    Look,
-    Map,
-    Outline,
-    Scale,
-    Towers,
-    in_time,
-)
+from warpwear.figures.describe import Axis, Box, Chart, Figure, Line, Look, Map, Outline, Scale, Towers
 from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
-from warpwear.figures.of_run.view import FilmState, State, View, Window, coarsen, positive
+from warpwear.figures.of_run.view import FilmState, State, Window, coarsen, positive
 from warpwear.figures.wording import after, with_scatter
 from warpwear.grid import FloatArray
 from warpwear.laws import archard
@@ -108,7 +96,7 @@ def pressure_profiles(data: FigureData) -> Figure:
     """Pressure along and across sliding in a strip through the middle {when}, means that include cells
     without contact.
     """
-    views, looks = data.views, in_time(describe.CONTACT, len(data.views))
+    views, looks = data.views, describe.in_time(describe.CONTACT, len(data.views))
     tops = [float(max(v.along.pressure.max(), v.across.pressure.max())) for v in views]
     seen = [top for top in tops if top > 0.0]
     label = f"pressure, mean of middle {1e3 * data.strip:.3g} µm, MPa"
@@ -131,7 +119,8 @@ def contact_map(data: FigureData) -> Figure:
     """State of the cells {when}; above each the area in contact.{blocks}"""
     area = data.history["area_contact"]
     notes = [f"{area[view.row]:.3g} mm² in contact" for view in data.views]
-    return _of_states(data, "State of contact", STATES, lambda view: view.state, notes)
+    fields = [view.state for view in data.views]
+    return _of_views(data, "State of contact", fields, notes, states=tuple(STATES.values()))
 
 
 @words.figure(words.NO_FILM, *words.FIELD, essential=True, section="maps")
@@ -139,17 +128,8 @@ def bare_map(data: FigureData) -> Figure:
     """Where the film is gone {when}; above each the bare part of the area in contact.{blocks}"""
     fraction = data.history["bare_fraction"]
     notes = [f"{100.0 * fraction[view.row]:.3g} % of the contact bare" for view in data.views]
-    return _of_states(data, "Where the film is gone", FILMS, lambda view: view.film, notes)
-
-
-def _of_states(
-    data: FigureData,
-    title: str,
-    states: Mapping[Any, tuple[str, str]],
-    of: Callable[[View], Any],
-    notes: Sequence[str],
-) -> Figure:
-    return _of_views(data, title, [of(view) for view in data.views], notes, states=tuple(states.values()))
+    fields = [view.film for view in data.views]
+    return _of_views(data, "Where the film is gone", fields, notes, states=tuple(FILMS.values()))
 
 
 @words.figure(words.ROUGH, words.NO_HERTZ, words.NO_SNAPSHOT, essential=True)
@@ -159,7 +139,7 @@ def hertz(data: FigureData) -> Figure:
     """
     theory, places, row = data.study.hertz, data.result.x, data.result.y.size // 2
     assert theory is not None  # or the figure is left out
-    r = np.linspace(0.0, theory.radius, 200)
+    r = np.linspace(0.0, theory.semi_axes[0], 200)
     both = np.concatenate([-r[::-1], r])
     unworn = Line(both, theory.pressure(np.abs(both)), "Hertz, unworn bodies", Look(describe.NEUTRAL, "dash"))
     panels: list[Chart] = []
@@ -171,7 +151,7 @@ def hertz(data: FigureData) -> Figure:
         worn = Line(
             places[seen], values[seen], "elastic foundation", Look(describe.MEAN_PRESSURE), step="mid"
         )
-        half = MARGIN * max(theory.radius, float(np.abs(places[seen]).max()))
+        half = MARGIN * max(theory.semi_axes[0], float(np.abs(places[seen]).max()))
         pressure = Axis("pressure, MPa", low=0.0)
         if panels:
             median = float(np.median(snapshot.pressure[snapshot.pressure > 0.0]))
@@ -187,10 +167,8 @@ def hertz(data: FigureData) -> Figure:
 @words.figure(words.TRACK_FACTOR, words.NO_FACTOR, words.NO_SNAPSHOT)
 def distance_factor(data: FigureData) -> Figure:
     """Sliding distance of cells of the disc over that of the middle."""
-    study, window = data.study, data.window
-    factors = archard.distance_factor(
-        study.cells, study.wear.distance_factor, curvature=study.counter.curvature
-    )
+    study, window, kind = data.study, data.window, data.study.wear.distance_factor
+    factors = archard.distance_factor(study.cells, kind, curvature=study.counter.curvature)
     whole = np.broadcast_to(factors, study.cells.shape)
     part, label = whole[window.x, window.y], "relative sliding distance, –"
     scale = Scale(label, float(part.min()), float(part.max()), colours="heights")

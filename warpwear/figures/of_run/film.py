@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.animation import FFMpegWriter, PillowWriter
 
-from warpwear.errors import OVERWRITE_IT, InputError
+from warpwear.errors import OVERWRITE_IT, InputError, explained
 from warpwear.figures import describe, style
 from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Panel, Scale
 from warpwear.figures.of_run.data import FigureData
@@ -47,18 +47,16 @@ def animate(
     """
     path = _check(result, out, frames_per_second=frames_per_second, overwrite=overwrite)
     partial = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
-    try:
-        film = _Film(result)
-        writer = WRITERS[path.suffix.lower()](fps=frames_per_second)
-        with style.style(), writer.saving(paint(film.frame(0)), str(partial), DPI):
-            for index in range(result.snapshot_distances.size):
-                writer.fig = paint(film.frame(index))
-                writer.grab_frame()
-        partial.replace(path)
-    except OSError as error:
-        raise InputError(f"out = {path} cannot be written: {error.strerror or error}") from error
-    finally:
-        partial.unlink(missing_ok=True)
+    film, writer = _Film(result), WRITERS[path.suffix.lower()](fps=frames_per_second)
+    with explained(f"out = {path} cannot be written"):
+        try:
+            with style.style(), writer.saving(paint(film.frame(0)), str(partial), DPI):
+                for index in range(result.snapshot_distances.size):
+                    writer.fig = paint(film.frame(index))
+                    writer.grab_frame()
+            partial.replace(path)
+        finally:
+            partial.unlink(missing_ok=True)
     return path
 
 
@@ -109,21 +107,16 @@ class _Film:
     def frame(self, index: int) -> Figure:
         """Declare the frame of snapshot number `index`."""
         data, window = self._data, self._data.window
-        view = data.view(index)
-        when, position = (
-            after(view.distance),
-            [Level(self._position(view.row), look=Look(describe.COUNTER), axis="x")],
-        )
+        view, extent = data.view(index), window.extent
+        more: dict[str, Any] = {}
+        near: dict[str, Any] = {}
         if self._swept:  # the whole track, as wide as the panel
-            extent, label = (
-                blocks(data.result, index, BLOCKS).extent,
-                "along the track, x, mm (line: the counter-body)",
-            )
-            more: dict[str, Any] = {"square": False, "levels": position, "x": label}
-            near: dict[str, Any] = {"x": "along sliding, from the counter-body's apex, mm"}
-        else:
-            extent, more, near = window.extent, {}, {}
-        disc = f"{'track' if self._swept else 'disc'} {when}"
+            extent = blocks(data.result, index, BLOCKS).extent
+            position = Level(float(data.history["position"][view.row]), look=Look(describe.COUNTER), axis="x")
+            label = "along the track, x, mm (line: the counter-body)"
+            more = {"square": False, "levels": [position], "x": label}
+            near = {"x": "along sliding, from the counter-body's apex, mm"}
+        disc = f"{'track' if self._swept else 'disc'} {after(view.distance)}"
         mean, deviation = (float(data.history[f"pressure_{name}"][view.row]) for name in ("mean", "std"))
         contact = f"{with_scatter(mean, deviation)} MPa in contact"
         panels: list[Panel] = [
@@ -132,9 +125,6 @@ class _Film:
             self._course(view.distance),
         ]
         return Figure(panels, width=SIZE[0], height=SIZE[1])
-
-    def _position(self, row: int) -> float:
-        return float(self._data.history["position"][row]) if self._swept else 0.0
 
     def _disc_at(self, index: int) -> FloatArray:
         """Return heights of the disc [µm]: under the ball, or of the whole track that it slides over."""

@@ -56,11 +56,12 @@ def cof_time(data: FigureData) -> Figure:
 def _of_cof(data: FigureData, places: FloatArray, lines: list[Line], over: str) -> Figure:
     """Label the coefficient, mark what is an input of it, and say which area shears and how strongly."""
     friction = data.study.friction
-    if friction.shear_strength is None:
+    if friction.fitted in ("end", "initial"):
         place = slice(-1, None) if friction.calibrate == "end" else slice(1)
         mark = Look(dash="", marker="o", size=4.0, hollow=True)
         lines = [*lines, Line(places[place], np.array([friction.coefficient]), look=mark, clipped=False)]
     note = f"area that shears: {BY_NAME[f'area_{friction.area}'].short}\n{data.shear}"
+    note = data.shear if friction.fitted == "coulomb" else note
     value = axis_of(BY_NAME["cof"])
     return Figure([Chart("Coefficient of friction", Axis(over, low=0.0), value, lines, note)])
 

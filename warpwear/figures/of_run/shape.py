@@ -21,7 +21,7 @@ from warpwear.figures.describe import (
 )
 from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
-from warpwear.figures.of_run.view import Profile, coarsen, positive, sag_or_nan
+from warpwear.figures.of_run.view import Profile, coarsen, or_nan, positive
 from warpwear.figures.wording import after
 from warpwear.grid import FloatArray
 
@@ -46,17 +46,16 @@ def setup(data: FigureData) -> Figure:
     Only the ball's far half is drawn, so that the disc below it is seen; the disc is shown as far as it is
     computed.
     """
-    study, curvature = data.study, data.study.counter.curvature
+    study = data.study
     disc, window = 1e3 * data.relief[0], data.relief[1]
     x0, x1, y0, y1 = window.extent
     x, y = np.linspace(x0, x1, 61), np.linspace(0.5 * (y0 + y1), y1, 31)
     approach = float(data.history["approach"][0])
-    counter = 1e3 * (sag_or_nan(x, y, curvature) - approach)
+    counter = 1e3 * (or_nan(data.result.unworn_counter(x, y)) - approach)
     low, top, high = float(np.nanmin(disc)), float(np.nanmax(disc)), float(np.nanmax(counter))
     middle, half = 0.5 * (x0 + x1), 0.5 * ARROW * (x1 - x0)
-    shape = f"counter-body, R = {1.0 / curvature:.3g} mm," if curvature else "rigid flat"
     note = (
-        f"{shape} on the disc\ndomain {study.grid.extent:.4g} mm wide\n"
+        f"{study.counter.title} on the disc\ndomain {study.grid.extent:.4g} mm wide\n"
         f"{study.contact.load:.3g} N; heights drawn {{larger}} times as large"
     )
     parts = (

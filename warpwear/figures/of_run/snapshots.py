@@ -100,14 +100,10 @@ def islands(data: FigureData) -> Figure:
     """
     evolution = data.evolution
     table, areas = evolution.table, evolution.island_areas
+    every, single = Look(describe.CONTACT, marker="o"), Look(describe.HARDNESS, "dot", marker="x")
     number = [
-        Line(table["distance"], table["islands"], "islands, all", Look(describe.CONTACT, marker="o")),
-        Line(
-            table["distance"],
-            table["islands_of_one_cell"],
-            "of one cell",
-            Look(describe.HARDNESS, "dot", marker="x"),
-        ),
+        Line(table["distance"], table["islands"], "islands, all", every),
+        Line(table["distance"], table["islands_of_one_cell"], "of one cell", single),
     ]
     indices = [index for index in data.indices if areas[index].size]
     sizes = []

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from warpwear import lazy
-from warpwear.errors import InputError
+from warpwear.errors import InputError, explained
 from warpwear.figures import describe
 from warpwear.figures.of_run import fields, history, shape, snapshots, track
 from warpwear.figures.of_run.data import FigureData
@@ -122,14 +122,12 @@ class Plotter:
         """Write captions.md, of the figures that lie in the folder; a file of others is left alone."""
         path = folder / CAPTIONS
         names = [name for name in FIGURES if any(folder.glob(f"{name}.*")) and not self.reason(name)]
-        try:
+        with explained(f"{path} cannot be written"):
             if not names or (path.exists() and not path.read_bytes().startswith(HEAD.encode())):
                 return
             texts = [f"**{name}**: {self.caption(name)}" for name in names]
             path.write_text("\n\n".join([HEAD, *texts]) + "\n", encoding="utf-8")
             add_figure(path)
-        except OSError as error:
-            raise InputError(f"{path} cannot be written: {error.strerror}.") from error
 
     def save(self, name: str, folder: Path, *, file_format: str = "png", drawn: bytes | None = None) -> Path:
         """Write one figure, or the file's content as it was drawn; returns its path.
@@ -140,12 +138,10 @@ class Plotter:
             self.check([name], file_format=file_format)
             drawn = style.bytes_of(getattr(self, name)(), file_format)
         path = folder / f"{name}.{file_format}"
-        try:
+        with explained(f"{path} cannot be written"):
             folder.mkdir(parents=True, exist_ok=True)
             path.write_bytes(drawn)
             add_figure(path)
-        except OSError as error:
-            raise InputError(f"{path} cannot be written: {error.strerror}.") from error
         return path
 
     def png(self, name: str, *, dpi: int) -> bytes:

@@ -24,7 +24,7 @@ CHANGE = "change of height, µm"
 def groove(data: FigureData) -> Figure:
     """Mean cross-section of the groove {when}, and its mean depth along the track {end}."""
     sections = [results.groove(data.result, index) for index in data.indices]
-    last = sections[-1]
+    last, short = sections[-1], results.is_short(data.result)
     reach = float(np.abs(last.y[last.depth > 0.0]).max(initial=2.0 * data.study.grid.cell)) * 1.15
     across: list[Line | Level] = [
         Line(section.y, -1e3 * section.depth, after(section.distance), look)
@@ -40,21 +40,11 @@ def groove(data: FigureData) -> Figure:
     ]
     deepest = -1.2e3 * max(float(np.nanmax(depths)), last.mean_depth)
     width = f"mean over the groove's width of {last.width:.3g} mm"
+    over, down = Axis(describe.ACROSS, low=-reach, high=reach), Axis(CHANGE, low=deepest or None, high=0.0)
+    place = "through the middle of the stroke" if short else "mean along sliding"
     panels = [
-        Chart(
-            "Mean section",
-            Axis(describe.ACROSS, low=-reach, high=reach),
-            Axis(CHANGE),
-            across,
-            "mean along sliding",
-        ),
-        Chart(
-            "Depth along the track",
-            Axis(describe.ALONG),
-            Axis(CHANGE, low=deepest or None, high=0.0),
-            along,
-            width,
-        ),
+        Chart("Middle section" if short else "Mean section", over, Axis(CHANGE), across, place),
+        Chart("Depth along the track", Axis(describe.ALONG), down, along, width),
     ]
     return Figure(panels, legend=6)
 
@@ -84,15 +74,18 @@ def track_map(data: FigureData) -> Figure:
 @words.figure(words.STILL, words.NO_COURSE, words.NO_GROOVE, essential=True)
 def wear_per_pass(data: FigureData) -> Figure:
     """Mean depth that each pass adds to the groove, over the width of the contact."""
-    table, stroke = results.by_pass(data.result, "patch_across"), data.study.lap
+    table, stroke = results.by_pass(data.result, "patch_across", "patch_along"), data.study.lap
     assert stroke is not None  # or the figure is left out
     whole = table["distance"] > 0.99 * stroke
     if not whole.any():
         whole[:] = True
     number = table["number"][whole]
+    length = np.maximum(
+        table["distance"], table["patch_along"]
+    )  # of a short stroke the scar keeps its middle
     marker = "o" if number.size < 12 else ""
     lines = [
-        Line(number, 1e3 * (table[name] / (table["distance"] * table["patch_across"]))[whole], label, look)
+        Line(number, 1e3 * (table[name] / (length * table["patch_across"]))[whole], label, look)
         for name, label, look in (
             ("wear_volume_disc", "worn", Look(describe.DISC, marker=marker)),
             ("plastic_volume_disc", "displaced", Look(describe.NEUTRAL, "dot", marker=marker)),

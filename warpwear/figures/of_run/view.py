@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warpwear.grid import FloatArray, Grid
-from warpwear.surfaces.sphere import sag
 
 #: From this number of whole passes on, their means are drawn over the steps.
 PASSES = 8
@@ -134,9 +133,8 @@ def positive(values: FloatArray) -> FloatArray:
     return np.where(values > 0.0, values, np.nan)
 
 
-def sag_or_nan(x: FloatArray, y: FloatArray, curvature: float) -> FloatArray:
-    """Return heights [mm] of the unworn counter over its apex at x × y; NaN beyond it. curvature: [1/mm]"""
-    heights = sag(x, y, radius=1.0 / curvature if curvature else np.inf)
+def or_nan(heights: FloatArray) -> FloatArray:
+    """Return heights of a body [mm], NaN instead of infinite where there is none."""
     return np.where(np.isinf(heights), np.nan, heights)
 
 

@@ -52,7 +52,7 @@ NO_FILM = Reason(lambda d: d.study.film is None, "the bodies carry no film: see 
 NO_TIME = Reason(
     lambda d: not np.isfinite(d.history["time"]).any(), "sliding.speed is not given, so there is no time"
 )
-NO_RADIUS = Reason(lambda d: d.study.counter.curvature == 0.0, "a rigid flat has no radius of contact")
+NO_RADIUS = Reason(lambda d: not d.study.counter.curvature, "only a ball's contact has a radius")
 NO_SNAPSHOT = Reason(
     lambda d: d.result.snapshot_distances.size == 0, "the run was interrupted before its first snapshot"
 )
@@ -204,6 +204,8 @@ def _end(data: FigureData) -> str:
 
 def _friction(data: FigureData) -> str:
     friction = data.study.friction
+    if friction.fitted == "coulomb":
+        return f"It is {data.shear}."
     area = {"contact": "in contact", "cumulative": "of a running sum of contacts"}
     sheared = f"The area {area.get(friction.area, friction.area)} shears"
     if friction.shear_strength is not None:

@@ -9,13 +9,14 @@ from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.kernels import patches as kernels
 from warpwear.kernels.cells import TILE_VECTORS
+from warpwear.laws.form import Form
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.models.film import BareCells
 
 
 def unworn(
-    patches: Patches, heights: FloatArray, executor: Executor, *, curvature: float
+    patches: Patches, heights: FloatArray, executor: Executor, *, form: Form
 ) -> tuple[Field, Arguments]:
     """Return the gap of the fine cells before any wear [mm], and where the patches lie.
 
@@ -35,10 +36,10 @@ def unworn(
         cell=domain.cell,
         x_first=float(domain.x[0]),
         y_first=float(domain.y[0]),
-        curvature=curvature,
+        curvature=form.curvature,
     )
     gap = executor.zeros()
-    roughness = executor.field(patches.stored(heights))
+    roughness = executor.field(patches.stored(form.beneath(heights, domain.x, domain.y)))
     program = Program(executor)
     program.launch(kernels.gap, patches.side, ball, layout, roughness, gap, slots=patches.count)
     program.run()
@@ -54,7 +55,7 @@ class PatchContact:
     STATE: ClassVar = {"gap": Field, "film": BareCells}
 
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
-        self.initial, layout = unworn(patches, heights, executor, curvature=task.curvature)
+        self.initial, layout = unworn(patches, heights, executor, form=task.form)
         self.gap: Field = wp.clone(self.initial)
         #: Lowest gap of each patch before any wear [mm]: below that approach it carries nothing.
         self.lowest: FloatArray = layout.lowest.numpy().min(axis=1)

@@ -71,8 +71,7 @@ class HalfSpacePatches(Model):
         self.task, self._executor = task, executor
         self._ledger = PatchLedger(task, patches)
         self.book = self._ledger.book
-        curvature = task.curvature
-        _, layout = unworn(patches, heights, executor, curvature=curvature)
+        _, layout = unworn(patches, heights, executor, form=task.form)
         of_patches = layout.lowest.numpy().min(axis=1)
         self._smooth = SmoothContact(task, patches, executor) if task.prescribed_loads else None
         reached = of_patches if self._smooth is None else self._smooth.initial
@@ -84,7 +83,7 @@ class HalfSpacePatches(Model):
             first_column=patches.first_column[self._order],
         )
         self.lowest: FloatArray = of_patches[self._order]  # before any wear [mm]
-        self.gap, self._layout = unworn(self.patches, heights, executor, curvature=curvature)
+        self.gap, self._layout = unworn(self.patches, heights, executor, form=task.form)
         self.worn = executor.zeros()  # by both bodies [mm]
         self._film = BareCells.of_both(task.film, executor, self.worn, task.wear_fractions)
         self._parts = None if self._film is None else self._film.parts

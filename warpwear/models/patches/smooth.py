@@ -17,7 +17,6 @@ from warpwear.kernels.two_scale.sharing import Load
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.models.patches.shares import LoadSharing
-from warpwear.surfaces.sphere import sag
 
 
 class SmoothContact:
@@ -34,8 +33,8 @@ class SmoothContact:
     def __init__(self, task: ContactTask, patches: Patches, executor: Executor) -> None:
         self._load = task.load
         self.area = patches.area  # of a macro cell [mm²]
-        curvature, count, device = task.curvature, patches.count, executor.device
-        heights = sag(patches.domain.x, patches.domain.y, radius=1.0 / curvature if curvature else np.inf)
+        count, device = patches.count, executor.device
+        heights = task.form.heights(patches.domain.x, patches.domain.y)
         stored = patches.stored(heights).reshape(count, patches.side, -1)[:, :, : patches.side]
         self.initial: FloatArray = stored.mean(axis=(1, 2))  # gap before any wear [mm]
         whole = int(np.isfinite(self.initial).sum())

@@ -29,7 +29,7 @@ def _refuse_wide(study: Study, heights: FloatArray) -> None:
 
     a is that of the worn patch, Hertz's, or that of a load at the hardness.
     """
-    curvature = study.counter.curvature
+    curvature = max(study.counter.form.along, study.counter.form.across)
     if curvature == 0.0:
         return
     hertz = study.hertz.radius if study.hertz else 0.0

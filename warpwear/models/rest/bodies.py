@@ -26,9 +26,10 @@ class RestingBodies:
 
     @classmethod
     def of(cls, task: ContactTask, executor: Executor, heights: FloatArray) -> Self:
-        """Return unworn bodies: a ball over the heights of a disc [mm], shape (nx, ny)."""
-        grid = executor.grid
+        """Return unworn bodies: the task's counter-body over heights of a disc [mm], shape (nx, ny)."""
+        grid, form = executor.grid, task.form
         bodies = cls(executor.zeros(), executor.zeros(), task.wear_fractions)
-        place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), task.curvature]
-        launch_once(executor, contact.gap, *place, executor.field(heights), bodies.gap, bodies.unworn)
+        place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), form.curvature]
+        roughness = executor.field(form.beneath(heights, grid.x, grid.y))
+        launch_once(executor, contact.gap, *place, roughness, bodies.gap, bodies.unworn)
         return bodies

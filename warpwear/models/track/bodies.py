@@ -1,7 +1,9 @@
-"""The bodies of a contact that slides: a ball and a disc displaced under it, each with what it has lost."""
+"""The bodies of a contact that slides: a counter-body and a disc displaced under it, and what each has lost."""
 
 from dataclasses import dataclass
 from typing import ClassVar, Self
+
+import numpy as np
 
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.program import launch_once
@@ -70,7 +72,8 @@ class SlidingBodies:
 
 def _counter(task: ContactTask, executor: Executor) -> Field:
     """Heights of the task's counter-body, by the kernel that makes the gap of a smooth disc."""
-    grid, heights = executor.grid, executor.zeros()
-    place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), task.curvature]
-    launch_once(executor, contact.gap, *place, executor.zeros(), heights, heights)
+    grid, heights, form = executor.grid, executor.zeros(), task.form
+    place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), form.curvature]
+    smooth = executor.field(form.beneath(np.zeros(grid.shape), grid.x, grid.y))
+    launch_once(executor, contact.gap, *place, smooth, heights, heights)
     return heights

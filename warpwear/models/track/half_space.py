@@ -131,7 +131,7 @@ class SlidingHalfSpace:
         self._of_pieces = wp.zeros((1, 2 * len(OF_BODY)), dtype=wp.float64, device=device)
         self._ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
         #: Relative error of the area by each cell of a part, and by each beyond the first, as of late.
-        self._outline, self._asperities = math.inf if moves and task.curvature > 0.0 else 0.0, 0.0
+        self._outline, self._asperities = math.inf if moves and not task.form.is_flat else 0.0, 0.0
         self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
         #: Whether bodies wear in pieces alone or in part: those of dust alone never leave.
         self._sheds = self.pieces is not None and task.dust < 1.0
@@ -254,7 +254,7 @@ class SlidingHalfSpace:
         if bearing < KEEPS_PRESSURE:
             # The last pressure is then no better a start, neither where it is nor carried on with the disc.
             self._half_space.forget()
-        if self.task.curvature > 0.0:  # a flat has no outline
+        if not self.task.form.is_flat:  # which has no outline
             if not self._sheds:
                 self._outline = OF_OUTLINE * bearing / along
             elastic = 1.0 - total["capped"] / total["contact"]
@@ -364,6 +364,6 @@ class SlidingHalfSpace:
         grid = self._executor.grid
         if not self._moves or self._sheds:  # pieces cut what a mean would smear
             return 1
-        if self.task.curvature == 0.0:
+        if self.task.form.is_flat:
             return grid.nx
         return min(max(round(self._track_fraction * increment / grid.cell), 1), grid.nx)

@@ -182,7 +182,7 @@ class SlidingContact:
     def _factor(self) -> Field:
         """Make the factor of the sliding distance of the disc's cells, one row for all or one a row."""
         kind, grid = "none" if self._moves else self.task.distance_factor, self._executor.grid
-        factor = distance_factor(grid, kind, curvature=self.task.curvature)
+        factor = distance_factor(grid, kind, curvature=self.task.form.curvature)
         return self._executor.field(np.broadcast_to(factor, (factor.shape[0], grid.ny)))
 
     @property

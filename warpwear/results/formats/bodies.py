@@ -15,7 +15,6 @@ from warpwear.history.snapshot import Snapshot
 from warpwear.laws.archard import BODIES
 from warpwear.results.file import ResultFile
 from warpwear.study.surface import surface_in
-from warpwear.surfaces.sphere import sag
 
 #: Name of the whole track of a swept run, a body beside those over the domain of the contact.
 TRACK = "track"
@@ -58,10 +57,8 @@ def worn_heights(
     of a swept run, whose disc is what lies under the counter-body. Where the patches of a two-scale
     run cover nothing both are NaN.
     """
-    curvature = result.study.counter.curvature
-    radius = 1.0 / curvature if curvature else np.inf
     x, y, gap = result.x[part[0]], result.y[part[1]], snapshot.gap[part]
-    counter = sag(x, y, radius=radius) + snapshot.wear_counter[part]
+    counter = result.unworn_counter(x, y) + snapshot.wear_counter[part]
     with np.errstate(invalid="ignore"):  # beyond the counter-body's edge
         heights = -counter if body == "counter" else counter - gap
     not_covered = np.isnan(gap)  # by the patches of a two-scale run
