@@ -28,6 +28,7 @@ from warpwear.version import __version__
     help="Figures to draw: what goes into a paper, or all; `warpwear plot` draws them later.",
 )
 @click.option("--no-plots", is_flag=True, help="Draw no figures, as --plots none.")
+@click.option("--notes", is_flag=True, help="Tell all notes here, not the three heaviest alone.")
 @click.option("--overwrite", is_flag=True, help="Replace the run that the folder holds.")
 @click.option("--resume", is_flag=True, help="Go on from the checkpoint in the folder.")
 @click.pass_obj
@@ -38,6 +39,7 @@ def run(
     out: Path | None,
     plots: str,
     no_plots: bool,
+    notes: bool,
     **options: Any,
 ) -> None:
     """Run STUDY and write its run folder.
@@ -67,14 +69,18 @@ def run(
         click.echo(f"{folder}/ holds this run, finished: nothing is left to do")
         return
     try:
-        run_options = runner.RunOptions(
-            out=folder,
-            plots="none" if no_plots else plots,
-            progress=True,
-            import_seconds=0.0 if started is None else time.perf_counter() - started,
-            **options,
-        )
-        result = runner.run_study(loaded, run_options)
+        with runner.Progress(loaded.study.name, all_notes=notes) as progress:
+            run_options = runner.RunOptions(
+                out=folder,
+                plots="none" if no_plots else plots,
+                progress=progress,
+                import_seconds=0.0 if started is None else time.perf_counter() - started,
+                **options,
+            )
+            with runner.run_study(loaded, run_options) as result:
+                click.echo(summaries.summary_text(summaries.summarise(result)))
+            page = "report.html" if (folder / "report.html").exists() else "summary.json"
+            progress.elsewhere = f"{folder / page}, or --notes"
     except KeyboardInterrupt:
         if (folder / "result.h5").is_file():
             with results.Result.open(folder) as result:
@@ -83,7 +89,5 @@ def run(
         if run_checkpoint.holds_checkpoint(folder):
             click.echo("the same command with --resume goes on from here", err=True)
         raise
-    with result:
-        click.echo(summaries.summary_text(summaries.summarise(result)))
     took = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in result.seconds.items() if seconds >= 0.05)
     click.echo(f"written to {folder}/" + (f" ({took})" if took else ""))

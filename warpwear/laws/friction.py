@@ -194,14 +194,14 @@ class CoulombLaw(FrictionLaw):
 FRICTION_LAWS = {"shear-strength": FrictionLaw, "coulomb": CoulombLaw}
 
 
-def friction_energy(distance: FloatArray, force: FloatArray) -> FloatArray:
-    """Integrate the friction force over the distance slid: ∫ F dL [J] up to the end of each step.
+def friction_energy(distance: FloatArray, cof: FloatArray, load: FloatArray) -> FloatArray:
+    """Integrate the friction force over the distance slid: ∫ μ F dL [J] up to the end of each step.
 
-    distance [mm] at the end of each step, force [N] in it, both (n,). Trapezoids between the ends of the
-    steps; before the end of the first there is no other row, so its force holds from the start.
+    distance [mm] and coefficient at the end of each step, load [N] in it, all (n,). Trapezoids between the
+    coefficients; before the end of the first there is no other row, so its own holds from the start.
     """
-    before = np.concatenate([force[:1], force[:-1]])
-    return 0.5e-3 * np.cumsum((force + before) * np.diff(distance, prepend=0.0))
+    before = np.concatenate([cof[:1], cof[:-1]])
+    return 0.5e-3 * np.cumsum((cof + before) * load * np.diff(distance, prepend=0.0))
 
 
 def fitted_strength(coefficient: float, ploughing: float, *, load: float, area: float) -> float:

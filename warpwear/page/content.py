@@ -50,6 +50,7 @@ def top_of(study: Study, summary: dict[str, Any]) -> dict[str, Any]:
         "name": study.study.name,
         "description": study.study.description,
         "asked": words.asked_of(study, summary["distance_mm"]),
+        "verdict": summary["verdict"]["text"],
         "finished": summary["finished"],
         "answers": [vars(answer) for answer in words.answers_of(study, summary)],
         "warnings": [text for text in summary["warnings"] if text not in summary["notes"]],

@@ -8,6 +8,7 @@ import numpy as np
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BY_NAME
 from warpwear.history.rows import Named
+from warpwear.history.verdict import verdict_of
 from warpwear.laws import passes
 from warpwear.laws.archard import BODIES
 from warpwear.laws.film import Breaking, fit_breaking
@@ -27,7 +28,7 @@ INPUT, ASSUMED = " (an input)", " (an input, assumed)"
 
 
 def summarise(result: ResultFile) -> list[Row]:
-    """Declare scar, depths, volumes, areas, friction, residuals, conservation, assumptions.
+    """Declare the verdict, scar, depths, volumes, areas, friction, residuals, conservation, assumptions.
 
     `record` makes summary.json of it, `summary_text` the lines of a terminal.
 
@@ -47,6 +48,8 @@ def summarise(result: ResultFile) -> list[Row]:
         *_film(result),
         *_checks(result, end),
     ]
+    verdict = verdict_of(result.study, record(rows), result.history)
+    rows = [Row("verdict", "verdict", verdict, sentence=verdict["text"]), *rows]
     return with_seconds(rows, result.seconds) if result.seconds else rows
 
 

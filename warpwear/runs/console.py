@@ -6,27 +6,36 @@ import threading
 import time
 import warnings
 from contextlib import suppress
+from operator import itemgetter
 from types import FrameType
 from typing import Any, Self
 
 from tqdm import tqdm
 
 from warpwear.errors import StudyWarning
+from warpwear.history.verdict import rank_of
 
 #: Longest and shortest silence of a run that writes plain lines [s].
 EVERY_SECONDS = 30.0
 SILENT_SECONDS = 2.0
+#: Notes that a run writes; all of them are on its page, in its summary and in its log.
+MOST_NOTES = 3
 
 
 class Progress:
     """Counts steps: in a bar with the time left on a terminal, in a line every tenth of them elsewhere.
 
-    name: of the study, with which lines begin.
+    name: of the study, with which lines begin. As a context it tells at its end what misleads, the heaviest
+    first; with all_notes all of it, else three sentences, and how many are left.
     """
 
-    def __init__(self, name: str, *, quiet: bool = False) -> None:
+    def __init__(self, name: str, *, quiet: bool = False, all_notes: bool = False) -> None:
         self._name = name
         self._quiet = quiet
+        self._notes: list[tuple[int, str]] = []
+        self._left = sys.maxsize if all_notes else MOST_NOTES
+        #: Where all notes are.
+        self.elsewhere = "in the run's summary and log"
         self._bar: tqdm | None = None
         self._steps = self._done = self._before = 0
         self._made = self._started = self._said = time.perf_counter()
@@ -43,6 +52,7 @@ class Progress:
     def step(self, row: dict[str, float]) -> None:
         """One step is done."""
         self._done += 1
+        self._tell_early()
         if self._bar is not None:
             self._bar.update()
             if self._done % 20 == 0:
@@ -76,13 +86,35 @@ class Progress:
                 tqdm.write(line, file=sys.stderr)
 
     def note(self, sentence: str, *, kind: str = "note") -> None:
-        """What misleads: a line for the user, or a warning of Python where nothing is printed.
+        """What misleads: a line for the user behind the result, or a warning of Python where none is printed.
 
         kind: "note", or "warning" where numbers are not to be trusted.
         """
-        self.say(f"{kind}: {sentence}")
+        self._notes.append((rank_of(sentence, kind), f"{kind}: {sentence}"))
         if self._quiet:
             warn(sentence)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._tell(self._left)
+        if more := len(self._notes):
+            self.say(f"{more} more note{'s' * (more > 1)}: {self.elsewhere}")
+
+    def _tell(self, most: int, ranks: int = 4) -> None:
+        """Write so many notes at most of the first ranks, the heaviest first; each is written once."""
+        self._notes.sort(key=itemgetter(0))
+        told = [note for note in self._notes if note[0] < ranks][: max(most, 0)]
+        for _, line in told:
+            self.say(line)
+        self._left -= len(told)
+        self._notes = self._notes[len(told) :]
+
+    def _tell_early(self) -> None:
+        """Tell warnings of a run that takes long, which one may want to stop; the last is for its end."""
+        if self._notes and time.perf_counter() - self._started > SILENT_SECONDS:
+            self._tell(self._left - 1, ranks=2)
 
     def end(self) -> None:
         """The run is over, one way or another."""

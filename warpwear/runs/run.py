@@ -94,7 +94,7 @@ def run(
     checkpoint, and it is raised.
 
     What misleads (keys that are not used, a contact of few cells) is a warning of Python (StudyWarning), in
-    `result.summary["warnings"]` too; with progress it is a note on standard error instead.
+    `result.summary["warnings"]` too; with progress the three heaviest go to standard error instead.
 
     Raises InputError, and leaves no folder behind, for anything that cannot be computed. A step that is wrong
     raises InvariantError (the contact at the domain's edge, say) or ConvergenceError (an unbalanced contact)
@@ -133,7 +133,7 @@ class RunOptions:
     plots: str = "none"
     overwrite: bool = False
     resume: bool = False
-    progress: bool = False
+    progress: bool | Progress = False  # who gives one tells its notes
     callback: Callable[[RunStep], object] | None = None
     #: Whether the folder gets its tables and the end's fields: otherwise log and sealed result alone, with
     #: the snapshots for which the study names distances.
@@ -159,9 +159,10 @@ def run_study(study: Study | str | Path, options: RunOptions) -> Result:
     """Run a study and return its result, which knows the seconds of its phases; raises what `run` does."""
     options.check()
     order = order_of(study, options.surface, options.out)
-    progress = Progress(order.study.study.name, quiet=not options.progress)
+    given = options.progress if isinstance(options.progress, Progress) else None
+    progress = given or Progress(order.study.study.name, quiet=not options.progress)
     clock = Clock(import_seconds=options.import_seconds, entered=progress.phase)
-    with clock.running():
+    with clock.running(), nullcontext() if given else progress:
         if options.out is not None and _is_there(order, options, options.out):
             return Result.open(options.out)
         draws = options.out is not None and options.plots != "none"

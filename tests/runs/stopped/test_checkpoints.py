@@ -73,7 +73,7 @@ def test_what_cannot_be_resumed_is_refused_and_kept(alone: Path, tmp_path: Path)
     with warpwear.run(renamed, out=out, plots=False, resume=True) as result:
         assert_array_equal(result.history["cof"], 2.0 * result.history["area_contact"] / 8.0)
         assert result.study.study.name == "other"
-    assert set(differences(alone, out)) == {"history/cof", "history.csv"}
+    assert set(differences(alone, out)) == {"history/cof", "history/friction_energy", "history.csv"}
 
 
 def test_another_device_is_refused(tmp_path: Path) -> None:

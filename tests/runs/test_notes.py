@@ -1,0 +1,102 @@
+"""The result comes first: then three notes on a terminal, and all of them on the page and in the record."""
+
+import html
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+import warpwear
+from warpwear import Study
+from warpwear.cli.main import commands
+from warpwear.page.content import words_of
+from warpwear.results.summary import summarise
+from warpwear.runs import console
+from warpwear.runs.console import Progress
+
+#: A study with more than three things to be said of it, one of which takes all trust.
+MANY = {
+    "grid.cell": "20 um",
+    "sliding.distance": "3 mm",
+    "contact.load": "1 N",
+    "contact.boundary": "free",
+    "wear.decay": "0.1 1/mm",
+    "output.snapshots": ["10 mm"],
+    "disc.hardness": "200 HV",
+}
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Path:
+    path = tmp_path / "many.toml"
+    path.write_text(Study.load("v3-fine").replace(MANY).to_toml(), encoding="utf-8")
+    return path
+
+
+def test_a_terminal_gets_the_result_the_verdict_and_three_notes(study: Path, tmp_path: Path) -> None:
+    """In this order; the page and the record have every note."""
+    out = tmp_path / "run"
+    shown = CliRunner().invoke(commands, ["run", str(study), "--out", str(out)])
+    assert shown.exit_code == 0
+    first, second, *_ = shown.stdout.splitlines()
+    summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+    assert first.startswith(f"{summary['name']}: 3 mm slid")
+    assert second.split(maxsplit=1) == ["verdict", summary["verdict"]["text"]]
+    assert second.split(maxsplit=1)[1].startswith("not to be trusted: 1 warning; area ±")
+    notes = summary["warnings"]
+    told = [line for line in shown.stderr.splitlines() if line.startswith(("note: ", "warning: "))]
+    assert len(told) == 3
+    assert "cells are in contact, so its area, pressure and friction mean nothing" in told[0]
+    assert not any(" not apply " in line for line in told)
+    assert len(notes) > 3
+    more = f"{len(notes) - 3} more note{'s' * (len(notes) > 4)}: "
+    assert shown.stderr.splitlines()[-1] == f"{more}{out}/report.html, or --notes"
+    assert shown.output.index(first) < shown.output.index(told[0])
+    page = html.unescape((out / "report.html").read_text(encoding="utf-8"))
+    places = [page.index(note) for note in notes]
+    verdict = summary["verdict"]["text"]
+    assert page.index(f"{verdict[0].upper()}{verdict[1:]}.") < min(places)
+    log = (out / "log.txt").read_text(encoding="utf-8")
+    assert all(note in log for note in notes)
+
+
+def test_all_notes_on_request(study: Path, tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    shown = CliRunner().invoke(commands, ["run", str(study), "--out", str(out), "--notes", "--no-plots"])
+    notes = json.loads((out / "summary.json").read_text(encoding="utf-8"))["warnings"]
+    told = [line.split(": ", 1)[1] for line in shown.stderr.splitlines() if ": " in line]
+    assert sorted(notes) == sorted(line for line in told if line in notes)
+    assert "more note" not in shown.stderr
+
+
+@pytest.mark.parametrize("kind", ["note", "warning"])
+def test_every_kind_reaches_the_page(kind: str, study: Path) -> None:
+    result = warpwear.run(study)
+    summary = result.summary
+    mine = [text for text in summary["warnings"] if (text in summary["notes"]) == (kind == "note")]
+    assert mine
+    assert words_of(result.study, summarise(result))[f"{kind}s"] == mine
+
+
+def test_a_long_run_tells_its_warnings_early(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They are told once, and one line is kept for what the end brings."""
+    monkeypatch.setattr(console, "SILENT_SECONDS", -1.0)
+    row = {"distance": 1.0, "area_contact": 1.0}
+    with Progress("long") as progress:
+        progress.note("This key does not apply.")
+        for number in range(3):
+            progress.note(f"Warning {number}.", kind="warning")
+        progress.start(10)
+        progress.step(row)
+        early = capsys.readouterr().err.splitlines()
+        assert early[:2] == ["warning: Warning 0.", "warning: Warning 1."]
+        assert not any("Warning 2" in line or "apply" in line for line in early)
+        progress.note("All numbers mean nothing.", kind="warning")
+    late = capsys.readouterr().err.splitlines()
+    assert late == [
+        "warning: All numbers mean nothing.",
+        "2 more notes: in the run's summary and log",
+    ]

@@ -1,0 +1,116 @@
+"""The verdict on a run tells in one line what to trust and how far, as far as the run itself knows it."""
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from warpwear.grid import FloatArray
+from warpwear.study.study import Study
+
+#: Words of sentences about numbers that are not to be trusted at all.
+HEAVY = ("mean nothing", "which no contact has", "is no finite number", "of Archard's law", "contact reached")
+HEAVY += ("load_residual =", "rests on points")
+#: Words of notes that change no number.
+LIGHT = (" not apply ", "new name", "no step ends at")
+#: Errors below this are left out.
+LEAST = 0.0005
+UNKNOWN = "halve the cell and compare"
+
+
+def rank_of(sentence: str, kind: str) -> int:
+    """Rank what misleads: 0 takes all trust from a result, 1 is a warning, 2 a note, 3 one on no number."""
+    if any(words in sentence for words in HEAVY):
+        return 0
+    return 1 if kind == "warning" else 3 if any(words in sentence for words in LIGHT) else 2
+
+
+def _rim(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatArray]) -> float:
+    """Return what a cell at each rim of the scar is of its area."""
+    return sum(2e-3 * s["cell_um"] / extent for extent in s["scar_mm"].values())
+
+
+def _by_mesh(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatArray]) -> float:
+    flat = study.disc.synthetic is not None and study.disc.synthetic.kind == "flat"
+    return math.nan if study.is_rough and not flat else _rim(study, s, history)
+
+
+def _by_steps(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatArray]) -> float:
+    return float(s.get("track", {}).get("parts", {}).get("estimated_error_at_most", 0.0))
+
+
+def _by_directions(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatArray]) -> float:
+    ways = s.get("track", {}).get("last_cycle", {}).get("area_contact_mm2", {"forward": 1.0, "backward": 1.0})
+    return float(abs(ways["forward"] - ways["backward"]) / (ways["forward"] + ways["backward"]))
+
+
+def _by_wear(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatArray]) -> float:
+    static = history.get("area_static", np.zeros(0))
+    known = np.flatnonzero(np.isfinite(static))
+    return abs(1.0 - float(static[known[-1]] / history["area_contact"][known[-1]])) if known.size else 0.0
+
+
+#: What makes an area uncertain -> its part of the area; NaN where that is not known.
+OF_AREA: dict[str, Callable[[Study, Mapping[str, Any], Mapping[str, FloatArray]], float]] = {
+    "cell": _by_mesh,
+    "length of steps": _by_steps,
+    "direction": _by_directions,
+    "wear within a step": _by_wear,
+    "balance of the load": lambda study, s, history: s["load_residual_N"]["largest"] / s["load_N"],
+    "points filled in": lambda study, s, history: (
+        s.get("load_on_filled_percent", {}).get("largest", 0.0) / 100.0
+    ),
+}
+
+
+def verdict_of(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatArray]) -> dict[str, Any]:
+    """Return the errors of area and depth, relative, their parts, whence friction is, and one sentence.
+
+    s: the run's summary without the verdict. An area's error is the root of its squared parts.
+    """
+    parts = {what: error(study, s, history) for what, error in OF_AREA.items()}
+    known = {what: part for what, part in parts.items() if part >= LEAST}
+    area = math.hypot(*known.values()) if known else None
+    depth = _rim(study, s, history) if any(s["volume_mm3"].values()) else None
+    heavy = sum(rank_of(sentence, "note") == 0 for sentence in s["warnings"])
+    trusted = bool(s["finished"]) and not heavy
+    sentences = [
+        *([] if s["finished"] else ["interrupted: as far as it came"]),
+        *([f"not to be trusted: {heavy} warning{'s' * (heavy > 1)}"] if heavy else []),
+        f"area {_area(area, known, mesh_is_known=not math.isnan(parts['cell']))}",
+        *([f"mean depth of the scar ± {_percent(depth)} (a cell at its rim)"] if depth else []),
+        f"friction {_friction(study, s)}",
+    ]
+    return {
+        "text": "; ".join(sentences),
+        "trusted": trusted,
+        "area_relative": area,
+        "area_parts": parts,
+        "depth_relative": depth,
+        "friction": _friction(study, s).split()[0],
+    }
+
+
+def _area(area: float | None, parts: Mapping[str, float], *, mesh_is_known: bool) -> str:
+    """Say how far an area is known. parts: of its error."""
+    if area is None:
+        return f"± not known: {UNKNOWN}"
+    by = ", ".join(what if len(parts) == 1 else f"{what} {_percent(part)}" for what, part in parts.items())
+    return f"± {_percent(area)} ({by})" + ("" if mesh_is_known else f", the cell's part not known: {UNKNOWN}")
+
+
+def _friction(study: Study, s: Mapping[str, Any]) -> str:
+    """Say whether friction is assumed, given or predicted; the first word alone says it in short."""
+    fitted, assumed = study.friction.fitted, s["assumptions"]
+    if s["cof"]["end"] is None:
+        return "unknown before the end"
+    if fitted is None:
+        how = "assumed" if "friction.shear_strength" in assumed else "given"
+        return f"predicted from the area, by a shear strength that is {how}"
+    where = {"end": ", at the end", "initial": ", at the start", "coulomb": ""}[fitted]
+    return ("assumed" if "friction.coefficient" in assumed else "given") + where
+
+
+def _percent(part: float) -> str:
+    return f"{100.0 * part:.2g} %"
