@@ -26,7 +26,8 @@ from warpwear.surfaces.files.layouts import (
     looked_into,
     read_tmd,
 )
-from warpwear.surfaces.point_cloud import gridded, units_in
+from warpwear.surfaces.files.profiles import PRF, read_prf, x3p_profile
+from warpwear.surfaces.point_cloud import gridded, spaced, units_in
 from warpwear.surfaces.text import NoTable, read_table
 
 h5py = lazy.module("h5py")
@@ -53,7 +54,7 @@ HEIGHT_NAMES = ("heights", "height", "z", "surface", "topography")  # of the arr
 class Raw:
     """A file holds values in its own units; what it does not say is None."""
 
-    heights: np.ma.MaskedArray | np.ndarray
+    heights: np.ma.MaskedArray | np.ndarray  # of a map with two axes, of a profile with one
     format: str
     pixel: tuple[float, ...] | None = None  # in the lateral unit
     lateral_unit: str | None = None
@@ -206,9 +207,14 @@ def _read_text(source: Source, *, otherwise: InputError | None = None) -> Raw:
         raise refusal(path, f"cannot be read as text ({error})") from error
     notes = () if table.ended else (CUT,)
     lateral, height = units_in(table.header)
-    if table.width < 3:
-        what = "a single column" if table.width == 1 else "a profile (line scan), two columns"
-        raise refusal(path, f"holds {what} of {len(values)} numbers, and no map of heights")
+    if table.width == 1:
+        return Raw(values[:, 0], "text of one column", None, lateral, height, notes)
+    if table.width == 2:
+        try:
+            heights, step = spaced(values)
+        except ValueError as error:
+            raise refusal(path, f"holds two columns that are no profile ({error})") from error
+        return Raw(heights, "text of two columns", (step,), lateral, height, notes)
     if sizes := gwyddion_header(table.header):
         (width, lateral), (length, other), unit = sizes
         if lateral == other:
@@ -237,6 +243,21 @@ def _read_tmd(source: Source) -> Raw:
     with _refused(source.path, "as .tmd"):
         heights, pixel = read_tmd(source.path)
     return Raw(heights, "tmd", pixel, "mm", "mm")
+
+
+def _read_prf(source: Source) -> Raw:
+    """Read a .prf of text, which a stylus instrument's program exports."""
+    with _refused(source.path, "as .prf"):
+        heights, step = read_prf(source.path)
+    return Raw(heights, "prf", (step,), "mm", "mm")
+
+
+def _read_x3p(source: Source) -> Raw:
+    """Read the profile in an .x3p, or the map."""
+    with _refused(source.path, "as .x3p"):
+        check_archive(source.path)
+        profile = x3p_profile(source.path)
+    return _read_topography(source) if profile is None else Raw(profile[0], "x3p", (profile[1],), "m", "m")
 
 
 def _read_packed(source: Source) -> Raw:
@@ -353,24 +374,24 @@ def _read_topography(source: Source, *, plain: bool = False) -> Raw:
             check_archive(path)
     with _refused(path, "as a surface"), _open_topography(path, plain=plain) as reader:
         name, channel = str(reader.format()), channel_of_heights(reader, source.channel)
-        if channel.dim != 2:
-            raise refusal(
-                path, f"holds a profile (line scan) of {channel.nb_grid_pts} points, no map of heights"
-            )
         shape, room = channel.nb_grid_pts, path.stat().st_size
         if math.prod(shape) > min(MOST_POINTS, BLOCK + POINTS_A_BYTE * room):
             raise ValueError(f"{math.prod(shape)} points in {room} bytes, which is more than can be there")
         sizes = None
         if channel.physical_sizes is None:
             # Only to get at the heights: the pixel used is the study's, or there is an error
-            sizes = tuple(n * p for n, p in zip(shape, source.pixel or (1.0, 1.0), strict=True))
+            sizes = tuple(n * p for n, p in zip(shape, source.pixel or (1.0, 1.0), strict=False))
         topography = channel.topography(physical_sizes=sizes)
         heights = topography.heights()
         if name == "asc" and min(heights.shape) == 3:
             # the reader takes an incomplete list of points for a matrix of three columns
             raise ValueError("a list of points x y z that is no complete regular grid")
         unit = topography.unit if isinstance(topography.unit, str) else None
-        pixel = tuple(float(p) for p in topography.pixel_size) if sizes is None else None
+        if channel.dim == 1:
+            heights, *pixel = spaced(np.column_stack([topography.positions(), np.ma.filled(heights, np.nan)]))
+        else:
+            pixel = topography.pixel_size
+        pixel = tuple(float(p) for p in pixel) if sizes is None else None
         return Raw(heights, name, pixel, lateral_unit=unit, height_unit=unit)
 
 
@@ -386,10 +407,12 @@ FORMATS = (
     ),
     Format("a packed one of these", (".gz",), lambda s: s.start.startswith(GZIP), _read_packed),
     Format("a map of TrueMap", (".tmd",), lambda s: s.start.lower().startswith(TMD), _read_tmd),
+    Format("a profile", (".prf",), lambda s: s.start.split(b"\n")[0].strip() == PRF, _read_prf),
+    Format("an archive of ISO 25178-72", (".x3p",), lambda s: s.ending == ".x3p", _read_x3p),
     Format("text of points x y z or of a matrix", TEXT, lambda s: s.is_text and s.ending in TEXT, _read_text),
     Format(
-        "any areal height map that SurfaceTopography reads",
-        (".al3d", ".sur", ".x3p", ".opd", ".plu", ".mnt", ".sdf"),
+        "any height map or profile that SurfaceTopography reads",
+        (".al3d", ".sur", ".opd", ".plu", ".mnt", ".sdf"),
         lambda s: True,
         _read_instrument,
     ),

@@ -72,6 +72,22 @@ def gridded(points: FloatArray) -> Cloud:
     return Cloud(heights=heights.reshape(nx, ny), pixel=(px, py), notes=tuple(notes))
 
 
+def spaced(points: FloatArray) -> tuple[FloatArray, float]:
+    """Return heights, shape (n,), and spacing of points x z, shape (m, 2), NaN where one is left out.
+
+    Raises ValueError, with the end of a sentence, for points that are not evenly spaced along x.
+    """
+    points = points[np.isfinite(points[:, 0])]
+    if len(points) < 4:
+        raise ValueError("fewer than four points")
+    column, count, step = _axis(points[:, 0], "x")
+    if count < 4 or np.bincount(column).max() > 1:
+        raise ValueError("several points at one x")
+    heights = np.full(count, np.nan)
+    heights[column] = points[:, 1]
+    return heights, step
+
+
 def units_in(header: Sequence[str]) -> tuple[str | None, str | None]:
     """Return the lateral unit and the unit of heights that a header states, None where not unambiguous."""
     units: dict[str, set[str]] = {"x": set(), "y": set(), "z": set(), "": set()}
@@ -91,10 +107,13 @@ def _units_of_axes(line: str) -> list[tuple[str, str]]:
         return [("z", match[1])]
     if match := ANY_UNIT.search(line):
         return [("", match[1])]
+    if len(words := re.findall(rf"[\[(] *({UNIT}) *[\])]", line)) == 2:  # two columns of other names
+        return list(zip("xz", words, strict=True))
     # perhaps a line of units alone, under the names of the columns
     words = re.findall(rf"(?<![\w])({UNIT})(?![\w])", line)
     rest = re.sub(rf"{UNIT}|[\[\]()#%;,\s]", "", line)
-    return list(zip("xyz", words, strict=True)) if len(words) == 3 and not rest else []
+    axes = {2: "xz", 3: "xyz"}.get(len(words), "")
+    return list(zip(axes, words, strict=True)) if axes and not rest else []
 
 
 def _canonical(unit: str) -> str:

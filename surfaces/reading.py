@@ -1,7 +1,7 @@
 """Height maps in mm: what a file holds, in the units that it states or that are given."""
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -37,12 +37,16 @@ FARTHEST = 1.0e4  # mm: no height is beyond it
 PIXELS_ALLOWED = "allowed is one length or one per axis, from 0.1 nm to 1 mm"
 
 
+class HoldsAProfile(InputError):
+    """A file holds a profile where a map of heights is expected."""
+
+
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """A height map in mm says what a file holds, and where its pixel and unit are from."""
+    """A height map or profile in mm says what a file holds, and where its pixel and unit are from."""
 
-    heights: FloatArray  # [mm], shape (nx, ny), NaN where missing
-    pixel: tuple[float, float]  # (px, py) [mm]
+    heights: FloatArray  # [mm], shape (nx, ny), or (n,) of a profile, NaN where missing
+    pixel: tuple[float, ...]  # [mm], (px, py), or (px,) of a profile
     format: str
     unit: str  # of the heights in the file
     pixel_given: bool
@@ -58,13 +62,15 @@ def read(
     pixel: float | tuple[float, float] | None = None,
     height_unit: str | None = None,
     array: str | None = None,
+    profile: bool = False,
 ) -> Reading:
-    """Read one height map.
+    """Read one height map, or one profile.
 
     pixel [mm] (one, or one per axis of the file) and height_unit override what the file says; .npy, .npz and
     text without them need both. array: the one to take of a .npz that holds several. Axis 0 is the file's x:
-    the columns of a text matrix, whose lines follow y. Raises InputError, naming ``disc.surface``,
-    ``disc.pixel`` or ``disc.height_unit``, for whatever is no areal measurement or cannot be.
+    the columns of a text matrix, whose lines follow y. A map of one line is a profile. Raises InputError,
+    naming ``disc.surface``, ``disc.pixel`` or ``disc.height_unit``, for whatever is neither, or the other
+    one: `HoldsAProfile` for a profile instead of a map.
     """
     path = Path(path)
     try:
@@ -83,9 +89,15 @@ def read(
     raw = formats.read_raw(formats.Source(path, pixel=pair, array=array))
     if digest_of(path) != digest:
         raise InputError(f"disc.surface '{path}' changed while it was read")
-    if raw.heights.ndim != 2 or min(raw.heights.shape) < 2:
+    raw = _squeezed(raw)
+    axes = 1 if profile else 2
+    if raw.heights.ndim == 1 < axes:
+        what = f"holds a profile (line scan) of {raw.heights.size} points, and no map of heights"
+        raise HoldsAProfile(str(formats.refusal(path, what)))
+    if raw.heights.ndim != axes or min(raw.heights.shape) < 2:
         shape = "×".join(map(str, raw.heights.shape))
-        raise formats.refusal(path, f"holds a line scan or single values (shape {shape})")
+        raise formats.refusal(path, f"holds no {'profile' if profile else 'map'} (shape {shape})")
+    pair = None if pair is None else pair[:axes]
     unit = height_unit if height_unit is not None else raw.height_unit
     factor = _height_factor(path, unit)
     overrides = _overrides(raw, unit=height_unit, pixel=pair)
@@ -124,7 +136,7 @@ def _millimetres(unit: str | None) -> float | None:
     return MILLIMETRES.get((unit or "").strip().replace("μ", "µ"))
 
 
-def _overrides(raw: "Raw", *, unit: str | None, pixel: tuple[float, float] | None) -> tuple[str, ...]:
+def _overrides(raw: "Raw", *, unit: str | None, pixel: tuple[float, ...] | None) -> tuple[str, ...]:
     """Say, in sentences, where what is given differs from what the file says."""
     notices = []
     of_file = _millimetres(raw.height_unit)
@@ -167,15 +179,24 @@ def _height_factor(path: Path, unit: str | None) -> float:
     return factor
 
 
-def _pixel_of_file(path: Path, raw: "Raw") -> tuple[float, float]:
+def _squeezed(raw: "Raw") -> "Raw":
+    """Return a map of one line as the profile that it is, and all else as it is."""
+    shape = raw.heights.shape
+    if len(shape) != 2 or min(shape) != 1 or max(shape) == 1:
+        return raw
+    pixel = None if raw.pixel is None else (raw.pixel[shape.index(max(shape))],)
+    return replace(raw, heights=raw.heights.reshape(-1), pixel=pixel)
+
+
+def _pixel_of_file(path: Path, raw: "Raw") -> tuple[float, ...]:
     if raw.pixel is None or raw.lateral_unit is None:
         lacks = "names none" if raw.pixel is None else "gives its own without a unit"
         raise InputError(f"disc.pixel is not given and disc.surface '{path}' {lacks}: {PIXELS_ALLOWED}")
     factor = _height_factor(path, raw.lateral_unit)
-    along, across = (p * factor for p in raw.pixel)
-    if not (_is_pixel(along) and _is_pixel(across)):
+    pixel = tuple(p * factor for p in raw.pixel)
+    if not all(map(_is_pixel, pixel)):
         raise InputError(
-            f"disc.surface '{path}' has a pixel of {along:g} × {across:g} mm: allowed is from 0.1 nm to "
-            "1 mm, or give disc.pixel"
+            f"disc.surface '{path}' has a pixel of {' × '.join(f'{p:g}' for p in pixel)} mm: allowed is from "
+            "0.1 nm to 1 mm, or give disc.pixel"
         )
-    return along, across
+    return pixel

@@ -185,23 +185,7 @@ def profile_roughness(
     has fewer than two pixels. There is no Ra where the filters leave no height of 1 pm. notes tell each of
     these. Raises InputError where short is not below cut_off.
     """
-    if short >= cut_off:
-        raise InputError(
-            f"--lambda-s is {1e3 * short:g} µm: must be shorter than --lambda-c, here {1e3 * cut_off:g} µm"
-        )
-    count, step = heights.shape[axis], pixel[axis]
-    used, waves, notes = _cut_offs(count * step, step, cut_off=cut_off, short=short)
-
-    def smoothed(field: FloatArray, wave: float) -> FloatArray:
-        return over_measured(field, partial(low_pass, axis=axis, pixel=step, cut_off=wave))
-
-    rough = heights if waves is None else smoothed(heights, waves)
-    if used is not None:
-        rough = rough - smoothed(rough, used)
-        evaluated = min(max(round(_sampling_lengths(count * step, used) * used / step), 1), count)
-        first = (count - evaluated) // 2
-        rough = rough.take(range(first, first + evaluated), axis)
-    rough = rough.T if axis == 0 else rough  # a profile a row
+    rough, used, waves, notes = filtered(heights, pixel=pixel, axis=axis, cut_off=cut_off, short=short)
     there = ~np.isnan(rough)
     enough = there.mean(axis=1) > LEAST_OF_A_PROFILE
     if left_out := int(np.count_nonzero(~enough)):
@@ -219,6 +203,32 @@ def profile_roughness(
         ra, scatter = float(values.mean()), float(values.std())
         scatter = scatter if scatter >= FLAT else 0.0
     return ProfileRoughness(ra, scatter, values.size, used, waves, tuple(notes))
+
+
+def filtered(
+    heights: FloatArray, *, pixel: tuple[float, float], axis: int, cut_off: float, short: float
+) -> tuple[FloatArray, float | None, float | None, list[str]]:
+    """Return the roughness profiles along an axis, one a row, λc and λs [mm] used, and why these.
+
+    Parameters and errors are those of `profile_roughness`. Only what is evaluated is returned.
+    """
+    if short >= cut_off:
+        raise InputError(
+            f"--lambda-s is {1e3 * short:g} µm: must be shorter than --lambda-c, here {1e3 * cut_off:g} µm"
+        )
+    count, step = heights.shape[axis], pixel[axis]
+    used, waves, notes = _cut_offs(count * step, step, cut_off=cut_off, short=short)
+
+    def smoothed(field: FloatArray, wave: float) -> FloatArray:
+        return over_measured(field, partial(low_pass, axis=axis, pixel=step, cut_off=wave))
+
+    rough = heights if waves is None else smoothed(heights, waves)
+    if used is not None:
+        rough = rough - smoothed(rough, used)
+        evaluated = min(max(round(_sampling_lengths(count * step, used) * used / step), 1), count)
+        first = (count - evaluated) // 2
+        rough = rough.take(range(first, first + evaluated), axis)
+    return (rough.T if axis == 0 else rough), used, waves, notes
 
 
 def _cut_offs(

@@ -31,8 +31,11 @@ def dense_free(grid: Grid) -> FloatArray:
 @cache
 def _of_squares(grid: Grid) -> FloatArray:
     x, y = (c.ravel() for c in np.meshgrid(grid.x, grid.y, indexing="ij"))
-    dx, dy = np.subtract.outer(x, x), np.subtract.outer(y, y)
-    h = 0.5 * grid.cell
+    return _of_square(np.subtract.outer(x, x), np.subtract.outer(y, y), 0.5 * grid.cell)
+
+
+def _of_square(dx: FloatArray, dy: FloatArray, h: float) -> FloatArray:
+    """Displacement at a distance from a square of side 2 h under a unit pressure."""
 
     def part(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
         """a ln((b + …)/(c + …)) of the square's side at distance a."""
@@ -41,6 +44,43 @@ def _of_squares(grid: Grid) -> FloatArray:
     total = part(dx + h, dy + h, dy - h) + part(dy + h, dx + h, dx - h)
     total += part(dx - h, dy - h, dy + h) + part(dy - h, dx - h, dx + h)
     return np.asarray(total / (math.pi * MODULUS))
+
+
+def dense_line(grid: Grid, datum: float | None = None) -> FloatArray:
+    """Influence of every cell on every other where each repeats across: of thousands of images, extrapolated.
+
+    datum: distance at which a line of pressure displaces nothing; by default the length along x.
+    """
+    return _of_images(grid, grid.nx * grid.cell if datum is None else datum).copy()
+
+
+@cache
+def _of_images(grid: Grid, datum: float) -> FloatArray:
+    """What is left out beyond n images goes as the square of 1/(n + 1/2): two sums tell it."""
+    h, period = grid.cell, grid.ny * grid.cell
+    x, y = np.arange(grid.nx) * h, np.arange(grid.ny) * h
+    nearest = -(-300 // grid.ny)
+    places = np.arange(-nearest, nearest + 1)[:, np.newaxis, np.newaxis] * period
+    total, sums = _of_square(x[:, np.newaxis], np.abs(y + places), 0.5 * h).sum(axis=0), []
+    count = -(-16000 // grid.ny)
+    for images in (count, 2 * count):
+        places = np.arange(nearest + 1, images + 1)[:, np.newaxis, np.newaxis] * period
+        for side in (-1.0, 1.0):
+            r = np.hypot(x[:, np.newaxis], y + side * places)
+            # a square's, of which the next term is of the fourth order
+            part = (h**2 / r + h**4 / (24.0 * r**3)).sum(axis=0)
+            sums.append(part - h**2 / period * math.log(2.0 * (images + 0.5) * period / datum))
+    lesser, greater = sums[0] + sums[1], sums[2] + sums[3]
+    ratio = ((2 * count + 0.5) / (count + 0.5)) ** 2
+    total += (greater + (greater - lesser) / (ratio - 1.0)) / (math.pi * MODULUS)
+    i, j = np.indices(grid.shape).reshape(2, -1)
+    away = np.abs(np.subtract.outer(i, i)), np.abs(np.subtract.outer(j, j))
+    return np.asarray(total[away])
+
+
+def dense_of(grid: Grid, boundary: str) -> FloatArray:
+    """Influence of every cell on every other by the boundary's name."""
+    return {"free": dense_free, "periodic": dense_periodic, "line": dense_line}[boundary](grid)
 
 
 def dense_periodic(grid: Grid) -> FloatArray:

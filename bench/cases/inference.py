@@ -36,13 +36,13 @@ from scipy import stats  # noqa: E402
 TOP = Path(__file__).parents[2]
 sys.path[:0] = [str(TOP), str(TOP / "tests" / "inference")]
 
-from cases_inference import course_like  # noqa: E402
+from cases_inference import course_like, simulate  # noqa: E402
 
 from warpwear import Study  # noqa: E402
 from warpwear.errors import ConvergenceError, InputError  # noqa: E402
 from warpwear.inference.data import Data, Measured  # noqa: E402
 from warpwear.inference.infer import check_priors, noise_for  # noqa: E402
-from warpwear.inference.likelihood import Posterior, simulate  # noqa: E402
+from warpwear.inference.likelihood import Posterior  # noqa: E402
 from warpwear.inference.model import Model  # noqa: E402
 from warpwear.inference.runs import Runs, make_runs  # noqa: E402
 from warpwear.inference.sampler import sample  # noqa: E402

@@ -191,7 +191,8 @@ class Solve:
     """Holds a search, and where its passes leave what they find."""
 
     columns: wp.int32  # of the grid, without padding
-    wraps: wp.int32  # 1 where the surface repeats beyond its edges
+    wraps_along: wp.int32  # 1 where the surface repeats beyond its first and last row
+    wraps_across: wp.int32  # beyond its first and last column
     neighbours: wp.array(dtype=wp.float32)  # weights of those along x, along y and across corners
     rules: wp.array(dtype=Rules)  # one
     fields: Fields

@@ -281,7 +281,9 @@ def test_what_cannot_be_fitted_is_refused(change, words):
 
 def test_friction_energy():
     uneven = np.cumsum(np.geomspace(0.003, 3.0, 400))
-    assert friction_energy(uneven, np.full(400, 0.6), np.full(400, 8.0))[-1] == pytest.approx(4.8e-3 * uneven[-1])
+    assert friction_energy(uneven, np.full(400, 0.6), np.full(400, 8.0))[-1] == pytest.approx(
+        4.8e-3 * uneven[-1]
+    )
     # straight from the end of the first step: exact but for the first step, which has no other row
     work = friction_energy(uneven, uneven, np.full(uneven.size, 2.0))[-1]
     assert work == pytest.approx(1e-3 * (uneven[-1] ** 2 + uneven[0] ** 2), rel=1e-12)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from cases_half_space import MODULUS, dense_free, dense_periodic
+from cases_half_space import MODULUS, dense_free, dense_of, dense_periodic
 from numpy.testing import assert_allclose, assert_array_equal
 
 from warpwear.contact.half_space.influence import Influence, apart_shape, displace
@@ -72,18 +72,19 @@ def mean_along(rows: int, window: int | None, *, wraps: bool) -> FloatArray:
     return np.asarray((mean @ mean)[:rows, :rows])
 
 
-GRIDS = [(12, 16), (9, 10), (9, 11), (14, 12)]
+GRIDS = [(12, 16), (9, 10), (9, 11), (14, 12), (16, 3), (17, 2), (12, 1)]
 
 
 @pytest.mark.parametrize(("own", "streak", "window"), [(0.3, 0.0, None), (0.2, 0.7, None), (0.0, 0.7, 4)])
-@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("boundary", ["periodic", "free", "line"])
 @pytest.mark.parametrize("shape", GRIDS)
 def test_a_response_is_that_of_the_dense_matrix(
     shape: tuple[int, int], boundary: str, own: float, streak: float, window: int | None, device: str
 ) -> None:
     """With compliances as they are set when a program runs, in double and single precision; and in place."""
     grid, wraps = Grid(*shape, 0.5), boundary == "periodic"
-    elastic = dense_periodic(grid) if wraps else dense_free(grid)
+    tolerance = 1e-12 if boundary == "line" else 1e-13  # rounding of a sum over thousands of images
+    elastic = dense_of(grid, boundary)
     along = mean_along(grid.nx, window, wraps=wraps)
     matrix = elastic + own * np.eye(grid.cells) + streak * np.kron(along, np.eye(grid.ny))
     pressure = np.random.default_rng(4).random(shape)
@@ -101,19 +102,19 @@ def test_a_response_is_that_of_the_dense_matrix(
             used = matrix if compliance[0] or compliance[1] else elastic
             expected = (used @ pressure.ravel()).reshape(shape)
             scale = np.abs(expected).max()
-            assert_allclose(executor.to_numpy(out), expected, rtol=0.0, atol=1e-13 * scale)
+            assert_allclose(executor.to_numpy(out), expected, rtol=0.0, atol=tolerance * scale)
             assert_allclose(executor.to_numpy(rough), expected, rtol=0.0, atol=1e-6 * scale)
             assert_array_equal(executor.to_numpy(field), executor.to_numpy(out))
         operator.respond(out, field)
         expected = (matrix @ executor.to_numpy(out).ravel()).reshape(shape)
-        assert_allclose(executor.to_numpy(field), expected, rtol=0.0, atol=1e-13 * np.abs(expected).max())
+        assert_allclose(executor.to_numpy(field), expected, rtol=0.0, atol=tolerance * np.abs(expected).max())
         # Of each cell on each, by their distance, the other way round where the surface repeats.
         places = np.indices(shape).reshape(2, -1)
         away = [np.abs(np.subtract.outer(place, place)) for place in places]
         away_x, away_y = (np.minimum(d, size - d) for d, size in zip(away, operator.far_shape, strict=True))
         table, of_column = (array.numpy() for array in operator.coefficients())
         coefficients = table[away_x, away_y] + np.where(away_y == 0, of_column[away_x], 0.0)
-        assert_allclose(coefficients, matrix, rtol=0.0, atol=1e-13 * matrix.max())
+        assert_allclose(coefficients, matrix, rtol=0.0, atol=tolerance * matrix.max())
 
 
 @pytest.mark.parametrize("compliance", [(0.0, 0.0, None), (0.3, 0.0, None), (0.2, 0.7, 5)])
@@ -134,8 +135,8 @@ def test_the_inverse_undoes_the_response(
         assert_allclose(executor.to_numpy(field), expected, rtol=0.0, atol=3e-6)
 
 
-@pytest.mark.parametrize("boundary", ["periodic", "free"])
-@pytest.mark.parametrize("shape", [(48, 40), (21, 33)])
+@pytest.mark.parametrize("boundary", ["periodic", "free", "line"])
+@pytest.mark.parametrize("shape", [(48, 40), (21, 33), (40, 2), (40, 1)])
 def test_threads_change_no_operator(shape: tuple[int, int], boundary: str, threads: int) -> None:
     """To the last bit."""
     grid, results = Grid(*shape, 0.5), []

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases_half_space import MODULUS, bounded, dense_free, dense_periodic, dense_streak, rough
+from cases_half_space import MODULUS, bounded, dense_of, dense_streak, rough
 
 from warpwear.contact.half_space import coarse_start
 from warpwear.contact.half_space.search import SearchRules
@@ -39,7 +39,7 @@ def by_active_sets(
     boundary: str, hardness: float, compliance: float, streak: float, window: int | None
 ) -> tuple[FloatArray, FloatArray, float]:
     """The dense matrix, and pressure and approach by active sets."""
-    matrix = dense_free(GRID) if boundary == "free" else dense_periodic(GRID)
+    matrix = dense_of(GRID, boundary)
     matrix += compliance * np.eye(GRID.cells) + streak * dense_streak(GRID, boundary, window)
     # A uniform term makes the periodic matrix definite; it only adds to the approach.
     uniform = 1.0 / GRID.cells
@@ -47,7 +47,7 @@ def by_active_sets(
     return matrix, pressure, 0.5 - uniform * pressure.sum()
 
 
-@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("boundary", ["periodic", "free", "line"])
 @pytest.mark.parametrize("hardness", [math.inf, 1.5, 0.2])
 @pytest.mark.parametrize(
     ("compliance", "streak", "window"),
@@ -223,7 +223,7 @@ def test_no_convergence_is_an_error_with_its_residual() -> None:
             solver.solve(executor.field(rough(GRID)), mean_pressure=0.1)
 
 
-@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("boundary", ["periodic", "free", "line"])
 @pytest.mark.parametrize("hardness", [math.inf, 1.5, 0.3])
 def test_a_recorded_search_makes_the_iterations_of_one_whose_passes_are_shared(
     boundary: str, hardness: float, threads: int
@@ -285,7 +285,7 @@ def test_the_stream_is_shared_as_the_library_wants_it(is_new: bool) -> None:
 
 
 @pytest.mark.parametrize("shape", [(64, 64), (37, 50)])
-@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("boundary", ["periodic", "free", "line"])
 @pytest.mark.parametrize("hardness", [math.inf, 1.5])
 def test_a_start_on_wider_cells_leads_to_the_same_contact_in_less(
     shape: tuple[int, int], boundary: str, hardness: float, device: str, monkeypatch: pytest.MonkeyPatch

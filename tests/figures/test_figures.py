@@ -87,7 +87,10 @@ def test_what_makes_no_sense_is_left_out_with_its_reason(
         plot.cof()
     assert set(results["rough"].plot.left_out) == of_others
     assert set(results["flat"].plot.left_out) == {"contact_radius"} | of_others
-    assert results["flat"].plot.left_out["contact_radius"] == "a rigid flat has no radius of contact"
+    assert (
+        results["flat"].plot.left_out["contact_radius"]
+        == "a rigid flat, or a cylinder, has no radius of contact"
+    )
     of_rough = left_out_for(words.SMOOTH_DISC, words.SMOOTH, words.NO_PIECES)
     assert set(results["smooth"].plot.left_out) == of_rough | {*OF_TRACKS, *OF_PATCHES, *OF_FILMS}
     no_speed = warpwear.run(

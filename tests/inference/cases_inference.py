@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from warpwear import Study
+from warpwear.grid import FloatArray
 from warpwear.inference.data import Data, MeasuredCourse
 from warpwear.inference.identify import conflicts_of, identify
-from warpwear.inference.likelihood import Posterior, simulate
+from warpwear.inference.likelihood import Posterior
 from warpwear.inference.model import Model
 from warpwear.inference.result import Inference
 from warpwear.inference.runs import Runs
@@ -71,6 +72,31 @@ def weighed(posterior: Posterior) -> Samples:
     logs = posterior.log_likelihood(z)
     weights = np.exp(logs - logs.max())
     return Samples(z[random.choice(len(z), 4000, p=weights / weights.sum())], 0, 1.0, 1.0, 4000.0)
+
+
+def simulate(
+    model: Model, values: dict[str, FloatArray], like: Data, random: np.random.Generator
+) -> tuple[FloatArray, list[FloatArray]]:
+    """Draw what a test would measure: coefficients (samples, points), and (samples,) a value of `like`."""
+    samples = len(next(iter(values.values())))
+    cof = model.cof(values, like.distance) if like.distance.size else np.zeros((samples, 0))
+    if "noise.deviation" in values:
+        for course, rows in zip(like.courses, like.rows, strict=True):
+            noise = random.standard_normal((samples, course.distance.size))
+            memory = np.exp(-np.diff(course.distance) / values["noise.length"][:, None])
+            for place in range(1, course.distance.size):
+                before = memory[:, place - 1]
+                noise[:, place] = before * noise[:, place - 1] + np.sqrt(1.0 - before**2) * noise[:, place]
+            level = values.get("noise.repeat", np.zeros(samples)) * random.standard_normal(samples)
+            cof[:, rows] += values["noise.deviation"][:, None] * noise + level[:, None]
+    if like.points:
+        errors = np.array([point.error for point in like.points])
+        cof[:, -len(like.points) :] += errors * random.standard_normal((samples, len(like.points)))
+    drawn = []
+    for measured in like.values:
+        mean, variance = model.value(values, measured.kind)
+        drawn.append(mean + np.sqrt(variance + measured.error**2) * random.standard_normal(samples))
+    return cof, drawn
 
 
 def drawn(study: Study, truth: dict[str, float], data: Data, seed: int) -> Data:

@@ -9,9 +9,8 @@ from cases_inference import smooth_study, worn_paraboloid
 
 import warpwear
 from warpwear import InputError
-from warpwear.inference.data import Data, data_of
+from warpwear.inference.data import Data
 from warpwear.inference.emulator import Emulator
-from warpwear.inference.infer import infer_from
 from warpwear.inference.likelihood import Posterior
 from warpwear.inference.model import Model
 from warpwear.inference.runs import Runs, scales
@@ -49,12 +48,12 @@ def test_one_run_serves_all_wear_coefficients(tmp_path: Path) -> None:
     """Area, scar and volumes of a run at other wear coefficients are those of the scaled run."""
     study = smooth_study(**{"sliding.distance": "300 mm"})
     assert scales(study)
-    like = data_of(study, [], {"diameter": "0.72 +- 0.02 mm", "cof": "0.2 +- 0.02"})
+    like = {"diameter": "0.72 +- 0.02 mm", "cof": "0.2 +- 0.02"}
     asked = {
         "wear.counter": "log-uniform 2e-4 .. 9.4e-4 mm^3/N/m",
         "friction.shear_strength": "normal 4 +- 0.4 MPa",
     }
-    found = infer_from(study, asked, like, out=tmp_path / "found")
+    found = warpwear.infer(study, unknown=asked, measured=like, out=tmp_path / "found")
     model = found.posterior.model
     assert len(model.runs.rows) == 1
     other = study.replace({"wear.counter": "3e-4 mm^3/N/m"})

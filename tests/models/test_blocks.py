@@ -206,7 +206,7 @@ def test_against_plain_numpy(kind: str) -> None:
     task, grid = this.contact_task, Grid(*shape, CELL)
     heights = np.random.default_rng(3).normal(0.0, 5e-4, shape)
     expected = reference.wear_run(
-        reference.counter_gap(grid.x, grid.y, 1.0 / task.curvature, heights),
+        reference.counter_gap(grid.x, grid.y, 1.0 / task.form.curvature, heights),
         load=task.load,
         hardness=task.hardness,
         cell=CELL,
@@ -214,7 +214,7 @@ def test_against_plain_numpy(kind: str) -> None:
         increments=INCREMENTS[:60],
         implicit=task.implicit,
         stiffness=1.0 / task.compliance if task.compliance else np.inf,
-        factor=np.sqrt(1.0 - (grid.y[None, :] * task.curvature) ** 2)
+        factor=np.sqrt(1.0 - (grid.y[None, :] * task.form.curvature) ** 2)
         if "across" in kind or task.rigid
         else 1.0,
         tolerance=task.load_tolerance,

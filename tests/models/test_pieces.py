@@ -19,6 +19,7 @@ from warpwear.grid import FloatArray, Grid, IntArray
 from warpwear.kernels.cells import PADDING
 from warpwear.kernels.slide import Slide
 from warpwear.laws.archard import WearLaw
+from warpwear.laws.form import Ball
 from warpwear.laws.junctions import critical_junction
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
@@ -121,7 +122,9 @@ class Reference:
 
 def bodies_of(executor: Executor, disc: FloatArray, pieces: Pieces) -> SlidingBodies:
     wears = WearLaw(9.4e-7), WearLaw(12.7e-7)
-    task = ContactTask(load=1.0, hardness=600.0, curvature=1 / 3.0, wear=wears, compliance=0.0, pieces=pieces)
+    task = ContactTask(
+        load=1.0, hardness=600.0, form=Ball(1 / 3.0, 1 / 3.0), wear=wears, compliance=0.0, pieces=pieces
+    )
     return SlidingBodies.of(task, executor, disc)
 
 

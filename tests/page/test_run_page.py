@@ -25,7 +25,7 @@ from warpwear.cli.main import commands
 from warpwear.figures import process
 from warpwear.page import effects
 from warpwear.page.content import content_of, words_of, write_page
-from warpwear.page.effects import EFFECTS, SENTENCES, Weight, effect_of, numbers_of
+from warpwear.page.effects import CASES, SENTENCES, Weight, effect_of, numbers_of
 from warpwear.page.html import run_page
 from warpwear.page.limits import CONDITIONS, LIMITS, limits_of
 from warpwear.page.paper import to_latex
@@ -33,6 +33,8 @@ from warpwear.page.plots import Coded, thinned
 from warpwear.results.summary import summarise
 
 MOST = 6e6  # bytes of a page
+#: Keys of which more is known than that a sweep tells.
+EFFECTS = {*CASES, *(name for name in SENTENCES if "." in name)}
 PLAIN = {"grid.cell": "20 um", "sliding.distance": "10 mm", "output.snapshots": ["0.3 mm", "3 mm"]}
 KINDS = ("track", "two-scale", "static", "half-space", "measured", "smooth")
 

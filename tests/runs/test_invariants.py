@@ -78,7 +78,6 @@ def test_rows_that_break_none() -> None:
     published = Invariants(Study.load("v3"))
     assert not [*published.of_row(ROW | {"load_residual": 0.49})]
     assert [*published.of_row(ROW | {"load_residual": 0.51})]
-    assert not [*Invariants(small(counter__radius="inf mm")).of_row(ROW, touches_edge=True)]
 
 
 def broken(monkeypatch: pytest.MonkeyPatch, name: str, how: Any, *, step: int = 10) -> None:
@@ -272,8 +271,12 @@ def test_an_extent_that_roughness_may_fill_is_told_before() -> None:
             r"stepping\.first='0\.0015 mm', stepping\.largest='0\.02 mm'",
         ),
         ({"stepping": {"increment": "0.02 mm"}}, r"stepping\.increment='0\.01 mm'"),
+        (
+            {"stepping": {"increment": None, "largest": None}},
+            r"stepping\.first='0\.0015 mm', stepping\.largest='1\.5 mm'",
+        ),
     ],
-    ids=["growing", "fixed"],
+    ids=["growing", "fixed", "by themselves"],
 )
 def test_an_unbalanced_step_leaves_the_run_so_far(
     changes: dict[str, Any], helps: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -49,7 +49,7 @@ def test_what_keys_apply_to_and_demand_is_there() -> None:
         ("contact.load", "above 0 N"),
         ("counter.poisson", "0 to 0.5"),
         ("counter.radius", "above 0 mm, also `inf`"),
-        ("disc.level", '`"none"`, `"plane"`, `"sphere"`, whole numbers 0 to 12'),
+        ("disc.level", '`"none"`, `"plane"`, `"sphere"`, `"cylinder"`, whole numbers 0 to 12'),
         ("disc.synthetic.hurst", "above 0, at most 1"),
         ("disc.synthetic.lay", "-360 to 360 deg"),
         ("wear.counter", "0 mm^3/N/m or more"),
@@ -72,5 +72,6 @@ def test_every_number_has_bounds() -> None:
         if "*allowed*" not in facts
     ]
     assert free == [
-        "study.name", "study.description", "counter.material", "disc.material", "disc.surface", "disc.array"
+        "study.name", "study.description", "counter.material", "counter.surface", "counter.array",
+        "disc.material", "disc.surface", "disc.array"
     ]  # fmt: skip

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import h5py
+import numpy as np
 import pytest
 import tomli_w
 from click.testing import CliRunner
@@ -158,3 +159,58 @@ def test_stored_results_open_without_a_notice(old_run: Path) -> None:
     assert of_old_names(Study.load(old_run)) == []  # the folder's study.toml was written by a run
     # The same study by its new names is the run that the folder holds.
     assert study.to_toml() == Study.load(old_run).to_toml()
+
+
+def sphere_for_counter(text: str) -> str:
+    """Write what a version before the counter-body was called so would have written."""
+    return text.replace("counter", "sphere")
+
+
+def test_a_study_of_a_sphere(tmp_path: Path) -> None:
+    """Sections and keys of a study that says sphere throughout are the counter-body's, and one sentence says so."""
+    study = Study.load("track").replace({"friction.film": FILM, "friction.shear_strength": "172 MPa"})
+    (tmp_path / "study.toml").write_text(sphere_for_counter(study.to_toml()), encoding="utf-8")
+    old = Study.load(tmp_path / "study.toml")
+    assert old.to_toml() == study.to_toml()
+    (notice,) = [text for text in of_old_names(old) if "have new names" in text]
+    assert "sphere.radius" in notice
+    assert "type counter.radius" in notice or "counter.radius" in notice.partition("type")[2]
+    changed = study.replace({"sphere.radius": "2 mm", "wear.sphere": "1e-4 mm^3/N/m"})
+    assert changed.counter.radius == 2.0
+
+
+FILM = {"thickness": "10 nm", "shear_strength": "40 MPa", "bodies": "counter"}
+
+
+@pytest.mark.parametrize("preset", ["v3-fine", "track"])
+def test_a_result_of_a_sphere(tmp_path: Path, preset: str) -> None:
+    """Columns and fields of a result that say sphere are read as the counter-body's."""
+    changes: dict[str, Any] = {"grid.cell": "20 um", "sliding.distance": "0.5 mm"}
+    changes["output.snapshots"] = ["0.5 mm"]
+    study = Study.load(preset).replace(changes)
+    run = tmp_path / "run"
+    with warpwear.run(study, out=run, plots=False) as result:
+        history, worn = dict(result.history), result.snapshot(0).wear_counter
+        summary = result.summary
+    with h5py.File(run / "result.h5", "r+") as file:
+        names: list[str] = []
+        file.visit(names.append)
+        for name in sorted((n for n in names if "counter" in n), key=len, reverse=True):
+            file.move(name, sphere_for_counter(name))
+        file.attrs["study"] = sphere_for_counter(file.attrs["study"])
+    with (run / "result.h5").open("r+b") as sealed:
+        seal(sealed, MAGIC)
+    with Result.open(run) as old:
+        assert of_old_names(old.study) == []
+        assert old.study.to_toml() == study.to_toml()
+        assert list(old.history) == list(history)
+        for name, values in history.items():
+            np.testing.assert_array_equal(old.history[name], values, err_msg=name)
+        np.testing.assert_array_equal(old.snapshot(0).wear_counter, worn)
+        assert old.summary["volume_mm3"] == summary["volume_mm3"]
+        old.plot.save_all(tmp_path / "figures", plots="essential")
+        old.export(tmp_path / "export", formats=["npy"])
+    assert {path.name for path in (tmp_path / "export").glob("*.npy")} == {
+        "counter_worn.npy",
+        "disc_worn.npy",
+    }

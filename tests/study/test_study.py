@@ -77,7 +77,10 @@ BAD = [
     ({"friction.coefficient": 0.5, "friction.shear_strength": "3 MPa"}, r"exclude each other"),
     ({"friction.coefficient": 4.0}, r"friction\.coefficient = 4\.0: must be at most 3"),
     ({"disc.surface": "a.sur", "disc.synthetic": {"kind": "flat"}}, r"disc\.surface .*\[disc\.synthetic\]"),
-    ({"disc.level": "cubic"}, r"disc\.level = 'cubic' is not allowed; allowed: 'none', 'plane' or 'sphere'"),
+    (
+        {"disc.level": "cubic"},
+        r"disc\.level = 'cubic' is not allowed; allowed: 'none', 'plane', 'sphere' or 'cylinder'",
+    ),
     ({"disc.synthetic.kind": "sandy"}, r"disc\.synthetic\.kind = 'sandy' is not allowed; .*'flat'"),
     ({"wear.counter": "-1e-4 mm^3/N/m"}, r"wear\.counter = '-1e-4 mm\^3/N/m': must be at least 0"),
     ({"wear.disc": "1 mm"}, r"wear\.disc = '1 mm': has the wrong dimension"),
@@ -350,6 +353,10 @@ def test_what_a_study_leaves_out_is_shown_as_assumed() -> None:
         del nested[section]
     study = Study(**nested)
     assert study.increments == (0.003, 1.02, 3.0)
+    longest = study.replace({"sliding.distance": "3600 m"})  # in as many steps as anyone waits for
+    assert longest.increments == (0.003, 1.02, 4500.0)
+    assert longest.resolved["stepping.largest"] == "4500.0 mm"
+    assert longest.replace({"stepping.largest": "10 mm"}).increments[2] == 10.0
     assert {"stepping.first", "friction.coefficient", "contact.stiffness"} <= set(assumptions(study))
     shown = to_marked_toml(study)
     assert re.search(r"^coefficient = 0\.6 +# ASSUMED", shown, re.MULTILINE)

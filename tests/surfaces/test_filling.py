@@ -9,6 +9,7 @@ import pytest
 from warpwear.errors import InputError
 from warpwear.figures.paint import paint
 from warpwear.figures.paint_map import paint_map
+from warpwear.laws.form import sag
 from warpwear.measured.surface_command import SurfaceOptions, describe
 from warpwear.measured.surface_figure import _map_of_heights, ball_figure, track_figure
 from warpwear.measured.surface_report import examine
@@ -19,7 +20,7 @@ from warpwear.surfaces.measured import Measured, read_measured
 from warpwear.surfaces.preparation import Preparation
 from warpwear.surfaces.roughness import bearing_parameters, height_parameters, profile_roughness
 from warpwear.surfaces.spectrum import slope_against_cut_off
-from warpwear.surfaces.sphere import places, sag
+from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.ball import find_worn_ball
 from warpwear.surfaces.worn.track import find_track
 

@@ -176,7 +176,7 @@ def turned(angle):
         ),
         (written(POINTS[:20]) + "1.0\ttwo\t3.0\n" + written(POINTS[20:]), "line 21 holds 'two'"),
         ("".join(f"{i},{j},{i * j},1\n" for i in range(9) for j in range(9)), "comma between all digits"),
-        (written(POINTS[:, :2]), "line scan"),
+        (written(POINTS[:, :2]), "no profile"),
         (written(POINTS[:3]), "fewer than four|line scan|not evenly"),
     ],
 )

@@ -139,7 +139,7 @@ GIVEN = {"pixel": 0.001, "height_unit": "um"}
         (np.zeros((1, 50)), "line scan"),
         (np.zeros((50, 1)), "line scan"),
         (np.zeros(50), "line scan"),
-        (np.zeros((3, 4, 5)), "line scan"),
+        (np.zeros((3, 4, 5)), "no map"),
         (np.zeros((0, 4)), "empty"),
         (np.zeros((4, 4), dtype=complex), "not an array of real numbers"),
         (np.array([["a", "b"], ["c", "d"]]), "not an array of real numbers"),

@@ -19,6 +19,9 @@ MEASURED = {
     "--cof": ("cof", "Coefficient of friction, e.g. '0.2 +- 0.02 at 30 mm'. [default: at the end]"),
 }
 
+#: Old names of such options.
+FORMER = ("--volume-sphere", "--sq-sphere")
+
 
 @click.command(epilog=STUDY)
 @click.argument("study")
@@ -27,6 +30,7 @@ MEASURED = {
 @EXPERIMENTS
 @COLUMNS
 @together(*(repeated(option, "X+-U", text, name) for option, (name, text) in MEASURED.items()))
+@together(*(click.option(name, multiple=True, hidden=True) for name in FORMER))
 @click.option("--target", metavar="KEY", help="Unknown that the next test shall tell; ranks tests.")
 @repeated("--next", "TEST", "A test to rank, e.g. 'contact.load=16 N, repeats=3'.", "candidates")
 @click.option("--out", type=PATH, help="Folder of report, calibrated study and runs.")
@@ -52,6 +56,11 @@ def bayes(study: str, changes: tuple[str, ...], **options: Any) -> None:
     study's own section [infer] too.
     """
     measured = {name: options.pop(name) for name, _ in MEASURED.values()}
+    for former in FORMER:
+        if values := options.pop(former[2:].replace("-", "_")):
+            measured[former[2:].replace("-", "_")] = values
+            now = former.replace("sphere", "counter")
+            click.echo(f"{former} has a new name, and the next release refuses the old one: {now}.", err=True)
     click.echo(
         inference_command.calibrate_bayes(study, parsed_changes(changes), measured=measured, **options)
     )

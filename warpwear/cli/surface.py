@@ -37,8 +37,9 @@ def prepared(options: dict[str, Any]) -> dict[str, str | None]:
 @click.command()
 @click.argument("file", required=False, type=PATH)
 @with_preparation()
-@click.option("--lambda-c", default="2.5 mm", show_default=True, help="Cut-off λc of Ra profiles.")
-@click.option("--lambda-s", default="8 um", show_default=True, help="Cut-off λs of Ra profiles.")
+@click.option("--line", help="A line of a map as a profile: axis along it and place, e.g. 'y, 0.5 mm'.")
+@click.option("--lambda-c", help="Cut-off λc of profiles. [default: 2.5 mm; of a profile by ISO 21920-3]")
+@click.option("--lambda-s", help="Cut-off λs of profiles. [default: 8 um; of a profile by ISO 21920-3]")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON; a figure only with --figure.")
 @click.option("--figure", type=PATH, help="[default: FILE's name + -surface.png, here]")
 @click.option("--no-figure", is_flag=True, help="Draw no figure.")
@@ -55,6 +56,7 @@ def prepared(options: dict[str, Any]) -> dict[str, str | None]:
 def surface(file: Path | None, **options: Any) -> None:
     """Say what is in a measured surface FILE: grid, units, roughness, spectrum, and draw it.
 
+    FILE may hold a profile, too: its parameters of ISO 21920, with --track the section of a groove in it.
     With --before what a wear scar has lost and piled up, with --track the volume of a worn track, with
     --ball that of a worn ball.
     """

@@ -65,13 +65,20 @@ def _study(document: Any, folder: Path) -> Study:
 def _grid(document: Any, wanted: Mapping[str, Any], folder: Path, *, of_file: bool) -> dict[str, Any]:
     """Return cell and extent, where they are not wanted otherwise, and how a small file goes on."""
     study = _study(document, folder)
-    width = max(worn_patch(study), 2.0 * study.hertz.radius if study.hertz else 0.0)
+    widths = np.array(worn_widths(study))
+    if study.hertz is not None:
+        widths = np.maximum(widths, [2.0 * half if rises else 0.0 for half, rises in _halves(study)])
+    cell, change_of = study.grid.cell, dict[str, Any]()
     surface = surface_of(study.disc) if of_file else None
-    cell, grid = study.grid.cell, dict[str, Any]()
-    if isinstance(surface, Measured) and "grid.cell" not in wanted:
-        cell = float(f"{min(max(*surface.pixel, width / CELLS[1]), width / CELLS[0]):.2g}")
-        grid["grid.cell"] = f"{1e3 * cell:.6g} um"
-    if "grid.extent" not in wanted and True:
-        cells = 8 * math.ceil(MARGIN * width / cell / 8)
-        grid["grid.extent"] = f"{cells * cell:.6g} mm"
-    return grid
+    if isinstance(surface, Measured):
+        if "grid.cell" not in wanted:
+            widest = widths.max()
+            cell = float(f"{min(max(*surface.pixel, widest / CELLS[1]), widest / CELLS[0]):.2g}")
+            change_of["grid.cell"] = f"{1e3 * cell:.6g} um"
+        if "disc.extend" not in wanted:
+            change_of["disc.extend"] = "mirror"  # a track is longer than most measurements
+    if "grid.extent" not in wanted:
+        sides = [8 * math.ceil(MARGIN * width / cell / 8) * cell if width else cell for width in widths]
+        line = isinstance(study.grid.extent, tuple)
+        change_of["grid.extent"] = [f"{s:.6g} mm" for s in sides] if line else f"{max(sides):.6g} mm"
+    return change_of

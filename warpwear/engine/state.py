@@ -30,13 +30,15 @@ class Part(Protocol):
         """Names and types of the attributes that steps change."""
 
 
-def save(part: Part) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+def save(part: Part, *, whole: bool = False) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """Return arrays by dotted name, and numbers as JSON keeps them: all that `restore` needs.
 
-    Arrays of a CPU are views, which the next step changes.
+    Arrays of a CPU are views, which the next step changes. whole: whether they are copies, of all columns,
+    so that `restore` takes back what steps have done since.
     """
     arrays: dict[str, np.ndarray] = {}
-    return arrays, _saved(part, "", arrays)
+    numbers = _saved(part, "", arrays, whole=whole)
+    return {name: values.copy() for name, values in arrays.items()} if whole else arrays, numbers
 
 
 def restore(part: Part, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:
@@ -48,21 +50,21 @@ def restore(part: Part, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, 
     _restore(part, "", arrays, numbers)
 
 
-def _saved(part: Any, path: str, arrays: dict[str, np.ndarray]) -> dict[str, Any]:
+def _saved(part: Any, path: str, arrays: dict[str, np.ndarray], *, whole: bool) -> dict[str, Any]:
     numbers: dict[str, Any] = {}
     for name, kind in part.STATE.items():
         value, place = getattr(part, name), path + name.lstrip("_")
         if kind is Columns:
-            arrays[place] = _columns(part, value.numpy())
+            arrays[place] = _columns(part, value.numpy(), whole=whole)
         else:
-            numbers[name] = _put(value, place, arrays)
+            numbers[name] = _put(value, place, arrays, whole=whole)
     return numbers
 
 
-def _put(value: Any, path: str, arrays: dict[str, np.ndarray]) -> Any:
+def _put(value: Any, path: str, arrays: dict[str, np.ndarray], *, whole: bool) -> Any:
     """Enter the arrays of a value; return its numbers, None for what is an array."""
     if hasattr(value, "STATE"):
-        return _saved(value, f"{path}.", arrays)
+        return _saved(value, f"{path}.", arrays, whole=whole)
     if isinstance(value, wp.array | np.ndarray):
         arrays[path] = value.numpy() if isinstance(value, wp.array) else value
         return None
@@ -71,9 +73,9 @@ def _put(value: Any, path: str, arrays: dict[str, np.ndarray]) -> Any:
     elif hasattr(value, "_asdict"):
         value = value._asdict()
     if isinstance(value, Mapping):
-        return {name: _put(item, f"{path}.{name}", arrays) for name, item in value.items()}
+        return {name: _put(item, f"{path}.{name}", arrays, whole=whole) for name, item in value.items()}
     if isinstance(value, list | tuple | deque):
-        return [_put(item, f"{path}.{number}", arrays) for number, item in enumerate(value)]
+        return [_put(item, f"{path}.{number}", arrays, whole=whole) for number, item in enumerate(value)]
     return value
 
 
@@ -82,7 +84,7 @@ def _restore(part: Any, path: str, arrays: Mapping[str, np.ndarray], numbers: Ma
         before, place = getattr(part, name), path + name.lstrip("_")
         if kind is Columns:
             host = before.numpy()
-            columns = _columns(part, host)
+            columns = _columns(part, host, whole=arrays[place].size == host.size)
             columns[:] = _alike(arrays[place], columns, place)
             before.assign(host)
             continue
@@ -139,7 +141,7 @@ def _members(kind: Any) -> dict[str, Any]:
     return dict(getattr(kind, "__annotations__", {})) if hasattr(kind, "_fields") else {}
 
 
-def _columns(part: Any, host: np.ndarray) -> np.ndarray:
-    """Return the columns of a field that its part names."""
-    first, last = part.columns
+def _columns(part: Any, host: np.ndarray, *, whole: bool) -> np.ndarray:
+    """Return the columns of a field that its part names, or all."""
+    first, last = (0, None) if whole else part.columns
     return host.reshape(host.shape[0], -1)[:, first:last]

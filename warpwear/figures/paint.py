@@ -133,20 +133,19 @@ def _bars(sheet: Any, grid: Any, cells: Sequence[Panel]) -> None:
     scaled = [(axes, cell) for axes, cell in maps if not cell.states]
     one = len({cell.scale for _, cell in scaled}) == 1 and len(scaled) == len(cells) > 1
     if one:
-        bar = sheet.colorbar(
-            scaled[0][0].images[-1],
-            ax=grid.ravel().tolist(),
-            aspect=30,
-            shrink=0.85,
-            pad=0.015,
-            fraction=0.05,
-            extend=scaled[0][1].scale.beyond,
-        )
-        _number_bar(bar, scaled[0][1].scale)
+        place: Any = {
+            "ax": grid.ravel().tolist(),
+            "aspect": 30,
+            "shrink": 0.85,
+            "pad": 0.015,
+            "fraction": 0.05,
+        }
+        (axes, cell), *_ = scaled
+        _number_bar(sheet.colorbar(axes.images[-1], extend=cell.scale.beyond, **place), cell.scale)
     for axes, cell in maps:
         if not one and not cell.states and cell.scale.label:
-            place = BESIDE if cell.square else (1.012, 0.0, 0.012, 1.0)
-            bar = sheet.colorbar(axes.images[-1], cax=axes.inset_axes(place), extend=cell.scale.beyond)
+            beside = axes.inset_axes(BESIDE if cell.square else (1.012, 0.0, 0.012, 1.0))
+            bar = sheet.colorbar(axes.images[-1], cax=beside, extend=cell.scale.beyond)
             _number_bar(bar, cell.scale)
         low, high = axes.get_xlim()
         room = CORNER * (high - low)  # for labels of two panels that meet

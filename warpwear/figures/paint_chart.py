@@ -92,15 +92,8 @@ def _line(axes: Axes, line: Line) -> None:
         fill = hatched if line.hatch else {"color": look.colour, "alpha": look.alpha if is_band else 0.2}
         axes.fill_between(line.x, line.low, line.high, lw=0, label=line.label if is_band else None, **fill)
     if not is_band:
-        axes.plot(
-            line.x,
-            line.y,
-            drawstyle=kind,
-            label=line.label or None,
-            clip_on=line.clipped,
-            markevery=line.every,
-            **of_look(look),
-        )
+        how: Any = {"label": line.label or None, "clip_on": line.clipped, "markevery": line.every}
+        axes.plot(line.x, line.y, drawstyle=kind, **how, **of_look(look))
 
 
 def of_look(look: Look) -> dict[str, Any]:

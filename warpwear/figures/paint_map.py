@@ -37,29 +37,22 @@ def paint_map(axes: Axes, field: Map) -> Any:
     if field.contours:
         _contours(axes, field)
     if field.hatched is not None:
-        _on_pixels(
-            axes, field, field.hatched, levels=[0.5, 1.5], colors=["0.8"], alpha=0.6, hatches=["//////"]
-        )
+        hatches: Any = {"levels": [0.5, 1.5], "colors": ["0.8"], "alpha": 0.6, "hatches": ["//////"]}
+        _on_pixels(axes, field, field.hatched, **hatches)
     for region, look in field.regions:
         edge: Any = {"colors": [look.colour], "linewidths": look.width, "linestyles": DASHES[look.dash]}
         _on_pixels(axes, field, region, levels=[0.5], **edge)
     for outline in field.outlines:
-        x0, x1, y0, y1 = outline.ends
-        line: Any = {
-            "fill": False,
-            "ec": outline.look.colour,
-            "lw": outline.look.width,
-            "ls": DASHES[outline.look.dash],
-        }
+        (x0, x1, y0, y1), look = outline.ends, outline.look
+        line: Any = {"fill": False, "ec": look.colour, "lw": look.width, "ls": DASHES[look.dash]}
         middle = (0.5 * (x0 + x1), 0.5 * (y0 + y1))
         round_one = Ellipse(middle, x1 - x0, y1 - y0, **line)
         axes.add_patch(round_one if outline.round else Rectangle((x0, y0), x1 - x0, y1 - y0, **line))
     for level in field.levels:
         paint_level(axes, level)
     axes.set(xlabel=field.x, ylabel=field.y)
-    axes.set_title(
-        "\n".join(filter(None, [*field.labels, *field.notes])) or (" " if field.stretch_note else "")
-    )
+    title = "\n".join(filter(None, [*field.labels, *field.notes]))
+    axes.set_title(title or (" " if field.stretch_note else ""))
     for axis, most in ((axes.xaxis, 4 if field.square else 8), (axes.yaxis, 4)):
         axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 5, 10]))
     if not field.square:
@@ -78,11 +71,9 @@ def _on_pixels(axes: Axes, field: Map, region: NDArray[np.bool_], **how: Any) ->
 
 def _colours(field: Map) -> tuple[Any, Normalize]:
     """Choose colours and scale of a map."""
-    if field.states:
-        return ListedColormap([colour for _, colour in field.states]), Normalize(
-            -0.5, len(field.states) - 0.5
-        )
-    scale = field.scale
+    states, scale = field.states, field.scale
+    if states:
+        return ListedColormap([colour for _, colour in states]), Normalize(-0.5, len(states) - 0.5)
     return style.COLOURS[scale.colours], (LogNorm if scale.log else Normalize)(scale.low, scale.high)
 
 

@@ -28,28 +28,9 @@ COLOURS: dict[str, Any] = {
 #: Formats of files, each with the metadata of them in which Matplotlib would write the date.
 FORMATS: dict[str, dict[str, None]] = {"png": {}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 
-STYLE: Any = {
-    "font.size": 8.0,
-    "axes.labelsize": 8.0,
-    "axes.titlesize": 8.0,
-    "xtick.labelsize": 7.0,
-    "ytick.labelsize": 7.0,
-    "legend.fontsize": 7.0,
-    "legend.frameon": False,
-    "legend.handlelength": 2.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.linewidth": 0.6,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "lines.linewidth": 1.2,
-    "grid.color": "#DDDDDD",
-    "axes.formatter.useoffset": False,  # 0.999 and not 9.99 with "+9.9e-1" at the axis's end
-    "figure.dpi": 300.0,
-    "text.parse_math": False,  # a $ in the name of a run is a $
-    "pdf.fonttype": 42,  # TrueType: publishers refuse Type 3
-    "svg.hashsalt": "warpwear",
-}
+#: What Matplotlib is set to; its own form of such settings.
+SHEET = Path(__file__).parents[1] / "templates" / "paper.mplstyle"
+STYLE = matplotlib.rc_params_from_file(SHEET, use_default_template=False)
 #: Compression of PNG: more makes files a quarter smaller, and takes a third of a figure's time.
 COMPRESSION = {"compress_level": 1}
 

@@ -25,6 +25,7 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
         "half-spaces over a track",
         lambda study: study.is_swept and study.contact.law == "half-space",
     ),
+    "jump": ("runs that jump over cycles (stepping.jump)", lambda study: study.jumps),
     "dents": (
         "tracks that keep their dents",
         lambda study: study.is_swept and study.sliding.plastic == "keep",
@@ -174,6 +175,9 @@ _DECLARED: dict[tuple[Per, str | None], dict[str, str]] = {
     ("step", "track"): {
         "position [mm]": "place of the counter-body's apex along the track, 0 in the middle of the stroke",
         "plastic_volume_disc [mm^3]": "volume displaced of the disc for good, not worn",
+    },
+    ("step", "jump"): {
+        "cycles [1]": "cycles that the step stands for, each: its increment is of them all",
     },
     ("step", "half-space track"): {
         "parts [1]": "contacts solved in the step, each over a part of its cells; the row holds their means",

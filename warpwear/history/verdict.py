@@ -27,17 +27,12 @@ def rank_of(sentence: str, kind: str) -> int:
 
 
 def _rim(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatArray]) -> float:
-    """Return what a cell at each rim of the scar is of its area."""
     return sum(2e-3 * s["cell_um"] / extent for extent in s["scar_mm"].values())
 
 
 def _by_mesh(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatArray]) -> float:
     flat = study.disc.synthetic is not None and study.disc.synthetic.kind == "flat"
     return math.nan if study.is_rough and not flat else _rim(study, s, history)
-
-
-def _by_steps(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatArray]) -> float:
-    return float(s.get("track", {}).get("parts", {}).get("estimated_error_at_most", 0.0))
 
 
 def _by_directions(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatArray]) -> float:
@@ -51,15 +46,17 @@ def _by_wear(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatArra
     return abs(1.0 - float(static[known[-1]] / history["area_contact"][known[-1]])) if known.size else 0.0
 
 
-#: What makes an area uncertain -> its part of the area; NaN where that is not known.
+#: What makes an area uncertain -> its part of the area, of a study, its summary and history; NaN: not known.
 OF_AREA: dict[str, Callable[[Study, Mapping[str, Any], Mapping[str, FloatArray]], float]] = {
     "cell": _by_mesh,
-    "length of steps": _by_steps,
+    "length of steps": lambda study, s, history: (
+        s.get("track", {}).get("parts", {}).get("estimated_error_at_most", 0.0)
+    ),
     "direction": _by_directions,
     "wear within a step": _by_wear,
     "balance of the load": lambda study, s, history: s["load_residual_N"]["largest"] / s["load_N"],
     "points filled in": lambda study, s, history: (
-        s.get("load_on_filled_percent", {}).get("largest", 0.0) / 100.0
+        0.01 * s.get("load_on_filled_percent", {}).get("largest", 0.0)
     ),
 }
 
@@ -74,21 +71,23 @@ def verdict_of(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatAr
     area = math.hypot(*known.values()) if known else None
     depth = _rim(study, s, history) if any(s["volume_mm3"].values()) else None
     heavy = sum(rank_of(sentence, "note") == 0 for sentence in s["warnings"])
-    trusted = bool(s["finished"]) and not heavy
+    uncertainty = _area(area, known, mesh_is_known=not math.isnan(parts["cell"]))
+    friction = _friction(study, s)
     sentences = [
         *([] if s["finished"] else ["interrupted: as far as it came"]),
         *([f"not to be trusted: {heavy} warning{'s' * (heavy > 1)}"] if heavy else []),
-        f"area {_area(area, known, mesh_is_known=not math.isnan(parts['cell']))}",
+        f"area {uncertainty}",
         *([f"mean depth of the scar ± {_percent(depth)} (a cell at its rim)"] if depth else []),
-        f"friction {_friction(study, s)}",
+        f"friction {friction}",
     ]
     return {
         "text": "; ".join(sentences),
-        "trusted": trusted,
+        "trusted": bool(s["finished"]) and not heavy,
+        "area": uncertainty,
         "area_relative": area,
         "area_parts": parts,
         "depth_relative": depth,
-        "friction": _friction(study, s).split()[0],
+        "friction": friction,
     }
 
 
@@ -101,7 +100,7 @@ def _area(area: float | None, parts: Mapping[str, float], *, mesh_is_known: bool
 
 
 def _friction(study: Study, s: Mapping[str, Any]) -> str:
-    """Say whether friction is assumed, given or predicted; the first word alone says it in short."""
+    """Say whether friction is assumed, given or predicted."""
     fitted, assumed = study.friction.fitted, s["assumptions"]
     if s["cof"]["end"] is None:
         return "unknown before the end"

@@ -7,8 +7,8 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from warpwear.errors import InputError
-from warpwear.inference.data import KINDS, data_of
-from warpwear.inference.infer import infer_from
+from warpwear.inference.data import FORMER, KINDS, data_of
+from warpwear.inference.infer import infer
 from warpwear.inference.report import CALIBRATED, FITTED, content_of
 from warpwear.results.ensemble import dotted
 from warpwear.results.report import to_json
@@ -54,7 +54,7 @@ def calibrate_bayes(
     out: Path | None,
     **options: Any,
 ) -> str:
-    """Infer from the command line; return what is printed. options: runs, seed, device of `infer`.
+    """Infer from the command line; return what is printed. options: others of `infer`.
 
     Raises InputError.
     """
@@ -65,10 +65,10 @@ def calibrate_bayes(
     values = {**section.measured, **{kind: texts for kind, texts in measured.items() if texts}}
     courses = [*(Path(study).parent / path for path in section.experiments), *experiments]
     data = data_of(changed, courses, values, columns=columns)
-    target, candidates = target or section.target, candidates or section.next
-    if candidates and target is None:
+    options |= {"target": target or section.target, "candidates": candidates or section.next, "out": out}
+    if options["candidates"] and options["target"] is None:
         raise InputError("--next needs --target, the unknown that the next test shall tell")
-    inference = infer_from(changed, priors, data, target=target, candidates=candidates, out=out, **options)
+    inference = infer(changed, unknown=priors, measured=data, **options)
     if as_json:
         return to_json(content_of(inference))
     study = FITTED if inference.misses else CALIBRATED
@@ -106,7 +106,7 @@ def _section(content: Any) -> InferSection:
     except ValidationError as error:
         raise InputError(_sentence(error)) from error
     for kind in section.measured:
-        if kind not in KINDS:
+        if FORMER.get(kind, kind) not in KINDS:
             raise InputError(
                 f"infer.measured.{kind} is nothing that can be measured here; allowed: {', '.join(KINDS)}"
             )

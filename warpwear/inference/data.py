@@ -52,6 +52,10 @@ def unit_of(kind: str) -> str:
     return SHOWN.get(unit, unit)
 
 
+#: Old names of kinds, before the counter-body was called so.
+FORMER = {"volume_sphere": "volume_counter", "sq_sphere": "sq_counter"}
+
+
 @dataclass(frozen=True)
 class Measured:
     """Hold a value with its standard uncertainty; at: sliding distance [mm] of a coefficient, else None."""
@@ -168,8 +172,9 @@ def data_of(
     InputError for what does not go with the study.
     """
     courses = [_course(study, experiment, columns) for experiment in experiments]
+    old_names = [name for name in measured if name in FORMER]
     both = [
-        _measured(study, kind, text)
+        _measured(study, FORMER.get(kind, kind), text)
         for kind, texts in measured.items()
         for text in ([texts] if isinstance(texts, str) else texts)
     ]
@@ -177,6 +182,9 @@ def data_of(
         raise InputError("nothing was measured: give a course of friction, a volume or a diameter")
     points = tuple(value for value in both if value.kind == "cof")
     values, notes = _repeated([value for value in both if value.kind != "cof"])
+    notes += [
+        f"{name} has a new name, and the next release refuses it: {FORMER[name]}." for name in old_names
+    ]
     return Data(tuple(courses), points, tuple(values), tuple(notes))
 
 
@@ -234,9 +242,9 @@ def _measured(study: Study, kind: str, text: str) -> Measured:
         _check_cof(text, np.array([measured.value]))
     if at is not None and not 0.0 < at <= study.sliding.total * (1.0 + 1e-9):
         raise refusal(f"the study slides {study.sliding.total:g} mm, and not to {at:g} mm")
-    if kind == "diameter" and measured.value > min(study.grid.extent, 2.0 * (study.counter.radius or np.inf)):
+    if kind == "diameter" and measured.value > min(*study.grid.sides, 2.0 * (study.counter.radius or np.inf)):
         raise refusal(
-            f"the scar is larger than the field of the study, {study.grid.extent:g} mm (grid.extent), which "
+            f"the scar is larger than the field of the study, {study.grid.size} (grid.extent), which "
             "has to hold it"
         )
     if kind == "section" and study.sliding.stroke is None:

@@ -15,7 +15,7 @@ from warpwear.inference.identify import conflicts_of, identify
 from warpwear.inference.likelihood import Posterior
 from warpwear.inference.model import Model, columns_for
 from warpwear.inference.next_test import Candidate, best_tests, candidates_of, place_of, repeats_needed
-from warpwear.inference.report import write_report, write_samples
+from warpwear.inference.report import SAMPLES_FILE, write_report, write_samples
 from warpwear.inference.result import Inference
 from warpwear.inference.runs import make_runs, wide_enough
 from warpwear.inference.sampler import sample
@@ -38,7 +38,7 @@ def infer(
     *,
     unknown: Mapping[str, str | None] | Sequence[str],
     experiments: Sequence[Experiment | str | Path] = (),
-    measured: Mapping[str, str | Sequence[str]] | None = None,
+    measured: Data | Mapping[str, str | Sequence[str]] | None = None,
     target: str | None = None,
     candidates: Sequence[str] = (),
     out: str | Path | None = None,
@@ -51,43 +51,16 @@ def infer(
     unknown: keys, each with a prior as in a sweep or None for one about the study's value. experiments:
     courses of friction, one a repeated test. measured: "volume_counter", "volume_disc", "section",
     "diameter", "sq_counter", "sq_disc" or "cof" -> a text such as "0.80 +- 0.02 mm" or a list, one a repeat;
-    "cof" may end in "at 30 mm". target: an unknown that the next test shall tell; candidates: such as
-    "contact.load=16 N, repeats=3". out: folder of the report, which keeps the runs. runs: of a design where
-    results do not merely scale. seed: of all draws.
+    "cof" may end in "at 30 mm". Or all that was measured, as of `warpwear.inference.data.data_of`. target: an
+    unknown that the next test shall tell; candidates: such as "contact.load=16 N, repeats=3". out: folder of
+    the report, which keeps the runs. runs: of a design where results do not merely scale. seed: of all draws.
 
     Raises InputError for what does not go together, ConvergenceError where samples do not converge.
     """
     study = study if isinstance(study, Study) else Study.load(study)
-    data = data_of(study, experiments, measured or {})
+    data = measured if isinstance(measured, Data) else data_of(study, experiments, measured or {})
     priors = dict(unknown) if isinstance(unknown, Mapping) else dict.fromkeys(unknown)
-    return infer_from(
-        study,
-        priors,
-        data,
-        target=target,
-        candidates=candidates,
-        out=out,
-        runs=runs,
-        seed=seed,
-        device=device,
-    )
-
-
-def infer_from(
-    study: Study,
-    unknown: Mapping[str, str | None],
-    data: Data,
-    *,
-    target: str | None = None,
-    candidates: Sequence[str] = (),
-    out: str | Path | None = None,
-    runs: int | None = None,
-    seed: int = 0,
-    device: str = "cpu",
-) -> Inference:
-    """Find unknowns of a study from data that are read; see `infer`."""
-    unknowns = unknowns_of(study, unknown)
-    noise = noise_for(data, unknown)
+    unknowns, noise = unknowns_of(study, priors), noise_for(data, priors)
     _check_unknowns(study, unknowns, data)
     with _folder(out) as folder:
 
@@ -110,7 +83,7 @@ def infer_from(
             other = wide_enough(study, candidate.changes, unknowns, part, folder, device)
             if other == study:
                 return candidate
-            extent = other.grid.extent if other.grid.extent > study.grid.extent else None
+            extent = other.grid.sides[0] if other.grid.sides > study.grid.sides else None
             return replace(candidate, model=model_of(other, part), extent=extent)
 
         base = model_of(study)
@@ -123,7 +96,7 @@ def infer_from(
         samples = sample(posterior.log_density, len(posterior.sampled), seed=seed)
         values, z = posterior.complete(samples.z, np.random.default_rng(seed + 1))
         if out is not None:
-            write_samples(posterior.unknowns, values, folder)
+            write_samples(posterior.unknowns, values, folder / SAMPLES_FILE)
         tests = [] if target is None else best_tests(posterior, values, target, trials)
         wear = [u.key for u in unknowns if u.key in ("wear.counter", "wear.disc")]
         inference = Inference(

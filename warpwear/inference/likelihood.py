@@ -208,28 +208,3 @@ def _innovations(rows: FloatArray, memory: FloatArray, fresh: FloatArray, alone:
 def _products(lines: FloatArray, residual: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return 1 + CCᵀ and Cr of lines (samples, lines, points) and residuals (samples, points)."""
     return np.eye(lines.shape[1]) + lines @ lines.transpose(0, 2, 1), lines @ residual[..., None]
-
-
-def simulate(
-    model: Model, values: dict[str, FloatArray], like: Data, random: np.random.Generator
-) -> tuple[FloatArray, list[FloatArray]]:
-    """Draw what a test would measure: coefficients (samples, points), and (samples,) a value of `like`."""
-    samples = len(next(iter(values.values())))
-    cof = model.cof(values, like.distance) if like.distance.size else np.zeros((samples, 0))
-    if "noise.deviation" in values:
-        for course, rows in zip(like.courses, like.rows, strict=True):
-            noise = random.standard_normal((samples, course.distance.size))
-            memory = np.exp(-np.diff(course.distance) / values["noise.length"][:, None])
-            for place in range(1, course.distance.size):
-                before = memory[:, place - 1]
-                noise[:, place] = before * noise[:, place - 1] + np.sqrt(1.0 - before**2) * noise[:, place]
-            level = values.get("noise.repeat", np.zeros(samples)) * random.standard_normal(samples)
-            cof[:, rows] += values["noise.deviation"][:, None] * noise + level[:, None]
-    if like.points:
-        errors = np.array([point.error for point in like.points])
-        cof[:, -len(like.points) :] += errors * random.standard_normal((samples, len(like.points)))
-    drawn = []
-    for measured in like.values:
-        mean, variance = model.value(values, measured.kind)
-        drawn.append(mean + np.sqrt(variance + measured.error**2) * random.standard_normal(samples))
-    return cof, drawn

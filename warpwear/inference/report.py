@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -9,16 +10,21 @@ import numpy as np
 import tomli_w
 
 from warpwear.errors import InputError
-from warpwear.figures import style as fs
+from warpwear.figures.describe import Figure
 from warpwear.figures.wording import power_of_ten
 from warpwear.grid import FloatArray
 from warpwear.inference.result import Inference
 from warpwear.inference.unknowns import Unknown
+from warpwear.page.folder import Content
+from warpwear.page.folder import write_report as write_folder
 from warpwear.page.html import embedded, render
+from warpwear.results import manifest
 from warpwear.results.report import to_json
 
 #: File of the study with what was inferred, and of one that misses the data.
 CALIBRATED, FITTED = "calibrated.toml", "fitted.toml"
+#: File of the samples.
+SAMPLES_FILE = "posterior.csv"
 #: Correlation of two unknowns from which a sweep takes joint draws: distributions would be independent.
 JOINT = 0.5
 #: Runs of the sweep in the calibrated study.
@@ -36,20 +42,24 @@ def write_report(inference: Inference, folder: Path) -> list[Path]:
 
     The study is fitted.toml instead where it misses the data.
     """
-    data = inference.posterior.data
-    write_samples(inference.posterior.unknowns, inference.values, folder)
-    (folder / "posterior.json").write_text(to_json(content_of(inference)) + "\n", encoding="utf-8")
-    studies = (CALIBRATED, FITTED)
+    studies, text = (CALIBRATED, FITTED), calibrated(inference)
     study, other = reversed(studies) if inference.misses else studies
-    (folder / study).write_text(calibrated(inference), encoding="utf-8")
+    names = ["course", "corner"] if inference.posterior.data.distance.size else ["corner"]
+    figures = {name: inference.declared(name) for name in names}
+    files: dict[str, Content] = {
+        SAMPLES_FILE: partial(write_samples, inference.posterior.unknowns, inference.values),
+        "posterior.json": to_json(content_of(inference)) + "\n",
+        study: text,
+        "inference.html": _page(inference, figures, study=study, text=text),
+    }
     (folder / other).unlink(missing_ok=True)  # of an inference before, in the same folder
-    names = ["course", "corner"] if data.distance.size else ["corner"]
-    drawn = {name: inference.plot(name) for name in names}
-    (folder / "figures").mkdir(exist_ok=True)
-    pictures = {name: folder / "figures" / f"{name}.png" for name in drawn}
-    for name, figure in drawn.items():
-        fs.write_figure(figure, pictures[name])
-    page = render(
+    return write_folder(folder, figures, files=files, within=manifest.FIGURES)
+
+
+def _page(inference: Inference, figures: Mapping[str, Figure], *, study: str, text: str) -> str:
+    """Fill the page. study, text: name and content of the file of the study."""
+    data = inference.posterior.data
+    return render(
         "inference.html",
         {"number": _in_digits},
         title=inference.study.study.name,
@@ -62,20 +72,17 @@ def write_report(inference: Inference, folder: Path) -> list[Path]:
         notes=[(c.name, c.notes) for c in data.courses] + [("data", data.notes)] * bool(data.notes),
         keys=[row["key"] for row in inference.table],
         correlations=inference.correlations.tolist(),
-        pictures=[(embedded(figure), CAPTIONS[name]) for name, figure in drawn.items()],
-        calibrated=calibrated(inference),
+        pictures=[(embedded(figure), CAPTIONS[name]) for name, figure in figures.items()],
+        calibrated=text,
         written=study,
         misses=inference.misses,
     )
-    (folder / "inference.html").write_text(page, encoding="utf-8")
-    texts = ("posterior.csv", "posterior.json", study, "inference.html")
-    return [*(folder / name for name in texts), *pictures.values()]
 
 
-def write_samples(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray], folder: Path) -> None:
-    """Write samples of the posterior to posterior.csv. values: key -> (samples,)."""
+def write_samples(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray], path: Path) -> None:
+    """Write samples of the posterior as CSV. values: key -> (samples,)."""
     units = {unknown.key: unknown.unit for unknown in unknowns}
-    with (folder / "posterior.csv").open("w", newline="", encoding="utf-8") as file:
+    with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow([f"{key} [{units[key]}]" if units[key] else key for key in values])
         writer.writerows([map(repr, row) for row in np.array([*values.values()]).T.tolist()])

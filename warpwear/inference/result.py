@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from warpwear.errors import InputError
+from warpwear.figures import describe
 from warpwear.figures.paint import paint
 from warpwear.figures.wording import counted
 from warpwear.grid import FloatArray
@@ -210,10 +211,14 @@ class Inference:
 
     def plot(self, name: str) -> Figure:
         """Draw "corner" or "course". Raises InputError for another name."""
+        return paint(self.declared(name))
+
+    def declared(self, name: str) -> describe.Figure:
+        """Declare "corner" or "course". Raises InputError for another name."""
         if name == "corner":
-            return paint(figures.corner(self.posterior.unknowns, self.values))
+            return figures.corner(self.posterior.unknowns, self.values)
         if name == "course":
-            return paint(figures.course(self.predictive(), self.posterior.data))
+            return figures.course(self.predictive(), self.posterior.data)
         raise InputError(f"'{name}' is no figure of an inference; there are corner and course")
 
     @property

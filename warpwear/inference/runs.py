@@ -150,7 +150,7 @@ def make_runs(
     test, cut = study, ""
     if scaled and part is None:
         part = _part_held(test, unknowns, out, device)
-        edge = f"{test.grid.extent:g} mm (grid.extent)"
+        edge = f"{test.grid.size} (grid.extent)"
         cut = f"Priors of the wear are cut off where the scar reaches the edge of the field, {edge}."
         cut = cut if part < 1.0 else ""
     if scaled:
@@ -218,19 +218,21 @@ def wide_enough(
 
     Raises InputError where no field does, or the study cannot have such a wide one.
     """
-    extent, cell = study.grid.extent, study.grid.cell
+    sides, cell = study.grid.sides, study.grid.cell
     for _ in range(MOST_WIDER):
         try:
-            other = study.replace({**changes, "grid.extent": f"{extent:.9g} mm"})
+            extent = [f"{side:.9g} mm" for side in sides]
+            other = study.replace({**changes, "grid.extent": extent if study.is_line else extent[0]})
             if not scales(other) or _holds(other, unknowns, part, out, device):
                 return other
         except InputError as error:
             if "grid.extent" not in str(error):
                 raise
-        extent = cell * np.ceil(WIDER * extent / cell)
+        wider = cell * np.ceil(WIDER * sides[0] / cell)
+        sides = wider, sides[1] if study.is_line else wider
     raise InputError(
         f"the scar of the next test {', '.join(f'{key} = {value}' for key, value in changes.items())} is "
-        f"larger than a field of {extent:.4g} mm (grid.extent): narrower priors or another test are needed"
+        f"larger than a field of {sides[0]:.4g} mm (grid.extent): narrower priors or another test are needed"
     )
 
 

@@ -142,8 +142,9 @@ class Pin(Form):
         """Return 0 for r ≤ a, then ρ − √(ρ² − (r − a)²), without its cancellation near the face [mm]."""
         beyond = np.maximum(np.hypot(x[:, np.newaxis], y) - self.face, 0.0)
         below = np.sqrt(np.maximum(self.edge**2 - beyond**2, 0.0))
-        rise = np.divide(beyond**2, self.edge + below, out=np.zeros_like(beyond), where=beyond > 0.0)
-        return np.where(beyond <= self.edge, rise, np.inf)
+        rise = np.where(beyond > 0.0, np.inf, 0.0)
+        on_edge = (beyond > 0.0) & (beyond <= self.edge)
+        return np.divide(beyond**2, self.edge + below, out=rise, where=on_edge)
 
     def worn(self, volume: float, extent: tuple[float, float]) -> tuple[float, float]:
         """Return the width [mm] of the face when it is lower by a volume [mm³] over its section."""
@@ -181,7 +182,7 @@ def form_of(
     radius_across: float = math.inf,
     edge_radius: float = 0.0,
 ) -> Form:
-    """Return the form of a shape, "ball", "crowned", "cylinder" or "pin", of radii [mm] as [counter] has them.
+    """Return the form of a ball, or of what is crowned, a cylinder or a pin, of [counter]'s radii [mm].
 
     Raises InputError for another shape, and a pin without a finite radius.
     """

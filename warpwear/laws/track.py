@@ -73,6 +73,16 @@ class Track:
         return -(-self.cells // self.shift)
 
     @property
+    def passes_of_cycle(self) -> int:
+        """Return the number of passes after which the counter-body is where it was, on the same way."""
+        return 2 if self.reverses else 1
+
+    @property
+    def cycle(self) -> float:
+        """Return what is slid in such a cycle of the test [mm]."""
+        return self.passes_of_cycle * self.stroke
+
+    @property
     def x(self) -> FloatArray:
         """Return the centres of the disc's rows [mm], shape (rows,), 0 = the middle of the stroke."""
         centres: FloatArray = (np.arange(self.rows, dtype=np.float64) - 0.5 * (self.rows - 1)) * self.cell
@@ -125,17 +135,18 @@ class Track:
         start = segment * self.shift
         return start, min(self.shift, self.cells - start)
 
-    def increments(self, distance: float) -> Iterator[tuple[float, float]]:
+    def increments(self, distance: float, *, cycle: int = 0) -> Iterator[tuple[float, float]]:
         """Yield the increment of every step and the distance at its end [mm].
 
         distance: slid in all [mm], where the last step is cut; 0 is one increment of 0, a static contact.
+        cycle: number of the one to begin with, from 0.
         """
         if distance == 0.0:
             yield 0.0, 0.0
             return
         per_cell = self.stroke / self.cells
-        done = 0.0
-        for step in itertools.count():
+        done = cycle * self.cycle
+        for step in itertools.count(cycle * self.passes_of_cycle * self.steps_of_pass):
             number = step // self.steps_of_pass
             start, cells = self._covered(step)
             slid = self.cells - start if self.reverses and number % 2 else start + cells

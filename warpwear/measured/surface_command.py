@@ -13,8 +13,19 @@ from warpwear.errors import InputError
 from warpwear.figures.describe import Figure
 from warpwear.grid import FloatArray
 from warpwear.measured.options import optional, quantity, refuse
+from warpwear.measured.profile_report import (
+    groove_figure,
+    groove_rows,
+    line_of,
+    parameter_rows,
+    profile_figure,
+    profile_lines,
+    profile_rows,
+)
 from warpwear.measured.surface_figure import ball_figure, save, scar_figure, surface_figure, track_figure
 from warpwear.measured.surface_report import (
+    LAMBDA_C,
+    LAMBDA_S,
     ball_rows,
     before_rows,
     cap_rows,
@@ -29,6 +40,10 @@ from warpwear.study.surface import surface_of
 from warpwear.study.text import sentence
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.preparation import degree_of
+from warpwear.surfaces.profiles.groove import find_groove
+from warpwear.surfaces.profiles.parameters import parameters
+from warpwear.surfaces.profiles.profile import Profile, read_profile
+from warpwear.surfaces.reading import HoldsAProfile
 from warpwear.surfaces.worn.ball import cap_of_diagonals, find_worn_ball
 from warpwear.surfaces.worn.find_scar import find_scar
 from warpwear.surfaces.worn.patch import Patch
@@ -40,6 +55,8 @@ from warpwear.surfaces.worn.waviness import CHANGED, ROUGH
 FORMATS = (".png", ".pdf", ".svg")
 #: Keys of [disc] that may hold several values, separated by commas.
 LISTS = ("pixel", "crop")
+#: Keys of [disc] that say how a profile is read, too.
+LINE = ("pixel", "height_unit", "height_sign", "array", "level")
 #: Names of keys that sentences about [disc] name.
 KEYS = re.compile(rf"\bdisc\.({'|'.join(Disc.model_fields)})\b")
 
@@ -49,7 +66,8 @@ class SurfaceOptions:
     """These are the options of `warpwear surface`, lengths as text with a unit.
 
     figure: where to draw, None for a name made from the file's. no_figure: whether nothing is drawn.
-    track, ball: whether the file is a worn one. before: the same place before it was worn.
+    track, ball: whether the file is a worn one. before: the same place before it was worn. line: axis and
+    place of a line of a map, which is taken as a profile. lambda_c, lambda_s: None for the defaults.
     preparation: keys of [disc], as text, None for those not given.
     """
 
@@ -64,8 +82,9 @@ class SurfaceOptions:
     ball: bool = False
     radius: str | None = None
     diagonals: tuple[str, str] | None = None
-    lambda_c: str = "2.5 mm"
-    lambda_s: str = "8 um"
+    lambda_c: str | None = None
+    lambda_s: str | None = None
+    line: str | None = None
     preparation: Mapping[str, str | None] = field(default_factory=dict)
 
 
@@ -77,10 +96,13 @@ class Outcome:
     rows: list[Row]
     draw: Callable[[], Figure]
     done: tuple[str, ...] = ()  # what was done to the surface after its own operations
+    profile: tuple[Row, ...] = ()  # what was read, of a profile
 
     @property
     def text(self) -> list[str]:
         """Return the lines for people."""
+        if self.profile:
+            return profile_lines([*self.profile], self.rows)
         return [*file_lines(self.file, *self.done), *lines(self.rows)]
 
 
@@ -104,22 +126,72 @@ def describe(file: Path | None, options: SurfaceOptions) -> str:
                 None,
                 f"{figure} is there already and was not drawn again: --overwrite replaces it",
             )
-    # The form of a worn body is that of its unworn part.
-    level = {} if kind == "surface" else {"level": "none"}
-    surface = read_surface(file, {**options.preparation, **level})
-    outcome = {"surface": _roughness, "track": _track, "ball": _ball, "scar": _scar}[kind](surface, options)
+    outcome = _outcome(file, kind, options)
     if figure is not None:
         save(outcome.draw(), figure)
     if options.as_json:
-        return _with_options(to_json(record(outcome.rows)))
+        return _with_options(to_json(record([*outcome.profile, *outcome.rows])))
     end = there if figure is None else f"written to {figure}"
     return "\n".join([_with_options("\n".join(outcome.text)), *([end] if end else [])])
 
 
+def _outcome(file: Path, kind: str, options: SurfaceOptions) -> Outcome:
+    """Examine what a file holds, a map or a profile. Raises InputError."""
+    # The form of a worn body is that of its unworn part.
+    level = {} if kind == "surface" and options.line is None else {"level": "none"}
+    try:
+        surface = read_surface(file, {**options.preparation, **level})
+    except HoldsAProfile:
+        if kind not in ("surface", "track") or options.line is not None:
+            raise
+        return _profile(_profile_in(file, options.preparation), kind, options)
+    if options.line is not None:
+        return _profile(line_of(surface, options.line), kind, options)
+    return {"surface": _roughness, "track": _track, "ball": _ball, "scar": _scar}[kind](surface, options)
+
+
+def _profile_in(file: Path, preparation: Mapping[str, str | None]) -> Profile:
+    """Read the profile in a file. Raises InputError, for options that are for maps, too."""
+    options = {f"--{key.replace('_', '-')}": value for key, value in preparation.items() if key not in LINE}
+    refuse(options, "is for a map of heights, and FILE holds a profile")
+    given = preparation.get
+    try:
+        return read_profile(
+            file,
+            spacing=optional("--pixel", given("pixel"), "mm"),
+            height_unit=given("height_unit"),
+            array=given("array"),
+            down=given("height_sign") == "down",
+        )
+    except InputError as error:
+        raise InputError(_with_options(str(error))) from error
+
+
+def _profile(profile: Profile, kind: str, options: SurfaceOptions) -> Outcome:
+    """Examine a profile, or the groove in it. Raises InputError."""
+    refuse(
+        {"--track-length": options.track_length, "--before": options.before},
+        "is for a map of heights, and this is a profile",
+    )
+    degree = _degree(options.preparation.get("level"))
+    head = tuple(profile_rows(profile, degree))
+    if kind == "track":
+        width = optional("--track-width", options.track_width, "mm")
+        groove = find_groove(profile, degree=degree, width=width)
+        return Outcome({}, groove_rows(groove), lambda: groove_figure(groove), profile=head)
+    level = profile.levelled(degree)
+    filters = {
+        "cut_off": optional("--lambda-c", options.lambda_c, "mm"),
+        "short": optional("--lambda-s", options.lambda_s, "mm"),
+    }
+    result = parameters(level, **filters)
+    return Outcome({}, parameter_rows(result), lambda: profile_figure(level, result), profile=head)
+
+
 def _roughness(surface: Measured, options: SurfaceOptions) -> Outcome:
     """Examine a surface as it is."""
-    cut_off = quantity("--lambda-c", options.lambda_c, "mm")
-    short = quantity("--lambda-s", options.lambda_s, "mm")
+    cut_off = optional("--lambda-c", options.lambda_c, "mm") or LAMBDA_C
+    short = optional("--lambda-s", options.lambda_s, "mm") or LAMBDA_S
     report = examine(surface, cut_off=cut_off, short=short)
     return Outcome(record(report.rows), report.rows, lambda: surface_figure(report))
 
@@ -253,7 +325,7 @@ def read_surface(file: Path, preparation: Mapping[str, str | None]) -> Measured:
     except ValidationError as error:
         raise InputError(_with_options(f"disc.{sentence(error, Disc)}")) from error
     except InputError as error:
-        raise InputError(_with_options(str(error))) from error
+        raise type(error)(_with_options(str(error))) from error
     return surface
 
 
@@ -283,6 +355,8 @@ def _check_together(file: Path | None, options: SurfaceOptions) -> None:
         refuse({"--figure": o.figure}, "is not for --no-figure")
     if not o.track:
         refuse({"--track-width": o.track_width, "--track-length": o.track_length}, "needs --track")
+    if o.ball or o.before is not None:
+        refuse({"--line": o.line}, "is not for --ball or --before")
     if o.ball:
         refuse({"--before": o.before}, "is not for a --ball, which is measured against its sphere")
     else:

@@ -5,6 +5,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
+from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.history.snapshot import Snapshot
 
@@ -20,6 +21,8 @@ class Model(ABC):
     longest_block = 1
     #: Whether the next step is to be certified, where its law has a certificate.
     certified = False
+    #: Cycles of a track that the next steps stand for, each: their increments are as many times as long.
+    stands_for = 1
 
     @property
     def in_blocks(self) -> bool:
@@ -37,6 +40,10 @@ class Model(ABC):
     @abstractmethod
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """Return the fields after the last step, which was asked for its pressure, at its distance [mm]."""
+
+    def worn(self) -> tuple[FloatArray, FloatArray]:
+        """Return the depths worn off counter-body and disc [mm]; a CPU's are views."""
+        raise NotImplementedError
 
     def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
         """Steps made on the device in one go, or in a few, before the first of each is seen.

@@ -109,5 +109,3 @@ CASES: dict[str, Callable[[Study, dict[str, Any]], list[str]]] = {
         "surface energy, pieces" if study.wear.particle == "critical" else "surface energy"
     ],
 }
-#: Keys of which more is known than that a sweep tells.
-EFFECTS = {*CASES, *(name for name in SENTENCES if "." in name)}

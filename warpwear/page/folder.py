@@ -21,7 +21,7 @@ def write_report(
     folder: Path,
     figures: Mapping[str, Figure],
     *,
-    pages: Mapping[str, Page],
+    pages: Mapping[str, Page] = MappingProxyType({}),
     files: Mapping[str, Content] = MappingProxyType({}),
     marks: Sequence[str] = (),
     within: str = "",

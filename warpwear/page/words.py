@@ -75,7 +75,6 @@ def answers_of(study: Study, s: dict[str, Any]) -> list[Answer]:
     of_pass = f", mean of the {s['end_values']}" if "track" in s else ""
     spread = f"standard deviation {pressure['std']:.3g} MPa"
     spread = spread if pressure["std"] > 1e-6 * pressure["mean"] else "uniform"
-    error = s.get("track", {}).get("parts", {}).get("estimated_error_at_most", 0.0)
     scar = shown([s["scar_mm"]["along"], s["scar_mm"]["across"]])
     return [
         Answer(
@@ -84,7 +83,7 @@ def answers_of(study: Study, s: dict[str, Any]) -> list[Answer]:
         _answer(
             "area_contact",
             s,
-            error=f"± {100.0 * error:.2g} % by the length of the steps" if error > 0.0 else "",
+            error=s["verdict"]["area"],
             note=f"{100.0 * s['area_real_over_nominal']:.3g} % of the scar{of_pass}",
         ),
         _answer("pressure_mean", s, note=f"{spread}, largest {shown(pressure['max'])} MPa"),

@@ -193,9 +193,8 @@ class ResultFile:
         return Named((name, self._array(f"pieces/{name}", lacks)) for name in OF_PIECES)
 
     def _of_patches(self, name: str) -> FloatArray:
-        return self._array(
-            name, f"has no patches: study.model is '{self.study.study.model}', not 'two-scale'"
-        )
+        model = self.study.study.model
+        return self._array(name, f"has no patches: study.model is '{model}', not 'two-scale'")
 
     def _array(self, name: str, otherwise: str = "", rows: slice = slice(None)) -> FloatArray:
         """Rows of a dataset. otherwise: what the run lacks where it has none, as the end of a sentence."""

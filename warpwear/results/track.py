@@ -190,9 +190,8 @@ def doubt_of_directions(study: Study, history: Mapping[str, FloatArray]) -> str 
 
 
 def pass_numbers(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.int_]]":
-    """Return the number of the pass that each step belongs to, from 0."""
-    passes = result.history["distance"] / result.study.track.stroke
-    return np.maximum(np.ceil(passes - 1.0e-9).astype(int), 1) - 1
+    """Return the number of the computed pass that each step belongs to, from 0."""
+    return np.arange(result.history["distance"].size) // result.study.track.steps_of_pass
 
 
 def whole_steps(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
@@ -201,23 +200,24 @@ def whole_steps(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.bool_
     A step that is implicit in the wear yields by K p ΔL: a short one has less area, so less friction, and
     higher pressures, which say nothing of the track. All steps of a ball that does not slide over one.
     """
-    increment = result.history["increment"]
+    increment = result.history["increment"] / result.history.get("cycles", 1.0)
     if not result.study.is_swept:
         return np.ones(increment.size, dtype=bool)
     return increment > (1.0 - SHORT) * increment.max() if increment.any() else increment == 0.0
 
 
 def by_pass(result: ResultFile, *means: str) -> dict[str, FloatArray]:
-    """Return one value a pass, of which the last may be short.
+    """Return one value a computed pass, of which the last may be short.
 
-    `number` (from 1), `distance` slid in it [mm], volumes lost in it [mm³], and means over its distance of
+    `number` (from 1; the last that it stands for), `distance` slid in it [mm], volumes lost in it [mm³], and means over its distance of
     the columns of the history that are asked for.
     """
     history, number, increment = result.history, pass_numbers(result), result.history["increment"]
     last = np.append(np.flatnonzero(np.diff(number)), number.size - 1)
     slid = np.bincount(number, increment).astype(np.float64)
     lost = ("wear_volume_counter", "wear_volume_disc", "plastic_volume_disc")
-    table: dict[str, FloatArray] = {"number": np.arange(1.0, last.size + 1.0), "distance": slid}
+    ends = np.ceil(history["distance"][last] / result.study.track.stroke - 1.0e-9)
+    table: dict[str, FloatArray] = {"number": np.maximum(ends, 1.0), "distance": slid}
     table |= {name: np.diff(history[name][last], prepend=0.0) for name in lost}
     for name in means:
         table[name] = np.bincount(number, increment * history[name]) / slid

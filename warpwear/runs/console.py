@@ -51,10 +51,11 @@ class Progress:
 
     def step(self, row: dict[str, float]) -> None:
         """One step is done."""
-        self._done += 1
+        steps = int(row.get("cycles", 1))
+        self._done += steps
         self._tell_early()
         if self._bar is not None:
-            self._bar.update()
+            self._bar.update(steps)
             if self._done % 20 == 0:
                 self._bar.set_postfix_str(
                     f"{row['distance']:.4g} mm, {row['area_contact']:.4g} mm²", refresh=False
@@ -105,11 +106,11 @@ class Progress:
     def _tell(self, most: int, ranks: int = 4) -> None:
         """Write so many notes at most of the first ranks, the heaviest first; each is written once."""
         self._notes.sort(key=itemgetter(0))
-        told = [note for note in self._notes if note[0] < ranks][: max(most, 0)]
-        for _, line in told:
+        count = min(max(most, 0), sum(rank < ranks for rank, _ in self._notes))
+        for _, line in self._notes[:count]:
             self.say(line)
-        self._left -= len(told)
-        self._notes = self._notes[len(told) :]
+        self._left -= count
+        self._notes = self._notes[count:]
 
     def _tell_early(self) -> None:
         """Tell warnings of a run that takes long, which one may want to stop; the last is for its end."""

@@ -95,9 +95,11 @@ def of_history(study: Study, history: Mapping[str, FloatArray], *, finished: boo
 
 def smaller_steps(study: Study) -> str:
     """Advise on a contact that could not be balanced; empty where the same step would not come again."""
-    plan = study.stepping
     if study.is_swept or not study.sliding.total:
         return ""
-    names = ("first", "largest") if plan.increment is None else ("increment",)
-    halves = (f"stepping.{name}='{getattr(plan, name) / 2.0:g} mm'" for name in names)
+    first, _, largest = study.increments
+    lengths = {"first": first, "largest": largest}
+    if study.stepping.increment is not None:
+        lengths = {"increment": first}
+    halves = (f"stepping.{name}='{length / 2.0:g} mm'" for name, length in lengths.items())
     return f" A new run may get further with smaller increments: {', '.join(halves)}."

@@ -46,7 +46,7 @@ class Invariants:
 
     def __init__(self, study: Study) -> None:
         self._extent_for = partial(extent_for, study)
-        self._shape, self._extent = study.cells.shape, study.grid.extent
+        self._shape, self._domain = study.cells.shape, study.grid
         self._radius, self._repeats = study.counter.nominal_radius, study.repeats
         of_bearing_area = study.load_tolerance if study.uses_bearing_area else 0.0
         #: Load that may be left unbalanced [N]: what the study's balance is solved to.
@@ -127,12 +127,13 @@ class Invariants:
                 "a larger radius, or less load, wear or distance is needed",
                 sound=True,
             )
-        needed = 1.05 * self._extent_for(row["distance"])
+        needed = self._extent_for(row["distance"])
+        needed = needed if isinstance(self._domain.extent, tuple) else (max(needed),)
         return Violation(
             "edge",
-            f"grid.extent = {self._extent:g} mm is too small: the contact reached the domain's "
+            f"grid.extent = {self._domain.size} is too small: the contact reached the domain's "
             f"edge {after}, so what lies beyond it would be missing",
-            f"a larger extent is needed, of about {needed:.2g} mm",
+            f"a larger extent is needed, of about {' × '.join(f'{1.05 * side:.2g}' for side in needed)} mm",
             sound=True,
         )
 

@@ -1,5 +1,6 @@
 """The steps of one run, what is checked of each, and what is kept."""
 
+import itertools
 import logging
 import math
 import time
@@ -24,8 +25,10 @@ from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.runs.checkpoint import Checkpoint, Checkpoints, StoredCheckpoint, opened
 from warpwear.runs.console import Interrupts, Progress
 from warpwear.runs.invariants import Violation
+from warpwear.runs.jump import CycleJumps
 from warpwear.runs.make import model_of
 from warpwear.runs.order import RunOrder
+from warpwear.runs.plan import Planned
 from warpwear.runs.step import RunStep
 
 LOG = logging.getLogger("warpwear.run")
@@ -71,6 +74,8 @@ class StepLoop:
             original = stored.heights_for if stored else np.asarray
             prepared = model_of(order, executor, original=original)
             self._model, self._surface_record = prepared.model, prepared.record
+            #: What plans the cycles where one may stand for many.
+            self._jumps = CycleJumps(order.study, self._model) if order.study.jumps else None
             self._book, self._pieces, self._filled = prepared.book, prepared.pieces, prepared.filled
             self._warn(*doubts.of_slope(order.study, prepared.record["on_the_grid"]["rms_slope"]))
             if order.track is not None and writer is not None:
@@ -96,7 +101,7 @@ class StepLoop:
         assert self._writer is not None
         with stored.reading():
             then = stored.read()
-            state.restore(self._model, then.arrays, then.numbers)
+            state.restore(self._jumps or self._model, then.arrays, then.numbers)
             self._writer.take_snapshots_from(stored.file)
         self._rows = then.rows
         self.warnings, self._reported = then.warnings, then.reported_violations
@@ -110,10 +115,10 @@ class StepLoop:
 
     def run(self, callback: Callable[[RunStep], object] | None = None) -> None:
         """Make the steps, and write what they leave into the result. callback: is given every step."""
-        steps = len(self._order.plan)
         assert self._writer is not None
         self._started = time.perf_counter()
-        self._progress.start(steps, done=len(self._rows))
+        done = int(self._rows.column("cycles").sum()) if self._jumps and self._rows else len(self._rows)
+        self._progress.start(self._count, done=done)
         try:
             with phase("steps"):
                 self._make_steps(callback)
@@ -127,7 +132,7 @@ class StepLoop:
             self._fail(error)
         finally:
             self._progress.end()
-        self.finished = len(self._rows) == steps
+        self.finished = bool(self._rows) and self._rows.last["distance"] == self._order.study.sliding.total
         history = self._order.history_of(self._rows, finished=self.finished)
         self._warn(*doubts.of_history(self._order.study, history, finished=self.finished))
         how = "finished:" if self.finished else "stopped after"
@@ -139,12 +144,14 @@ class StepLoop:
             "elapsed_s": self._elapsed,
             "made_with": versions(self._processor),
         }
+        if self._jumps is not None:
+            record["cycle_jump"] = self._jumps.told()
         with phase("write"):
             self._writer.finish(history, record, finished=self.finished, book=self._book, pieces=self._pieces)
 
     def steps(self) -> Iterator[RunStep]:
         """Every step of the study, with its fields; nothing is written."""
-        self._progress.start(len(self._order.plan))
+        self._progress.start(self._count)
         for step, wrong in self._steps(with_fields=True):
             yield step
             if wrong is not None:
@@ -155,15 +162,32 @@ class StepLoop:
 
         with_fields: whether every step can be asked for its fields, not only those that are kept.
         """
-        plan, speed = self._order.plan, self._order.study.sliding.mean_speed
-        left = plan[len(self._rows) :]
+        parts = [self._order.plan[len(self._rows) :]] if self._jumps is None else self._jumps.parts()
+        for part in parts:
+            yield from self._steps_of(part, with_fields=with_fields)
+
+    @property
+    def _count(self) -> int:
+        """Steps of the whole run, those of cycles that are jumped over included."""
+        study = self._order.study
+        return len(self._order.plan) if self._jumps is None else int(study.track.steps(study.sliding.total))
+
+    def _steps_of(
+        self, left: list[Planned], *, with_fields: bool
+    ) -> Iterator[tuple[RunStep, InvariantError | None]]:
+        """Steps of a part of the plan, as `_steps`."""
+        speed = self._order.study.sliding.mean_speed
         # where points were filled, steps 1, 2, 4, 8, … are looked at too: a run on them stops early
-        numbers, doubtful = range(len(self._rows) + 1, len(plan) + 1), self._filled is not None
-        looks = [keep or (doubtful and n & (n - 1) == 0) for n, (*_, keep) in zip(numbers, left, strict=True)]
+        numbers, doubtful = itertools.count(len(self._rows) + 1), self._filled is not None
+        looks = [
+            keep or (doubtful and n & (n - 1) == 0) for n, (*_, keep) in zip(numbers, left, strict=False)
+        ]
         requests = ((step[0], look or with_fields, step[2]) for step, look in zip(left, looks, strict=True))
         steps = self._model.steps(requests)
         for (_, distance, keep), look, step in zip(left, looks, steps, strict=True):
             row = step.row | {"distance": distance}
+            if self._jumps is not None:
+                row["cycles"] = float(self._jumps.stands_for)
             stop = self._check(
                 self._order.invariants.of_row(
                     row, touches_edge=step.touches_edge, touches_rim=step.touches_rim
@@ -180,12 +204,14 @@ class StepLoop:
                     self._writer.add_snapshot(snapshot)
             row |= {"time": distance / speed if speed else math.nan}
             self._rows.append(row)
+            if self._jumps is not None:
+                self._jumps.count()
             self._progress.step(row)
             if len(self._rows) == 1:
                 self._warn(*doubts.of_count(self._order.study, row["cells_in_contact"], "To begin with"))
             self._last = step
             index = len(self._rows) - 1
-            yield RunStep(index, len(plan), self._order, row, partial(self._snapshot_of, index)), stop
+            yield RunStep(index, self._count, self._order, row, partial(self._snapshot_of, index)), stop
 
     def _snapshot_of(self, index: int) -> Snapshot | None:
         """Return the fields after a row's step, views of the model's on a CPU; None after a later one."""
@@ -217,7 +243,7 @@ class StepLoop:
                     break
 
     def _checkpoint(self, checkpoints: Checkpoints) -> None:
-        arrays, numbers = state.save(self._model)
+        arrays, numbers = state.save(self._jumps or self._model)
         self._check(self._order.invariants.of_fields(arrays, self._rows.last))
         now = Checkpoint(arrays, numbers, self._rows, self.warnings, self._reported, self._elapsed)
         assert self._writer is not None

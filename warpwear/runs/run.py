@@ -159,10 +159,10 @@ def run_study(study: Study | str | Path, options: RunOptions) -> Result:
     """Run a study and return its result, which knows the seconds of its phases; raises what `run` does."""
     options.check()
     order = order_of(study, options.surface, options.out)
-    given = options.progress if isinstance(options.progress, Progress) else None
-    progress = given or Progress(order.study.study.name, quiet=not options.progress)
+    shared = options.progress if isinstance(options.progress, Progress) else None
+    progress = shared or Progress(order.study.study.name, quiet=not options.progress)
     clock = Clock(import_seconds=options.import_seconds, entered=progress.phase)
-    with clock.running(), nullcontext() if given else progress:
+    with clock.running(), nullcontext() if shared else progress:
         if options.out is not None and _is_there(order, options, options.out):
             return Result.open(options.out)
         draws = options.out is not None and options.plots != "none"

@@ -15,7 +15,10 @@ ROUGH = when("is_rough", otherwise="does not apply to the macro model, which has
 RANDOM = when("disc.synthetic.kind", "self-affine", "milled", otherwise="does not apply to kind = '{}'")
 MILLED = when("disc.synthetic.kind", "milled", otherwise="does not apply to kind = '{}'")
 CROWNED = when("counter.shape", "crowned")
-NOMINAL = when("counter.has_radius", otherwise="does not apply to this counter.shape and counter.level")
+NOMINAL = when(
+    "counter.has_radius",
+    otherwise="does not apply to a crowned body, nor to a measured one whose level is no sphere or cylinder",
+)
 random_key, milled_key = partial(key, applies=RANDOM), partial(key, applies=MILLED)
 file_key = partial(key, applies="FROM_A_FILE")
 Radius = Annotated[float, Quantity("mm", Range(infinite=True))]
@@ -189,9 +192,8 @@ class CounterBody(MeasuredBody, Shape, Body):
         if self.form.is_flat and self.shape != "measured":
             return "rigid flat"
         if self.shape == "crowned":
-            along, across = (f"{r:.4g} mm" for r in (self.radius_along, self.radius_across))
-            return f"crowned body of {along} radius along and {across} across sliding"
-        edge = f" and {self.edge_radius:.4g} mm edge radius" if self.edge_radius else ""
+            return f"crowned body of {self.radius_along:.4g} × {self.radius_across:.4g} mm radius"
+        edge = f", {self.edge_radius:.4g} mm at the edge" if self.edge_radius else ""
         of = {"pin": f"flat pin of {radius}{edge}", "measured": "measured counter-body"}
         return of.get(self.shape, f"{self.shape} of {radius}")
 

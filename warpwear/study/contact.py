@@ -8,7 +8,8 @@ from numbers import Real
 from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import Field, PlainSerializer, PlainValidator
+from pydantic import Field, GetCoreSchemaHandler, PlainSerializer, PlainValidator
+from pydantic_core import CoreSchema, core_schema
 
 from warpwear.laws.archard import BODIES, COEFFICIENTS, WEAR_LAWS, WearLaw
 from warpwear.laws.elastic import MATCHES
@@ -89,10 +90,57 @@ NO_BEARING_CURVE = excludes("wear.law", "bearing-curve", why=", where a share of
 NOT_CONTACT = ("touched", "cumulative", "nominal")
 
 
+class LineLoad(float):
+    """A load [N] that was given as one of a length [N/mm] is that times the length it acts on [mm]."""
+
+    per_length: float
+
+    def __new__(cls, per_length: float, length: float = 1.0) -> Self:
+        load = super().__new__(cls, per_length * length)
+        load.per_length = per_length
+        return load
+
+    def __getnewargs__(self) -> tuple[float, float]:  # type: ignore[override]
+        return self.per_length, float(self) / self.per_length
+
+
+@dataclass(frozen=True)
+class Load(Quantity):
+    """This annotates a load: a force, or a force of a length, which is times a length known later."""
+
+    def read(self, value: Any) -> Any:
+        """Return the load [N], or a `LineLoad`. Raises ValueError, saying what is allowed."""
+        if isinstance(value, LineLoad):
+            return value
+        try:
+            return super().read(value)
+        except ValueError as refused:
+            if "dimension" not in str(refused):
+                raise
+            try:
+                return LineLoad(float(Quantity("N/mm").read(value)))
+            except ValueError as error:
+                either = ValueError(f"{refused}, or of a line contact one of its length, '18.5 N/mm'")
+                raise (either if "dimension" in str(error) else error) from None
+
+    def write(self, value: Any) -> str:
+        """Return text that `read` reads back without loss."""
+        return text(value.per_length, "N/mm") if isinstance(value, LineLoad) else text(value, self.unit)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_wrap_validator_function(
+            lambda value, _: self.read(value),
+            handler(source),
+            serialization=core_schema.plain_serializer_function_ser_schema(self.write),
+        )
+
+
 class Contact(Section):
     """The section [contact] says what is pressed, and by which law cells yield."""
 
-    load: Annotated[float, Quantity("N")] = key(..., "normal load")
+    load: Annotated[float, Load("N")] = key(
+        ..., "normal load; of a line contact also a load of its length, '18.5 N/mm', times grid.extent across"
+    )
     hardness: Annotated[float, Quantity("MPa", Range(infinite=True), hardness=True)] | None = key(
         None,
         "largest pressure of a cell, inf for no limit; by default the softer body's, in the macro model none",
@@ -107,9 +155,10 @@ class Contact(Section):
         + needs("effective_modulus", of="half-space", what=ELASTIC)
         + needs("stepping.scheme", "implicit", of="half-space"),
     )
-    boundary: Literal["free", "periodic"] | None = key(
+    boundary: Literal["free", "periodic", "line"] | None = key(
         None,
-        "half-space: nothing beyond the domain (two-scale model: beyond each patch), or it is repeated; "
+        "half-space: nothing beyond the domain (two-scale model: beyond each patch), or it is repeated; line: "
+        "repeated across sliding, with nothing beyond its ends along it; "
         "if not given free under a ball, periodic under a flat and for patches",
         assumed="nothing beyond the domain under a ball; under a flat the domain is repeated, and in the "
         "two-scale model each patch",

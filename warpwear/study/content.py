@@ -17,9 +17,9 @@ from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
 from warpwear.laws.track import WHOLE, Track
 from warpwear.study.bodies import CounterBody, Disc
-from warpwear.study.contact import Contact, Friction, Junctions, Wear
+from warpwear.study.contact import Contact, Friction, Junctions, LineLoad, Wear
 from warpwear.study.keys import Section, key, value_of, when
-from warpwear.study.motion import MOST_SHIFT, STEPS_OF_STROKE, GridSection, Sliding, Stepping
+from warpwear.study.motion import FEWEST_CYCLES, MOST_SHIFT, STEPS_OF_STROKE, GridSection, Sliding, Stepping
 from warpwear.study.settings import About, Checks, Output, PatchesSection, Run
 from warpwear.study.units import text
 
@@ -55,6 +55,12 @@ class Content(Section):
     output: Output = Output()
     assumed: dict[str, str] = Field(default={}, description="keys that were assumed, and why")
 
+    def _check(self) -> None:
+        """Make a load of a length that of the whole domain, which is known here at first."""
+        if isinstance(self.contact.load, LineLoad):
+            load = LineLoad(self.contact.load.per_length, self.grid.sides[1])
+            self.__dict__["contact"] = self.contact.model_copy(update={"load": load})
+
     @property
     def is_rough(self) -> bool:
         """True where the disc's roughness plays a part, resolved or as a bearing curve."""
@@ -88,6 +94,13 @@ class Content(Section):
         cells = most if sliding.track == "full" else round(float(sliding.track) / cell)
         fits = (n for n in range(most, most // 2, -1) if cells % n == 0)
         return sliding.shift or next(fits, most)
+
+    @property
+    def jumps(self) -> bool:
+        """True where a computed cycle of a track may stand for more than itself."""
+        if not self.is_swept or self.stepping.jump == 1:
+            return False
+        return self.stepping.jump != "auto" or self.sliding.total >= FEWEST_CYCLES * self.track.cycle
 
     @property
     def increments(self) -> tuple[float, float, float]:
@@ -183,9 +196,17 @@ class Content(Section):
 
     @property
     def boundary(self) -> str:
-        """Boundary of the half-space, or of every patch: "free" or "periodic"."""
+        """Boundary of the half-space, or of every patch: "free", "periodic" or "line"."""
         whole_counter = not self.counter.form.is_flat and self.study.model != "two-scale"
         return self.contact.boundary or ("free" if whole_counter else "periodic")
+
+    @property
+    def is_line(self) -> bool:
+        """True where the contact goes on across sliding beyond the domain, which is a part of its length."""
+        along, across = self.counter.form.rises
+        if self.contact.law == "half-space":
+            return self.boundary == "line"
+        return along and not across and self.study.model != "two-scale"
 
     @property
     def repeats(self) -> bool:
@@ -217,9 +238,9 @@ class Content(Section):
         if form.along == form.across:
             return Hertz(modulus, 1.0 / form.along, load)
         radii = (1.0 / curvature if curvature else math.inf for curvature in (form.along, form.across))
-        # Along which a cylinder lies, it is as long as the domain, which is a square.
+        # Along which a cylinder lies, it is as long as the domain.
         along, across = radii
-        return Hertz(modulus, along, load, across, self.grid.extent)
+        return Hertz(modulus, along, load, across, self.grid.sides[1 if form.along else 0])
 
     @property
     def junction_strength(self) -> float | None:
@@ -354,8 +375,8 @@ class Content(Section):
     @property
     def cells(self) -> Grid:
         """The grid of cells that the study asks for."""
-        n = round(self.grid.extent / self.grid.cell)
-        return Grid(n, n, self.grid.cell)
+        nx, ny = (round(side / self.grid.cell) for side in self.grid.sides)
+        return Grid(nx, ny, self.grid.cell)
 
     @property
     def snapshot_distances(self) -> tuple[float, ...]:

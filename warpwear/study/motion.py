@@ -1,13 +1,14 @@
 """[grid], [sliding] and [stepping]: the cells, the way of the counter-body, and the steps it is cut into."""
 
 import math
+from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from warpwear.study.keys import Length, LengthOrZero, Section, key, needs, needs_compliance, when
-from warpwear.study.units import Number, Quantity, Range
+from warpwear.study.units import Number, Quantity, Range, is_pair, one_by_one
 
 #: Parts of a distance at rest that no increment exceeds, unless given.
 LARGEST_PARTS = 800
@@ -16,6 +17,8 @@ MOST_CELLS = 1_000_000
 
 #: Cells of a step at most, if not given, and steps of a stroke at least: docs/theory/track.md says why.
 MOST_SHIFT, STEPS_OF_STROKE = 8, 8
+#: Fewer cycles are each computed, unless a number is named.
+FEWEST_CYCLES = 100
 
 Strokes = Annotated[int, Field(ge=0, le=1_000_000_000, strict=True)]
 
@@ -39,25 +42,64 @@ total_key = partial(key, one_of="total")
 growing_key = partial(key, applies=STEPS + FIXED, one_of="plan: growing")
 
 
+@dataclass(frozen=True)
+class Sides(Quantity):
+    """This annotates the sides of a domain: a quantity, or a list of two, along sliding and across it."""
+
+    def read(self, value: Any) -> Any:
+        """Return the number in `unit`, or two. Raises ValueError, saying what is allowed."""
+        value = one_by_one(value)
+        if not isinstance(value, list | tuple) or is_pair(value):
+            return super().read(value)
+        if len(value) != 2:
+            raise ValueError("needs a length, or two: along sliding and across it")
+        return tuple(super(Sides, self).read(side) for side in value)
+
+    def write(self, value: Any) -> Any:
+        """Return text that `read` reads back without loss, or two."""
+        if isinstance(value, tuple):
+            return [super(Sides, self).write(side) for side in value]
+        return super().write(value)
+
+
 class GridSection(Section):
     """The section [grid] says how large the cells and the domain are."""
 
     cell: Length = key(..., "size of a cell; 10 um in the macro model, if not given")
-    extent: Length = key(..., "side of the square domain")
+    extent: Annotated[float | tuple[float, float], Sides("mm")] = key(
+        ..., 'side of the square domain, or two, ["3 mm", "0.2 mm"]: along sliding and across it'
+    )
+
+    @property
+    def sides(self) -> tuple[float, float]:
+        """The domain's sides along sliding and across it [mm]."""
+        return self.extent if isinstance(self.extent, tuple) else (self.extent, self.extent)
+
+    @property
+    def size(self) -> str:
+        """The extent, as sentences say it: "1.5 mm", or "3 × 0.2 mm"."""
+        return in_words(self.extent)
 
     def _check(self) -> None:
-        cells = self.extent / self.cell
-        if cells > MOST_CELLS:
-            raise ValueError(
-                f"grid.cell = {self.cell:g} mm makes more than {MOST_CELLS:,} cells along grid.extent = "
-                f"{self.extent:g} mm; larger cells or a smaller extent are needed"
-            )
-        if abs(cells - round(cells)) > 1e-6 * cells or round(cells) < 4:
-            near = max(round(cells), 4) * self.cell
-            raise ValueError(
-                f"grid.extent = {self.extent:g} mm is not a whole number (4 or more) of cells of "
-                f"{1e3 * self.cell:g} µm; the nearest that is, is {near!r} mm"
-            )
+        for side, least in zip(self.sides, (4, 1 if isinstance(self.extent, tuple) else 4), strict=True):
+            cells = side / self.cell
+            if cells > MOST_CELLS:
+                raise ValueError(
+                    f"grid.cell = {self.cell:g} mm makes more than {MOST_CELLS:,} cells along grid.extent = "
+                    f"{self.size}; larger cells or a smaller extent are needed"
+                )
+            if abs(cells - round(cells)) > 1e-6 * cells or round(cells) < least:
+                near = max(round(cells), least) * self.cell
+                named = "" if self.size == in_words(side) else f": {side:g} mm"
+                raise ValueError(
+                    f"grid.extent = {self.size}{named} is not a whole number ({least} or more) of cells of "
+                    f"{1e3 * self.cell:g} µm; the nearest that is, is {near!r} mm"
+                )
+
+
+def in_words(extent: float | tuple[float, float]) -> str:
+    """Return the side of a square [mm], or both sides of a rectangle, as sentences say it."""
+    return f"{extent:g} mm" if not isinstance(extent, tuple) else " × ".join(f"{s:g}" for s in extent) + " mm"
 
 
 class Sliding(Section):
@@ -168,11 +210,22 @@ class Stepping(Section):
     )
     largest: Length | None = growing_key(
         None,
-        f"growing increments: the largest; 3 mm, or of a longer distance its {LARGEST_PARTS}th part",
+        f"growing increments: the largest; 3 mm, or of a longer implicit run its {LARGEST_PARTS}th part",
         assumed="a tenth of a usual stroke, small beside the distance",
     )
     load_tolerance: Annotated[float | Literal["one cell"], Quantity("N", words=("one cell",))] = key(
         "one cell", "bearing area only: load left unbalanced, at most", applies=NO_COMPLIANCE
+    )
+    jump: Annotated[int, Field(ge=1, le=1_000_000, strict=True)] | Literal["auto"] = key(
+        "auto",
+        "swept: cycles (or laps) that a computed one stands for; 1: each is computed; auto: as many as "
+        f"jump_error allows, from {FEWEST_CYCLES} cycles on",
+        applies=SWEPT,
+    )
+    jump_error: Annotated[float, Number(Range(least=0.0, most=0.5))] = key(
+        0.005,
+        "swept: error that jumps may make in the worn depth, rms over the scar, over that depth",
+        applies=SWEPT,
     )
     force: bool = key(False, "go on beyond the explicit stability limit")
 
@@ -186,4 +239,5 @@ class Stepping(Section):
         """First increment over a distance [mm], the factor by which increments grow, and the largest [mm]."""
         if self.increment is not None:
             return self.increment, 1.0, self.increment
-        return self.first, self.growth, self.largest or max(3.0, distance / LARGEST_PARTS, self.first)
+        part = distance / LARGEST_PARTS if self.scheme == "implicit" else 0.0  # stable at any length
+        return self.first, self.growth, self.largest or max(3.0, part, self.first)

@@ -6,13 +6,18 @@ from collections.abc import Iterator
 from warpwear.laws.archard import CALLED
 from warpwear.laws.track import WHOLE
 from warpwear.study import rules_pieces, rules_track
+from warpwear.study.contact import LineLoad
 from warpwear.study.content import Content
 from warpwear.study.keys import check_keys
 
 #: More steps than anybody waits for, or than a history holds.
 MOST_STEPS = 1_000_000
+#: Cycles that one may be expected to stand for where that shows on the way.
+MOST_JUMP = 1000
 #: Extent over worn patch below which roughness may fill the domain, and that a sentence recommends.
 CLOSE, SPARE = 1.05, 1.1
+#: Cells across that a contact takes which ends there.
+FEWEST_ACROSS = 4
 
 
 def check(study: Content) -> None:
@@ -43,17 +48,44 @@ def _patches(study: Content) -> None:
             "overlap; allowed are a smaller patches.width (by default the macro cell) and a larger "
             "patches.macro_cell"
         )
-    if patches.macro_cell > 0.5 * study.grid.extent * (1.0 + WHOLE):
+    extent, across = study.grid.sides
+    if extent != across:
         raise ValueError(
-            f"{named} is larger than the contact's domain allows: grid.extent = {study.grid.extent:g} mm "
+            f"grid.extent = {study.grid.size} is no square, which study.model = 'two-scale' needs for its macro "
+            "cells; allowed is one length"
+        )
+    if patches.macro_cell > 0.5 * extent * (1.0 + WHOLE):
+        raise ValueError(
+            f"{named} is larger than the contact's domain allows: grid.extent = {extent:g} mm "
             "must hold two macro cells or more"
         )
-    rules_track.refuse_parts("grid.extent", study.grid.extent, patches.macro_cell, cells=named)
+    rules_track.refuse_parts("grid.extent", extent, patches.macro_cell, cells=named)
 
 
 def _boundary(study: Content) -> None:
-    """Refuse a half-space that repeats a counter-body, unless that goes on beyond its file."""
-    form = study.counter.form
+    """Refuse a half-space that repeats a counter-body, unless that goes on, and lines that are none."""
+    form, grid, load = study.counter.form, study.grid, study.contact.load
+    line = study.contact.law == "half-space" and study.boundary == "line"
+    if line and study.study.model == "two-scale":
+        raise ValueError(
+            "contact.boundary = 'line' is for one grid: allowed for patches are 'free', 'periodic'"
+        )
+    if line and form.rises[1]:
+        raise ValueError(
+            "contact.boundary = 'line' would repeat the counter-body beside itself: allowed is 'free', or a "
+            "cylinder or a flat"
+        )
+    if isinstance(load, LineLoad) and not study.is_line:
+        raise ValueError(
+            f"contact.load = {load.per_length:g} N/mm is the load of a length, which only a line contact has: "
+            "allowed is a force, such as '8 N', or contact.boundary = 'line' (contact.law = 'local': a cylinder)"
+        )
+    if study.cells.ny < FEWEST_ACROSS and not study.is_line:
+        raise ValueError(
+            f"grid.extent = {grid.size} is {study.cells.ny} cells of {1e3 * grid.cell:g} µm wide: allowed are "
+            f"{FEWEST_ACROSS} or more, or a line contact, contact.boundary = 'line' (contact.law = 'local': a "
+            "cylinder)"
+        )
     if study.repeats and not form.is_flat and all(form.rises):
         raise ValueError(
             "contact.boundary = 'periodic' would repeat the counter-body beside itself: allowed is 'free', "
@@ -63,12 +95,12 @@ def _boundary(study: Content) -> None:
 
 def _shape(study: Content) -> None:
     """Refuse a pin without a rim, or one that the domain does not hold."""
-    counter, extent = study.counter, study.grid.extent
+    counter, extent = study.counter, min(study.grid.sides)
     width = 2.0 * counter.form.reach
     if counter.shape == "pin" and not width <= extent - 2.0 * study.grid.cell:
         raise ValueError(
             f"counter.radius = {counter.nominal_radius:g} mm with counter.edge_radius = "
-            f"{counter.edge_radius:g} mm makes a pin {width:g} mm wide, and grid.extent = {extent:g} mm must "
+            f"{counter.edge_radius:g} mm makes a pin {width:g} mm wide, and grid.extent = {study.grid.size} must "
             "hold it with a cell on each side; allowed are a smaller pin and a larger grid.extent"
         )
 
@@ -256,13 +288,22 @@ def too_small(study: Content) -> str | None:
     """
     if study.counter.form.is_flat:
         return None
-    patch = rules_track.worn_patch(study)
-    if not study.grid.extent < patch < study.counter.form.most_worn:
-        return None
-    return (
-        f"grid.extent = {study.grid.extent:g} mm is too small: the worn patch will be {patch:.3g} mm wide or "
-        f"more; a grid.extent of {_spared(patch):g} mm would do"
-    )
+    for patch, extent, way in _sides(study):
+        if extent < patch < study.counter.form.most_worn:
+            return (
+                f"grid.extent = {study.grid.size} is too small: the worn patch will be {patch:.3g} mm wide or "
+                f"more{way}; a grid.extent of {_spared(patch):g} mm would do"
+            )
+    return None
+
+
+def _sides(study: Content) -> Iterator[tuple[float, float, str]]:
+    """Yield the width of the worn patch, the domain's side [mm] and its name; of a square the wider alone."""
+    patches, sides = rules_track.worn_widths(study), study.grid.sides
+    if sides[0] == sides[1]:
+        yield max(patches), sides[0], ""
+    else:
+        yield from zip(patches, sides, (" along sliding", " across sliding"), strict=True)
 
 
 def _spared(patch: float) -> float:
@@ -275,18 +316,22 @@ def _of_extent(study: Content) -> Iterator[str]:
     """Yield a sentence where a worn patch will all but fill the domain: roughness makes it wider."""
     if study.counter.form.is_flat or not study.is_rough:
         return
-    patch, extent = rules_track.worn_patch(study), study.grid.extent
-    if patch <= extent < CLOSE * patch:
-        yield (
-            f"grid.extent = {extent:g} mm may be too small: without roughness the worn patch will be "
-            f"{patch:.3g} mm wide at the end, and with it wider; {_spared(patch):g} mm would do."
-        )
+    for patch, extent, way in _sides(study):
+        if patch <= extent < CLOSE * patch:
+            yield (
+                f"grid.extent = {study.grid.size} may be too small: without roughness the worn patch will be "
+                f"{patch:.3g} mm wide{way} at the end, and with it wider; {_spared(patch):g} mm would do."
+            )
 
 
 def _steps(study: Content) -> None:
     total, (first, growth, largest) = study.sliding.total, study.increments
     if study.is_swept:
-        steps = study.track.steps(total)
+        jump = study.stepping.jump
+        # How far cycles may be jumped shows on the way.
+        steps = study.track.steps(total) / (
+            MOST_JUMP if jump == "auto" and study.jumps else jump if study.jumps else 1
+        )
         by, larger = f"sliding.shift = {study.shift} cells", "sliding.shift or grid.cell"
     elif growth > 1.0:
         # Growing steps cover first growth^n/(growth − 1); at most the whole distance is left for the largest.

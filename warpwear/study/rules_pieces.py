@@ -26,9 +26,9 @@ def check(study: Content) -> None:
     if not study.grid.cell <= pieces.diameter * (1.0 + 1.0e-9):
         enough = _um(pieces.diameter / CELLS)
         raise ValueError(f"{named} is smaller than a cell; a grid.cell of {enough} or less is needed")
-    if pieces.diameter > LARGEST * study.grid.extent:
+    if pieces.diameter > LARGEST * min(study.grid.sides):
         raise ValueError(
-            f"{named} must be at most a quarter of grid.extent = {study.grid.extent:g} mm; allowed are "
+            f"{named} must be at most a quarter of grid.extent = {study.grid.size}; allowed are "
             "smaller pieces, or a larger extent"
         )
     if pieces.thickness > pieces.diameter:

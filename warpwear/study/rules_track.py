@@ -10,7 +10,7 @@ from warpwear.study.content import Content
 
 def check(study: Content) -> None:
     """Refuse a track that cannot be computed as it is asked for: raises ValueError with one sentence."""
-    sliding, cell, extent = study.sliding, study.grid.cell, study.grid.extent
+    sliding, cell, extent = study.sliding, study.grid.cell, study.grid.sides[0]
     lap = sliding.lap
     if lap is None:
         return
@@ -49,7 +49,7 @@ def check(study: Content) -> None:
     if track.periodic and track.cells < track.window:
         whose = f"sliding.track = {sliding.track:g} mm" if sliding.track != "full" else named
         raise ValueError(
-            f"{whose} is shorter than grid.extent = {extent:g} mm: the counter-body would lie on the "
+            f"{whose} is shorter than grid.extent = {study.grid.size}: the counter-body would lie on the "
             "same cells twice"
         )
     if track.cells < study.shift:
@@ -74,42 +74,54 @@ def _in_words(length: float) -> str:
     return f"{length:.9g} mm" if length >= 0.1 else f"{1e3 * length:.6g} µm"
 
 
-def worn_patch(study: Content, distance: float | None = None) -> float:
-    """Return the width of smooth bodies' worn patch after a distance [mm]; roughness makes it wider.
+def worn_patch(study: Content) -> float:
+    """Return the wider of the `worn_widths` of the whole test [mm]."""
+    return max(worn_widths(study))
+
+
+def worn_widths(study: Content, distance: float | None = None) -> tuple[float, float]:
+    """Return the widths of smooth bodies' worn patch along and across [mm]; roughness makes it wider.
 
     distance: by default the whole test [mm].
 
     On a disc that lies still both bodies lose the overlap of the counter-body with a plane, π a⁴/4R of a
     paraboloid, whatever the pressure. One that slides loses that overlap alone; or, where it hardly wears,
     its groove is a segment of its own circle, 2a³/3R in section. Of a stroke shorter than that the disc at
-    rest tells more. It is the wider of what the domain must hold, along sliding and across it; the domain's
-    own where the counter-body is as large.
+    rest tells more. They are what the domain must hold, 0 where the counter-body does not rise; the domain's
+    own where it is as large.
     """
-    form, load, extent = study.counter.form, study.contact.load, study.grid.extent
+    form, load, domain = study.counter.form, study.contact.load, study.grid.sides
     total = study.sliding.total if distance is None else distance
     if form.is_flat:
-        return extent
-    domain = extent, extent
+        return domain
     counter, disc = (load * law.wear_per_pressure(0.0, total) for law in study.wear_laws)
     lap = study.sliding.lap
     at_rest = _held(form, form.worn(counter + disc, domain))
     if not study.is_swept or lap is None:
         return at_rest
-    groove = Form(across=form.across).worn(disc, (lap, extent))[1] if total > lap and form.across else 0.0
-    return min(max(_held(form, form.worn(counter, domain)), groove), at_rest)
+    of_groove = Form(across=form.across)
+    groove = of_groove.worn(disc, (lap, domain[1]))[1] if total > lap and form.across else 0.0
+    along, across = (
+        min(max(moving, groove), still)
+        for moving, still in zip(_held(form, form.worn(counter, domain)), at_rest, strict=True)
+    )
+    return along, across
 
 
-def _held(form: Form, widths: tuple[float, float]) -> float:
-    """Return the larger of the widths [mm] towards which a form rises: the domain must hold it."""
-    return max((width for width, rises in zip(widths, form.rises, strict=True) if rises), default=0.0)
+def _held(form: Form, widths: tuple[float, float]) -> tuple[float, float]:
+    """Return the widths [mm] that the domain must hold: those towards which a form rises."""
+    along, across = (width if rises else 0.0 for width, rises in zip(widths, form.rises, strict=True))
+    return along, across
 
 
-def extent_for(study: Content, distance: float) -> float:
-    """Return the extent [mm] that a test needs whose contact fills its own after a distance [mm].
+def extent_for(study: Content, distance: float) -> tuple[float, float]:
+    """Return the sides [mm] that a test needs whose contact fills its own after a distance [mm].
 
     What the contact is wider by than the worn patch of smooth bodies stays, as that grows.
     """
-    return study.grid.extent + worn_patch(study) - worn_patch(study, distance)
+    widths = zip(study.grid.sides, worn_widths(study), worn_widths(study, distance), strict=True)
+    along, across = (side + end - now for side, end, now in widths)
+    return along, across
 
 
 def unstable(study: Content) -> str | None:
@@ -149,7 +161,7 @@ def doubts(study: Content) -> Iterator[str]:
             f"contact.law = 'half-space', else to halve {finer} until the area stays."
         )
     radius = sliding.track_radius
-    if radius is not None and radius < 2.0 * study.grid.extent:
+    if radius is not None and radius < 2.0 * study.grid.sides[1]:
         yield (
             f"sliding.track_radius = {radius:g} mm: the track is computed straight, though the contact is "
             "wide beside its radius."

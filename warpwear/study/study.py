@@ -36,6 +36,7 @@ class Study(Content):
         self._old_names = tuple(old_names)
 
     def _check(self) -> None:
+        super()._check()
         rules.check(self)
 
     def __eq__(self, other: object) -> bool:
@@ -108,7 +109,7 @@ class Study(Content):
         (4.0, 0.002)
         >>> study.replace({"contact.load": "4 mm"})
         Traceback (most recent call last):
-        warpwear.errors.InputError: contact.load = '4 mm': has the wrong dimension: a force ... is expected.
+        warpwear.errors.InputError: contact.load = '4 mm': has the wrong dimension: a force ... of its length, ...
         """
         if not isinstance(changes or {}, Mapping) or not all(isinstance(name, str) for name in changes or ()):
             raise InputError(f"{changes!r} is no change of a study; write {{'contact.load': '4 N'}}.")

@@ -52,7 +52,7 @@ def _check_track(study: Study, length: float) -> None:
     text = sliding.track if sliding.track == "full" else f"{sliding.track:g} mm"
     raise InputError(
         f"sliding.track = {text}{lap} needs {needed:.4g} mm of the disc along the sliding direction, and "
-        f"disc.surface has {length:.4g} mm of it: allowed are {shorter if most >= study.grid.extent else ''}"
+        f"disc.surface has {length:.4g} mm of it: allowed are {shorter if most >= study.grid.sides[0] else ''}"
         "disc.extend = 'mirror' or 'periodic'."
     )
 

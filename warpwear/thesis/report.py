@@ -57,7 +57,7 @@ def thesis_report(
         verdicts = judge(numbers)
         page = render_page(runs, numbers, verdicts, quick=quick, started=started)
     files = {PAGE: page, NUMBERS: as_json(numbers, verdicts)}
-    write_report(folder, {}, pages={}, files=files, marks=[*files])
+    write_report(folder, {}, files=files, marks=[*files])
     return folder / PAGE
 
 

@@ -19,8 +19,8 @@ WARPWEAR_FN float around_cell(const Solve& solve, const Value* const (&rows)[3],
 {
     const int columns = solve.columns;
     int left = column - 1, right = column + 1;
-    if (left < 0) left = solve.wraps == 1 ? columns - 1 : -1;
-    if (right == columns) right = solve.wraps == 1 ? 0 : -1;
+    if (left < 0) left = solve.wraps_across == 1 ? columns - 1 : -1;
+    if (right == columns) right = solve.wraps_across == 1 ? 0 : -1;
     float along = 0.0f, corner = 0.0f;
     for (int side = 0; side < 3; side += 2) {
         const Value* const row = rows[side];
@@ -46,8 +46,8 @@ template <typename Solve> WARPWEAR_FN void extend_once(int slot, int slots, Solv
         const auto trial = [&](int r) { return (double*)row_of(solve.fields.trial, r); };
         const auto one = [&](int r) { return &wp::index(solve.fields.gathered, r, 0); };
         const auto other = [&](int r) { return &wp::index(solve.fields.gathered, rows + r, 0); };
-        const int above = row > 0 ? row - 1 : solve.wraps == 1 ? rows - 1 : -1;
-        const int below = row < rows - 1 ? row + 1 : solve.wraps == 1 ? 0 : -1;
+        const int above = row > 0 ? row - 1 : solve.wraps_along == 1 ? rows - 1 : -1;
+        const int below = row < rows - 1 ? row + 1 : solve.wraps_along == 1 ? 0 : -1;
         const double* const begun[3] = {above < 0 ? nullptr : trial(above), trial(row),
                                         below < 0 ? nullptr : trial(below)};
         const auto around = [&](auto of_row, int column) {
@@ -101,7 +101,6 @@ struct Neighbours {
 template <bool gathers, typename Solve> WARPWEAR_FN void extend(int slot, int, Solve& solve)
 {
     const int ahead = 16, rows = solve.fields.pressure.shape[0], columns = solve.columns;
-    const bool wraps = solve.wraps == 1;
     const Neighbours around = {solve.neighbours.data[0], solve.neighbours.data[1], solve.neighbours.data[2]};
     const Lanes level = solve.groups.data[0].level;
     SingleLanes begun[BLOCK_ROWS + 4][TILE + 4], bound[BLOCK_ROWS + 4][TILE + 4],
@@ -125,11 +124,11 @@ template <bool gathers, typename Solve> WARPWEAR_FN void extend(int slot, int, S
                 const int k = side < 2 ? side - 2 : size + side - 2, j = (left + k + 2 * columns) % columns;
                 SingleLanes begin, is_bound;
                 load(j / LANES, begin, is_bound);
-                const bool there = wraps || j == left + k;
+                const bool there = solve.wraps_across == 1 || j == left + k;
                 begins[ahead + k] = there ? begin[j % LANES] : 0.0f;
                 bounds[ahead + k] = there ? is_bound[j % LANES] : 0.0f;
             }
-            if (!wraps && number != place)
+            if (solve.wraps_along == 0 && number != place)
                 for (int k = ahead - 2; k < ahead + size + 2; ++k) begins[k] = bounds[k] = 0.0f;
         }
         for (int i = 0; i < height + 2; ++i)

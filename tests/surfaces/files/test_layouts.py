@@ -88,9 +88,9 @@ def test_profiles_and_columns_are_named(tmp_path: Path) -> None:
     path = tmp_path / "profile.csv"
     rows = "\n".join(f"{0.5 * i},{h}" for i, h in enumerate(HEIGHTS.ravel()))
     path.write_text(f"Dektak\nScan Length,31.5\nLateral (µm),Raw (Å)\n{rows}\n")
-    assert "holds a profile (line scan), two columns of 63 numbers, and no map" in refusal(path, **GIVEN)
+    assert "holds a profile (line scan) of 63 points, and no map" in refusal(path, **GIVEN)
     path.write_text("\n".join(map(str, HEIGHTS.ravel())) + "\n")
-    assert "holds a single column of 63 numbers, and no map of heights" in refusal(path, **GIVEN)
+    assert "holds a profile (line scan) of 63 points, and no map of heights" in refusal(path, **GIVEN)
 
 
 def test_small_files_do_not_fill_the_memory(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from warpwear.contact.half_space.influence import BOUNDARIES
 from warpwear.engine.staging import each
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
@@ -153,10 +154,14 @@ def boundary_of(boundary: str | None, modulus: float | None, form: Form | FloatA
                 f"boundary = {boundary!r} is only for a half-space; leave it out, or give a modulus."
             )
         return None
-    if boundary not in (None, "periodic", "free"):
-        raise InputError(f'boundary = {boundary!r} is unknown; allowed are "periodic" and "free".')
+    if boundary not in (None, *BOUNDARIES):
+        raise InputError(f'boundary = {boundary!r} is unknown; allowed are "periodic", "free" and "line".')
     if form is None:
         return boundary or "periodic"
-    if boundary == "periodic":
-        raise InputError(f'boundary = "periodic" is not possible with {_named(form)}; it must be "free".')
-    return "free"
+    may_repeat = not isinstance(form, Form) or not form.rises[1]
+    if boundary == "periodic" or (boundary == "line" and not may_repeat):
+        allowed = '"free" or "line"' if may_repeat else '"free"'
+        raise InputError(
+            f'boundary = "{boundary}" is not possible with {_named(form)}; it must be {allowed}.'
+        )
+    return boundary or "free"

@@ -32,12 +32,13 @@ WIDE_CELLS = 64
 
 
 def solve_half_space(task: Task, executor: Executor, tolerance: float) -> Solution:
-    """Solve on all cells of a periodic half-space, or on those of a free one that may touch."""
+    """Solve on all cells of a half-space that repeats, or on those of a free one that may touch."""
     options: dict[str, Any] = {"modulus": 1.0, "boundary": task.edge, "hardness": task.cap}
     options["tolerance"] = tolerance
     if task.edge == "free":
         return _solve_free(task, executor, options)
-    solver, here = HalfSpace(executor, **options), executor.device.is_cpu
+    solver = HalfSpace(executor, **options)
+    here = executor.device.is_cpu or task.edge == "line"  # where a counter-body may have an end
     gap = gap_field(task.gap, executor) if here else upload(executor, task.gap_of, padding=PADDING)
     contact = solver.solve(gap, mean_pressure=task.mean, approach=task.approach)
     displacement = solver.displacement()

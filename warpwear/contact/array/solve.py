@@ -71,7 +71,10 @@ def solve_contact(
     it, pressure over length, of independent springs under the cells (a Winkler foundation). Without both
     every cell that is touched carries the hardness: the bearing area.
     boundary: of the half-space; "periodic", where the surface repeats without end (by default under a
-    plane), or "free", where nothing lies beside the array (by default, and always, under a counter-body).
+    plane), "free", where nothing lies beside the array (by default under a counter-body), or "line", where it
+    repeats along axis 1 and nothing lies beyond the ends of axis 0: a line contact, plane strain where ny is
+    1. Its approach has no absolute zero: a line of pressure displaces nothing at the distance of the array's
+    length, nx × cell.
     counter_radius: of a ball, whose apex comes down on the middle of the array; None for a plane.
     counter: another body instead, by the keys of a study's [counter], {"shape": "pin", "radius": 0.3,
     "edge_radius": 0.1}; or how high each cell of it lies over the surface's, an array of the shape of heights
@@ -164,7 +167,7 @@ def solve_contact(
                 f"solve_contact failed: with {task.length:.6g} for a mm and {task.pressure:.6g} for a MPa, "
                 f"{error}"
             ) from error
-    if form is not None and _touches_edge(contact.pressure, form):
+    if form is not None and _touches_edge(contact.pressure, form, edge):
         warnings.warn(
             f"the contact with the ball reaches the edge of heights, of the shape {surface.shape}, beyond "
             "which nothing carries; a larger array is needed for the whole contact.",
@@ -193,15 +196,14 @@ def _extent(gap: Gap, threads: int) -> tuple[float, float, int]:
 
     lows, highs, counts = zip(*each(extent, gap.grid.shape, threads), strict=True)
     if not sum(counts):
-        raise InputError(
-            f"counter_radius = {gap.form.reach if isinstance(gap.form, Form) else 0.0:g} is not possible; it must reach the middle of a cell."
-        )
+        radius = gap.form.reach if isinstance(gap.form, Form) else 0.0
+        raise InputError(f"counter_radius = {radius:g} is not possible; it must reach the middle of a cell.")
     return float(min(lows)), float(max(highs)), sum(counts)
 
 
-def _touches_edge(pressure: FloatArray, form: Form | FloatArray) -> bool:
+def _touches_edge(pressure: FloatArray, form: Form | FloatArray, edge: str | None) -> bool:
     """Tell whether a cell at the rim of the array, towards which the body rises, carries a pressure."""
-    along, across = form.rises if isinstance(form, Form) else (True, True)
+    along, across = form.rises if isinstance(form, Form) else (True, edge != "line")
     return bool((along and pressure[[0, -1]].any()) or (across and pressure[:, [0, -1]].any()))
 
 

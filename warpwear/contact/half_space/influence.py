@@ -12,7 +12,9 @@ import numpy as np
 import warp as wp
 
 from warpwear import lazy
+from warpwear.contact.half_space.convolution import fits
 from warpwear.contact.half_space.filters import filter_of
+from warpwear.contact.half_space.lines import line_quarter
 from warpwear.contact.half_space.transforms import Filter, array_module
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.program import Program
@@ -25,6 +27,8 @@ fft = lazy.module("scipy.fft")
 MODES_OF_WEIGHTS = 64
 #: First and last row, first and last column.
 Box = tuple[int, int, int, int]
+#: What lies beyond the edges of the grid along and across sliding, by boundary: whether it is repeated.
+BOUNDARIES = {"periodic": (True, True), "free": (False, False), "line": (False, True)}
 
 
 class Operator(ABC):
@@ -41,8 +45,8 @@ class Operator(ABC):
 
     #: Whether it is one convolution of all cells, so that there are `coefficients`.
     of_one_grid = False
-    #: Whether that repeats beyond the edges of the grid.
-    wraps = False
+    #: Whether that repeats beyond the edges of the grid, along and across.
+    wraps = False, False
 
     def __init__(self, executor: Executor, shape: tuple[int, int], near_shape: tuple[int, int]) -> None:
         self._executor = executor
@@ -130,35 +134,42 @@ class Influence(Operator):
     """Applies the operator G + c + streak of one grid and boundary, and an approximate inverse.
 
     modulus: E* of both bodies together [MPa]. boundary: "periodic" (the mean displacement is left out, since
-    it has no limit: gaps count from the mean planes) or "free" (nothing outside the grid; the displacement is
+    it has no limit: gaps count from the mean planes), "free" (nothing outside the grid; the displacement is
     that of uniform pressures on square cells, exact; Love 1929, Phil. Trans. R. Soc. A 228, 377; Johnson,
-    Contact Mechanics, 1985, section 3.3).
+    Contact Mechanics, 1985, section 3.3) or "line" (nothing beyond the ends along x, repeated across; exact
+    as well). datum: of a line, distance at which a line of pressure displaces nothing [mm]; by default the
+    grid's length along x.
     """
 
     of_one_grid = True
 
-    def __init__(self, executor: Executor, *, modulus: float, boundary: str) -> None:
+    def __init__(
+        self, executor: Executor, *, modulus: float, boundary: str, datum: float | None = None
+    ) -> None:
         grid = executor.grid
         if not (math.isfinite(modulus) and modulus > 0.0):
             raise InputError(f"E* = {modulus:g} MPa is not possible; it must be positive and finite.")
-        if boundary not in ("periodic", "free"):
+        if boundary not in BOUNDARIES:
             raise InputError(
-                f'contact.boundary = {boundary!r} is unknown; allowed are "periodic" and "free".'
+                f'contact.boundary = {boundary!r} is unknown; allowed are "periodic", "free" and "line".'
             )
-        self.wraps = boundary == "periodic"
-        super().__init__(executor, grid.shape if self.wraps else padded_shape(grid), grid.shape)
+        self.wraps, periodic = BOUNDARIES[boundary], boundary == "periodic"
+        super().__init__(executor, padded_shape(grid, self.wraps), grid.shape)
         self.cells = grid.cells
         self.shortest_response = shortest_response(grid.cell, modulus)
         with array_module(executor) as xp:
             near = periodic_spectrum(grid, modulus, xp, rows=grid.nx // 2 + 1)
-            if not self.wraps:
+            if not periodic:
                 # The mean that a periodic surface leaves out: that of a uniform pressure, about.
                 near[0, 0] = 3.0 * near.max()
             #: Tables of the response without compliances and of what the inverse divides by, rows up to the
             #: middle.
             self.near_elastic = self.elastic = near
-            if not self.wraps:
+            if boundary == "free":
                 self.elastic = xp.asarray(free_quarter(grid, modulus, self.far_shape))
+            elif boundary == "line":
+                length = grid.nx * grid.cell if datum is None else datum
+                self.elastic = xp.asarray(line_quarter(grid.cell, modulus, self.far_shape, length))
             along, across = (np.arange(0, n, max(1, n // MODES_OF_WEIGHTS)) for n in grid.shape)
             across = across[2 * across <= grid.ny]
             #: Lines of modes of the inverse far apart, and these modes, on the host.
@@ -178,14 +189,15 @@ class Influence(Operator):
 
     @cached_property
     def _far_single(self) -> Filter:
-        if not self._executor.device.is_cpu:
+        padded = self.far_shape != self._executor.grid.shape
+        if not self._executor.device.is_cpu or (padded and not fits(self.far_shape)):
             return self._far
         return filter_of(self._executor, self.elastic, self.far_shape, np.float32, within=self._far)
 
     @cached_property
     def _near(self) -> Filter:
         # The inverse runs before the response, which then writes all that it reads: one memory for both.
-        if self.wraps and self._executor.device.is_cpu:
+        if all(self.wraps) and self._executor.device.is_cpu:
             return self._far_single
         shape = self._executor.grid.shape
         return filter_of(self._executor, self.near_elastic, shape, np.float32, within=self._far)
@@ -248,7 +260,12 @@ class Influence(Operator):
         response = self._few + line[self._few_lines, np.newaxis]
         inverse = np.divide(1.0, response, out=np.zeros_like(response), where=response > 0.0)
         sums = self._sums @ inverse.ravel()
-        return np.asarray(-sums[1:] / sums[0], dtype=np.float32)
+        weights = -sums[1:] / sums[0]
+        if self.wraps == BOUNDARIES["line"] and self._executor.grid.ny < 3:
+            weights[1:] *= 0.5 * (
+                self._executor.grid.ny - 1
+            )  # the cell itself, or one neighbour on two sides
+        return np.asarray(weights, dtype=np.float32)
 
     def _mean_of(self, rows: int, window: int) -> FloatArray:
         """Return the spectrum of S S, which is that of its coefficients, of `rows` modes."""
@@ -327,9 +344,12 @@ def shortest_response(cell: float, modulus: float) -> float:
     return 2.0 * cell / (math.pi * modulus)
 
 
-def padded_shape(grid: Grid) -> tuple[int, int]:
-    """Return an even shape on which the convolution of the grid does not wrap, quick to transform."""
-    along, across = (2 * fft.next_fast_len(size, real=True) for size in grid.shape)
+def padded_shape(grid: Grid, wraps: tuple[bool, bool] = (False, False)) -> tuple[int, int]:
+    """Return a shape on which the convolution wraps in these directions alone, there even and quick."""
+    along, across = (
+        size if repeats else 2 * fft.next_fast_len(size, real=True)
+        for size, repeats in zip(grid.shape, wraps, strict=True)
+    )
     return along, across
 
 

@@ -122,7 +122,8 @@ class Search:
         self._solve = arguments(
             solve.Solve,
             columns=grid.ny,
-            wraps=int(operator.wraps),
+            wraps_along=int(operator.wraps[0]),
+            wraps_across=int(operator.wraps[1]),
             rules=wp.array([self._kernel_rules(groups)], dtype=solve.Rules, device=device),
             fields=arguments(
                 solve.Fields,

@@ -217,20 +217,25 @@ class BoundedPressure:
 class HalfSpace(BoundedPressure):
     """Solves contacts of one grid, as `BoundedPressure` says.
 
-    modulus: E* of both bodies [MPa]. boundary: "periodic" or "free". options: of `BoundedPressure`.
+    modulus, boundary, datum: as of `Influence`. options: of `BoundedPressure`.
     """
 
     def __init__(
-        self, executor: Executor, *, modulus: float, boundary: str = "periodic", **options: Any
+        self,
+        executor: Executor,
+        *,
+        modulus: float,
+        boundary: str = "periodic",
+        datum: float | None = None,
+        **options: Any,
     ) -> None:
-        self._like: dict[str, Any] = {"modulus": modulus, "boundary": boundary} | {
-            name: options[name] for name in ("hardness", "rules") if name in options
-        }
+        datum = executor.grid.nx * executor.grid.cell if datum is None else datum
+        elastic: dict[str, Any] = {"modulus": modulus, "boundary": boundary, "datum": datum}
+        self._like = elastic | {name: options[name] for name in ("hardness", "rules") if name in options}
         #: The solver on wide cells, and its gap and cap fractions.
         self._wide: HalfSpace | None = None
         self._wide_fields: tuple[Field, Field] = None, None
-        influence = Influence(executor, modulus=modulus, boundary=boundary)
-        super().__init__(executor, influence, **options)
+        super().__init__(executor, Influence(executor, **elastic), **options)
 
     def _start(
         self,

@@ -40,6 +40,9 @@ CAPACITY = 2.0
 #: Solvers of windows that are there for the next time, and cells of the largest of them.
 MOST_STORED = 4
 MOST_CELLS_STORED = 2**18
+#: Rows of a grid that repeats across, over its columns, from which windows pay: under a line of pressure
+#: everything sinks within the grid's length, and waves across are gone at that distance.
+LEAST_LONG = 2
 
 
 @dataclass(frozen=True)
@@ -166,8 +169,8 @@ class OnWindow:
 class WindowedHalfSpace:
     """Solves contacts of half-spaces on a large grid; each solve starts from the last one's pressure.
 
-    modulus: E* of both bodies [MPa]. boundary: "periodic", whose window is the whole grid, or "free".
-    hardness: H [MPa]. tolerance: as of `solver.BoundedPressure`.
+    modulus: E* of both bodies [MPa]. boundary: "periodic", whose window is the whole grid, "free", or "line",
+    whose windows hold whole rows. hardness: H [MPa]. tolerance: as of `solver.BoundedPressure`.
     """
 
     STATE: ClassVar = {"_started": bool, "_window": Window, "_pressure": Columns}
@@ -182,7 +185,11 @@ class WindowedHalfSpace:
         tolerance: float = TOLERANCE,
     ) -> None:
         self._executor, self._boundary, self._hardness = executor, boundary, hardness
+        grid = executor.grid
         self._law = {"modulus": modulus, "boundary": boundary, "hardness": hardness, "tolerance": tolerance}
+        self._law["datum"] = grid.nx * grid.cell
+        is_long = grid.nx >= LEAST_LONG * grid.ny
+        self._has_windows = boundary == "free" or (boundary == "line" and is_long)
         self._pressure = executor.zeros()
         self._gradient = executor.zeros()
         device, slots = executor.device, executor.slots_of(executor.grid.nx)
@@ -254,7 +261,7 @@ class WindowedHalfSpace:
         if self._window is None:
             self._look_at(self._first(gap, load, rows, least))
         elif self._window.end_row - self._window.first_row < min(rows, whole.nx):
-            self._look_at(Window.around(self._window.box, whole, rows=rows))
+            self._look_at(self._around(self._window.box, rows=rows))
         assert self._window is not None
         if not carries(self._window):
             self._look_at(self._everything)
@@ -283,13 +290,13 @@ class WindowedHalfSpace:
             transforms, iterations = transforms + contact.transforms, iterations + contact.iterations
             first_row, last_row, first, last = self._mirror.read()[0].max(axis=1).tolist()
             reached = [round(-first_row), round(last_row), round(-first), round(last)]
-            if self._boundary == "periodic" or window.holds(reached):
+            if not self._has_windows or window.holds(reached):
                 break
             # Too few cells give too large an approach: what lies below it holds the contact of them all.
             del here, contact  # and their memory, before others take theirs
-            self._look_at(Window.around(reached, whole, rows=rows))
-        fitting = Window.around(reached, whole, rows=rows)
-        if self._boundary == "free" and fitting.area <= SMALLER * window.area and carries(fitting):
+            self._look_at(self._around(reached, rows=rows))
+        fitting = self._around(reached, rows=rows)
+        if self._has_windows and fitting.area <= SMALLER * window.area and carries(fitting):
             self._look_at(fitting)
         return replace(
             contact,
@@ -337,6 +344,13 @@ class WindowedHalfSpace:
         assert self._here is not None
         self._executor.put(self._here.first, [window.first_row, window.first])
 
+    def _around(self, box: Sequence[int], **least: int) -> Window:
+        """Return a window that holds a box, over whole rows where these repeat; least: of `Window.around`."""
+        grid = self._executor.grid
+        if self._boundary == "line":
+            box = (*box[:2], 0, grid.ny - 1)
+        return Window.around(box, grid, **least)
+
     @property
     def _everything(self) -> Window:
         """Return the window that is the whole grid."""
@@ -346,11 +360,11 @@ class WindowedHalfSpace:
     def _first(self, gap: Field, load: float, rows: int, hardness: float) -> Window:
         """Return a window around the lowest cell, of a size that carries the load at a hardness [MPa]."""
         grid, everything = self._executor.grid, self._everything
-        if self._boundary == "periodic":
+        if not self._has_windows:
             return everything
         row, column = divmod(int(np.argmin(self._executor.to_numpy(gap))), grid.ny)
         for pieces in range(1, SIZES):
-            window = Window.around((row, row, column, column), grid, rows=rows, pieces=pieces)
+            window = self._around((row, row, column, column), rows=rows, pieces=pieces)
             if hardness * window.grid(grid).area >= CAPACITY * load:
                 return window
         return everything

@@ -72,11 +72,8 @@ class FigureData:
 
     def with_snapshots(self, snapshots: Sequence[int], blocks: int) -> "FigureData":
         """Look at more of the same result's snapshots, in at most so many blocks along a side."""
-        return (
-            self
-            if [*snapshots] == self.indices and blocks == self.blocks
-            else FigureData(self.result, snapshots, blocks=blocks)
-        )
+        same = [*snapshots] == self.indices and blocks == self.blocks
+        return self if same else FigureData(self.result, snapshots, blocks=blocks)
 
     @property
     def slider(self) -> str:

@@ -55,8 +55,8 @@ def setup(data: FigureData) -> Figure:
     low, top, high = float(np.nanmin(disc)), float(np.nanmax(disc)), float(np.nanmax(counter))
     middle, half = 0.5 * (x0 + x1), 0.5 * ARROW * (x1 - x0)
     note = (
-        f"{study.counter.title} on the disc\ndomain {study.grid.extent:.4g} mm wide\n"
-        f"{study.contact.load:.3g} N; heights drawn {{larger}} times as large"
+        f"{study.counter.title}\n{study.contact.load:.3g} N, domain {study.grid.size} wide\n"
+        f"heights drawn {{larger}} times as large"
     )
     parts = (
         Surface(disc, describe.DISC, low, top),

@@ -52,7 +52,9 @@ NO_FILM = Reason(lambda d: d.study.film is None, "the bodies carry no film: see 
 NO_TIME = Reason(
     lambda d: not np.isfinite(d.history["time"]).any(), "sliding.speed is not given, so there is no time"
 )
-NO_RADIUS = Reason(lambda d: not d.study.counter.curvature, "only a ball's contact has a radius")
+NO_RADIUS = Reason(
+    lambda d: not all(d.study.counter.form.rises), "a rigid flat, or a cylinder, has no radius of contact"
+)
 NO_SNAPSHOT = Reason(
     lambda d: d.result.snapshot_distances.size == 0, "the run was interrupted before its first snapshot"
 )

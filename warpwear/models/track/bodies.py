@@ -1,4 +1,4 @@
-"""The bodies of a contact that slides: a counter-body and a disc displaced under it, and what each has lost."""
+"""The bodies of a contact that slides: a counter-body over a displaced disc, and what each has lost."""
 
 from dataclasses import dataclass
 from typing import ClassVar, Self

@@ -78,6 +78,8 @@ class SlidingHalfSpace:
     in_blocks = False
     #: Whether to certify the pressure with which the next step ends.
     certified = False
+    #: Cycles that the next step stands for: its increment is as many times as long as its way over the disc.
+    stands_for = 1
 
     def __init__(
         self,
@@ -366,4 +368,4 @@ class SlidingHalfSpace:
             return 1
         if self.task.form.is_flat:
             return grid.nx
-        return min(max(round(self._track_fraction * increment / grid.cell), 1), grid.nx)
+        return min(max(round(self._track_fraction * increment / (self.stands_for * grid.cell)), 1), grid.nx)

@@ -63,7 +63,7 @@ class SweptModel(Model):
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, slide on by the increment [mm] and wear both bodies."""
         if isinstance(self.contact, SlidingHalfSpace):
-            self.contact.certified = self.certified
+            self.contact.certified, self.contact.stands_for = self.certified, self.stands_for
         if isinstance(self.contact, SlidingHalfSpace) and self._track.moves:
             cells = self._track.cells_of(self._done)
             return self._placed(
@@ -75,6 +75,11 @@ class SweptModel(Model):
         """Return the disc's row under the first of the counter-body, in the next step or in a part of it."""
         self._row = self._track.row(self._done, done, cells)
         return self._row
+
+    def worn(self) -> tuple[FloatArray, FloatArray]:
+        """Return the depths worn off counter-body and disc [mm], the disc's of the whole track."""
+        state, to_numpy = self.contact.state, self._executor.to_numpy
+        return to_numpy(state.wear_counter), to_numpy(state.wear_disc)
 
     def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
         """Steps made on the device in one go, before the first of them is seen."""

@@ -24,22 +24,12 @@ ALL = slice(None)
 NO_SURFACE = 1.0e20
 #: Heights of worn bodies, as fields beside those of a snapshot.
 HEIGHTS = {
-    "height_counter": Quantity(
-        "height_counter",
-        "mm",
-        "height of the worn counter-body out of its material, 0 at the unworn apex",
-        "cell",
-    ),
-    "height_disc": Quantity(
-        "height_disc", "mm", "height of the worn disc out of its material, over its mean plane", "cell"
-    ),
-    "height_track": Quantity(
-        "height_track",
-        "mm",
-        "height of the worn track out of its material, over its mean plane",
-        "cell",
-        "track",
-    ),
+    name: Quantity(name, "mm", f"height of the worn {body} out of its material, {over}", "cell", only)
+    for name, body, over, only in (
+        ("height_counter", "counter-body", "0 at the unworn apex", None),
+        ("height_disc", "disc", "over its mean plane", None),
+        ("height_track", "track", "over its mean plane", "track"),
+    )
 }
 #: Every field that can be written, by name.
 WRITABLE = FIELDS | HEIGHTS
@@ -196,12 +186,8 @@ class Job:
 
     def along(self, number: int) -> float:
         """Where the ball's apex is along the track [mm]; 0 where the track is not among the bodies."""
-        row = self.snapshot(number).row
-        return (
-            float(self.result.track_x[row] - self.result.x[0])
-            if row is not None and TRACK in self.bodies
-            else 0.0
-        )
+        row, result = self.snapshot(number).row, self.result
+        return 0.0 if row is None or TRACK not in self.bodies else float(result.track_x[row] - result.x[0])
 
     def _reduced(
         self, x: FloatArray, fields: dict[str, FloatArray]

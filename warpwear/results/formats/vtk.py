@@ -26,8 +26,6 @@ HIDDEN = 2
 #: What a body's surface does not show, by the end of a field's name: the other body, and what lies between.
 OTHERS = {"counter": ("_disc", "gap"), "disc": ("_counter", "gap"), "track": ("_counter", "gap")}
 
-Attributes = Mapping[str, object]
-
 
 def vti_files(job: Job) -> Files:
     """Name an image of the fields and a surface of each body for every snapshot, and a film of each."""

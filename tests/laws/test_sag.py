@@ -42,5 +42,5 @@ def test_an_infinite_radius_is_flat():
 
 @pytest.mark.parametrize("radius", [0.0, -1.0, math.nan])
 def test_refuses_a_radius_that_is_not_positive(radius):
-    with pytest.raises(InputError, match=r"sphere\.radius"):
+    with pytest.raises(InputError, match=r"counter\.radius"):
         sag(np.zeros(1), np.zeros(1), radius=radius)

@@ -1,0 +1,166 @@
+"""What is in a profile: its numbers for people and for JSON, and its figure."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from warpwear.errors import InputError
+from warpwear.figures.describe import COLUMN, COUNTER, DISC, NEUTRAL, Axis, Chart, Figure, Level, Line, Look
+from warpwear.grid import FloatArray
+from warpwear.measured.options import quantity
+from warpwear.measured.surface_report import DOUBTED, ERROR
+from warpwear.results.report import Row, lines
+from warpwear.surfaces.measured import Measured
+from warpwear.surfaces.profiles.parameters import Parameters, material_ratio
+from warpwear.surfaces.profiles.profile import Profile, checked
+from warpwear.surfaces.roughness import material_ratio_curve
+from warpwear.surfaces.worn.track import Track
+
+#: Heights over the mean line, in Rq, at which the material ratio is told.
+LEVELS = (1.0, 0.0, -1.0)
+
+
+def line_of(surface: Measured, line: str) -> Profile:
+    """Return a line of a map. line: axis along it and its place across from the map's corner, 'y, 0.5 mm'.
+
+    Raises InputError.
+    """
+    axis, _, place = (part.strip() for part in line.partition(","))
+    if axis not in ("x", "y"):
+        raise InputError(f"--line is {line!r}: allowed is the axis along it and a place, such as 'y, 0.5 mm'")
+    across = 1 if axis == "x" else 0
+    index = int(quantity("--line", place, "mm") / surface.pixel[across])
+    if index >= surface.measured.shape[across]:
+        raise InputError(f"--line is {line!r}: the map has {surface.size[across]:.4g} mm across {axis}")
+    own = surface.record()
+    about = {"file": own["file"], "format": own["format"], "unit": own["unit"], "line": line}
+    about |= {"notes": own["operations"]}
+    return checked(Profile(surface.pixel[1 - across], surface.measured.take(index, across), about))
+
+
+def profile_rows(profile: Profile, degree: int) -> list[Row]:
+    """Declare what was read. degree: of the polynomial taken off."""
+    form = ["as read", "mean line taken off"][degree] if degree < 2 else f"degree {degree} taken off"
+    about = profile.about
+    return [
+        *(Row("", key, value) for key, value in about.items()),
+        Row("line", "", about.get("line")),
+        Row("points", "points", profile.heights.size),
+        Row("", "missing", int(profile.missing.sum())),
+        Row("missing", "", int(profile.missing.sum()) or None, note="points"),
+        Row("spacing", "spacing_um", 1e3 * profile.spacing),
+        Row("length", "length_mm", profile.length),
+        Row("form", "form", form),
+        Row("done", "", about["notes"] or None),
+    ]
+
+
+def parameter_rows(p: Parameters) -> list[Row]:
+    """Declare the parameters of ISO 21920-2."""
+    by_level = [(round(level, 1), material_ratio(p.rough, level * p.rq)) for level in LEVELS]
+    ratios = ", ".join(f"{ratio:.3g} % at {level:+g} Rq" for level, ratio in by_level).replace("-", "−")
+    core = vars(p.bearing)
+    return [
+        Row("filtered", "", [*_filters(p), *p.notes]),
+        Row("", "lambda_c_mm", p.cut_off),
+        Row("", "lambda_s_um", None if p.short is None else 1e3 * p.short),
+        Row("", "sections", p.sections),
+        Row("", "notes", list(p.notes)),
+        *(
+            Row(name.title(), f"{name}_um", 1e3 * vars(p)[name])
+            for name in ("ra", "rq", "rz", "rp", "rv", "rt")
+        ),
+        *(Row(name.title(), name, vars(p)[name]) for name in ("rsk", "rku")),
+        Row("RSm", "rsm_um", None if p.rsm is None else 1e3 * p.rsm),
+        Row("RSm", "", "none: fewer than two profile elements" if p.rsm is None else None),
+        *(Row(f"R{name[1:]}", f"r{name[1:]}_um", 1e3 * core[name]) for name in ("sk", "spk", "svk")),
+        *(Row(f"R{name[1:]}", f"r{name[1:]}_percent", core[name], digits=3) for name in ("smr1", "smr2")),
+        Row("Rmr(c)", "", ratios),
+        Row("", "rmr_percent_at_rq", [list(pair) for pair in by_level]),
+    ]
+
+
+def _filters(p: Parameters) -> Iterator[str]:
+    """Say which filters were used, over which length."""
+    if p.short is not None:
+        yield f"λs {1e3 * p.short:.3g} µm"
+    if p.cut_off is not None:
+        yield f"λc {p.cut_off:.3g} mm, evaluated over {p.sections} section{'s' * (p.sections > 1)}"
+
+
+def groove_rows(groove: Track) -> list[Row]:
+    """Declare what is said of a groove in a profile."""
+    below, above = groove.mean_section
+    low, high = groove.window
+    net, error = float(groove.net[0]), groove.net_error
+    middle = 0.5 * groove.y.size * float(groove.y[1] - groove.y[0])
+    doubt = (
+        "the section is hardly told from the surface's own waviness" if error > DOUBTED * abs(net) else None
+    )
+    return [
+        Row("groove", "width_mm", groove.width, digits=3, note="wide at the level of the surface beside it"),
+        Row("depth", "depth_um", 1e3 * groove.depth),
+        Row("summed", "window_mm", [low + middle, high + middle], note="from the profile's beginning"),
+        Row("below", "section_below_um2", 1e6 * below, digits=5),
+        Row("above", "section_above_um2", 1e6 * above, digits=3),
+        Row(
+            "section",
+            "section_um2",
+            1e6 * net,
+            digits=5,
+            error=("section_error_um2", 1e6 * error),
+            note=ERROR,
+        ),
+        Row("warning", "warning", doubt),
+    ]
+
+
+def profile_lines(head: list[Row], rows: list[Row]) -> list[str]:
+    """Return the report for people."""
+    about = {row.key: row.value for row in head}
+    return [f"{about['file']}: {about['format']}, a profile", *lines([*head, *rows])]
+
+
+def profile_figure(profile: Profile, p: Parameters) -> Figure:
+    """Draw a profile, its roughness as it is evaluated, and the material ratio."""
+    first = 0.5 * (profile.length - p.rough.size * profile.spacing)
+    places = first + profile.spacing * (np.arange(p.rough.size) + 0.5)
+    ratio, reached = material_ratio_curve(p.rough)
+    return _stack(
+        _chart("Profile", profile.places, profile.heights, "form taken off"),
+        _chart("Roughness", places, p.rough, f"Ra {1e3 * p.ra:.3g} µm"),
+        Chart(
+            "Material ratio",
+            Axis("material ratio, %", low=0.0, high=100.0),
+            Axis("height, µm"),
+            [Line(ratio, 1e3 * reached, "material ratio", Look(DISC)), Level(0.0, look=Look(width=0.6))],
+        ),
+    )
+
+
+def groove_figure(groove: Track) -> Figure:
+    """Draw a groove over the reference, and what was summed."""
+    places = groove.y - groove.y[0]
+    heights = groove.levelled[0]
+    filled = Line(
+        places,
+        1e3 * heights,
+        "summed",
+        Look(COUNTER, "", alpha=0.35),
+        np.where(groove.inside, 1e3 * heights, np.nan),
+        np.where(groove.inside, 0.0, np.nan),
+    )
+    chart = _chart("Groove", places, heights, "profile", filled)
+    return _stack(chart)
+
+
+def _chart(title: str, places: FloatArray, heights: FloatArray, label: str, *more: Line) -> Chart:
+    """Draw heights [mm] over places [mm]."""
+    look = Look(DISC, width=0.6)
+    drawn = [Line(places, 1e3 * heights, label, look), *more, Level(0.0, look=Look(NEUTRAL, width=0.6))]
+    return Chart(title, Axis("place, mm"), Axis("height, µm"), drawn)
+
+
+def _stack(*panels: Chart) -> Figure:
+    """Put panels below each other, with one legend."""
+    return Figure(panels, 1, legend=3, width=COLUMN, height=2.4)
