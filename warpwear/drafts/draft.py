@@ -7,10 +7,11 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import tomlkit
 
 from warpwear.study.loading import change
-from warpwear.study.rules_track import worn_patch
+from warpwear.study.rules_track import worn_widths
 from warpwear.study.study import Study
 from warpwear.study.surface import surface_of
 from warpwear.surfaces.measured import Measured
@@ -67,7 +68,8 @@ def _grid(document: Any, wanted: Mapping[str, Any], folder: Path, *, of_file: bo
     study = _study(document, folder)
     widths = np.array(worn_widths(study))
     if study.hertz is not None:
-        widths = np.maximum(widths, [2.0 * half if rises else 0.0 for half, rises in _halves(study)])
+        unworn = 2.0 * np.array(study.hertz.semi_axes)
+        widths = np.where(study.counter.form.rises, np.maximum(widths, unworn), 0.0)
     cell, change_of = study.grid.cell, dict[str, Any]()
     surface = surface_of(study.disc) if of_file else None
     if isinstance(surface, Measured):
