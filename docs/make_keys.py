@@ -129,7 +129,7 @@ def page() -> str:
     lines = [HEAD]
     for section in sections:
         rules = declarations(Study)[section].applies
-        lines.append(f"## [{section}]\n")
+        lines.append(f"## [[{section}]]\n" if section == "block" else f"## [{section}]\n")
         for told in (condition(rule) for rule in rules):
             lines.append(f"This section {told if told.startswith('does not') else f'is used {told}'}.\n")
         here = [name for name in keys if name.rpartition(".")[0] == section and name not in sections]

@@ -1,7 +1,7 @@
 """Measured surfaces are prepared by a chain of operations, and interpolated at any points."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +29,7 @@ MUCH_MISSING = 2.0  # percent of the points
 MANY_OUTLIERS = 0.5  # percent of the points
 SPIKE = 7.0  # times Sq: heights over the mean that random roughness of ten million points does not reach
 SEAM = 3.0  # times the rms step between neighbours: a higher one, where copies meet, is a seam
+WIDE = 1e3  # mm: half the width across of a disc that is known along a line
 COARSE = 0.05  # mm: pixel and Sq both above it look like micrometres called millimetres
 
 
@@ -39,14 +40,16 @@ class Measured:
     The middle of the measurement is the middle of the contact. A pixel stands for its whole square, so the
     measurement is (nx·px, ny·py) wide. `extend` says what is beyond: "refuse" (an error), "mirror" (reflected
     at the outer edge, without seams) or "periodic" (repeated, with a seam unless the measurement has none).
-    `filled` are the points that were not measured, shape (nx, ny), None without any. `details` is what
-    `record` says beside the roughness. Raises InputError, naming ``disc.extend``, for another word.
+    `filled` are the points that were not measured, shape (nx, ny), None without any. `is_profile` says that
+    only a line along axis 0 was measured, which is taken alike across. `details` is what `record` says beside
+    the roughness. Raises InputError, naming ``disc.extend``, for another word.
     """
 
     levelled: FloatArray
     pixel: tuple[float, float]
     extend: str = "refuse"
     filled: BoolArray | None = None
+    is_profile: bool = False
     details: dict[str, Any]
 
     def __post_init__(self) -> None:
@@ -114,6 +117,10 @@ class Measured:
         depends on the shortest wavelength.
         """
         notices = list(self.details.get("overrides", []))
+        if self.is_profile:
+            notices.append(
+                "disc.surface is a profile: the disc is taken alike across sliding, as if by its lay"
+            )
         reach = _reach(x, y)
         if self.extend != "refuse" and self._is_exceeded(reach):
             copies = " × ".join(f"{r / s:.1f}" for r, s in zip(reach, self.size, strict=True))
@@ -126,11 +133,15 @@ class Measured:
             triples = zip(reach, cells, self.size, strict=True)
             notices += self._seam([r + cell >= size * (1 - SLACK) for r, cell, size in triples])
         along, across = map(_sampling, self.pixel, cells, self._cut_offs(cells))
-        if along != across:
+        if along != across and not self.is_profile:
             along = [f"along x: {text}" for text in along] + [f"along y: {text}" for text in across]
         filled_here = self.filled_at(x, y)
         here = 0.0 if filled_here is None else 100.0 * float(filled_here.mean())
-        return notices + along + self._doubts(max(*cells, *self.pixel), filled_percent=here)
+        return (
+            notices
+            + along
+            + self._doubts(max(*cells, *self.pixel[: 1 if self.is_profile else 2]), filled_percent=here)
+        )
 
     def _seam(self, repeated: list[bool]) -> list[str]:
         """Say how high the seam is where the ends of a measurement that is repeated do not fit."""
@@ -228,16 +239,20 @@ def read_measured(
     pixel: float | tuple[float, float] | None = None,
     height_unit: str | None = None,
     array: str | None = None,
+    profile: bool = False,
 ) -> Measured:
     """Read and prepare the surface in a measured file; its heights are over their mean.
+
+    profile: whether it is a line along sliding, and the surface alike across.
 
     pixel [mm] (one, or one per axis of the file) and height_unit override the file; .npy needs both. array:
     which of a .npz. extend: see `Measured`. Raises InputError, naming the field of ``disc``, for anything
     that is no plausible areal measurement.
     """
     _check_extend(extend)
-    reading = read(path, pixel=pixel, height_unit=height_unit, array=array)
-    heights, filled, pixel, record = prepare(reading, preparation, name=str(path))
+    reading = read(path, pixel=pixel, height_unit=height_unit, array=array, profile=profile)
+    whole = _alike_across(reading, preparation) if profile else reading
+    heights, filled, pixel, record = prepare(whole, preparation, name=str(path))
     details = {
         **_of_file(Path(path), reading),
         "sliding_axis": preparation.sliding_axis,
@@ -248,13 +263,26 @@ def read_measured(
     if preparation.s_filter is not None:
         details["s_filter_um"] = preparation.s_filter * 1e3
     heights.flags.writeable = False
-    return Measured(levelled=heights, pixel=pixel, extend=extend, filled=filled, details=details)
+    return Measured(
+        levelled=heights, pixel=pixel, extend=extend, filled=filled, is_profile=profile, details=details
+    )
+
+
+def _alike_across(reading: Reading, preparation: Preparation) -> Reading:
+    """Return a profile as two columns of a map that is wider than any domain. Raises InputError."""
+    for name in ("crop", "sliding_axis", "outliers", "s_filter", "l_filter", "level"):
+        value = getattr(preparation, name)
+        if value == "sphere" if name == "level" else value != getattr(DEFAULT, name):
+            raise InputError(
+                f"disc.{name} = {value!r} is for a map, and disc.surface is a profile: leave it out"
+            )
+    return replace(
+        reading, heights=np.repeat(reading.heights[:, None], 2, axis=1), pixel=(*reading.pixel, WIDE)
+    )
 
 
 def _of_file(path: Path, reading: Reading) -> dict[str, Any]:
     """Return what a file holds, for the record, before anything is done to it."""
-    nx, ny = reading.heights.shape
-    px, py = reading.pixel
     return {
         "file": path.name,
         "sha256": reading.digest,
@@ -262,9 +290,9 @@ def _of_file(path: Path, reading: Reading) -> dict[str, Any]:
         "unit": reading.unit,
         "unit_from": "study" if reading.unit_given else "file",
         "pixel_from": "study" if reading.pixel_given else "file",
-        "file_grid": [nx, ny],
-        "file_pixel_um": [px * 1e3, py * 1e3],
-        "file_extent_mm": [nx * px, ny * py],
+        "file_grid": list(reading.heights.shape),
+        "file_pixel_um": [1e3 * pixel for pixel in reading.pixel],
+        "file_extent_mm": [n * pixel for n, pixel in zip(reading.heights.shape, reading.pixel, strict=True)],
         "height_min_um": float(np.nanmin(reading.heights)) * 1e3,
         "height_max_um": float(np.nanmax(reading.heights)) * 1e3,
         "sq_as_read_um": float(np.nanstd(reading.heights)) * 1e3,

@@ -192,17 +192,17 @@ def _levelled(heights: FloatArray, pixel: tuple[float, float], level: str | int)
     if isinstance(degree, str):
         fit = fit_sphere if degree == "sphere" else fit_cylinder
         try:
-            form: Sphere | Cylinder = fit(heights, pixel=pixel)
+            fitted: Sphere | Cylinder = fit(heights, pixel=pixel)
         except NoSphere as error:
             raise InputError(
                 f'disc.level is "{degree}" and no {degree} fits the measurement ({error}): allowed is '
                 '"none", "plane" or a degree'
             ) from error
-        rest = heights - form.heights(*places(heights.shape, pixel))
+        rest = heights - fitted.heights(*places(heights.shape, pixel))
         rest -= np.nanmean(rest)
-        way = "bulging" if form.radius > 0 else "hollow"
-        along = f" along {'xy'[form.axis]}" if isinstance(form, Cylinder) else ""
-        return rest, f"least-squares {degree}{along} of radius {abs(form.radius):.5g} mm ({way}) taken off"
+        way = "bulging" if fitted.radius > 0 else "hollow"
+        along = f" along {'xy'[fitted.axis]}" if isinstance(fitted, Cylinder) else ""
+        return rest, f"least-squares {degree}{along} of radius {abs(fitted.radius):.5g} mm ({way}) taken off"
     form = {"none": "mean height", "plane": "least-squares plane"}.get(
         str(level), f"least-squares polynomial of degree {level}"
     )

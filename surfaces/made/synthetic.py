@@ -33,44 +33,20 @@ class Flat:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RandomPart:
-    """Surfaces with a random part share these parameters: its spectrum, and the roughness of the whole.
+class Periodic:
+    """Random surfaces repeat after a period, and have a shortest wave; lengths are in mm."""
 
-    Lengths are in mm; exactly one of `ra`, `sq` is given. Raises InputError, naming
-    ``disc.synthetic.NAME``, for a value that is not allowed.
-    """
-
-    hurst: float = 0.8
-    roll_off: float = 0.1  # wavelength above which the spectrum is flat
     cut_off: float = 0.008  # shortest wavelength
     seed: int = 0
     period: float = 2.0  # distance after which the random part repeats, along both axes
-    ra: float | None = None
-    sq: float | None = None
 
-    def __post_init__(self) -> None:
-        if (self.ra is None) == (self.sq is None):
-            both = f"both are given ({self.ra:g} mm and {self.sq:g} mm)" if self.ra is not None else ""
-            raise InputError(
-                f"disc.synthetic.ra and disc.synthetic.sq: {both or 'neither is given'}, "
-                "allowed is exactly one of the two, a positive length"
-            )
-        self._check(self._target[0], self._target[1] > 0.0, "a positive length")
-        self._check("hurst", 0.0 < self.hurst <= 1.0, "more than 0 and at most 1", unit="")
-        self._check("cut_off", self.cut_off > 0.0, "a positive length")
-        self._check("period", self.period > 0.0, "a positive length")
-        between = f"more than cut_off ({self.cut_off:g} mm) and less than period ({self.period:g} mm)"
-        self._check("roll_off", self.cut_off < self.roll_off < self.period, between)
+    def _check_waves(self) -> None:
+        """Raise InputError unless the waves are few enough, and the seed is one."""
         resolved = self.period / self.cut_off <= LARGEST_MODE * (1 + SLACK)
         shortest = self.period / LARGEST_MODE
         self._check("cut_off", resolved, f"at least period/{LARGEST_MODE} ({shortest:g} mm)")
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
             raise InputError(f"disc.synthetic.seed is {self.seed!r}: allowed is a whole number from 0")
-
-    @property
-    def _target(self) -> tuple[str, float]:
-        """Return which roughness the whole is to have, "ra" or "sq", and its value [mm]."""
-        return ("ra", self.ra) if self.ra is not None else ("sq", self.sq or 0.0)
 
     def _check(self, name: str, allowed: bool, expected: str, *, unit: str = "mm") -> None:
         """Raise InputError unless the value of a parameter is finite and allowed."""
@@ -78,18 +54,6 @@ class RandomPart:
         if not (math.isfinite(value) and allowed):
             text = f"{value:g} {unit}".rstrip()
             raise InputError(f"disc.synthetic.{name} is {text}: allowed is {expected}")
-
-    def _parameters(self) -> dict[str, Any]:
-        """Return the parameters for the record: the roughness asked for, the spectrum, the seed."""
-        name, roughness = self._target
-        return {
-            "asked": {f"{name}_um": 1e3 * roughness},
-            "hurst": self.hurst,
-            "roll_off_um": self.roll_off * 1e3,
-            "cut_off_um": self.cut_off * 1e3,
-            "seed": self.seed,
-            "period_mm": self.period,
-        }
 
     def _repeats(self, x: FloatArray, y: FloatArray) -> list[str]:
         """Return a notice where the grid is wider than the period."""
@@ -110,6 +74,52 @@ class RandomPart:
             f"cells of {coarsest * 1e3:.4g} µm do not resolve the shortest waves of the surface, "
             f"{self.cut_off * 1e3:.4g} µm: that takes cells of at most {self.cut_off * 500:.4g} µm"
         ]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RandomPart(Periodic):
+    """Surfaces with a random part share these parameters: its spectrum, and the roughness of the whole.
+
+    Lengths are in mm; exactly one of `ra`, `sq` is given. Raises InputError, naming
+    ``disc.synthetic.NAME``, for a value that is not allowed.
+    """
+
+    hurst: float = 0.8
+    roll_off: float = 0.1  # wavelength above which the spectrum is flat
+    ra: float | None = None
+    sq: float | None = None
+
+    def __post_init__(self) -> None:
+        if (self.ra is None) == (self.sq is None):
+            both = f"both are given ({self.ra:g} mm and {self.sq:g} mm)" if self.ra is not None else ""
+            raise InputError(
+                f"disc.synthetic.ra and disc.synthetic.sq: {both or 'neither is given'}, "
+                "allowed is exactly one of the two, a positive length"
+            )
+        self._check(self._target[0], self._target[1] > 0.0, "a positive length")
+        self._check("hurst", 0.0 < self.hurst <= 1.0, "more than 0 and at most 1", unit="")
+        self._check("cut_off", self.cut_off > 0.0, "a positive length")
+        self._check("period", self.period > 0.0, "a positive length")
+        between = f"more than cut_off ({self.cut_off:g} mm) and less than period ({self.period:g} mm)"
+        self._check("roll_off", self.cut_off < self.roll_off < self.period, between)
+        self._check_waves()
+
+    @property
+    def _target(self) -> tuple[str, float]:
+        """Return which roughness the whole is to have, "ra" or "sq", and its value [mm]."""
+        return ("ra", self.ra) if self.ra is not None else ("sq", self.sq or 0.0)
+
+    def _parameters(self) -> dict[str, Any]:
+        """Return the parameters for the record: the roughness asked for, the spectrum, the seed."""
+        name, roughness = self._target
+        return {
+            "asked": {f"{name}_um": 1e3 * roughness},
+            "hurst": self.hurst,
+            "roll_off_um": self.roll_off * 1e3,
+            "cut_off_um": self.cut_off * 1e3,
+            "seed": self.seed,
+            "period_mm": self.period,
+        }
 
     def _points_along(self, side: float) -> FloatArray:
         """Return the even points of the reference grid along a side [mm], from 0, its end left out."""

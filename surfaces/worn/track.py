@@ -247,8 +247,8 @@ def _span(profile: FloatArray, outside: BoolArray, *, pixel: float, width: float
     deepest = int(np.argmin(smooth))
     if centre - smooth[deepest] < THRESHOLD * sigma:
         raise InputError(
-            "no track stands out of the surface: it is looked for along --sliding-axis, and --track-width "
-            "may say how wide it is"
+            "no track stands out of the surface: in a map it is looked for along --sliding-axis, and "
+            "--track-width may say how wide it is"
         )
     beyond = np.abs(smooth - centre) > FOOT * sigma
     # a track's profile crosses the reference between its trough and its pile-up

@@ -77,6 +77,9 @@ def test_known_errors_add_up_as_squares() -> None:
         "area ± 23 % (length of steps 3 %, direction 20 %, wear within a step 10 %, points filled in 4 %), "
         "the cell's part not known: halve the cell and compare; mean depth of the scar ± 4.5 % (a cell"
     )
+    jumped = verdict_of(rough(), PLAIN | {"cycle_jump": {"depth_error": {"counter": 0.06, "disc": 0.01}}}, {})
+    assert jumped["depth_relative"] == pytest.approx(math.hypot(0.045, 0.06))
+    assert "scar ± 7.5 % (a cell at its rim, cycles jumped over 6 %); friction" in jumped["text"]
     unbalanced = verdict_of(rough(), PLAIN | {"load_residual_N": {"largest": 0.4}}, {})
     assert unbalanced["text"].startswith("area ± 5 % (balance of the load), the cell's part not known")
 

@@ -44,6 +44,16 @@ def test_areas_of_whole_cells_carry_their_scatter() -> None:
     assert not Posterior(made, (), Data()).linear  # the strength decides how uncertain friction is
 
 
+def test_a_course_without_scatter_has_none() -> None:
+    """Running sums of zeros behind large numbers leave rounding, of either sign: no number may come of it."""
+    distance = np.linspace(1.0, 1000.0, 1000)
+    area = np.exp(np.where(distance < 100.0, np.sin(9.0 * distance), 0.0))
+    rows = (Row("done", courses={"distance": distance, "area_contact": area}),)
+    scatter = replace(worn_paraboloid(smooth_study()), rows=rows).smooth("area_contact")[2]
+    assert np.all(scatter >= 0.0)
+    assert scatter[-1] < 1e-6 < scatter[0]
+
+
 def test_one_run_serves_all_wear_coefficients(tmp_path: Path) -> None:
     """Area, scar and volumes of a run at other wear coefficients are those of the scaled run."""
     study = smooth_study(**{"sliding.distance": "300 mm"})

@@ -15,11 +15,11 @@ from warpwear.errors import InputError
 from warpwear.figures import style
 from warpwear.figures.describe import Figure
 from warpwear.figures.paint import paint
-from warpwear.laws.form import sag
 from warpwear.measured import surface_figure as surface_figures
 from warpwear.measured.surface_command import read_surface
 from warpwear.measured.surface_report import examine
 from warpwear.results.report import record
+from warpwear.surfaces.form import sag
 from warpwear.surfaces.made.self_affine import SelfAffine
 
 ROOT = Path(__file__).parents[2]

@@ -171,6 +171,20 @@ def test_nothing_jumps_where_the_stroke_leaves_the_contact(device: str) -> None:
         assert np.abs(np.diff(depth, n=2)).max() < 0.025 * depth.max()
 
 
+def test_a_short_stroke_leaves_a_scar_and_a_long_one_a_groove() -> None:
+    """The summary, caption and page say which; the section of a scar is that through its middle."""
+    short, long = (warpwear.run(study_of(cells)) for cells in (4, 40))
+    worn, sizes = short.snapshot(-1).wear_disc, short.summary["track"]["groove"]
+    assert sizes["length_mm"] == pytest.approx(worn.any(axis=1).sum() * CELL)
+    assert sizes["length_mm"] == pytest.approx(short.history["patch_along"][-1] + 4 * CELL)
+    middle = worn[worn.shape[0] // 2 - 1 : worn.shape[0] // 2 + 1].mean(axis=0)
+    assert sizes["deepest_um"] == pytest.approx(1e3 * middle.max())
+    assert sizes["section_um2"] == pytest.approx(1e6 * middle.sum() * CELL)
+    assert "length_mm" not in long.summary["track"]["groove"]
+    for result, called in ((short, "scar"), (long, "groove")):
+        assert result.plot.caption("groove").startswith(f"Cross-section of the {called} after")
+
+
 def test_a_named_stroke_slides_and_chooses_its_steps() -> None:
     """At least eight steps a stroke where cells allow, eight cells at most; said in what is shown."""
     shifts = {
@@ -189,3 +203,20 @@ def test_a_named_stroke_slides_and_chooses_its_steps() -> None:
     assert not study.replace(
         {"sliding.stroke": None, "sliding.cycles": None, "sliding.distance": "1 mm"}
     ).is_swept
+
+
+def test_a_stroke_that_the_bodies_yield_is_told() -> None:
+    """Mindlin's 3 μ F/(16 a) Σ (2 − ν)/G of two like bodies, both ways: (2 − ν) 3 μ F/(4 G a) in all."""
+    steel = {"counter.young": "200 GPa", "counter.poisson": 0.3, "disc.young": "200 GPa", "disc.poisson": 0.3}
+    steel |= {"friction.shear_strength": None, "friction.coefficient": 0.5}
+    study = study_of(2).replace(steel)
+    assert study.hertz is not None
+    modulus = 200e3 / 2.6
+    expected = 1.7 * 3.0 * 0.5 * LOAD / (4.0 * modulus * study.hertz.radius)
+    (told,) = [
+        notice
+        for notice in study.replace({"sliding.stroke": "2 um", "grid.cell": "1 um"}).notices()
+        if "slip" in notice
+    ]
+    assert f"yield by {1e3 * expected:.3g} µm before they slip" in told
+    assert not [notice for notice in study.notices() if "slip" in notice]

@@ -19,7 +19,6 @@ from warpwear.grid import FloatArray, Grid, IntArray
 from warpwear.kernels.cells import PADDING
 from warpwear.kernels.slide import Slide
 from warpwear.laws.archard import WearLaw
-from warpwear.laws.form import Ball
 from warpwear.laws.junctions import critical_junction
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
@@ -28,6 +27,7 @@ from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.pieces import OF_BODY, SlidingPieces
 from warpwear.results.summary import summarise, summary_text
 from warpwear.study.surface import surface_in
+from warpwear.surfaces.form import Ball
 
 CELL = 0.005
 GRID = Grid(40, 37, CELL)

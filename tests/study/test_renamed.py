@@ -167,7 +167,7 @@ def sphere_for_counter(text: str) -> str:
 
 
 def test_a_study_of_a_sphere(tmp_path: Path) -> None:
-    """Sections and keys of a study that says sphere throughout are the counter-body's, and one sentence says so."""
+    """Keys of a study that says sphere throughout are the counter-body's, and one sentence says so."""
     study = Study.load("track").replace({"friction.film": FILM, "friction.shear_strength": "172 MPa"})
     (tmp_path / "study.toml").write_text(sphere_for_counter(study.to_toml()), encoding="utf-8")
     old = Study.load(tmp_path / "study.toml")

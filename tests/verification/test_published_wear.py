@@ -1,20 +1,12 @@
 """Gross-slip fretting and a block on a ring, by the numbers that others measured and computed."""
 
-from dataclasses import replace
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import warpwear
 from warpwear import Study
-from warpwear.engine.executor import Executor
-from warpwear.grid import Grid
-from warpwear.models.track.model import SweptModel
-from warpwear.runs.plan import plan_of
-
-STEEL = {"young": "200 GPa", "poisson": 0.3}
-BASE = {"output": {"snapshots": []}, "friction": {"shear_strength": "100 MPa"}}
 
 
 @pytest.fixture
@@ -25,62 +17,60 @@ def device(device: str) -> str:
     return device
 
 
-def test_gross_slip_of_a_cylinder(device: str) -> None:
-    """McColl, Ding and Leen (2004): 18,000 cycles of 50 µm, here 180 of a hundredfold wear.
+def of_lines(radius: str, load: float, cell: str, extent: list[str], **sections: dict[str, Any]) -> Study:
+    """A smooth cylinder on a smooth disc, a line contact of a load a length [N/mm]."""
+    steel = {"young": "200 GPa", "poisson": 0.3}
+    across = float(extent[1].split()[0]) * 1.0e-3  # given in µm
+    contact = {"load": f"{load * across} N", "law": "half-space", "boundary": "line", "hardness": "inf MPa"}
+    return Study(
+        study={"name": "lines"},
+        counter={"shape": "cylinder", "radius": radius, **steel},
+        disc={"synthetic": {"kind": "flat"}, **steel},
+        contact=contact,
+        grid={"cell": cell, "extent": extent},
+        output={"snapshots": []},
+        friction={"shear_strength": "100 MPa"},
+        **sections,
+    )
 
-    A plain half-plane at the same cells and cycles: flat 2.761 µm, cylinder 2.067 µm, width 0.515 mm. Here
-    the half-plane is a narrow periodic strip, whose period of 1.28 mm is far beyond the contact.
+
+def test_gross_slip_of_a_cylinder(device: str) -> None:
+    """McColl, Ding and Leen (2004): 18,000 cycles of 50 µm, in jumps of a hundred.
+
+    A plain half-plane at the same cells and jumps: flat 2.761 µm, cylinder 2.067 µm, width 0.515 mm.
     """
-    jump, cell, across = 100, 0.005, 8
-    study = Study(
-        study={"name": "fretting"},
-        counter={"shape": "cylinder", "radius": "6 mm", **STEEL},
-        disc={"synthetic": {"kind": "flat"}, **STEEL},
-        contact={"load": "18.5 N", "law": "half-space", "hardness": "inf MPa"},
-        wear={"counter": f"{1.9e-5 * jump} mm^3/N/m", "disc": f"{2.9e-5 * jump} mm^3/N/m"},
-        grid={"cell": f"{cell} mm", "extent": "1.28 mm"},
-        sliding={"stroke": "50 um", "cycles": 18_000 // jump},
-        **BASE,
+    study = of_lines(
+        "6 mm",
+        18.5,
+        "5 um",
+        ["0.8 mm", "40 um"],
+        wear={"counter": "1.9e-5 mm^3/N/m", "disc": "2.9e-5 mm^3/N/m"},
+        sliding={"stroke": "50 um", "cycles": 18_000},
+        stepping={"jump": 100},
     )
     assert study.shift == 1
-    task = replace(study.contact_task, boundary="periodic", load=18.5 * across * cell)
-    with Executor(Grid(256, across, cell), device=device) as executor:
-        model = SweptModel(task, study.track, np.zeros((study.track.rows, across)), executor)
-        for _ in model.steps([(increment, False) for increment, *_ in plan_of(study)]):
-            pass
-        state = model.contact.state
-        flat, cylinder = (executor.to_numpy(f).mean(axis=1) for f in (state.wear_disc, state.wear_counter))
+    last = warpwear.run(study, device=device).snapshot(-1)
+    flat, cylinder = last.wear_disc.mean(axis=1), last.wear_counter.mean(axis=1)
     assert flat.max() == pytest.approx(2.761e-3, rel=2e-3)
     assert cylinder.max() == pytest.approx(2.067e-3, rel=2e-3)
-    assert np.count_nonzero(flat) * cell == pytest.approx(0.515, abs=1.01 * cell)
-    assert flat.sum() * cell == pytest.approx(0.966e-3, rel=1e-3)
+    assert np.count_nonzero(flat) * study.grid.cell == pytest.approx(0.515, abs=1.01 * study.grid.cell)
+    assert flat.sum() * study.grid.cell == pytest.approx(0.966e-3, rel=1e-3)
 
 
-def test_a_block_on_a_rigid_ring(tmp_path: Path) -> None:
-    """Cruzado et al. (2010): 3600 m in increments that follow the distance; an array stands for the ring."""
-    cell, cells, load, k, radius = 0.02, 150, 65.0 / 6.0, 2.0e-9, 20.0
-    x = (np.arange(cells) - 0.5 * (cells - 1)) * cell
-    ring = np.repeat((np.sqrt(radius**2 - x**2) - radius)[:, None], cells, axis=1)
-    np.save(tmp_path / "ring.npy", ring)
-    study = Study(
-        study={"name": "ring"},
-        counter={"radius": "inf mm", **STEEL},
-        disc={
-            "surface": str(tmp_path / "ring.npy"),
-            "pixel": "20 um",
-            "height_unit": "mm",
-            "level": "none",
-            **STEEL,
-        },
-        contact={"load": f"{load * cells * cell} N", "law": "half-space", "hardness": "inf MPa"},
-        wear={"counter": f"{1e3 * k} mm^3/N/m", "disc": "0 mm^3/N/m"},
-        grid={"cell": "20 um", "extent": f"{cells * cell} mm"},
+def test_a_block_on_a_rigid_ring(device: str) -> None:
+    """Cruzado et al. (2010): 3600 m at rest, in increments that follow the distance."""
+    k, load, radius = 2.0e-9, 65.0 / 6.0, 20.0
+    study = of_lines(
+        "20 mm",
+        load,
+        "20 um",
+        ["3 mm", "160 um"],
+        wear={"counter": "0 mm^3/N/m", "disc": f"{1e3 * k} mm^3/N/m"},
         sliding={"distance": "3600 m"},
-        **BASE,
     )
-    result = warpwear.run(study)
-    assert len(result.history["distance"]) < 2000
-    section = result.snapshot(-1).wear_counter.mean(axis=1)
+    result = warpwear.run(study, device=device)
+    assert result.history["distance"].size < 2000
+    section, cell = result.snapshot(-1).wear_disc.mean(axis=1), study.grid.cell
     area = k * load * 3.6e6  # of a segment of the ring, 2 a³/3R
     half_width = (1.5 * radius * area) ** (1.0 / 3.0)
     assert section.sum() * cell == pytest.approx(area, rel=1e-9)

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 from scipy import integrate, special
 
-from warpwear import Study, run, solve_contact
+from warpwear import Result, Study, run, solve_contact
 from warpwear.errors import InputError
 from warpwear.laws.elastic import Hertz
-from warpwear.laws.form import sag
+from warpwear.surfaces.form import sag
+from warpwear.surfaces.measured import read_measured
+from warpwear.surfaces.preparation import Preparation
 
 MODULUS = 1.0e5
 SMOOTH = {"disc.synthetic": {"kind": "flat"}, "output.snapshots": [], "grid.cell": "20 um"}
@@ -97,20 +99,28 @@ def test_crowned_half_space(axes: float, device: str) -> None:
     assert across == pytest.approx(2.0 * a, abs=2.0 * cell)
 
 
-def test_rounded_pin(device: str) -> None:
-    """A pin with a rounded edge on the half-space.
+def rounded_pin(face: float, edge: float, c: float) -> tuple[float, float, float]:
+    """Load, approach and pressure in the middle of a pin of E* = `MODULUS` that touches up to a radius c.
 
     Ciavarella 1999, Int. J. Solids Struct. 36, 4149, here in the form of Sneddon's integrals: with
     g(x) = x ∫_a^x f'(r)/√(x² − r²) dr = (x/ρ)(√(x² − a²) − a arccos(a/x)), δ = g(c), F = 2 E* ∫_0^c δ − g dx,
     and the pressure in the middle is E*/π ∫_a^c g'(x)/x dx.
     """
-    face, edge, c = 1.0, 40.0, 1.2  # so blunt that the edge's circle is its parabola to 1e-5
 
     def g(x: float) -> float:
         return x / edge * (math.sqrt(x * x - face * face) - face * math.acos(face / x)) if x > face else 0.0
 
-    approach = g(c)
-    load = 2.0 * MODULUS * integrate.quad(lambda x: approach - g(x), 0.0, c, points=[face])[0]
+    def slope(x: float) -> float:
+        return (2.0 * math.sqrt(x * x - face * face) - face * math.acos(face / x)) / edge
+
+    load = 2.0 * MODULUS * integrate.quad(lambda x: g(c) - g(x), 0.0, c, points=[face])[0]
+    return load, g(c), MODULUS / math.pi * integrate.quad(lambda x: slope(x) / x, face, c)[0]
+
+
+def test_rounded_pin(device: str) -> None:
+    """A pin with an edge on the half-space, so blunt that the edge's circle is its parabola to 1e-5."""
+    face, edge, c = 1.0, 40.0, 1.2
+    load, approach, middle = rounded_pin(face, edge, c)
     cell = c / 48
     n = 2 * math.ceil(0.6 * c * 2.0 / cell)
     counter = {"shape": "pin", "radius": face, "edge_radius": edge}
@@ -119,11 +129,6 @@ def test_rounded_pin(device: str) -> None:
     )
     assert contact.approach == pytest.approx(approach, rel=5e-3)
     assert math.sqrt(contact.area / math.pi) == pytest.approx(c, rel=1.5e-2)
-
-    def slope(x: float) -> float:
-        return (2.0 * math.sqrt(x * x - face * face) - face * math.acos(face / x)) / edge
-
-    middle = MODULUS / math.pi * integrate.quad(lambda x: slope(x) / x, face, c)[0]
     assert contact.pressure[n // 2, n // 2] == pytest.approx(middle, rel=1e-2)
 
 
@@ -309,3 +314,38 @@ def test_a_worn_edge_is_an_error(ball_file: dict[str, Any]) -> None:
     small = ball_file | {"grid.extent": "0.2 mm", "checks.strict": True}
     with pytest.raises(Exception, match=r"grid\.extent = 0\.2 mm is too small"):
         run(study_of(small), plots=False)
+
+
+def test_a_measured_run_keeps_its_body(ball_file: dict[str, Any], tmp_path: Path) -> None:
+    """Figures, exports and the study of a folder need the file no more; resuming refuses another file."""
+    file = Path(ball_file["counter.surface"])
+    study = study_of(ball_file | {"output.snapshots": ["3 mm"], "sliding.distance": "3 mm"})
+    run(study, out=tmp_path / "run", plots=False).close()
+    np.save(file, np.load(file) + 1.0e-3 * np.random.default_rng(0).normal(size=(75, 75)))
+    with pytest.raises(InputError, match=r"on what .*ball\.npy was before"):
+        run(study, out=tmp_path / "run", plots=False, resume=True)
+    file.unlink()
+    with Result.open(tmp_path / "run") as result:
+        cells = study.cells
+        unworn = result.unworn_counter(cells.x, cells.y)
+        np.testing.assert_allclose(unworn, sag(cells.x, cells.y, radius=3.0), atol=1e-4)
+        assert unworn.min() == 0.0
+        result.export(tmp_path / "export", formats=["npy"])
+        assert result.record["surface"]["counter"]["file"] == "ball.npy"
+    assert np.isfinite(np.load(tmp_path / "export" / "counter_worn.npy")).all()
+
+
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_level_cylinder(axis: str, tmp_path: Path) -> None:
+    """A rough, tilted cylinder is levelled to its roughness, whichever way it lies."""
+    places = (np.arange(60) - 20.0) * 0.01
+    heights = np.add.outer(-sag(places, np.zeros(1), radius=2.0)[:, 0], 1e-3 * np.arange(50))
+    rough = 1e-4 * np.random.default_rng(0).normal(size=heights.shape)
+    np.save(tmp_path / "roller.npy", (heights + rough) if axis == "x" else (heights + rough).T)
+    preparation = Preparation(level="cylinder", sliding_axis=axis)
+    surface = read_measured(tmp_path / "roller.npy", preparation, pixel=0.01, height_unit="mm")
+    assert np.std(surface.levelled - rough) < 1e-5
+    (sentence,) = [text for text in surface.record()["operations"] if "cylinder" in text]
+    radius = float(sentence.partition("radius ")[2].partition(" mm")[0])
+    assert radius == pytest.approx(2.0, rel=1e-2)
+    assert "bulging" in sentence

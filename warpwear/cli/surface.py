@@ -17,7 +17,7 @@ PREPARATION = {
     "--crop": "Part used: 'x0, x1, y0, y1' from the file's corner, or a size such as '1 mm'.",
     "--sliding-axis": "Axis of the file along sliding: x or y. [default: x]",
     "--outliers": "Remove spikes: points more than this many robust standard deviations off, e.g. 6.",
-    "--level": "none, plane, sphere or a degree of a polynomial. [default: plane]",
+    "--level": "none, plane, sphere, cylinder or a degree of a polynomial. [default: plane]",
     "--s-filter": "Take off shorter waves than this, e.g. '8 um'.",
     "--l-filter": "Take off longer waves than this, e.g. '0.8 mm'.",
 }

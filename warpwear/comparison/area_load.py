@@ -28,7 +28,7 @@ COLOURS = (describe.CONTACT, describe.DISC, describe.COUNTER, describe.MEAN_PRES
 
 def has_loads(comparison: Comparison) -> bool:
     """Tell whether runs differ in load."""
-    return len({run.study.contact.load for run in comparison.runs}) > 1
+    return len({run.study.blocks[0].load for run in comparison.runs}) > 1
 
 
 def area_load(comparison: Comparison) -> Figure:
@@ -69,7 +69,7 @@ def series_of(comparison: Comparison) -> dict[str, FloatArray]:
 
 def loads_of(comparison: Comparison) -> FloatArray:
     """Return loads [N] at which lines of theories are drawn: those of the runs, and some room."""
-    loads = [run.study.contact.load for run in comparison.runs]
+    loads = [run.study.blocks[0].load for run in comparison.runs]
     return np.asarray(np.geomspace(min(loads) / MARGIN, max(loads) * MARGIN, LINES))
 
 
@@ -77,7 +77,7 @@ def _point(group: Group) -> tuple[float, float, float, float]:
     """Return a group's mean load [N] and area in contact at first [10⁻³ mm²]: mean, ends of its band."""
     areas = np.array([[1.0e3 * run.history["area_contact"][0]] for run in group.runs])
     mean, low, high = (float(values[0]) for values in band(areas))
-    return float(np.mean([run.study.contact.load for run in group.runs])), mean, low, high
+    return float(np.mean([run.study.blocks[0].load for run in group.runs])), mean, low, high
 
 
 def _law(group: Group) -> str:
@@ -120,7 +120,7 @@ def theories_of(comparison: Comparison, load: FloatArray) -> dict[str, FloatArra
 def _moments(study: Study) -> SpectralMoments | None:
     """Find the moments of a period of the disc, all its waves resolved; None of a disc without a period."""
     disc = study.disc.synthetic
-    if disc is None or disc.kind != "self-affine":
+    if disc is None or disc.kind not in ("self-affine", "profile"):
         return None
     points = math.ceil(POINTS_PER_CUT_OFF * disc.period / disc.cut_off)
     places = disc.period / points * np.arange(points, dtype=np.float64)

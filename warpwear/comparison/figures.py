@@ -9,10 +9,11 @@ from warpwear.comparison.area_load import area_load, has_loads
 from warpwear.comparison.gather import Comparison
 from warpwear.comparison.groups import Course, Group, RunData
 from warpwear.figures import courses, describe
+from warpwear.figures.blocks import with_blocks
 from warpwear.figures.courses import over_each_other
 from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import BY_NAME
+from warpwear.history.quantities import BY_NAME, Quantity
 from warpwear.laws.archard import BODIES, CALLED
 from warpwear.measured.experiment import Experiment, mean_of_last_tenth
 from warpwear.results.ensemble import band_told, in_legend
@@ -50,12 +51,8 @@ def cof(comparison: Comparison) -> Figure:
     note = "○: calibrated to this value" if inputs else ""
     if number:
         note = f"the end is an input of {number} of {len(comparison.runs)} runs"
-    chart = over_each_other(
-        BY_NAME["cof"],
-        (course for _, course in every),
-        more=[measured_line(*pair) for pair in _looks_of_measured(comparison)],
-        note=note,
-    )
+    measured = [measured_line(*pair) for pair in _looks_of_measured(comparison)]
+    chart = over_each_other(BY_NAME["cof"], (course for _, course in every), more=measured, note=note)
     beside = [
         replace(measured_line(experiment, look, experiment.final_cof), label="")
         for experiment, look in _looks_of_measured(comparison)
@@ -67,15 +64,9 @@ def cof(comparison: Comparison) -> Figure:
     return _figure(comparison, [replace(chart, lines=[*chart.lines, *inputs]), second])
 
 
-def of_column(name: str) -> Callable[[Comparison], Figure]:
-    """Declare the figure of a column of the history over the distance slid."""
-    return lambda comparison: _figure(comparison, [_course(comparison, name)])
-
-
-def volumes(comparison: Comparison) -> Figure:
-    """Draw the worn volume of both bodies over the distance slid."""
-    charts = [_course(comparison, f"wear_volume_{body}") for body in BODIES]
-    return _figure(comparison, _on_one_scale(charts))
+def of_columns(quantities: Sequence[Quantity]) -> Callable[[Comparison], Figure]:
+    """Declare the figure of columns of the history over the distance slid, those of bodies on one scale."""
+    return lambda comparison: _figure(comparison, _on_one_scale([_course(comparison, q) for q in quantities]))
 
 
 def profiles(comparison: Comparison) -> Figure:
@@ -83,14 +74,8 @@ def profiles(comparison: Comparison) -> Figure:
 
     A track's is the mean cross-section of its groove.
     """
-    reach = 1.15 * max(
-        (
-            float(np.abs(run.across[wear > 0.0]).max(initial=0.0))
-            for run in comparison.runs
-            for wear in run.wear.values()
-        ),
-        default=0.0,
-    )
+    worn = [np.abs(run.across[wear > 0.0]) for run in comparison.runs for wear in run.wear.values()]
+    reach = 1.15 * max((float(places.max(initial=0.0)) for places in worn), default=0.0)
     charts = []
     for body in BODIES:
         lines = [_within(course.line(), reach) for _, course in _courses(comparison, _profile_of(body))]
@@ -117,18 +102,11 @@ def scar(comparison: Comparison) -> Figure:
         f"measured − {in_legend(first.name)}": (gap, difference),
     }
     step = [max(1, -(-n // PIXELS)) for n in gap.shape]
-    maps = [
-        Map(
-            f"Depth lost: {name}",
-            [1e3 * values[:: step[0], :: step[1]]],
-            beside.extent,
-            scale,
-            [name],
-            [f"mean {1e3 * float(values[inside].mean()):.3g} µm in the scar"],
-            x=describe.ALONG,
-        )
-        for name, (values, scale) in fields.items()
-    ]
+    maps = []
+    for name, (values, scale) in fields.items():
+        note = f"mean {1e3 * float(values[inside].mean()):.3g} µm in the scar"
+        seen = 1e3 * values[:: step[0], :: step[1]]
+        maps.append(Map(f"Depth lost: {name}", [seen], beside.extent, scale, [name], [note]))
     return Figure(maps, width=describe.PAGE)
 
 
@@ -156,16 +134,12 @@ def groove(comparison: Comparison) -> Figure:
     return Figure(charts, legend=3)
 
 
+#: Figures of a run that have another name here.
+CALLED_HERE = {"areas": "area"}
 #: Name of the file -> how it is declared.
 FIGURES: dict[str, Callable[[Comparison], Figure]] = {
-    "cof": cof,
-    "area": of_column("area_contact"),
-    "area_load": area_load,
-    "pressure": of_column("pressure_mean"),
-    "volumes": volumes,
-    "profiles": profiles,
-    "scar": scar,
-    "groove": groove,
+    **{CALLED_HERE.get(name, name): of_columns(of) for name, of in courses.OVERLAID.items()},
+    **{"cof": cof, "area_load": area_load, "profiles": profiles, "scar": scar, "groove": groove},
 }
 
 
@@ -203,9 +177,9 @@ def _courses(
             yield group, courses.Course(in_legend(group.name), look, *course, group.name)
 
 
-def _course(comparison: Comparison, name: str) -> Chart:
-    every = _courses(comparison, lambda run: (run.history["distance"], run.history[name]))
-    return over_each_other(BY_NAME[name], (course for _, course in every))
+def _course(comparison: Comparison, quantity: Quantity) -> Chart:
+    every = _courses(comparison, lambda run: (run.history["distance"], run.history[quantity.name]))
+    return over_each_other(quantity, (course for _, course in every))
 
 
 def _figure(comparison: Comparison, charts: Sequence[Chart]) -> Figure:
@@ -213,14 +187,18 @@ def _figure(comparison: Comparison, charts: Sequence[Chart]) -> Figure:
     text = band_told([len(group.runs) for group in comparison.groups])
     note = "\n".join(filter(None, [charts[0].note, text]))
     several = len(comparison.groups) + len(comparison.experiments)
-    return Figure([replace(charts[0], note=note), *charts[1:]], legend=several)
+    figure = Figure([replace(charts[0], note=note), *charts[1:]], legend=several)
+    studies = {run.study.programme: run.study for run in comparison.runs}
+    if len(studies) > 1 or None in studies:
+        return figure
+    return with_blocks(figure, *studies.values())
 
 
 def _on_one_scale(charts: Sequence[Chart]) -> list[Chart]:
     """Give charts of two bodies one scale from zero, unless one would hardly be seen on the other's."""
     every = [np.concatenate([np.zeros(1), *describe.values_of(chart, "y")]) for chart in charts]
     ends = [float(np.nanmax(np.abs(values))) for values in every]
-    if not max(ends) < UNLIKE * min(ends):
+    if len(ends) < 2 or not max(ends) < UNLIKE * min(ends):
         return list(charts)
     end = 1.05 * max(ends)
     return [

@@ -98,7 +98,7 @@ def _read_experiments(
     paths: Sequence[Path], runs: Sequence[RunData], names: Sequence[str], **options: Any
 ) -> tuple[Experiment, ...]:
     """Read measured courses of friction, each named by its file, unlike the names of groups of runs."""
-    load = _common(run.study.contact.load for run in runs)
+    load = _common(run.study.same_load for run in runs)
     courses = [read_experiment(path, load=load, **options) for path in paths]
     stems = Counter(path.stem for path in paths)
     labels = unlike(

@@ -6,15 +6,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from warpwear.figures.describe import Axis, Chart, Line, Look, over_distance
+from warpwear.figures.of_run.table import FIGURES
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BY_NAME, Quantity
 from warpwear.results.ensemble import band
 
-#: Quantities of a step whose courses are laid over each other, in the order of figures and pages.
-OVERLAID = tuple(
-    BY_NAME[name]
-    for name in ("cof", "area_contact", "pressure_mean", "wear_volume_counter", "wear_volume_disc")
-)
+#: Figure of a run -> quantities of a step of which it says that their courses are laid over each other.
+OVERLAID = {
+    name: [BY_NAME[column] for column in entry.overlaid] for name, entry in FIGURES.items() if entry.overlaid
+}
 
 
 @dataclass(frozen=True, eq=False)

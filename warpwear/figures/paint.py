@@ -29,6 +29,8 @@ SCREEN = 120
 LEGEND_ROW = 0.165
 #: Left, bottom, width and height of a colour bar beside a map, over the map's.
 BESIDE = (1.04, 0.0, 0.05, 1.0)
+#: One bar beside all maps: length over width, length over theirs, room before it, and its part of the sheet.
+ONE_BAR: Any = {"aspect": 30, "shrink": 0.85, "pad": 0.015, "fraction": 0.05}
 #: Part of a map's width at either end that bears no tick where maps stand side by side.
 CORNER = 0.05
 #: Decades of a colour bar up to which 2 and 5 have numbers.
@@ -133,15 +135,9 @@ def _bars(sheet: Any, grid: Any, cells: Sequence[Panel]) -> None:
     scaled = [(axes, cell) for axes, cell in maps if not cell.states]
     one = len({cell.scale for _, cell in scaled}) == 1 and len(scaled) == len(cells) > 1
     if one:
-        place: Any = {
-            "ax": grid.ravel().tolist(),
-            "aspect": 30,
-            "shrink": 0.85,
-            "pad": 0.015,
-            "fraction": 0.05,
-        }
-        (axes, cell), *_ = scaled
-        _number_bar(sheet.colorbar(axes.images[-1], extend=cell.scale.beyond, **place), cell.scale)
+        (axes, cell), every = scaled[0], grid.ravel().tolist()
+        bar = sheet.colorbar(axes.images[-1], ax=every, extend=cell.scale.beyond, **ONE_BAR)
+        _number_bar(bar, cell.scale)
     for axes, cell in maps:
         if not one and not cell.states and cell.scale.label:
             beside = axes.inset_axes(BESIDE if cell.square else (1.012, 0.0, 0.012, 1.0))

@@ -10,6 +10,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from warpwear.figures import style
+from warpwear.figures.coarse import coarsen
 from warpwear.figures.describe import Map
 from warpwear.figures.paint_chart import DASHES, paint_level
 
@@ -80,10 +81,8 @@ def _colours(field: Map) -> tuple[Any, Normalize]:
 def _contours(axes: Axes, field: Map) -> None:
     """Draw lines of equal value over a map: where they lie far apart what it shows is flat."""
     values, (x0, x1, y0, y1) = field.fields[0], field.extent
-    n = -(-max(values.shape) // CONTOURED)
-    nx, ny = (size // n for size in values.shape)
-    whole = np.nan_to_num(values[: nx * n, : ny * n], nan=field.scale.low)
-    coarse = whole.reshape(nx, n, ny, n).mean(axis=(1, 3))
+    coarse, _ = coarsen(np.nan_to_num(values, nan=field.scale.low), CONTOURED)
+    nx, ny = coarse.shape
     x, y = np.linspace(x0, x1, 2 * nx + 1)[1::2], np.linspace(y0, y1, 2 * ny + 1)[1::2]
     levels = MaxNLocator(field.contours).tick_values(field.scale.low, field.scale.high)
     kind: Any = {"colors": "black", "linewidths": 0.4, "linestyles": "-", "alpha": 0.7}

@@ -30,6 +30,7 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
         "tracks that keep their dents",
         lambda study: study.is_swept and study.sliding.plastic == "keep",
     ),
+    "programme": ("programmes of blocks", lambda study: study.block is not None),
     "film": ("runs with a film", lambda study: study.film is not None),
     "pieces": ("wear in pieces", lambda study: study.wear.sheds),
     "static area": ("output.static_area_every", lambda study: study.static_area_every > 0),
@@ -153,7 +154,8 @@ _DECLARED: dict[tuple[Per, str | None], dict[str, str]] = {
         "area_plastic [mm^2]": "area of the cells at the hardness",
         "area_touched [mm^2]": "area of the cells that were ever in contact",
         "area_cumulative [mm^2]": "running sum of area_contact over the steps",
-        "area_nominal [mm^2]": "ellipse in the extents of the touched cells: the scar as one measures it",
+        "area_nominal [mm^2]": "ellipse (of a line: rectangle) in the extents of the touched cells: the "
+        "scar as one measures it",
         "patch_along [mm]": "extent of the touched cells along the sliding direction",
         "patch_across [mm]": "extent of the touched cells across the sliding direction",
         "pressure_mean [MPa]": "mean pressure of the cells in contact",
@@ -189,6 +191,9 @@ _DECLARED: dict[tuple[Per, str | None], dict[str, str]] = {
         ),
         "energy_gap [mJ]": "certified: energy of the pressure above the least possible, at most; NaN between",
         "energy_gap_relative [1]": "that energy over load times rms height of the gap; NaN between",
+    },
+    ("step", "programme"): {
+        "block [1]": "number of the block of the programme, from 1",
     },
     ("step", "film"): {
         "bare_fraction [1]": "part of the area in contact that was bare of film as the step began",

@@ -67,6 +67,7 @@ class Ledger:
         self._edge, self._rim = self._inside(*margins), self._inside(rows, columns)
         #: By `EXTENTS`, as far as what is touched is neither at the edge nor at the rim.
         self.within = tuple(map(min, self._edge, self._rim))
+        self._outline = 1.0 if task.form.is_line else math.pi / 4.0
         self.most = dict.fromkeys(MAXIMA, -math.inf)
         self.row = {column.name: 0.0 for column in per("step")}
 
@@ -174,7 +175,7 @@ class Ledger:
             "area_plastic": total["capped"] * area,
             "area_touched": total["touched"] * area,
             "area_cumulative": in_contact,
-            "area_nominal": math.pi / 4.0 * along * across,
+            "area_nominal": self._outline * along * across,
             "patch_along": along,
             "patch_across": across,
             "pressure_mean": mean,

@@ -1,7 +1,7 @@
 """The verdict on a run tells in one line what to trust and how far, as far as the run itself knows it."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,13 @@ from warpwear.grid import FloatArray
 from warpwear.study.study import Study
 
 #: Words of sentences about numbers that are not to be trusted at all.
-HEAVY = ("mean nothing", "which no contact has", "is no finite number", "of Archard's law", "contact reached")
+HEAVY: tuple[str, ...] = (
+    "mean nothing",
+    "which no contact has",
+    "is no finite number",
+    "of Archard's law",
+    "contact reached",
+)
 HEAVY += ("load_residual =", "rests on points")
 #: Words of notes that change no number.
 LIGHT = (" not apply ", "new name", "no step ends at")
@@ -26,39 +32,27 @@ def rank_of(sentence: str, kind: str) -> int:
     return 1 if kind == "warning" else 3 if any(words in sentence for words in LIGHT) else 2
 
 
-def _rim(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatArray]) -> float:
-    return sum(2e-3 * s["cell_um"] / extent for extent in s["scar_mm"].values())
-
-
-def _by_mesh(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatArray]) -> float:
+def errors_of_area(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatArray]) -> dict[str, float]:
+    """Map what makes an area uncertain to its part of the area; NaN where that is not known."""
+    track, static = s.get("track", {}), history.get("area_static", np.zeros(0))
+    ways = track.get("last_cycle", {}).get("area_contact_mm2", {"forward": 1.0, "backward": 1.0})
+    solved = np.flatnonzero(np.isfinite(static))[-1:]
+    yielding = np.abs(1.0 - static[solved] / history["area_contact"][solved]) if solved.size else np.zeros(1)
     flat = study.disc.synthetic is not None and study.disc.synthetic.kind == "flat"
-    return math.nan if study.is_rough and not flat else _rim(study, s, history)
+    return {
+        "cell": math.nan if study.is_rough and not flat else _rim(study, s),
+        "length of steps": track.get("parts", {}).get("estimated_error_at_most", 0.0),
+        "direction": abs(ways["forward"] - ways["backward"]) / (ways["forward"] + ways["backward"]),
+        "wear within a step": float(yielding[0]),
+        "balance of the load": s["load_residual_N"]["largest"] / s["load_N"],
+        "points filled in": 0.01 * s.get("load_on_filled_percent", {}).get("largest", 0.0),
+    }
 
 
-def _by_directions(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatArray]) -> float:
-    ways = s.get("track", {}).get("last_cycle", {}).get("area_contact_mm2", {"forward": 1.0, "backward": 1.0})
-    return float(abs(ways["forward"] - ways["backward"]) / (ways["forward"] + ways["backward"]))
-
-
-def _by_wear(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatArray]) -> float:
-    static = history.get("area_static", np.zeros(0))
-    known = np.flatnonzero(np.isfinite(static))
-    return abs(1.0 - float(static[known[-1]] / history["area_contact"][known[-1]])) if known.size else 0.0
-
-
-#: What makes an area uncertain -> its part of the area, of a study, its summary and history; NaN: not known.
-OF_AREA: dict[str, Callable[[Study, Mapping[str, Any], Mapping[str, FloatArray]], float]] = {
-    "cell": _by_mesh,
-    "length of steps": lambda study, s, history: (
-        s.get("track", {}).get("parts", {}).get("estimated_error_at_most", 0.0)
-    ),
-    "direction": _by_directions,
-    "wear within a step": _by_wear,
-    "balance of the load": lambda study, s, history: s["load_residual_N"]["largest"] / s["load_N"],
-    "points filled in": lambda study, s, history: (
-        0.01 * s.get("load_on_filled_percent", {}).get("largest", 0.0)
-    ),
-}
+def _rim(study: Study, s: Mapping[str, Any]) -> float:
+    """Return what a cell at each rim of the scar is of its area; a line contact has no rim across."""
+    ways = ("along",) if study.is_line else ("along", "across")
+    return sum(2e-3 * s["cell_um"] / s["scar_mm"][way] for way in ways)
 
 
 def verdict_of(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatArray]) -> dict[str, Any]:
@@ -66,10 +60,12 @@ def verdict_of(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatAr
 
     s: the run's summary without the verdict. An area's error is the root of its squared parts.
     """
-    parts = {what: error(study, s, history) for what, error in OF_AREA.items()}
+    parts = errors_of_area(study, s, history)
     known = {what: part for what, part in parts.items() if part >= LEAST}
     area = math.hypot(*known.values()) if known else None
-    depth = _rim(study, s, history) if any(s["volume_mm3"].values()) else None
+    jumps = max(s.get("cycle_jump", {}).get("depth_error", {"": 0.0}).values())
+    depth = math.hypot(_rim(study, s), jumps) if any(s["volume_mm3"].values()) else None
+    by = "a cell at its rim" + f", cycles jumped over {_percent(jumps)}" * (jumps >= LEAST)
     heavy = sum(rank_of(sentence, "note") == 0 for sentence in s["warnings"])
     uncertainty = _area(area, known, mesh_is_known=not math.isnan(parts["cell"]))
     friction = _friction(study, s)
@@ -77,7 +73,7 @@ def verdict_of(study: Study, s: Mapping[str, Any], history: Mapping[str, FloatAr
         *([] if s["finished"] else ["interrupted: as far as it came"]),
         *([f"not to be trusted: {heavy} warning{'s' * (heavy > 1)}"] if heavy else []),
         f"area {uncertainty}",
-        *([f"mean depth of the scar ± {_percent(depth)} (a cell at its rim)"] if depth else []),
+        *([f"mean depth of the scar ± {_percent(depth)} ({by})"] if depth else []),
         f"friction {friction}",
     ]
     return {

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from warpwear import lazy
 from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Chart, Cloud, Empty, Figure, Line, Look, Panel
 from warpwear.figures.wording import power_of_ten
@@ -14,12 +15,14 @@ from warpwear.inference.data import SHOWN, Data
 from warpwear.inference.unknowns import Unknown
 from warpwear.results.ensemble import in_legend
 
+ndimage = lazy.module("scipy.ndimage")
+
 #: Side of a panel of pairs [inch], and the room of labels.
 SIDE, ROOM = 1.12, 0.7
 #: Parts of the samples that the lines of a pair enclose.
 ENCLOSED = (0.5, 0.9)
-#: Cells of a pair's histogram, and how far it is smoothed [cells].
-CELLS, SMOOTH = 40, 1.6
+#: Cells of a pair's histogram, how far it is smoothed [cells], and to where.
+CELLS, SMOOTH, REACH = 40, 1.6, 6
 
 
 def corner(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray]) -> Figure:
@@ -113,19 +116,10 @@ def _alone(unknown: Unknown, column: FloatArray, factor: float) -> list[Line]:
 def _pair(across: FloatArray, up: FloatArray) -> Cloud:
     """Give samples of two unknowns: shades, and lines around parts of them."""
     counts, xs, ys = np.histogram2d(across, up, bins=CELLS, range=[_ends(across), _ends(up)])
-    smooth = _smooth(_smooth(counts).T).T
+    smooth = np.asarray(ndimage.gaussian_filter(counts, SMOOTH, mode="constant", radius=REACH))
     order = np.sort(smooth.ravel())[::-1]
     part = np.cumsum(order) / order.sum()
     levels = sorted({float(order[min(int(np.searchsorted(part, p)), order.size - 1)]) for p in ENCLOSED})
     x, y = (0.5 * (edges[1:] + edges[:-1]) for edges in (xs, ys))
     colours = ("#cfe6f5", describe.TOUCHED)[-len(levels) :]
     return Cloud(x, y, smooth, tuple(levels), colours)
-
-
-def _smooth(counts: FloatArray) -> FloatArray:
-    """Smooth along the first axis by a Gaussian."""
-    reach = np.arange(-6, 7)
-    weights = np.exp(-0.5 * (reach / SMOOTH) ** 2)
-    return np.apply_along_axis(
-        lambda line: np.convolve(line, weights / weights.sum(), mode="same"), 0, counts
-    )

@@ -159,12 +159,8 @@ def identify(posterior: Posterior, values: dict[str, FloatArray], z: FloatArray)
     untouched = tuple(key for key, size in zip(keys, typical, strict=True) if size < UNTOUCHED)
     count = len(keys)
     together = np.atleast_2d(np.corrcoef(z[:, :count].T))
-    strong = tuple(
-        (keys[i], keys[j], float(together[i, j]))
-        for i in range(count)
-        for j in range(i)
-        if abs(together[i, j]) > STRONG
-    )
+    pairs = np.argwhere(np.tril(np.abs(together) > STRONG, -1))
+    strong = tuple((keys[i], keys[j], float(together[i, j])) for i, j in pairs)
     return Identified(tuple(indistinct), untouched, strong)
 
 
@@ -256,16 +252,9 @@ def _friction_rows(posterior: Posterior, values: Mapping[str, FloatArray]) -> li
             variance = float(np.mean(np.sum(emulated**2, axis=-1)))
             deviation = float(np.sqrt(computed.var() + variance))
             value, mean = float(measured[0]), float(computed.mean())
-            rows.append(
-                {
-                    "what": f"{course.name}: {what} {value:.3g} ± {error:.2g}",
-                    "mean": mean,
-                    "sd": deviation,
-                    "off": abs(mean - value) / float(np.hypot(error, np.sqrt(variance))),
-                    "unit": "",
-                    "missed": abs(mean - value) > MISSED * abs(level),
-                }
-            )
+            off = abs(mean - value) / float(np.hypot(error, np.sqrt(variance)))
+            row = {"what": f"{course.name}: {what} {value:.3g} ± {error:.2g}", "mean": mean, "sd": deviation}
+            rows.append(row | {"off": off, "unit": "", "missed": abs(mean - value) > MISSED * abs(level)})
     return rows
 
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -58,6 +59,7 @@ def infer(
     Raises InputError for what does not go together, ConvergenceError where samples do not converge.
     """
     study = study if isinstance(study, Study) else Study.load(study)
+    study.refuse_blocks("warpwear calibrate bayes")
     data = measured if isinstance(measured, Data) else data_of(study, experiments, measured or {})
     priors = dict(unknown) if isinstance(unknown, Mapping) else dict.fromkeys(unknown)
     unknowns, noise = unknowns_of(study, priors), noise_for(data, priors)
@@ -65,17 +67,9 @@ def infer(
     with _folder(out) as folder:
 
         def model_of(other: Study, part: float | None = None) -> Model:
+            how: Any = {"samples": runs, "seed": seed, "out": folder, "device": device, "part": part}
             rough = bool(data.kinds & {"sq_counter", "sq_disc"})
-            of_other = make_runs(
-                other,
-                unknowns,
-                samples=runs,
-                seed=seed,
-                out=folder,
-                device=device,
-                roughness=rough,
-                part=part,
-            )
+            of_other = make_runs(other, unknowns, roughness=rough, **how)
             return Model(other, tuple(unknowns), of_other, frozenset(data.kinds))
 
         def with_model(candidate: Candidate) -> Candidate:

@@ -59,24 +59,10 @@ def write_report(inference: Inference, folder: Path) -> list[Path]:
 def _page(inference: Inference, figures: Mapping[str, Figure], *, study: str, text: str) -> str:
     """Fill the page. study, text: name and content of the file of the study."""
     data = inference.posterior.data
-    return render(
-        "inference.html",
-        {"number": _in_digits},
-        title=inference.study.study.name,
-        rows=inference.table,
-        computed=inference.computed(),
-        sentences=inference.sentences,
-        tests=inference.tests,
-        target=inference.target,
-        how=inference.how,
-        notes=[(c.name, c.notes) for c in data.courses] + [("data", data.notes)] * bool(data.notes),
-        keys=[row["key"] for row in inference.table],
-        correlations=inference.correlations.tolist(),
-        pictures=[(embedded(figure), CAPTIONS[name]) for name, figure in figures.items()],
-        calibrated=text,
-        written=study,
-        misses=inference.misses,
-    )
+    content: dict[str, Any] = {"inference": inference, "written": study, "calibrated": text}
+    content["notes"] = [(c.name, c.notes) for c in data.courses] + [("data", data.notes)] * bool(data.notes)
+    content["pictures"] = [(embedded(figure), CAPTIONS[name]) for name, figure in figures.items()]
+    return render("inference.html", {"number": _in_digits}, **content)
 
 
 def write_samples(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray], path: Path) -> None:

@@ -87,7 +87,8 @@ class Runs:
         rough = np.log(courses) if positive else courses
         fit = signal.savgol_filter(rough, WINDOW, DEGREE, axis=1)
         square = np.mean((rough - fit) ** 2, axis=0) * WINDOW / (WINDOW - DEGREE - 1)
-        scatter = np.sqrt(ndimage.uniform_filter1d(square, 2 * WINDOW, mode="nearest"))
+        mean = ndimage.uniform_filter1d(square, 2 * WINDOW, mode="nearest")
+        scatter = np.sqrt(np.maximum(mean, 0.0))  # a running sum leaves −1e-20 of zeros
         return places, np.exp(fit) if positive else fit, scatter
 
 

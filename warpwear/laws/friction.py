@@ -14,8 +14,10 @@ import numpy as np
 
 from warpwear.grid import FloatArray
 from warpwear.laws.junctions import junction_strength
-from warpwear.laws.passes import WHEN, Laps, When, mean_over
+from warpwear.laws.passes import WHEN, Laps, When, mean_over, within
 
+#: A load [N], or one a step.
+Load = float | FloatArray
 AREAS = ("contact", "touched", "cumulative", "nominal")
 #: Keys of [friction] that the coefficient is linear in: the offset, and the shear strengths.
 COEFFICIENT = "coefficient"
@@ -104,7 +106,7 @@ class FrictionLaw:
         bare = self.final_strength(history, **fit) * self.factor(history)
         return self._mean(bare, self.values[FILM_STRENGTH], history)
 
-    def coefficient(self, history: Mapping[str, FloatArray], *, load: float, **fit: Any) -> FloatArray:
+    def coefficient(self, history: Mapping[str, FloatArray], *, load: Load, **fit: Any) -> FloatArray:
         """Return the coefficient of friction of every step; NaN while τ waits for the end."""
         tau = self.strength(history, load=load, **fit)
         return np.asarray(self.values[PLOUGHING] + tau * history[f"area_{self.area}"] / load)
@@ -113,7 +115,7 @@ class FrictionLaw:
         """Return key of a strength -> the area [mm²] that it shears at every step, without `factor`."""
         area = history[f"area_{self.area}"]
         if FILM_STRENGTH not in self.strengths:
-            return {STRENGTH: area}
+            return dict.fromkeys(self.strengths, area)
         bare, filmed = self._mean(1.0, 0.0, history), self._mean(0.0, 1.0, history)
         return {STRENGTH: area * bare, FILM_STRENGTH: area * filmed}
 
@@ -123,11 +125,12 @@ class FrictionLaw:
         return np.asarray(bare if filmed is None else filmed + (bare - filmed) * history["bare_fraction"])
 
     def final_strength(
-        self, history: Mapping[str, FloatArray], *, load: float, finished: bool, laps: Laps | None = None
+        self, history: Mapping[str, FloatArray], *, load: Load, finished: bool, laps: Laps | None = None
     ) -> float:
         """Return τ0 [MPa], as given or as calibrated; NaN while it waits for the end.
 
-        load: F [N]. finished: whether the history is whole. laps: of a ball on a track.
+        load: F [N], of a programme that of every step. finished: whether the history is whole. laps: of a
+        ball on a track.
         """
         when = self.values["calibrate"]
         if self.values[STRENGTH] is not None:
@@ -137,18 +140,21 @@ class FrictionLaw:
         return self.strength_for(history, when, area=self.area, load=load, laps=laps)
 
     def strength_for(
-        self, history: Mapping[str, FloatArray], when: When, *, area: str, load: float, laps: Laps | None
+        self, history: Mapping[str, FloatArray], when: When, *, area: str, load: Load, laps: Laps | None
     ) -> float:
         """Return τ0 = (μ0 − μ_p) F / A0 [MPa], by which the measured coefficient holds (eq 4.19).
 
         when: at the start or the end; A0 is the mean over the first pass or the last cycle, as an area
-        changes with the place on a track. A0 contains `factor`.
+        changes with the place on a track, and F the load there. A0 contains `factor`.
         """
+        if not np.isscalar(load):
+            here = np.asarray(load)[within(history, when, laps)]
+            load = float(here[0]) if np.ptp(here) == 0.0 else mean_over(history, np.asarray(load), when, laps)
         sheared = mean_over(history, history[f"area_{area}"] * self.factor(history), when, laps)
         return fitted_strength(self.values["coefficient"], self.values[PLOUGHING], load=load, area=sheared)
 
     def calibrations(
-        self, history: Mapping[str, FloatArray], *, load: float, hardness: float, laps: Laps | None = None
+        self, history: Mapping[str, FloatArray], *, load: Load, hardness: float, laps: Laps | None = None
     ) -> dict[str, float]:
         """Return τ0 [MPa] by which the measured coefficient holds with each area, at the start and the end.
 
@@ -176,10 +182,6 @@ class CoulombLaw(FrictionLaw):
     def coefficient(self, history: Mapping[str, FloatArray], **fit: Any) -> FloatArray:
         """Return μ of every step."""
         return np.full_like(history["distance"], self.values[COEFFICIENT])
-
-    def sheared(self, history: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Return no area: none shears."""
-        return {}
 
     def final_strength(self, history: Mapping[str, FloatArray], **fit: Any) -> float:
         """Return NaN: there is no shear strength."""

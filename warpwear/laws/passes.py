@@ -1,7 +1,8 @@
-"""Passes of a ball over a track: steps of the first and the last, and what either direction has."""
+"""Blocks of a programme, and passes over a track: the first and the last, and what either direction has."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -30,6 +31,44 @@ class Laps(NamedTuple):
 
     def _turned(self, distance: float) -> bool:
         return distance >= 2.0 * self.length * (1.0 - 1.0e-9)
+
+
+@dataclass(frozen=True)
+class Block:
+    """Holds what one block of a programme is; a test without a programme is one block."""
+
+    number: int  # from 1
+    start: float  # sliding distance at which it begins [mm]
+    end: float  # and at which it ends [mm]
+    load: float  # F [N]
+    speed: float | None  # mean sliding speed [mm/s]; None where it is not known
+    since: tuple[float, float]  # distance [mm] and time [s] from which its speed has held; NaN: not known
+
+    @property
+    def length(self) -> float:
+        """Return what it slides [mm]."""
+        return self.end - self.start
+
+    def time(self, distance: float) -> float:
+        """Return the time [s] at a sliding distance [mm] within it; NaN where that is not known."""
+        start, begins = self.since
+        return begins + (distance - start) / self.speed if self.speed else math.nan
+
+    @classmethod
+    def in_a_row(cls, blocks: Iterable[tuple[float, float, float | None]]) -> "tuple[Block, ...]":
+        """Return blocks one after another, each of a load [N], a length [mm] and a mean speed [mm/s]."""
+        row: list[Block] = []
+        start, since = 0.0, (0.0, 0.0)
+        for number, (load, length, speed) in enumerate(blocks, 1):
+            if row and speed != row[-1].speed:
+                since = start, row[-1].time(start)
+            row.append(cls(number, start, start + length, load, speed, since))
+            start += length
+        return tuple(row)
+
+    def slides(self, distance: float) -> float:
+        """Return what it slides of the test's first distance [mm]."""
+        return max(min(self.end, distance) - self.start, 0.0)
 
 
 class Directions(NamedTuple):

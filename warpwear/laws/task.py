@@ -2,13 +2,35 @@
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Protocol
 
+from warpwear.grid import FloatArray
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.elastic import Hertz
 from warpwear.laws.film import Film
-from warpwear.laws.form import Form
 from warpwear.laws.pieces import Pieces
+
+
+class Form(Protocol):
+    """What models ask of the unworn counter-body's form, see `warpwear.surfaces.form`."""
+
+    @property
+    def curvature(self) -> float:
+        """Return 1/R of a ball [1/mm], whose heights kernels make; 0 of every other form."""
+
+    @property
+    def is_flat(self) -> bool:
+        """Tell whether it is the rigid flat, whose contact has no outline."""
+
+    @property
+    def rises(self) -> tuple[bool, bool]:
+        """Tell whether it rises along sliding and across it; where it does not, it ends with the domain."""
+
+    def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Return its heights [mm] at the points x × y [mm], shape (x.size, y.size)."""
+
+    def beneath(self, heights: FloatArray, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Return heights [mm] under the kernels' ball or flat that leave the gap over a disc's."""
 
 
 @dataclass(frozen=True)

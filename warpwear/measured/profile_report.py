@@ -18,6 +18,8 @@ from warpwear.surfaces.worn.track import Track
 
 #: Heights over the mean line, in Rq, at which the material ratio is told.
 LEVELS = (1.0, 0.0, -1.0)
+#: Parameters that are heights.
+HEIGHTS = ("ra", "rq", "rz", "rp", "rv", "rt")
 
 
 def line_of(surface: Measured, line: str) -> Profile:
@@ -38,16 +40,15 @@ def line_of(surface: Measured, line: str) -> Profile:
     return checked(Profile(surface.pixel[1 - across], surface.measured.take(index, across), about))
 
 
-def profile_rows(profile: Profile, degree: int) -> list[Row]:
-    """Declare what was read. degree: of the polynomial taken off."""
-    form = ["as read", "mean line taken off"][degree] if degree < 2 else f"degree {degree} taken off"
+def profile_rows(profile: Profile, degree: int, *, beside: str = "") -> list[Row]:
+    """Declare what was read. degree: of the polynomial taken off, beside: fitted to what."""
+    form = f"polynomial of degree {degree}{beside} taken off"
     about = profile.about
     return [
         *(Row("", key, value) for key, value in about.items()),
         Row("line", "", about.get("line")),
         Row("points", "points", profile.heights.size),
-        Row("", "missing", int(profile.missing.sum())),
-        Row("missing", "", int(profile.missing.sum()) or None, note="points"),
+        Row("missing", "missing", int(profile.missing.sum()), note="points"),
         Row("spacing", "spacing_um", 1e3 * profile.spacing),
         Row("length", "length_mm", profile.length),
         Row("form", "form", form),
@@ -58,18 +59,15 @@ def profile_rows(profile: Profile, degree: int) -> list[Row]:
 def parameter_rows(p: Parameters) -> list[Row]:
     """Declare the parameters of ISO 21920-2."""
     by_level = [(round(level, 1), material_ratio(p.rough, level * p.rq)) for level in LEVELS]
-    ratios = ", ".join(f"{ratio:.3g} % at {level:+g} Rq" for level, ratio in by_level).replace("-", "−")
+    ratios = ", ".join(f"{ratio:.3g} % at {level:g} Rq" for level, ratio in by_level).replace("-", "−")
     core = vars(p.bearing)
     return [
         Row("filtered", "", [*_filters(p), *p.notes]),
         Row("", "lambda_c_mm", p.cut_off),
         Row("", "lambda_s_um", None if p.short is None else 1e3 * p.short),
         Row("", "sections", p.sections),
-        Row("", "notes", list(p.notes)),
-        *(
-            Row(name.title(), f"{name}_um", 1e3 * vars(p)[name])
-            for name in ("ra", "rq", "rz", "rp", "rv", "rt")
-        ),
+        Row("", "filter_notes", list(p.notes)),
+        *(Row(name.title(), f"{name}_um", 1e3 * vars(p)[name]) for name in HEIGHTS),
         *(Row(name.title(), name, vars(p)[name]) for name in ("rsk", "rku")),
         Row("RSm", "rsm_um", None if p.rsm is None else 1e3 * p.rsm),
         Row("RSm", "", "none: fewer than two profile elements" if p.rsm is None else None),
@@ -94,24 +92,15 @@ def groove_rows(groove: Track) -> list[Row]:
     low, high = groove.window
     net, error = float(groove.net[0]), groove.net_error
     middle = 0.5 * groove.y.size * float(groove.y[1] - groove.y[0])
-    doubt = (
-        "the section is hardly told from the surface's own waviness" if error > DOUBTED * abs(net) else None
-    )
+    doubt = "the section is hardly told from the surface's own waviness"
     return [
         Row("groove", "width_mm", groove.width, digits=3, note="wide at the level of the surface beside it"),
         Row("depth", "depth_um", 1e3 * groove.depth),
         Row("summed", "window_mm", [low + middle, high + middle], note="from the profile's beginning"),
         Row("below", "section_below_um2", 1e6 * below, digits=5),
         Row("above", "section_above_um2", 1e6 * above, digits=3),
-        Row(
-            "section",
-            "section_um2",
-            1e6 * net,
-            digits=5,
-            error=("section_error_um2", 1e6 * error),
-            note=ERROR,
-        ),
-        Row("warning", "warning", doubt),
+        Row("section", "section_um2", 1e6 * net, 5, ERROR, ("section_error_um2", 1e6 * error)),
+        Row("warning", "warning", doubt if error > DOUBTED * abs(net) else None),
     ]
 
 
@@ -127,13 +116,13 @@ def profile_figure(profile: Profile, p: Parameters) -> Figure:
     places = first + profile.spacing * (np.arange(p.rough.size) + 0.5)
     ratio, reached = material_ratio_curve(p.rough)
     return _stack(
-        _chart("Profile", profile.places, profile.heights, "form taken off"),
-        _chart("Roughness", places, p.rough, f"Ra {1e3 * p.ra:.3g} µm"),
+        _chart("Profile", "height less form, µm", profile.places, profile.heights),
+        _chart("Roughness", "roughness, µm", places, p.rough),
         Chart(
             "Material ratio",
             Axis("material ratio, %", low=0.0, high=100.0),
             Axis("height, µm"),
-            [Line(ratio, 1e3 * reached, "material ratio", Look(DISC)), Level(0.0, look=Look(width=0.6))],
+            [Line(ratio, 1e3 * reached, look=Look(DISC)), Level(0.0, look=Look(width=0.6))],
         ),
     )
 
@@ -150,15 +139,13 @@ def groove_figure(groove: Track) -> Figure:
         np.where(groove.inside, 1e3 * heights, np.nan),
         np.where(groove.inside, 0.0, np.nan),
     )
-    chart = _chart("Groove", places, heights, "profile", filled)
-    return _stack(chart)
+    return _stack(_chart("Groove", "height over the reference, µm", places, heights, filled))
 
 
-def _chart(title: str, places: FloatArray, heights: FloatArray, label: str, *more: Line) -> Chart:
+def _chart(title: str, up: str, places: FloatArray, heights: FloatArray, *more: Line) -> Chart:
     """Draw heights [mm] over places [mm]."""
-    look = Look(DISC, width=0.6)
-    drawn = [Line(places, 1e3 * heights, label, look), *more, Level(0.0, look=Look(NEUTRAL, width=0.6))]
-    return Chart(title, Axis("place, mm"), Axis("height, µm"), drawn)
+    line = Line(places, 1e3 * heights, look=Look(DISC, width=0.6))
+    return Chart(title, Axis("place, mm"), Axis(up), [line, *more, Level(0.0, look=Look(NEUTRAL, width=0.6))])
 
 
 def _stack(*panels: Chart) -> Figure:

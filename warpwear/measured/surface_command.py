@@ -174,7 +174,8 @@ def _profile(profile: Profile, kind: str, options: SurfaceOptions) -> Outcome:
         "is for a map of heights, and this is a profile",
     )
     degree = _degree(options.preparation.get("level"))
-    head = tuple(profile_rows(profile, degree))
+    beside = " through the profile beside the groove" if kind == "track" else ""
+    head = tuple(profile_rows(profile, degree, beside=beside))
     if kind == "track":
         width = optional("--track-width", options.track_width, "mm")
         groove = find_groove(profile, degree=degree, width=width)
@@ -258,10 +259,12 @@ def changed_since(surface: Measured, before: Path, preparation: Mapping[str, str
 
 
 def _degree(level: str | None) -> int:
-    """Return the degree of --level for a worn disc. Raises InputError for a sphere."""
+    """Return the degree of --level for a worn disc. Raises InputError for a form."""
     degree = degree_of(_level(level) if level is not None else "plane")
     if isinstance(degree, str):
-        raise InputError("--level sphere is for a ball: allowed here is none, plane or a degree")
+        raise InputError(
+            f"--level {degree} is for a ball or a roller: allowed here is none, plane or a degree"
+        )
     return degree
 
 
@@ -325,13 +328,15 @@ def read_surface(file: Path, preparation: Mapping[str, str | None]) -> Measured:
     except ValidationError as error:
         raise InputError(_with_options(f"disc.{sentence(error, Disc)}")) from error
     except InputError as error:
-        raise type(error)(_with_options(str(error))) from error
+        raise InputError(_with_options(str(error))) from error
+    if surface.is_profile:
+        raise HoldsAProfile(f"the file '{file}' holds a profile (line scan), and no map of heights")
     return surface
 
 
 def _with_options(text: str) -> str:
     """Say in a text about [disc] what its keys are called here: --height-unit for disc.height_unit."""
-    text = text.replace("disc.surface '", "the file '")
+    text = text.replace("disc.surface '", "the file '").replace("disc.surface is", "the file is")
     return KEYS.sub(lambda match: f"--{match[1].replace('_', '-')}", text)
 
 

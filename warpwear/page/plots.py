@@ -49,17 +49,13 @@ class Coded:
 
 def plots_of(name: str, figure: Figure) -> list[dict[str, Any]]:
     """Turn the panels of a figure into plots; `name` is that of the picture where no script draws."""
-    return [
-        {
-            "id": panel.title.lower(),
-            "title": panel.title,
-            "caption": getattr(panel, "note", "").replace("\n", "; "),
-        }
-        | {"static": name}
-        | KINDS[type(panel)](panel)
-        for panel in figure.panels
-        if not isinstance(panel, Empty) and type(panel) in KINDS
-    ]
+    plots = []
+    for panel in figure.panels:
+        if not isinstance(panel, Empty) and type(panel) in KINDS:
+            caption = getattr(panel, "note", "").replace("\n", "; ")
+            about = {"id": panel.title.lower(), "title": panel.title, "caption": caption, "static": name}
+            plots.append(about | KINDS[type(panel)](panel))
+    return plots
 
 
 def colour_of(colour: str) -> str:

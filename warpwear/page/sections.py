@@ -80,7 +80,7 @@ def pieces(plot: Plotter, data: FigureData) -> Section:
 
 def roughness(plot: Plotter, data: FigureData) -> Section:
     """Show the disc's height parameters in the scar, or in the groove of a track."""
-    place, name = ("groove", "track_roughness") if data.study.is_swept else ("scar", "roughness")
+    place, name = data.groove, "track_roughness" if data.study.is_swept else "roughness"
     text = f"Height parameters (ISO 25178-2) of the disc in the middle of the {place}, its form taken off."
     return Section(f"Roughness in the {place}", _figures(plot, data, name), "roughness", text)
 
@@ -103,7 +103,7 @@ SECTIONS: tuple[Callable[[Plotter, FigureData], Section], ...] = (
     pieces,
     _of_one("profiles", "The scar in section", IN_SECTION),
     roughness,
-    _of_one("groove", "The groove"),
+    lambda plot, data: _of_one("groove", f"The {data.groove} of the disc")(plot, data),
     _of_one("load_share", "Load shares of the patches", "Load over the area of each macro cell."),
     bodies,
 )

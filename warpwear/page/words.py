@@ -39,6 +39,8 @@ def disc_of(study: Study) -> str:
         return "a smooth disc"
     if disc.synthetic is None:
         return f"the measured disc {Path(disc.surface or '').name}"
+    if disc.synthetic.like:
+        return f"a disc made like the profile {Path(disc.synthetic.like).name}"
     kind, ra, sq = disc.synthetic.kind, disc.synthetic.ra, disc.synthetic.sq
     height = f"Ra {1e3 * ra:.3g} µm" if ra else f"Sq {1e3 * (sq or 0.0):.3g} µm"
     return f"a made {kind} disc of {height}"
@@ -59,7 +61,7 @@ def motion_of(study: Study, distance: float) -> str:
 
 def asked_of(study: Study, distance: float) -> str:
     """Say in one sentence what the run was to find. distance: that it has slid [mm]."""
-    load = f"under {study.contact.load:.4g} N"
+    load = f"under {study.loads} N" + (f" in {len(study.block)} blocks" if study.block else "")
     more = ", how much is worn off" if study.sliding.total else ""
     law = "the local law" if study.contact.law == "local" else "the half-space"
     return (

@@ -17,7 +17,7 @@ from warpwear.laws.junctions import share_above
 from warpwear.laws.settling import Settling, fit_settling
 from warpwear.results.file import ResultFile
 from warpwear.results.formats.bodies import worn_heights
-from warpwear.results.track import whole_rows
+from warpwear.results.track import inner_rows
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.spectrum import Spectrum
 from warpwear.surfaces.worn.scar import Texture, ellipse, fine_spectrum, roughness_without_form, texture
@@ -153,7 +153,7 @@ def inner_scar(
             heights = worn_heights(result, snapshot, body, (rows, columns))
         worn = snapshot.wear_counter if body == "counter" else snapshot.wear_disc
         return [heights + worn[rows, columns] if unworn else heights]
-    whole, length = whole_rows(result), rows.stop - rows.start
+    whole, length = inner_rows(result), rows.stop - rows.start
     length = min(length, whole.stop - whole.start)
     places = min(PLACES, max((whole.stop - whole.start) // max(length, 1), 1))
     starts = np.linspace(whole.start, whole.stop - length, places).astype(int)

@@ -19,11 +19,11 @@ from warpwear.grid import FloatArray, IntArray
 from warpwear.history.quantities import FIELDS, OF_PIECES, UNITS
 from warpwear.history.rows import History, Named
 from warpwear.history.snapshot import Snapshot
-from warpwear.laws.form import Given
 from warpwear.results.check import ATTRIBUTES, check_content, check_fields, current, stored
 from warpwear.results.seal import digest_of, has_mark, read_header
 from warpwear.study.study import Study
 from warpwear.study.units import parse
+from warpwear.surfaces.form import Given
 
 Derived = TypeVar("Derived")
 FILE_NAME = "result.h5"

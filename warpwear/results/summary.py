@@ -38,6 +38,7 @@ def summarise(result: ResultFile) -> list[Row]:
     end = last_values(result)
     rows = [
         *_run(result, end),
+        *_blocks(result),
         *_contact(result, end),
         *([] if result.study.is_swept else _of_one_spot(result)),
         *summary_models.surfaces(result),
@@ -96,13 +97,36 @@ def _run(result: ResultFile, end: dict[str, float]) -> list[Row]:
             "cell_um": 1.0e3 * study.grid.cell,
             "distance_mm": end["distance"],
             "end_values": _end(result),
-            "load_N": study.contact.load,
+            "load_N": end["load"],
             "hardness_MPa": finite(study.hardness),
             "wear_coefficient_mm3_per_Nm": {body: 1.0e3 * k for body, k in coefficients.items()},
             "wear_coefficient_per_Pa": {body: 1.0e-6 * k for body, k in coefficients.items()},
             **({"wear_coefficient_mm3_per_J": study.wear.per_energy} if study.wear.law == "energy" else {}),
         }
     )
+
+
+def _blocks(result: ResultFile) -> list[Row]:
+    """Declare what each block of a programme wore, and its mean friction; nothing without a programme."""
+    history, rows = result.history, []
+    if result.study.block is None:
+        return []
+    for block in result.study.blocks:
+        steps = np.flatnonzero(history["block"] == block.number)
+        if not steps.size:  # of a run that was stopped before
+            break
+        before, last = steps[0] - 1, steps[-1]
+        worn = {b: history[f"wear_volume_{b}"] for b in BODIES}
+        volumes = {b: float(of[last] - (of[before] if before >= 0 else 0.0)) for b, of in worn.items()}
+        depths = {b: 1.0e3 * float(history[f"wear_depth_{b}"][last]) for b in BODIES}
+        mean = float(np.average(history["cof"][steps], weights=history["increment"][steps]))
+        slid = min(block.end, float(history["distance"][last])) - block.start
+        numbers = {"load_N": block.load, "distance_mm": slid, "steps": int(steps.size)}
+        numbers |= {"volume_mm3": volumes, "depth_um": depths, "cof_mean": finite(mean)}
+        text = f"{block.load:.4g} N over {slid:.6g} mm: worn {shown(volumes)} mm³; deepest at its end "
+        text += f"{shown(depths)} µm; mean CoF {shown(finite(mean), 3)}"
+        rows.append(Row(f"block {block.number}", "", numbers, sentence=text))
+    return [*rows, Row("", "blocks", [{"number": n, **row.value} for n, row in enumerate(rows, 1)])]
 
 
 def _contact(result: ResultFile, end: dict[str, float]) -> list[Row]:
@@ -112,7 +136,8 @@ def _contact(result: ResultFile, end: dict[str, float]) -> list[Row]:
         of_pass, of_steps = f"(mean of the {_end(result)}), ", f", of the {_end(result)}"
     along, across = end["patch_along"], end["patch_across"]
     real, means = end["area_contact"] / end["area_nominal"], result.history["pressure_mean"]
-    of_nominal = f"{of_pass}{real:.3g} of the nominal area (the scar as an ellipse)"
+    outline = "a rectangle" if result.study.counter.form.is_line else "an ellipse"
+    of_nominal = f"{of_pass}{real:.3g} of the nominal area (the scar as {outline})"
     names = ("plastic", "touched", "cumulative")
     others = [Row(BY_NAME[f"area_{name}"].short, name, end[f"area_{name}"]) for name in names]
     areas = [
@@ -158,7 +183,7 @@ def _by_scheme(result: ResultFile) -> list[Row]:
     yields = study.study.model != "micro" or study.contact.law != "local" or study.contact_law().compliance
     if yields or study.wear.sheds or not study.is_rough or not study.sliding.total or not study.caps_pressure:
         return []
-    explicit, area = study.stepping.scheme == "explicit", study.contact.load / study.hardness
+    explicit, area = study.stepping.scheme == "explicit", result.history["load"][-1] / study.hardness
     text = f"explicit: the area stays near load over hardness, {area:.3g} mm²; by implicit ones it grows"
     if not explicit:
         text = f"implicit: bodies yield by their wear; by explicit ones the area stays near {area:.3g} mm²"
@@ -198,7 +223,7 @@ def _of_one_spot(result: ResultFile) -> list[Row]:
 def _friction(result: ResultFile, end: dict[str, float]) -> list[Row]:
     """Declare friction: its course, the strength that it is made of, and those that other choices ask for."""
     study, history, section = result.study, result.history, result.study.friction
-    law, load, laps = section.law_with(), study.contact.load, study.laps
+    law, load, laps = section.law_with(), history["load"], study.laps
     first, last = finite(passes.mean_over(history, history["cof"], "initial", laps)), finite(end["cof"])
     strength = finite(law.final_strength(history, load=load, finished=result.finished, laps=laps))
     others = law.calibrations(history, load=load, hardness=study.indentation_hardness, laps=laps)
@@ -306,7 +331,7 @@ def _fitted(fit: Breaking | str) -> list[Row]:
 def _checks(result: ResultFile, end: dict[str, float]) -> list[Row]:
     """Declare residuals, conservation, and what the run's own record and its assumptions are."""
     study, residuals = result.study, np.abs(result.history["load_residual"])
-    expected = study.wear_coefficients[1] * study.contact.load * end["distance"]
+    expected = sum(study.wear_coefficients[1] * b.load * b.slides(end["distance"]) for b in study.blocks)
     off = {body: _off_archard(end, body) for body in BODIES}
     largest, assumed = float(residuals.max()), render.assumptions(study)
     checks = [

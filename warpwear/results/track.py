@@ -79,6 +79,14 @@ def whole_rows(result: ResultFile) -> slice:
     return slice(int(inside[0]), int(inside[-1]) + 1)
 
 
+def inner_rows(result: ResultFile) -> slice:
+    """Return the rows whose roughness is that of the track: `whole_rows`, or half of the scar's if more."""
+    whole = whole_rows(result)
+    middle = (whole.start + whole.stop) // 2
+    half = round(0.5 * MIDDLE * float(result.history["patch_along"][-1]) / result.study.grid.cell)
+    return slice(max(min(whole.start, middle - half), 0), max(whole.stop, middle + half))
+
+
 def groove(result: ResultFile, index: int) -> Groove:
     """Return the groove at snapshot number `index`."""
     rows = whole_rows(result)
@@ -145,12 +153,10 @@ def roughness_in_track(result: ResultFile) -> dict[str, FloatArray]:
     The middle half of the final patch's width, so that all are of the same cells, and of its length at least;
     its form is taken off.
     """
-    whole, history = whole_rows(result), result.history
-    middle = (whole.start + whole.stop) // 2
-    inner = round(0.5 * MIDDLE * float(history["patch_along"][-1]) / result.study.grid.cell)
-    first, last = min(whole.start, middle - inner), max(whole.stop, middle + inner)
-    part = slice(max(first, middle - ROUGH_ROWS // 2, 0), min(last, middle + ROUGH_ROWS // 2))
-    half = 0.5 * MIDDLE * float(history["patch_across"][-1])
+    inner = inner_rows(result)
+    middle = (inner.start + inner.stop) // 2
+    part = slice(max(inner.start, middle - ROUGH_ROWS // 2), min(inner.stop, middle + ROUGH_ROWS // 2))
+    half = 0.5 * MIDDLE * float(result.history["patch_across"][-1])
     columns = np.flatnonzero(np.abs(result.y) <= half)
     unworn = result.track_heights(part)[:, columns]
     everywhere = np.ones(unworn.shape, dtype=bool)
@@ -209,8 +215,8 @@ def whole_steps(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.bool_
 def by_pass(result: ResultFile, *means: str) -> dict[str, FloatArray]:
     """Return one value a computed pass, of which the last may be short.
 
-    `number` (from 1; the last that it stands for), `distance` slid in it [mm], volumes lost in it [mm³], and means over its distance of
-    the columns of the history that are asked for.
+    `number` (from 1; of a jump its last), `distance` slid in it [mm], volumes lost in it [mm³], and means
+    over its distance of the columns of the history that are asked for.
     """
     history, number, increment = result.history, pass_numbers(result), result.history["increment"]
     last = np.append(np.flatnonzero(np.diff(number)), number.size - 1)

@@ -72,14 +72,8 @@ class ResultWriter:
         #: Number -> snapshot, of those whose files need not be read back.
         self.at_hand: dict[int, Snapshot] = {}
         self._require_space(0)
-        file.attrs.update(
-            version=__version__,
-            study=toml,
-            device=device,
-            threads=threads,
-            precision="float64",
-            finished=False,
-        )
+        about = {"version": __version__, "study": toml, "device": device, "threads": threads}
+        file.attrs.update(about | {"precision": "float64", "finished": False})
         self._add_axis("grid/x", study.cells.x)
         self._add_axis("grid/y", study.cells.y)
         file.create_group("snapshots")

@@ -50,7 +50,7 @@ def of_count(study: Study, count: float, when: str) -> Iterator[str]:
         return
     area = max(count, 1.0) * study.cells.cell_area
     if count < COUNTED_CELLS:  # which say little of an area, that the load and the hardness bound
-        area = min(area, study.contact.load / study.hardness or area)
+        area = min(area, study.blocks[0].load / study.hardness or area)
     enough = 1.0e3 * math.sqrt(area / FEW_CELLS)
     digit = 10.0 ** (math.floor(math.log10(enough)) - 1)
     yield (
@@ -79,7 +79,7 @@ def of_history(study: Study, history: Mapping[str, FloatArray], *, finished: boo
         yield doubt
     friction, limit = study.friction, study.shear_limit
     tau = friction.law_with().final_strength(
-        history, load=study.contact.load, finished=finished, laps=study.laps
+        history, load=history["load"], finished=finished, laps=study.laps
     )
     film = friction.film.shear_strength if friction.film else 0.0
     for name, strength in (("shear strength τ0", tau), ("film's", film)):

@@ -93,9 +93,12 @@ def is_finished(folder: Path, order: RunOrder) -> bool:
             raise InputError(
                 f"out = {folder} holds a run of another study ({', '.join(changed)}); {OTHER_FOLDER}."
             )
-        surface, digest = order.study.disc.surface, result.record["surface"].get("sha256")
-        if digest and surface and Path(surface).is_file() and digest_of(surface) != digest:
-            raise InputError(f"out = {folder} holds a run on what {surface} was before; {OTHER_FOLDER}.")
+        record = result.record["surface"]
+        files = {order.study.disc.surface: record, order.study.counter.surface: record.get("counter", {})}
+        for surface, of_file in files.items():
+            digest = of_file.get("sha256")
+            if digest and surface and Path(surface).is_file() and digest_of(surface) != digest:
+                raise InputError(f"out = {folder} holds a run on what {surface} was before; {OTHER_FOLDER}.")
     if finished and (left := _work_folders(folder)):  # killed when all was in place
         with held(folder):
             _clean(folder, left)

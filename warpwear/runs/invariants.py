@@ -50,7 +50,7 @@ class Invariants:
         self._radius, self._repeats = study.counter.nominal_radius, study.repeats
         of_bearing_area = study.load_tolerance if study.uses_bearing_area else 0.0
         #: Load that may be left unbalanced [N]: what the study's balance is solved to.
-        self._residual = max(TOLERANCE * study.contact.load, of_bearing_area)
+        self._residual = max(TOLERANCE * max(block.load for block in study.blocks), of_bearing_area)
         self._uncovered = study.patch_layout.uncovered if study.study.model == "two-scale" else 0
 
     def of_row(

@@ -1,13 +1,15 @@
 """Cycles of a track that stand for many: how many each may stand for, and what that does to the depths.
 
 A jump of n cycles is one cycle whose increments are n times as long: at each of its places both bodies lose
-n K p dL, and laws of the distance are integrated over all that it stands for. Its local error is C n (n − 1),
-none for n = 1. Now and then a look computes the next cycles twice, from one state: as one jump of 2 m cycles
-and as two of m. What their worn depths differ by is 2 C m², rms over the scar; then the state is put back.
+n K p dL, and laws of the distance are integrated over all that it stands for. A second state of the same
+model, the coarse one, goes along in jumps twice as long. What both differ by in worn depth, rms over the
+scar, is the error that is told: that of the run is no larger, as it goes with n − 1, the coarse one's with
+2n − 1. It is the error of the whole run so far, so what later cycles mend is in it.
 """
 
+import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from itertools import islice
 from typing import Any, ClassVar
 
@@ -18,158 +20,191 @@ from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.laws.archard import BODIES
 from warpwear.models.model import Model
+from warpwear.runs.order import RunOrder
 from warpwear.runs.plan import Planned, kept_after
-from warpwear.study.study import Study
 
-#: Part of the tolerance that a jump is made for, as the next ones differ from the one looked at.
+#: Part of what is allowed that a jump is made for, as the next ones differ from the last.
 SAFETY = 0.8
-#: Jumps between looks: of a size that the error bounds, and of one that may double still.
-JUMPS, DOUBLING = 8, 2
-#: Cycles computed each by itself between looks, over those done.
-OF_DONE = 0.25
-#: Most that a jump may change mean area and bare fraction of the contact, relative.
+#: Most that the coarse state's area in contact and bare fraction may differ by, relative.
 OF_CONTACT = 0.02
+#: How far beyond what is allowed the coarse state is given up while cycles are computed one by one, after how
+#: many of its jumps, and when another is begun: after this part of the cycles done.
+HOPELESS, PATIENCE, AGAIN = 4.0, 4, 0.25
+#: Jumps of the coarse state before which their size does not grow.
+YOUNG = 2
+#: Columns of the history that both states are compared by.
+COMPARED = ("area_contact", "bare_fraction")
 
 
 class CycleJumps:
     """Plans the cycles of a run one by one, as steps of a model, and keeps the books of their error.
 
-    Snapshots and the end are met: their cycles, and the last whole one, stand for themselves.
+    Snapshots, ends of blocks and the end are met: their cycles, and the last whole one, stand for themselves.
+    begin: makes the model ready for a step.
     """
 
     STATE: ClassVar = {
         "model": Model,
         "stands_for": int,
         "made": int,
-        "errors": dict,
         "_cycle": int,
         "_step": int,
         "_size": int,
-        "_next_look": int,
-        "_seen": dict,
+        "_means": dict,
+        "_coarse": dict,
+        "_numbers": str,
+        "_behind": int,
+        "_left": int,
+        "_age": int,
+        "_errors": dict,
+        "_earlier": dict,
+        "_jumped": bool,
+        "_again": int,
     }
 
-    def __init__(self, study: Study, model: Model) -> None:
-        self.model, self._track, self._total = model, study.track, study.sliding.total
+    def __init__(self, order: RunOrder, model: Model, begin: Callable[[Planned], None]) -> None:
+        study = order.study
+        self.model, self._begin = model, begin
+        self._track, self._total = study.track, study.sliding.total
         self._stops = study.snapshot_distances
         jump = study.stepping.jump
         self._fixed = jump if isinstance(jump, int) else None
         self._tolerance = study.stepping.jump_error
-        cycle, end = self._track.cycle, self._total / self._track.cycle
+        cycle = self._track.cycle
         #: Cycles that stand for themselves: those with a stop, and all from the last whole one on.
-        self._alone = sorted({max(math.ceil(stop / cycle - 1.0e-9) - 1, 0) for stop in self._stops})
-        self._last = max(math.floor(end - 1.0 + 1.0e-9), 0)
-        #: Cycles that the one being made stands for; contacts computed, looks included.
+        stops = {*self._stops, *(block.end for block in order.blocks)}
+        self._alone = {max(math.ceil(stop / cycle - 1.0e-9) - 1, 0) for stop in stops}
+        self._last = max(math.floor(self._total / cycle - 1.0 + 1.0e-9), 0)
+        #: Cycles that the one being made stands for; contacts computed, the coarse state's included.
         self.stands_for, self.made = 1, 0
-        #: Sums of the local errors of worn depths, by body [mm, root of the sum over cells].
-        self.errors = dict.fromkeys(BODIES, 0.0)
-        self._cycle = self._step = self._next_look = 0
-        self._size = self._fixed or 1
-        #: C of each body, as last seen.
-        self._seen = dict.fromkeys(BODIES, 0.0)
+        self._cycle = self._step = self._left = self._age = self._again = 0
+        self._size, self._jumped = self._fixed or 1, False
+        #: The coarse state, and the cycle that it has come to; sums of `COMPARED` over the steps made since.
+        self._coarse: dict[str, FloatArray] = {}
+        self._numbers, self._behind, self._means = "", 0, dict.fromkeys(COMPARED, 0.0)
+        #: Differences of worn depths, by body [mm, root of the sum over cells].
+        self._errors = dict.fromkeys(BODIES, 0.0)
+        #: Those of the blocks before.
+        self._earlier = dict.fromkeys(BODIES, 0.0)
 
     def parts(self) -> Iterator[list[Planned]]:
         """Yield the steps that are left of the cycle at hand, then those of each cycle to be computed."""
-        while self._begin_at(self._cycle) < self._total * (1.0 - 1.0e-12):
+        while True:
             if self._step == 0:
+                self._begin(self._planned(self._cycle, 1)[0])
                 self._choose()
             self.model.stands_for = self.stands_for
-            yield self._planned(self._cycle, self.stands_for)[self._step :]
+            part = self._planned(self._cycle, self.stands_for)[self._step :]
+            if not part:  # the last cycle was cut
+                return
+            yield part
+            if self._cycle * self._track.cycle >= self._total * (1.0 - 1.0e-12):
+                return
 
-    def count(self) -> None:
+    def go_on_with(self, model: Model) -> None:
+        """Go on with the model of another block, whose coarse state begins anew; what was told stays."""
+        self.model, self._coarse, self._numbers, self._left = model, {}, "", 0
+        self._again, self._age, self._earlier = self._cycle, 0, dict(self._errors)
+
+    def count(self, row: Mapping[str, float]) -> None:
         """Book a step that was made."""
         self._step, self.made = self._step + 1, self.made + 1
+        self._means = _added(self._means, row)
         if self._step == self._steps:
-            n = self.stands_for
-            self.errors = {body: e + n * (n - 1) * self._seen[body] for body, e in self.errors.items()}
-            self._cycle, self._step = self._cycle + n, 0
+            self._jumped = self._jumped or self.stands_for > 1
+            self._cycle, self._step = self._cycle + self.stands_for, 0
 
     def told(self) -> dict[str, Any]:
         """Return what a result says of its jumps: errors relative to the rms depth of the whole run."""
-        depths = {body: _norm(worn) for body, worn in self._worn().items()}
-        error = {body: self.errors[body] / depths[body] if depths[body] else 0.0 for body in BODIES}
-        cycles = self._total / self._track.cycle
         return {
             "contacts": self.made,
             "contacts_of_every_cycle": int(self._track.steps(self._total)),
-            "cycles": cycles,
-            "depth_error": error,
+            "cycles": self._total / self._track.cycle,
+            "depth_error": self._relative() if self._jumped else dict.fromkeys(BODIES, 0.0),
         }
 
     @property
     def _steps(self) -> int:
         return self._track.passes_of_cycle * self._track.steps_of_pass
 
-    def _begin_at(self, cycle: int) -> float:
-        return cycle * self._track.cycle
-
     def _planned(self, cycle: int, stands_for: int) -> list[Planned]:
         """Plan the steps of a cycle that stands for so many."""
-        begin = self._begin_at(cycle)
+        begin = cycle * self._track.cycle
         steps = list(islice(self._track.increments(self._total, cycle=cycle), self._steps))
         if stands_for == 1:
             ahead = [stop for stop in self._stops if stop > begin + 1.0e-6 * steps[0][0]]
             return kept_after(ahead, steps, self._total)
         ends = [begin + stands_for * (end - begin) for _, end in steps[:-1]]
-        ends.append(self._begin_at(cycle + stands_for))
+        ends.append((cycle + stands_for) * self._track.cycle)
         return [(stands_for * step, end, False) for (step, _), end in zip(steps, ends, strict=True)]
 
-    def _free(self) -> int:
-        """Return how many cycles from here on may be jumped over."""
-        ends = [cycle for cycle in (*self._alone, self._last) if cycle >= self._cycle]
-        return min(ends, default=self._cycle) - self._cycle
-
     def _choose(self) -> None:
-        """Choose what the cycle that begins stands for, after a look where one is due."""
-        free = self._free()
-        if self._cycle >= self._next_look and free >= 2:
-            self._look(min(self._size, free // 2))
-        self.stands_for = max(min(self._size, free), 1)
+        """Choose what the cycle that begins stands for: half of a jump of the coarse state."""
+        if self._left == 0:
+            if self._coarse and self._behind < self._last:
+                self._follow()
+            free = min((c for c in (*self._alone, self._last) if c >= self._cycle), default=0) - self._cycle
+            self._left = min(max(free, 1), 2)
+            self.stands_for = max(min(self._size, free // 2), 1)
+            if not self._coarse and free > 1 and self._cycle >= self._again:
+                self._keep_coarse()
+                self._behind, self._age = self._cycle, 0
+            self._means = dict.fromkeys(COMPARED, 0.0)
+        self._left -= 1
 
-    def _look(self, m: int) -> None:
-        """Compute the next cycles twice, and see which size of a jump the error allows."""
-        before = state.save(self.model, whole=True)
-        start = self._worn()
+    def _keep_coarse(self) -> None:
+        self._coarse, numbers = state.save(self.model, whole=True)
+        self._numbers = json.dumps(numbers)
+
+    def _follow(self) -> None:
+        """Let the coarse state jump to where the run is, see how they differ, and choose the next size."""
+        fine, worn, jump = state.save(self.model, whole=True), self._worn(), self._cycle - self._behind
+        state.restore(self.model, self._coarse, json.loads(self._numbers))
+        self.model.stands_for = jump
+        means = dict.fromkeys(COMPARED, 0.0)
         try:
-            one, of_one = self._tried([(self._cycle, 2 * m)])
-            state.restore(self.model, *before)
-            two, of_two = self._tried([(self._cycle, m), (self._cycle + m, m)])
+            for step in self.model.steps([(step[0], False) for step in self._planned(self._behind, jump)]):
+                means, self.made = _added(means, step.row), self.made + 1
+            apart = {body: _norm(depth - worn[body]) for body, depth in self._worn().items()}
+            self._errors = {body: self._earlier[body] + error for body, error in apart.items()}
+            self._keep_coarse()
+            self._behind, self._age = self._cycle, self._age + 1
         except ConvergenceError:
-            one, two, of_one, of_two = start, start, {"area": math.inf}, {"area": 0.0}
-        state.restore(self.model, *before)
-        allowed = math.inf
-        for body in BODIES:
-            error, growth = _norm(one[body] - two[body]), _norm(two[body] - start[body])
-            self._seen[body] = error / (2.0 * m * m)
-            if error > 0.0:
-                allowed = min(allowed, 1.0 + SAFETY * self._tolerance * m * growth / error)
-        for name, value in of_two.items():
-            if change := abs(of_one[name] - value):
-                allowed = min(allowed, 1.0 + OF_CONTACT * m * value / change)
-        doubles = allowed >= 2 * m
-        if self._fixed is None:
-            self._size = max(int(min(allowed, 2 * m)), 1)
-        jumps = DOUBLING if doubles else JUMPS
-        self._next_look = self._cycle + max(
-            jumps * self._size, int(OF_DONE * self._cycle * (self._size == 1))
-        )
+            means = dict.fromkeys(COMPARED, math.inf)
+        state.restore(self.model, *fine)
+        self._adapt(max(self._of_depth(), self._of_contact(means, jump)))
 
-    def _tried(self, cycles: list[tuple[int, int]]) -> tuple[dict[str, FloatArray], dict[str, float]]:
-        """Compute cycles, each with what it stands for; return worn depths, and means over their contacts."""
-        rows: list[Mapping[str, float]] = []
-        for cycle, stands_for in cycles:
-            self.model.stands_for = stands_for
-            plan = [(increment, False) for increment, *_ in self._planned(cycle, stands_for)]
-            rows += [step.row for step in self.model.steps(plan)]
-        self.made += len(rows)
-        names = {"area": "area_contact", "bare": "bare_fraction"}
-        return self._worn(), {
-            key: float(np.mean([row[name] for row in rows])) for key, name in names.items() if name in rows[0]
-        }
+    def _adapt(self, ratio: float) -> None:
+        """Choose the size of the next jumps. ratio: of the error to what is allowed."""
+        if self._fixed is not None or (ratio < SAFETY and self._age < YOUNG):
+            return
+        self._size = max(min(int(self._size * SAFETY / max(ratio, 1.0e-3)), 2 * self._size), 1)
+        if ratio > HOPELESS and not self._jumped and self._age >= PATIENCE:
+            self._coarse, self._numbers = {}, ""
+            self._again = self._cycle + max(PATIENCE, int(AGAIN * self._cycle))
+
+    def _of_depth(self) -> float:
+        """Return the larger relative error of both depths, over what is allowed."""
+        return max(self._relative().values()) / self._tolerance
+
+    def _of_contact(self, means: Mapping[str, float], jump: int) -> float:
+        """Return the largest relative change of what is compared of the contact, over what is allowed."""
+        cycles = 2.0 if jump > 1 else 1.0
+        pairs = [(mean, self._means[name] / cycles) for name, mean in means.items() if self._means[name]]
+        return max(abs(coarse / fine - 1.0) for coarse, fine in pairs) / OF_CONTACT
+
+    def _relative(self) -> dict[str, float]:
+        """Return the errors over the depths, rms over the scar."""
+        depths = {body: _norm(worn) for body, worn in self._worn().items()}
+        return {body: self._errors[body] / depth if depth else 0.0 for body, depth in depths.items()}
 
     def _worn(self) -> dict[str, FloatArray]:
         """Return copies of what both bodies have lost [mm]."""
         return {body: worn.copy() for body, worn in zip(BODIES, self.model.worn(), strict=True)}
+
+
+def _added(sums: Mapping[str, float], row: Mapping[str, float]) -> dict[str, float]:
+    return {name: total + row.get(name, 0.0) for name, total in sums.items()}
 
 
 def _norm(field: FloatArray) -> float:

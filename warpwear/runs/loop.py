@@ -2,11 +2,11 @@
 
 import itertools
 import logging
-import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +17,6 @@ from warpwear.engine.executor import Executor
 from warpwear.errors import RESUME_IT, ConvergenceError, InvariantError
 from warpwear.history.rows import Rows
 from warpwear.history.snapshot import Snapshot
-from warpwear.laws.form import Given
 from warpwear.results.seal import versions
 from warpwear.results.writer import ResultWriter
 from warpwear.runs import doubts
@@ -26,10 +25,11 @@ from warpwear.runs.checkpoint import Checkpoint, Checkpoints, StoredCheckpoint, 
 from warpwear.runs.console import Interrupts, Progress
 from warpwear.runs.invariants import Violation
 from warpwear.runs.jump import CycleJumps
-from warpwear.runs.make import model_of
+from warpwear.runs.make import model_in, model_of
 from warpwear.runs.order import RunOrder
 from warpwear.runs.plan import Planned
 from warpwear.runs.step import RunStep
+from warpwear.surfaces.form import Given
 
 LOG = logging.getLogger("warpwear.run")
 
@@ -73,10 +73,11 @@ class StepLoop:
                 stored.refuse_changes(order, device=str(executor.device))
             original = stored.heights_for if stored else np.asarray
             prepared = model_of(order, executor, original=original)
-            self._model, self._surface_record = prepared.model, prepared.record
+            self._executor, self._heights, self._block = executor, prepared.heights, order.blocks[0]
+            self._surface_record, self._filled = prepared.record, prepared.filled
+            self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
             #: What plans the cycles where one may stand for many.
-            self._jumps = CycleJumps(order.study, self._model) if order.study.jumps else None
-            self._book, self._pieces, self._filled = prepared.book, prepared.pieces, prepared.filled
+            self._jumps = CycleJumps(order, self._model, self._begin) if order.study.jumps else None
             self._warn(*doubts.of_slope(order.study, prepared.record["on_the_grid"]["rms_slope"]))
             if order.track is not None and writer is not None:
                 writer.add_track(order.track, prepared.heights)
@@ -164,7 +165,10 @@ class StepLoop:
         """
         parts = [self._order.plan[len(self._rows) :]] if self._jumps is None else self._jumps.parts()
         for part in parts:
-            yield from self._steps_of(part, with_fields=with_fields)
+            for _, group in groupby(part, lambda step: self._order.block_of(step).load):
+                steps = [*group]
+                self._begin(steps[0])
+                yield from self._steps_of(steps, with_fields=with_fields)
 
     @property
     def _count(self) -> int:
@@ -176,7 +180,6 @@ class StepLoop:
         self, left: list[Planned], *, with_fields: bool
     ) -> Iterator[tuple[RunStep, InvariantError | None]]:
         """Steps of a part of the plan, as `_steps`."""
-        speed = self._order.study.sliding.mean_speed
         # where points were filled, steps 1, 2, 4, 8, … are looked at too: a run on them stops early
         numbers, doubtful = itertools.count(len(self._rows) + 1), self._filled is not None
         looks = [
@@ -184,8 +187,9 @@ class StepLoop:
         ]
         requests = ((step[0], look or with_fields, step[2]) for step, look in zip(left, looks, strict=True))
         steps = self._model.steps(requests)
-        for (_, distance, keep), look, step in zip(left, looks, steps, strict=True):
-            row = step.row | {"distance": distance}
+        for (increment, distance, keep), look, step in zip(left, looks, steps, strict=True):
+            block = self._order.block_of((increment, distance, keep))
+            row = step.row | {"distance": distance, "time": block.time(distance), "block": block.number}
             if self._jumps is not None:
                 row["cycles"] = float(self._jumps.stands_for)
             stop = self._check(
@@ -202,16 +206,27 @@ class StepLoop:
                 self._check(self._order.invariants.of_fields(vars(snapshot), row))
                 with phase("snapshots"):
                     self._writer.add_snapshot(snapshot)
-            row |= {"time": distance / speed if speed else math.nan}
             self._rows.append(row)
             if self._jumps is not None:
-                self._jumps.count()
+                self._jumps.count(row)
             self._progress.step(row)
             if len(self._rows) == 1:
                 self._warn(*doubts.of_count(self._order.study, row["cells_in_contact"], "To begin with"))
             self._last = step
             index = len(self._rows) - 1
             yield RunStep(index, self._count, self._order, row, partial(self._snapshot_of, index)), stop
+
+    def _begin(self, step: Planned) -> None:
+        """Make the model ready for a step: under another load a new one takes over the bodies as they are."""
+        block, model = self._order.block_of(step), self._model
+        if block.load != self._block.load:
+            prepared = model_in(self._order, block, self._heights, self._executor, {})
+            state.restore(prepared.model, *state.save(model))
+            prepared.model.longest_block = min(model.longest_block, prepared.model.longest_block)
+            self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
+            if self._jumps is not None:
+                self._jumps.go_on_with(prepared.model)
+        self._block = block
 
     def _snapshot_of(self, index: int) -> Snapshot | None:
         """Return the fields after a row's step, views of the model's on a CPU; None after a later one."""

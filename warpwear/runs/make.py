@@ -9,12 +9,13 @@ import numpy as np
 from warpwear.engine.executor import Executor
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
+from warpwear.laws.passes import Block
 from warpwear.laws.track import WHOLE, Track
 from warpwear.runs.arrangements import PreparedModel
 from warpwear.runs.order import RunOrder
 from warpwear.study.study import Study
 from warpwear.surfaces.base import Surface
-from warpwear.surfaces.made.synthetic import RandomPart
+from warpwear.surfaces.made.synthetic import Periodic
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.roughness import roughness
 
@@ -48,10 +49,17 @@ def model_of(
         seen = slice(None if track is None else MOST_ROWS)
         measured = heights[seen] if filled is None else np.where(filled[seen], np.nan, heights[seen])
         record["on_the_grid"] = _roughness_on(grid, measured)
-    task = replace(study.contact_task, form=order.form)
     if order.counter is not None:
         record["counter"] = order.counter.record()
-    return replace(order.arrangement.model(study, task, heights, executor, record), filled=filled)
+    return replace(model_in(order, order.blocks[0], heights, executor, record), filled=filled)
+
+
+def model_in(
+    order: RunOrder, block: Block, heights: FloatArray, executor: Executor, record: dict[str, Any]
+) -> PreparedModel:
+    """The model of a block of the programme, on unworn bodies. heights, record: of the disc as it was."""
+    task = replace(order.study.parts[block.number - 1].contact_task, form=order.form)
+    return order.arrangement.model(order.study, task, heights, executor, record)
 
 
 class _Sampled(NamedTuple):
@@ -69,7 +77,7 @@ def _sample(study: Study, surface: Surface, track: Track | None) -> _Sampled:
     """Sample a surface on the cells of a study; a random one is the last one again where nothing differs."""
     grid = study.cells
     place = surface, grid, track
-    random = isinstance(surface, RandomPart)
+    random = isinstance(surface, Periodic)
     for last, sampled in _LAST:
         if random and last == place:
             return sampled
@@ -89,7 +97,7 @@ def _heights_of(study: Study, surface: Surface, track: Track) -> FloatArray:
     A random surface that repeats after whole cells is made once: the sums behind it take most of the time.
     """
     x, y, disc = track.x, study.cells.y, study.disc.synthetic
-    if disc is not None and disc.kind == "self-affine":
+    if disc is not None and disc.kind in ("self-affine", "profile"):
         period = disc.period / track.cell
         if abs(period - round(period)) <= WHOLE * period and round(period) < track.rows:
             return surface.heights(x[: round(period)], y)[np.arange(track.rows) % round(period)]

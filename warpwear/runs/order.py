@@ -12,17 +12,18 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
 from warpwear.history.rows import Rows
-from warpwear.laws.form import Form
 from warpwear.laws.friction import friction_energy
+from warpwear.laws.passes import Block
 from warpwear.results.ensemble import dotted
 from warpwear.runs.arrangements import Maker, arrangement_of
 from warpwear.runs.array_surface import ArraySurface, take_surface
 from warpwear.runs.invariants import Invariants
-from warpwear.runs.plan import plan_of
+from warpwear.runs.plan import Planned, plan_of
 from warpwear.study.rules import too_small
 from warpwear.study.study import Study
 from warpwear.study.surface import counter_surface, form_of, surface_in
 from warpwear.surfaces.base import Surface
+from warpwear.surfaces.form import Form
 from warpwear.surfaces.measured import Measured
 
 
@@ -57,6 +58,16 @@ class RunOrder:
     def plan(self) -> list[tuple[float, float, bool]]:
         """Every step: its increment, the distance at its end [mm], and whether its fields are kept."""
         return plan_of(self.study)
+
+    @cached_property
+    def blocks(self) -> tuple[Block, ...]:
+        """The blocks of the programme; one, the whole test, without a programme."""
+        return self.study.blocks
+
+    def block_of(self, step: Planned) -> Block:
+        """Return the block in which a step of the plan lies."""
+        increment, distance, _ = step
+        return next(block for block in self.blocks if distance - 0.5 * increment <= block.end)
 
     @cached_property
     def columns(self) -> tuple[str, ...]:
@@ -104,8 +115,8 @@ class RunOrder:
 
     def cof_of(self, history: dict[str, FloatArray], *, finished: bool) -> FloatArray:
         """Return the coefficient of friction of every step; NaN while it waits for the whole run."""
-        law, load = self.study.friction.law_with(), self.study.contact.load
-        return law.coefficient(history, load=load, finished=finished, laps=self.study.laps)
+        law = self.study.friction.law_with()
+        return law.coefficient(history, load=history["load"], finished=finished, laps=self.study.laps)
 
 
 def order_of(

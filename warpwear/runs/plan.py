@@ -13,13 +13,14 @@ Planned: TypeAlias = tuple[float, float, bool]
 def plan_of(study: Study) -> list[Planned]:
     """Plan every step: its increment, the distance at its end [mm], and whether its fields are kept."""
     stops, total = study.snapshot_distances, study.sliding.total
+    ends = {block.end for block in study.blocks}
     if study.is_swept:
         return kept_after(stops, study.track.increments(total), total)
     if study.output.snapshots == "auto":
-        return kept_after(stops, increments(study.increments, total), total)
+        return kept_after(stops, increments(study.increments, total, ends), total)
     return [
         (increment, distance, distance in stops or distance == total)
-        for increment, distance in increments(study.increments, total, stops)
+        for increment, distance in increments(study.increments, total, {*stops, *ends})
     ]
 
 

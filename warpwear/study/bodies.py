@@ -4,15 +4,19 @@ import math
 from functools import partial
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from warpwear.laws.form import Form, Given, form_of
 from warpwear.study.keys import Hardness, Length, LengthOrZero, Pressure, Rule, Section, key, needs, when
 from warpwear.study.materials import material
 from warpwear.study.units import Number, Quantity, Range, is_pair, is_quantity, one_by_one
+from warpwear.surfaces.form import Form, Given, form_of
 
 ROUGH = when("is_rough", otherwise="does not apply to the macro model, which has a smooth disc")
-RANDOM = when("disc.synthetic.kind", "self-affine", "milled", otherwise="does not apply to kind = '{}'")
+NO_KIND = "does not apply to kind = '{}'"
+RANDOM = when("disc.synthetic.kind", "self-affine", "milled", otherwise=NO_KIND)
+PERIODIC = when("disc.synthetic.kind", "self-affine", "milled", "profile", otherwise=NO_KIND)
+LIKE = when("disc.synthetic.kind", "profile", otherwise=NO_KIND)
+LAY = when("disc.synthetic.kind", "milled", "profile", otherwise=NO_KIND)
 MILLED = when("disc.synthetic.kind", "milled", otherwise="does not apply to kind = '{}'")
 CROWNED = when("counter.shape", "crowned")
 NOMINAL = when(
@@ -20,6 +24,7 @@ NOMINAL = when(
     otherwise="does not apply to a crowned body, nor to a measured one whose level is no sphere or cylinder",
 )
 random_key, milled_key = partial(key, applies=RANDOM), partial(key, applies=MILLED)
+periodic_key, like_key = partial(key, applies=PERIODIC), partial(key, applies=LIKE)
 file_key = partial(key, applies="FROM_A_FILE")
 Radius = Annotated[float, Quantity("mm", Range(infinite=True))]
 
@@ -90,7 +95,7 @@ class MeasuredBody(Section):
 
 
 class Shape(Section):
-    """The keys of a counter-body's shape."""
+    """A counter-body has one of these shapes."""
 
     shape: Literal["ball", "crowned", "cylinder", "pin", "measured"] = key(
         "ball",
@@ -201,7 +206,18 @@ class CounterBody(MeasuredBody, Shape, Body):
 class Synthetic(Section):
     """The section [disc.synthetic] says how the disc's surface is made."""
 
-    kind: Literal["self-affine", "milled", "flat"] = key(..., "which surface")
+    kind: Literal["self-affine", "milled", "flat", "profile"] = key(
+        ..., "which surface; with like, 'profile' may be left out"
+    )
+    like: str | None = like_key(
+        None,
+        "file of a profile, relative to the study: the surface gets its spectrum and heights",
+        one_of="profile",
+        must_be_said=True,
+    )
+    lay_length: Length | None = like_key(
+        None, "like a profile: length over which heights stay alike along the lay; without, there is none"
+    )
     ra: Length | None = random_key(None, "arithmetic mean height Ra", one_of="height", must_be_said=True)
     sq: Length | None = random_key(None, "root mean square height Sq, instead of Ra", one_of="height")
     hurst: Annotated[float, Number(Range(most=1.0))] = random_key(
@@ -210,18 +226,26 @@ class Synthetic(Section):
     roll_off: Length = random_key(
         "100 um", "wavelength above which the spectrum is flat", assumed="not measured"
     )
-    cut_off: Length = random_key("8 um", "shortest wavelength (λs)", assumed="profile filter λs of ISO 3274")
-    seed: int = random_key(0, "seed of the random numbers", assumed="one surface of many")
-    period: Length = random_key(
+    cut_off: Length = periodic_key(
+        "8 um", "shortest wavelength (λs)", assumed="profile filter λs of ISO 3274"
+    )
+    seed: int = periodic_key(0, "seed of the random numbers", assumed="one surface of many")
+    period: Length = periodic_key(
         "2 mm", "length after which the surface repeats", assumed="wider than the contact"
     )
     feed: Length = milled_key("0.65 mm", "milled: distance of the feed marks")
     fine_ra: LengthOrZero = milled_key(
         "0.3 um", "milled: Ra of the random part", assumed="a tenth of a common Ra"
     )
-    lay: Annotated[float, Quantity("deg", Range(least=-360.0, or_equal=True, most=360.0))] = milled_key(
-        "90 deg", "milled: angle between feed marks and sliding", assumed="sliding across the marks"
+    lay: Annotated[float, Quantity("deg", Range(least=-360.0, or_equal=True, most=360.0))] = key(
+        "90 deg", "angle between feed marks and sliding", applies=LAY, assumed="sliding across the marks"
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _like_a_profile(cls, values: Any) -> Any:
+        """Take the kind of a surface like a profile as said."""
+        return {"kind": "profile", **values} if isinstance(values, dict) and "like" in values else values
 
 
 class Disc(MeasuredBody, Body):

@@ -157,8 +157,8 @@ class Contact(Section):
     )
     boundary: Literal["free", "periodic", "line"] | None = key(
         None,
-        "half-space: nothing beyond the domain (two-scale model: beyond each patch), or it is repeated; line: "
-        "repeated across sliding, with nothing beyond its ends along it; "
+        "half-space: nothing beyond the domain (two-scale model: beyond each patch), or it is repeated; "
+        "line: repeated across sliding, with nothing beyond its ends along it; "
         "if not given free under a ball, periodic under a flat and for patches",
         assumed="nothing beyond the domain under a ball; under a flat the domain is repeated, and in the "
         "two-scale model each patch",

@@ -1,7 +1,7 @@
 """The content of a study: its sections, and what follows from them."""
 
 import math
-from typing import Any
+from typing import Any, Self, TypeVar
 
 from pydantic import Field
 
@@ -11,7 +11,7 @@ from warpwear.laws.elastic import Hertz, effective_modulus
 from warpwear.laws.film import Film, grown_cap
 from warpwear.laws.foundation import CappedFoundation
 from warpwear.laws.junctions import critical_junction, junction_strength
-from warpwear.laws.passes import Laps
+from warpwear.laws.passes import Block, Laps
 from warpwear.laws.patches import Patches
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
@@ -19,12 +19,25 @@ from warpwear.laws.track import WHOLE, Track
 from warpwear.study.bodies import CounterBody, Disc
 from warpwear.study.contact import Contact, Friction, Junctions, LineLoad, Wear
 from warpwear.study.keys import Section, key, value_of, when
-from warpwear.study.motion import FEWEST_CYCLES, MOST_SHIFT, STEPS_OF_STROKE, GridSection, Sliding, Stepping
+from warpwear.study.motion import (
+    FEWEST_CYCLES,
+    MOST_SHIFT,
+    STEPS_OF_STROKE,
+    BlockSection,
+    GridSection,
+    Sliding,
+    Stepping,
+)
 from warpwear.study.settings import About, Checks, Output, PatchesSection, Run
 from warpwear.study.units import text
 
 #: Parts of the sliding distance after which fields are kept of themselves.
 SNAPSHOTS = (0.001, 0.01, 0.1)
+
+
+#: Blocks of a programme that a sentence names.
+NAMED = 5
+Loaded = TypeVar("Loaded", Contact, BlockSection)
 
 
 class Content(Section):
@@ -40,6 +53,9 @@ class Content(Section):
     wear: Wear
     grid: GridSection
     sliding: Sliding
+    block: tuple[BlockSection, ...] | None = key(
+        None, "programme: blocks of other loads, speeds and lengths, one after another"
+    )
     stepping: Stepping = Stepping()
     friction: Friction = Friction()
     junctions: Junctions = Junctions()
@@ -57,9 +73,59 @@ class Content(Section):
 
     def _check(self) -> None:
         """Make a load of a length that of the whole domain, which is known here at first."""
-        if isinstance(self.contact.load, LineLoad):
-            load = LineLoad(self.contact.load.per_length, self.grid.sides[1])
-            self.__dict__["contact"] = self.contact.model_copy(update={"load": load})
+        self.__dict__["contact"] = self._whole(self.contact)
+        if self.block is not None:
+            self.__dict__["block"] = tuple(self._whole(block) for block in self.block)
+
+    def _whole(self, section: Loaded) -> Loaded:
+        """Return a section whose load, where it is one of a length, is that of the whole domain."""
+        if not isinstance(section.load, LineLoad):
+            return section
+        return section.model_copy(update={"load": LineLoad(section.load.per_length, self.grid.sides[1])})
+
+    @property
+    def parts(self) -> tuple[Self, ...]:
+        """Studies that the blocks of a programme are by themselves; this one alone without a programme."""
+        if self.block is None:
+            return (self,)
+        alone = self.model_copy(update={"block": None})
+        loads = (self.contact.load if block.load is None else block.load for block in self.block)
+        contacts = (self.contact.model_copy(update={"load": load}) for load in loads)
+        slidings = (block.over(self.sliding) for block in self.block)
+        return tuple(
+            alone.model_copy(update={"contact": contact, "sliding": sliding})
+            for contact, sliding in zip(contacts, slidings, strict=True)
+        )
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """Blocks of the programme, in their order; the whole test is one without a programme."""
+        return Block.in_a_row((p.contact.load, p.sliding.total, p.sliding.mean_speed) for p in self.parts)
+
+    @property
+    def loads(self) -> str:
+        """Return the load [N], or of a programme the smallest and the largest, as people write them."""
+        loads = [block.load for block in self.blocks]
+        least, most = f"{min(loads):.4g}", f"{max(loads):.4g}"
+        return least if least == most else f"{least} to {most}"
+
+    @property
+    def same_load(self) -> float | None:
+        """Load of the whole test [N]; None where blocks differ in it."""
+        loads = {block.load for block in self.blocks}
+        return loads.pop() if len(loads) == 1 else None
+
+    @property
+    def programme(self) -> str | None:
+        """The blocks of the programme as people write them, the first five; None without a programme."""
+        if self.block is None:
+            return None
+        told = [f"{block.load:.4g} N over {block.length:.6g} mm" for block in self.blocks]
+        return ", ".join(told[:NAMED]) + (f" and {len(told) - NAMED} more" if len(told) > NAMED else "")
+
+    def volume(self, law: WearLaw, distance: float) -> float:
+        """Return what a law wears off a body over the test's first distance [mm]: Σ K F ΔL [mm³]."""
+        return sum(b.load * law.wear_per_pressure(b.start, b.slides(distance)) for b in self.blocks)
 
     @property
     def is_rough(self) -> bool:
@@ -231,8 +297,8 @@ class Content(Section):
 
     @property
     def hertz(self) -> Hertz | None:
-        """Hertz's contact of the bodies before any wear; None for other forms or unknown constants."""
-        modulus, form, load = self.effective_modulus, self.counter.form, self.contact.load
+        """Hertz's contact before any wear, under the largest load; None for other forms or constants."""
+        modulus, form, load = self.effective_modulus, self.counter.form, max(b.load for b in self.blocks)
         if modulus is None or not self.counter.has_hertz:
             return None
         if form.along == form.across:

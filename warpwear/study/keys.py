@@ -12,7 +12,7 @@ from difflib import get_close_matches
 from functools import cache, partial
 from itertools import chain
 from types import MappingProxyType
-from typing import Annotated, Any, Self, get_args
+from typing import Annotated, Any, Self, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
@@ -235,6 +235,8 @@ def key_of(model: type[BaseModel], name: str) -> FieldInfo | None:
 def section_in(annotation: Any) -> type[BaseModel] | None:
     """Return the section that an annotation, maybe optional, stands for; None for a key."""
     options = getattr(annotation, "__args__", None) or (annotation,)
+    inner = (get_args(o) if get_origin(o) is tuple else (o,) for o in options)  # of a list of tables
+    options = tuple(chain.from_iterable(inner))
     return next((o for o in options if isinstance(o, type) and issubclass(o, BaseModel)), None)
 
 

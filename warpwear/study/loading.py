@@ -13,6 +13,7 @@ from warpwear.errors import InputError
 from warpwear.study.content import Content
 from warpwear.study.keys import Declared, alternatives_of, declarations, no_such_key, value_of
 from warpwear.study.materials import material
+from warpwear.study.motion import LENGTHS
 from warpwear.study.units import text
 
 
@@ -100,7 +101,7 @@ def _no_such_study(name: str) -> str:
 
 
 #: Keys that name a file, relative to the study's.
-FILES = ("disc.surface", "counter.surface")
+FILES = ("disc.surface", "disc.synthetic.like", "counter.surface")
 CONSTANTS = ("young", "poisson", "hardness")
 MACRO_CELL = "10 um"
 
@@ -124,6 +125,14 @@ def fill(sections: dict[str, Any]) -> set[str]:
         missing = {name: value for name, value in values.items() if keys.get(name) is None}
         keys.update(missing)
         names |= {f"{body}.{name}" for name in missing}
+    blocks = sections.get("block")
+    if isinstance(blocks, list | tuple) and blocks and all(isinstance(block, dict) for block in blocks):
+        sections.setdefault("sliding", {})
+        contact = sections.setdefault("contact", {})
+        loads = [block.get("load") for block in blocks]
+        if isinstance(contact, dict) and contact.get("load") is None and None not in loads:
+            contact["load"] = loads[0]
+            names.add("contact.load")
     about, grid = sections.get("study"), sections.get("grid")
     macro = isinstance(about, dict) and about.get("model") == "macro"
     if macro and isinstance(grid, dict) and grid.get("cell") is None:
@@ -212,8 +221,13 @@ def _given_twice(old: str, new: str) -> str:
 
 def change(nested: dict[str, Any], flat: Mapping[str, Any]) -> None:
     """Set keys, {"grid.cell": "2 um"}, in place; keys that say the same in another way are dropped."""
+    numbered = {name.split(".")[1] for name in flat if name.startswith("block.")}
+    if numbered:
+        nested["block"] = {str(number): keys for number, keys in enumerate(nested.get("block", ()), 1)}
+    for number in numbered - nested["block"].keys() if numbered else ():
+        raise InputError(f"block.{number}: the study has {len(nested['block'])} blocks, numbered from 1.")
     for name, value in flat.items():
-        for other in _dropped_by(name) - set(flat):
+        for other in _dropped_by(name) - set(flat) - ({"block"} if numbered else set()):
             _remove(nested, other)
         insert(nested, name, value)
         assumed = nested.get("assumed")
@@ -222,6 +236,8 @@ def change(nested: dict[str, Any], flat: Mapping[str, Any]) -> None:
         replaced = {name} | _dropped_by(name)
         for key in [k for k in assumed if k in replaced or k.startswith(f"{name}.")]:
             del assumed[key]
+    if numbered:
+        nested["block"] = [*nested["block"].values()]
 
 
 def _dropped_by(name: str) -> set[str]:
@@ -229,7 +245,11 @@ def _dropped_by(name: str) -> set[str]:
     body, _, key = name.partition(".")
     if key == "material":  # another material has other constants
         return {f"{body}.{constant}" for constant in CONSTANTS}
-    return alternatives_of(Content, name)
+    section, _, last = name.rpartition(".")
+    lengths = {f"{section or 'sliding'}.{length}" for length in LENGTHS} - {name}
+    if name == "block" or (body == "block" and last in LENGTHS):
+        return lengths
+    return alternatives_of(Content, name) | ({"block"} if section == "sliding" and last in LENGTHS else set())
 
 
 def insert(nested: dict[str, Any], name: str, value: Any) -> None:

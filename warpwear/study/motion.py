@@ -1,4 +1,4 @@
-"""[grid], [sliding] and [stepping]: the cells, the way of the counter-body, and the steps it is cut into."""
+"""[grid], [sliding], [[block]] and [stepping]: the cells, the way of the counter-body, and its steps."""
 
 import math
 from dataclasses import dataclass
@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from warpwear.study.contact import Load
 from warpwear.study.keys import Length, LengthOrZero, Section, key, needs, needs_compliance, when
 from warpwear.study.units import Number, Quantity, Range, is_pair, one_by_one
 
@@ -20,6 +21,7 @@ MOST_SHIFT, STEPS_OF_STROKE = 8, 8
 #: Fewer cycles are each computed, unless a number is named.
 FEWEST_CYCLES = 100
 
+Count = Annotated[int, Field(ge=1, le=1_000_000_000, strict=True)]
 Strokes = Annotated[int, Field(ge=0, le=1_000_000_000, strict=True)]
 
 SWEPT = when("kinematics", "swept", otherwise="does not apply to sliding.kinematics = '{}'")
@@ -37,8 +39,13 @@ NO_COMPLIANCE = when(
     "uses_bearing_area", otherwise="does not apply: with compliance the balance holds to 1e-12"
 )
 STROKE = needs("sliding.stroke")
+#: Keys of [sliding] and of a block that say one thing.
+LENGTHS = ("distance", "passes", "cycles", "revolutions", "duration")
+PACES = ("speed", "frequency")
 A_DISC_OF_CELLS = ": patches lie still, and a smooth disc is one of cells with disc.synthetic.kind = 'flat'"
-total_key = partial(key, one_of="total")
+#: A programme says lengths in its blocks.
+ALONE = when("block", None, otherwise="does not go with [[block]], whose lengths add up")
+total_key = partial(key, one_of="total", applies=ALONE)
 growing_key = partial(key, applies=STEPS + FIXED, one_of="plan: growing")
 
 
@@ -72,12 +79,12 @@ class GridSection(Section):
 
     @property
     def sides(self) -> tuple[float, float]:
-        """The domain's sides along sliding and across it [mm]."""
+        """Return the sides of the domain along sliding and across it [mm]."""
         return self.extent if isinstance(self.extent, tuple) else (self.extent, self.extent)
 
     @property
     def size(self) -> str:
-        """The extent, as sentences say it: "1.5 mm", or "3 × 0.2 mm"."""
+        """Return the extent as sentences say it: "1.5 mm", or "3 × 0.2 mm"."""
         return in_words(self.extent)
 
     def _check(self) -> None:
@@ -199,6 +206,27 @@ class Sliding(Section):
         return (self.stroke or 0.0) * (self.passes or 2 * (self.cycles or 0))
 
 
+class BlockSection(Section):
+    """A table [[block]] says what differs in it from [contact] and [sliding], and how far it slides."""
+
+    load: Annotated[float, Load("N")] | None = key(None, "normal load in the block")
+    speed: Annotated[float, Quantity("mm/s")] | None = key(None, "sliding speed, for the time axis only")
+    frequency: Annotated[float, Quantity("Hz")] | None = key(
+        None, "cycles, or with a track_radius revolutions, in a second"
+    )
+    distance: Length | None = key(None, "sliding distance of the block; or one of the next four")
+    passes: Count | None = key(None, "number of strokes")
+    cycles: Count | None = key(None, "number of pairs of strokes")
+    revolutions: Annotated[float, Number()] | None = key(None, "revolutions of a rotating disc")
+    duration: Annotated[float, Quantity("s")] | None = key(None, "with a frequency: time of the block")
+
+    def over(self, sliding: Sliding) -> Sliding:
+        """Return [sliding] as it is in the block: what this says replaces all that said the same."""
+        own = {name: value for name, value in self if value is not None and name != "load"}
+        void = dict.fromkeys((*LENGTHS, *(PACES if own.keys() & set(PACES) else ())))
+        return sliding.model_copy(update=void | own)
+
+
 class Stepping(Section):
     """The section [stepping] says which steps the way is cut into."""
 
@@ -222,7 +250,7 @@ class Stepping(Section):
         f"jump_error allows, from {FEWEST_CYCLES} cycles on",
         applies=SWEPT,
     )
-    jump_error: Annotated[float, Number(Range(least=0.0, most=0.5))] = key(
+    jump_error: Annotated[float, Number(Range(most=0.5))] = key(
         0.005,
         "swept: error that jumps may make in the worn depth, rms over the scar, over that depth",
         applies=SWEPT,

@@ -1,14 +1,16 @@
 """Rules that the sections of a study must keep together before anything is computed."""
 
 import math
+import re
 from collections.abc import Iterator
 
 from warpwear.laws.archard import CALLED
-from warpwear.laws.track import WHOLE
+from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study import rules_pieces, rules_track
 from warpwear.study.contact import LineLoad
 from warpwear.study.content import Content
 from warpwear.study.keys import check_keys
+from warpwear.study.motion import LENGTHS, BlockSection, Sliding
 
 #: More steps than anybody waits for, or than a history holds.
 MOST_STEPS = 1_000_000
@@ -16,13 +18,20 @@ MOST_STEPS = 1_000_000
 MOST_JUMP = 1000
 #: Extent over worn patch below which roughness may fill the domain, and that a sentence recommends.
 CLOSE, SPARE = 1.05, 1.1
+#: Half width of a scar over the radius up to which a parabola stands for a circle, to 1 %.
+PARABOLIC = 0.2
 #: Cells across that a contact takes which ends there.
 FEWEST_ACROSS = 4
+#: What is allowed instead of a contact that ends across.
+A_LINE = "a line contact, contact.boundary = 'line' (contact.law = 'local': a cylinder)"
 
 
 def check(study: Content) -> None:
     """Refuse a study that cannot be computed as it stands: raises ValueError with one sentence."""
     check_keys(study)
+    if study.block is not None:  # each of which was checked by itself
+        _steps(study)
+        return
     _junction_growth(study)
     if study.study.model == "two-scale":
         _patches(study)
@@ -35,6 +44,33 @@ def check(study: Content) -> None:
     _tolerance(study)
     _stability(study)
     _steps(study)
+
+
+def sliding_of_blocks(study: Content) -> Sliding:
+    """Return [sliding] with the distance that the blocks of a programme add up to: raises ValueError."""
+    for name in LENGTHS:
+        if getattr(study.sliding, name) is not None:
+            raise ValueError(f"sliding.{name} and [[block]] exclude each other: the lengths of blocks add up")
+    if not study.block:
+        raise ValueError("block = []: a programme has one block or more; without a programme leave it out")
+    for number, part in enumerate(study.parts, 1):
+        try:
+            check(part)
+        except ValueError as error:
+            here = re.sub(
+                rf"(contact\.|sliding\.)({'|'.join(BlockSection.model_fields)})\b", r"\2", str(error)
+            )
+            raise ValueError(f"block {number}: {here}") from error
+    lap = study.lap
+    for block in study.blocks[:-1]:
+        if lap is not None and not is_whole(block.length / lap):
+            raise ValueError(
+                f"block {block.number}: its length, {block.length:g} mm, is not a whole number of "
+                f"passes of {lap:g} mm, after which alone another block may follow on a track"
+            )
+    sliding = study.sliding.model_copy(update={"distance": study.blocks[-1].end})
+    sliding.model_fields_set.discard("distance")
+    return sliding
 
 
 def _patches(study: Content) -> None:
@@ -51,8 +87,8 @@ def _patches(study: Content) -> None:
     extent, across = study.grid.sides
     if extent != across:
         raise ValueError(
-            f"grid.extent = {study.grid.size} is no square, which study.model = 'two-scale' needs for its macro "
-            "cells; allowed is one length"
+            f"grid.extent = {study.grid.size} is no square, which study.model = 'two-scale' needs for its "
+            "macro cells; allowed is one length"
         )
     if patches.macro_cell > 0.5 * extent * (1.0 + WHOLE):
         raise ValueError(
@@ -77,14 +113,13 @@ def _boundary(study: Content) -> None:
         )
     if isinstance(load, LineLoad) and not study.is_line:
         raise ValueError(
-            f"contact.load = {load.per_length:g} N/mm is the load of a length, which only a line contact has: "
-            "allowed is a force, such as '8 N', or contact.boundary = 'line' (contact.law = 'local': a cylinder)"
+            f"contact.load = {load.per_length:g} N/mm is the load of a length, which only a line contact "
+            f"has: allowed is a force, such as '8 N', or {A_LINE}"
         )
     if study.cells.ny < FEWEST_ACROSS and not study.is_line:
         raise ValueError(
-            f"grid.extent = {grid.size} is {study.cells.ny} cells of {1e3 * grid.cell:g} µm wide: allowed are "
-            f"{FEWEST_ACROSS} or more, or a line contact, contact.boundary = 'line' (contact.law = 'local': a "
-            "cylinder)"
+            f"grid.extent = {grid.size} is {study.cells.ny} cells of {1e3 * grid.cell:g} µm wide: allowed "
+            f"are {FEWEST_ACROSS} or more, or {A_LINE}"
         )
     if study.repeats and not form.is_flat and all(form.rises):
         raise ValueError(
@@ -100,8 +135,8 @@ def _shape(study: Content) -> None:
     if counter.shape == "pin" and not width <= extent - 2.0 * study.grid.cell:
         raise ValueError(
             f"counter.radius = {counter.nominal_radius:g} mm with counter.edge_radius = "
-            f"{counter.edge_radius:g} mm makes a pin {width:g} mm wide, and grid.extent = {study.grid.size} must "
-            "hold it with a cell on each side; allowed are a smaller pin and a larger grid.extent"
+            f"{counter.edge_radius:g} mm makes a pin {width:g} mm wide, and grid.extent = {study.grid.size} "
+            "must hold it with a cell on each side; allowed are a smaller pin and a larger grid.extent"
         )
 
 
@@ -190,8 +225,13 @@ def _tolerance(study: Content) -> None:
 def doubts(study: Content) -> Iterator[str]:
     """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
     yield from _of_extent(study)
+    yield from _of_seam(study)
+    if study.block is not None:
+        yield from dict.fromkeys(sentence for part in study.parts for sentence in doubts(part))
+        return
     yield from _of_hardness(study)
     yield from _of_film(study)
+    yield from _of_parabola(study)
     yield from rules_pieces.doubts(study)
     speed, pace = study.sliding.speed, study.sliding.pace
     if speed is not None and pace is not None and abs(speed - pace) > 0.01 * pace:
@@ -219,6 +259,17 @@ def doubts(study: Content) -> Iterator[str]:
         yield (
             "wear.law = 'bearing-curve': the area in contact is the share of the cells that bears; "
             "pressures are means over whole cells, and no hardness caps those of the share."
+        )
+
+
+def _of_parabola(study: Content) -> Iterator[str]:
+    """Yield a sentence about a crowned body whose scar gets so wide that it is no parabola any more."""
+    form, patch = study.counter.form, rules_track.worn_patch(study)
+    curvature = max(form.along, form.across)
+    if study.counter.shape in ("crowned", "cylinder") and 0.5 * patch * curvature > PARABOLIC:
+        yield (
+            f"counter.shape = '{study.counter.shape}' is a parabola, and the scar will be {patch:.3g} mm "
+            f"wide: at its edge a circle rises {25.0 * (patch * curvature / 2.0) ** 2:.2g} % more."
         )
 
 
@@ -291,8 +342,8 @@ def too_small(study: Content) -> str | None:
     for patch, extent, way in _sides(study):
         if extent < patch < study.counter.form.most_worn:
             return (
-                f"grid.extent = {study.grid.size} is too small: the worn patch will be {patch:.3g} mm wide or "
-                f"more{way}; a grid.extent of {_spared(patch):g} mm would do"
+                f"grid.extent = {study.grid.size} is too small: the worn patch will be {patch:.3g} mm wide "
+                f"or more{way}; a grid.extent of {_spared(patch):g} mm would do"
             )
     return None
 
@@ -322,6 +373,17 @@ def _of_extent(study: Content) -> Iterator[str]:
                 f"grid.extent = {study.grid.size} may be too small: without roughness the worn patch will be "
                 f"{patch:.3g} mm wide{way} at the end, and with it wider; {_spared(patch):g} mm would do."
             )
+
+
+def _of_seam(study: Content) -> Iterator[str]:
+    """Yield a sentence about a rough line contact whose disc does not repeat as its boundary does."""
+    across = study.grid.sides[1]
+    elastic = study.contact.law == "half-space" and study.boundary == "line"
+    if elastic and not rules_track.repeats(study.disc.synthetic, across, across=True):
+        yield (
+            f"The disc's surface does not repeat across sliding after {across:g} mm (grid.extent), as "
+            "contact.boundary = 'line' does: it has a seam there; disc.synthetic.period may be that long."
+        )
 
 
 def _steps(study: Content) -> None:

@@ -3,9 +3,13 @@
 import math
 from collections.abc import Iterator
 
-from warpwear.laws.form import Form
 from warpwear.laws.track import WHOLE, is_whole
+from warpwear.study.bodies import Synthetic
 from warpwear.study.content import Content
+from warpwear.surfaces.form import Form
+
+#: Part of a stroke from which on the travel before slip is told.
+STICKING = 0.05
 
 
 def check(study: Content) -> None:
@@ -90,11 +94,11 @@ def worn_widths(study: Content, distance: float | None = None) -> tuple[float, f
     rest tells more. They are what the domain must hold, 0 where the counter-body does not rise; the domain's
     own where it is as large.
     """
-    form, load, domain = study.counter.form, study.contact.load, study.grid.sides
+    form, domain = study.counter.form, study.grid.sides
     total = study.sliding.total if distance is None else distance
     if form.is_flat:
         return domain
-    counter, disc = (load * law.wear_per_pressure(0.0, total) for law in study.wear_laws)
+    counter, disc = (study.volume(law, total) for law in study.wear_laws)
     lap = study.sliding.lap
     at_rest = _held(form, form.worn(counter + disc, domain))
     if not study.is_swept or lap is None:
@@ -145,7 +149,7 @@ def doubts(study: Content) -> Iterator[str]:
         return
     sliding = study.sliding
     step = study.shift * study.grid.cell
-    first = 2.0 * math.sqrt(study.contact.load / (math.pi * study.hardness))
+    first = 2.0 * math.sqrt(study.blocks[0].load / (math.pi * study.hardness))
     if step > first > 0.0:
         yield (
             f"sliding.shift = {study.shift} cells, {1e3 * step:g} µm, is longer than a contact at the "
@@ -166,21 +170,38 @@ def doubts(study: Content) -> Iterator[str]:
             f"sliding.track_radius = {radius:g} mm: the track is computed straight, though the contact is "
             "wide beside its radius."
         )
-    if sliding.track != "full" and not _repeats(study, float(sliding.track)):
+    if sliding.track != "full" and not repeats(study.disc.synthetic, float(sliding.track)):
         yield (
             f"The disc's surface does not repeat after sliding.track = {float(sliding.track):g} mm: it has a "
             "seam where the lap closes."
         )
+    yield from _of_sticking(study)
 
 
-def _repeats(study: Content, length: float) -> bool:
-    """Tell whether the disc's surface closes on itself after a length [mm] of the track."""
-    disc = study.disc.synthetic
+def _of_sticking(study: Content) -> Iterator[str]:
+    """Yield a sentence about a stroke so short that what the bodies yield before they slip matters to it."""
+    stroke, coefficient, hertz = study.sliding.stroke, study.friction.coefficient, study.hertz
+    bodies = study.counter.elastic, study.disc.elastic
+    if stroke is None or hertz is None or hertz.is_line or study.friction.fitted is None:
+        return
+    travel = 2.0 * hertz.travel_to_slip(coefficient, *(body for body in bodies if body is not None))
+    if travel > STICKING * stroke:
+        yield (
+            f"sliding.stroke = {_in_words(stroke)} is slip: smooth bodies like these at a coefficient of "
+            f"{coefficient:g} yield by {1e3 * travel:.3g} µm before they slip (Mindlin), so the drive of "
+            "such a test travels as much farther."
+        )
+
+
+def repeats(disc: Synthetic | None, length: float, *, across: bool = False) -> bool:
+    """Tell whether the disc's surface closes on itself after a length [mm] along, or across, sliding."""
     if disc is None:  # a file: nothing says that it does
         return False
     if disc.kind == "flat":
         return True
     closes = is_whole(length / disc.period) or (disc.kind == "milled" and disc.fine_ra == 0.0)
     if disc.kind == "milled":
-        closes = closes and is_whole(length * abs(math.sin(math.radians(disc.lay))) / disc.feed)
+        turned = math.radians(disc.lay + 90.0 * across)
+        way = abs(round(math.sin(turned), 12))
+        closes = closes and (way == 0.0 or is_whole(length * way / disc.feed))
     return closes

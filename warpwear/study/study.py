@@ -37,6 +37,8 @@ class Study(Content):
 
     def _check(self) -> None:
         super()._check()
+        if self.block is not None:
+            self.__dict__["sliding"] = rules.sliding_of_blocks(self)  # frozen once it is made
         rules.check(self)
 
     def __eq__(self, other: object) -> bool:
@@ -50,7 +52,7 @@ class Study(Content):
         about, cells = self.study, self.cells
         return (
             f"<Study '{about.name}': {about.model} model, {self.contact.law} law, {self.kinematics}, "
-            f"{cells.nx} × {cells.ny} cells of {1e3 * cells.cell:g} µm, {self.contact.load:g} N over "
+            f"{cells.nx} × {cells.ny} cells of {1e3 * cells.cell:g} µm, {self.loads} N over "
             f"{self.sliding.total:g} mm>"
         )
 
@@ -59,6 +61,13 @@ class Study(Content):
     def _repr_html_(self) -> str:
         """Return a notebook's view of the study: a table of its keys with the assumptions marked."""
         return text.to_html(self)
+
+    def refuse_blocks(self, what: str) -> None:
+        """Raise InputError for a programme of blocks, in the name of what goes by one load alone."""
+        if self.block is not None:
+            raise InputError(
+                f"{what} goes by one load, and the study is a programme: [[block]] is not allowed."
+            )
 
     def notices(self) -> list[str]:
         """Return a sentence about each old name, each unused key, and each number that misleads."""
@@ -109,12 +118,15 @@ class Study(Content):
         (4.0, 0.002)
         >>> study.replace({"contact.load": "4 mm"})
         Traceback (most recent call last):
-        warpwear.errors.InputError: contact.load = '4 mm': has the wrong dimension: a force ... of its length, ...
+        warpwear.errors.InputError: contact.load = '4 mm': has the wrong dimension: a force ... length...
         """
         if not isinstance(changes or {}, Mapping) or not all(isinstance(name, str) for name in changes or ()):
             raise InputError(f"{changes!r} is no change of a study; write {{'contact.load': '4 N'}}.")
         flat = dict(changes or {})
         for section, keys in sections.items():
+            if section == "block":
+                flat[section] = keys
+                continue
             if not isinstance(keys, Mapping):
                 raise InputError(f"{section} = {keys!r} is not a section; write {{'contact.load': '4 N'}}.")
             flat |= {f"{section}.{k}": v for k, v in keys.items()}

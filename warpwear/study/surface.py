@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -11,16 +12,19 @@ from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.laws.bearing_curve import Logistic
-from warpwear.laws.form import Ball, Form, Given
 from warpwear.laws.track import WHOLE
-from warpwear.study.bodies import Disc, MeasuredBody
+from warpwear.study.bodies import Disc, MeasuredBody, Synthetic
 from warpwear.study.study import Study
 from warpwear.surfaces.base import Surface
+from warpwear.surfaces.form import Ball, Form, Given
+from warpwear.surfaces.made.like import LikeProfile
 from warpwear.surfaces.made.milled import Milled
 from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.made.synthetic import Flat
 from warpwear.surfaces.measured import Measured, read_measured
 from warpwear.surfaces.preparation import Preparation
+from warpwear.surfaces.profiles.profile import read_profile
+from warpwear.surfaces.reading import HoldsAProfile
 from warpwear.surfaces.roughness import material_ratio_curve
 
 optimize = lazy.module("scipy.optimize")
@@ -52,7 +56,8 @@ def _check_track(study: Study, length: float) -> None:
     text = sliding.track if sliding.track == "full" else f"{sliding.track:g} mm"
     raise InputError(
         f"sliding.track = {text}{lap} needs {needed:.4g} mm of the disc along the sliding direction, and "
-        f"disc.surface has {length:.4g} mm of it: allowed are {shorter if most >= study.grid.sides[0] else ''}"
+        f"disc.surface has {length:.4g} mm of it: allowed are "
+        f"{shorter if most >= study.grid.sides[0] else ''}"
         "disc.extend = 'mirror' or 'periodic'."
     )
 
@@ -95,8 +100,25 @@ def surface_of(disc: Disc) -> Surface:
         return _measured(disc)
     if synthetic.kind == "flat":
         return Flat()
+    if synthetic.kind == "profile":
+        return _like(synthetic)
     kind = SelfAffine if synthetic.kind == "self-affine" else Milled
     return kind(**{field.name: getattr(synthetic, field.name) for field in fields(kind)})
+
+
+def _like(synthetic: Synthetic) -> LikeProfile:
+    """Return a surface like the profile in a file. Raises InputError."""
+    path = str(synthetic.like)
+    try:
+        profile = read_profile(path)
+    except InputError as error:
+        text = str(error).replace("disc.surface", "disc.synthetic.like")
+        if text.startswith(("disc.pixel", "disc.height_unit")):
+            units = "allowed is a file that does, such as text under a line 'x [mm]; z [um]'"
+            text = f"disc.synthetic.like '{path}' does not say its units and spacing: {units}"
+        raise InputError(text) from error
+    own = {name: getattr(synthetic, name) for name in ("seed", "period", "cut_off", "lay", "lay_length")}
+    return LikeProfile(profile=profile, like=Path(path).name, digest=profile.about["sha256"], **own)
 
 
 def counter_surface(study: Study) -> Measured | None:
@@ -132,7 +154,12 @@ def _of_counter() -> Iterator[None]:
 
 
 def _measured(body: MeasuredBody) -> Measured:
-    """Read a body's file. Raises InputError, naming the field of ``disc``."""
+    """Read a body's file, of a disc also a profile. Raises InputError, naming the field of ``disc``."""
     preparation = Preparation(**{field.name: getattr(body, field.name) for field in fields(Preparation)})
     how = {name: getattr(body, name) for name in ("extend", "pixel", "height_unit", "array")}
-    return read_measured(str(body.surface), preparation, **how)
+    try:
+        return read_measured(str(body.surface), preparation, **how)
+    except HoldsAProfile:
+        if not isinstance(body, Disc):
+            raise
+        return read_measured(str(body.surface), preparation, profile=True, **how)

@@ -1,6 +1,7 @@
 """A study is written as TOML text, for files and for people."""
 
 import math
+import re
 from collections.abc import Iterator
 from html import escape
 from pathlib import Path
@@ -43,6 +44,11 @@ def to_marked_toml(study: Content) -> str:
     lines: list[str] = []
     section = ""
     for name, value in _applicable(study):
+        if name == "block":  # tables, of which every key was given
+            lines += [
+                line for block in value for line in ("", "[[block]]", tomli_w.dumps(readable(block))[:-1])
+            ]
+            continue
         parent, _, key = name.rpartition(".")
         if parent != section:
             section = parent
@@ -99,15 +105,22 @@ def _applicable(study: Content) -> Iterator[tuple[str, Any]]:
             if isinstance(value, dict):
                 yield from walk(f"{prefix}{key}.", value)
             elif value is not None and prefix + key not in skipped:
-                yield prefix + key, value
+                yield prefix + key, value if prefix or key != "block" else [*map(_given, value)]
 
     yield from walk("", content)
+
+
+def _given(block: dict[str, Any]) -> dict[str, Any]:
+    """Return what a block of a programme says."""
+    return {name: value for name, value in block.items() if value is not None}
 
 
 def readable(value: Any) -> Any:
     """Return text with units as a person would write it: 3 um for 0.003 mm, 20 mm/min for 0.333 mm/s."""
     if isinstance(value, tuple | list):
         return [readable(v) for v in value]
+    if isinstance(value, dict):
+        return {name: readable(v) for name, v in value.items()}
     if not isinstance(value, str):
         return value
     first, _, unit = value.partition(" ")
@@ -136,17 +149,20 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     # A misspelt section is unknown and leaves the right one missing: the first is the cause.
     first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
     # Branches of a union (an int or one of some words) are pydantic's, not the user's.
+    of_block = first["loc"][:1] == ("block",)  # which people number from 1
     name = ".".join(
-        str(p)
+        str(p + of_block if isinstance(p, int) else p)
         for p in first["loc"]
         if not str(p).startswith(("literal[", "constrained-", "function-", "tuple["))
     )
     kind, value = first["type"], first.get("input")
     text = _SHOWN.repr(str(value) if is_quantity(value) else value)
     if kind == "extra_forbidden":
-        return no_such_key(model, name)
+        return no_such_key(model, name, now=re.sub(r"\.\d+", "", name) if of_block else "")
     if kind == "missing":
         return f"{name} is missing{_expected(model, name)}."
+    if of_block and len(first["loc"]) == 1 and kind != "value_error":
+        return f"{name} = {text} is no list of blocks; write [[block]] and the keys of one below it."
     if kind in ("tuple_type", "list_type"):
         return f"{name} = {text}: must be a list in brackets, such as ['30 mm', '240 mm']."
     if kind in ("model_type", "dict_type", "model_attributes_type"):

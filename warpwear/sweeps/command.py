@@ -73,15 +73,9 @@ def command(
     where: workers, cluster, insecure, gpus.
     """
     plan = read_plan(study, changes, options, device="cuda:0" if where["gpus"] else device)
-    measured = tuple(
-        read_experiment(
-            path,
-            speed=plan.study.sliding.speed,
-            stroke=plan.study.sliding.stroke,
-            load=plan.study.contact.load,
-        )
-        for path in experiments
-    )
+    sliding, load = plan.study.sliding, plan.study.same_load
+    motion: Any = {"speed": sliding.speed, "stroke": sliding.stroke}
+    measured = tuple(read_experiment(path, load=load, **motion) for path in experiments)
     folder = out if out is not None else Path(f"{plan.study.study.name}-sweep")
     check_folder(folder, resume=resume)
     check_runs(plan, folder)

@@ -87,13 +87,8 @@ def distribution(text: str, key: str) -> Distribution:
     if match is None or KINDS.get(kind) != between:
         raise InputError(f"sweep.vary '{key}' = '{text}': a distribution such as {ALLOWED} is expected.")
     _, first, _, second, low, high, unit = match.groups()
-    parsed = Distribution(
-        kind,
-        float(first),
-        float(second),
-        None if low is None else (float(low), float(high)),
-        unit or "",
-    )
+    within = None if low is None else (float(low), float(high))
+    parsed = Distribution(kind, float(first), float(second), within, unit or "")
     _check(parsed, text, key)
     return parsed
 

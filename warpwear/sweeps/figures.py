@@ -49,7 +49,8 @@ def figures_of(result: SweepResult, experiments: Sequence[Experiment] = ()) -> d
 
 def quantities_of(result: SweepResult) -> list[Quantity]:
     """Choose the quantities that are laid over each other and that any run has."""
-    return [q for q in OVERLAID if result.distance.size and np.isfinite(result.courses(q.name)).any()]
+    every = [quantity for of_figure in OVERLAID.values() for quantity in of_figure]
+    return [q for q in every if result.distance.size and np.isfinite(result.courses(q.name)).any()]
 
 
 def groups_of(result: SweepResult) -> list[tuple[str, list[int]]]:

@@ -66,6 +66,8 @@ def name_of(study: Study, *, device: str, surface: str | None) -> str:
     sections = that_matter(study)
     if surface is not None:
         sections["disc"]["surface"] = surface
+    if study.counter.shape == "measured" and study.counter.surface is not None:
+        sections["counter"]["surface"] = digest_of(study.counter.surface)
     about = {"study": sections, "device": device.partition(":")[0], "format": RESULT_FORMAT}
     return hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -83,14 +84,8 @@ def run_one(task: Task) -> Row:
 
 def _row_of_run(task: Task, study: Study, *, resume: bool) -> Row | None:
     """Make a run, or find it; None where its surface is not that of the task."""
-    options = RunOptions(
-        out=Path(task.folder),
-        device=task.device,
-        threads=task.threads,
-        resume=resume,
-        overwrite=not resume,
-        whole=False,
-    )
+    where: Any = {"out": Path(task.folder), "device": task.device, "threads": task.threads}
+    options = RunOptions(resume=resume, overwrite=not resume, whole=False, **where)
     with _warnings_left_to_the_summary(), run_study(study, options) as result:
         is_read = study.study.model != "macro" and task.surface is not None
         if is_read and result.record["surface"].get("sha256") != task.surface:

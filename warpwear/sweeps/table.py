@@ -166,10 +166,8 @@ class SweepResult:
             writer = csv.writer(file)
             writer.writerow(map(quoted, table))
             for row in zip(*table.values(), strict=True):
-                cells = [repr(v) if isinstance(v, float) else v for v in row]
-                writer.writerow(
-                    [quoted(v) if isinstance(w, str) else v for v, w in zip(cells, row, strict=True)]
-                )
+                cells = [quoted(v) if isinstance(v, str) else v for v in row]
+                writer.writerow([repr(v) if isinstance(v, float) else v for v in cells])
         try:
             pandas.DataFrame(table).to_parquet(folder / "table.parquet", index=False)
             courses = self._dataset()

@@ -70,8 +70,7 @@ def _of_version(result: Result) -> Numbers:
         "pressure_unevenness": end["pressure_std"] / end["pressure_mean"],
         "cof_first_over_end": first["cof"] / end["cof"],
     }
-    for name, column in COLUMNS["first"].items():
-        values_of_version[name] = first[column]
+    values_of_version |= {name: first[column] for name, column in COLUMNS["first"].items()}
     for name, column in COLUMNS["last"].items():
         values_of_version[name] = 1e3 * end[column] if name.endswith("_um") else end[column]
     for area, prefix in (("contact", ""), ("touched", "touched_"), ("cumulative", "sum_")):

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from warpwear.calibration.wear import diameter_of_cap
 from warpwear.errors import InputError, StudyWarning
-from warpwear.laws.form import sag
 from warpwear.result import Result
 from warpwear.runs.run import run
 from warpwear.study.study import Study
 from warpwear.study.surface import surface_in
+from warpwear.surfaces.form import sag
 
 #: Cell of the fine rough model in a quick report; it takes a tenth of the time.
 QUICK_CELL = "5 um"
@@ -56,17 +56,12 @@ class Plan:
         smooth, rough = self.studies["v1"], self.studies["v3"]
         step = smooth.increments[2]
         own = rough.disc.synthetic.seed if rough.disc.synthetic else None
-        return (
-            self.studies
-            | {IMPLICIT.format(increment): _implicit(smooth, increment) for increment in self.increments}
-            | {"beyond": smooth.replace(HERTZ_AREA | {"stepping.force": True})}
-            | {"steady": _implicit(smooth, step).replace(HERTZ_AREA)}
-            | {
-                f"{SURFACE}{seed}": rough.replace({"disc.synthetic.seed": seed})
-                for seed in self.seeds
-                if seed != own
-            }
-        )
+        implicit = {IMPLICIT.format(length): _implicit(smooth, length) for length in self.increments}
+        beyond = smooth.replace(HERTZ_AREA | {"stepping.force": True})
+        steady = _implicit(smooth, step).replace(HERTZ_AREA)
+        seeds = [seed for seed in self.seeds if seed != own]
+        others = {f"{SURFACE}{seed}": rough.replace({"disc.synthetic.seed": seed}) for seed in seeds}
+        return self.studies | implicit | {"beyond": beyond, "steady": steady} | others
 
 
 def published(*, quick: bool = False) -> Plan:

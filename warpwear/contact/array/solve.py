@@ -34,7 +34,7 @@ from warpwear.engine.staging import download, each
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import LANES, Cells
-from warpwear.laws.form import Form
+from warpwear.surfaces.form import Form
 
 #: Largest difference between the load carried and the load asked for, relatively.
 LOAD_TOLERANCE = 1.0e-9

@@ -31,7 +31,7 @@ from warpwear.results.evolution import (
 from warpwear.results.file import ResultFile
 from warpwear.results.formats.bodies import worn_heights
 from warpwear.results.summary import bare_course
-from warpwear.results.track import whole_steps
+from warpwear.results.track import is_short, whole_steps
 from warpwear.surfaces.spectrum import Spectrum
 
 #: Most blocks along a side of a map, and of the relief in 3-D.
@@ -79,6 +79,11 @@ class FigureData:
     def slider(self) -> str:
         """What figures call the body that slides."""
         return self.study.counter.name
+
+    @property
+    def groove(self) -> str:
+        """What figures call the place where the disc wears: a groove where the contact leaves it."""
+        return "groove" if self.study.is_swept and not is_short(self.result) else "scar"
 
     def name_of(self, body: str) -> str:
         """Return what a figure calls the body "counter" or "disc"."""
@@ -180,20 +185,21 @@ class FigureData:
 
     def window_of(self, most: int) -> Window:
         """Return the scar at the end and some room, in at most `most` blocks along a side."""
-        return self._centred(self._half, most)
+        return self._centred(self._halves, most)
 
     @cached_property
     def relief(self) -> tuple[FloatArray, Window]:
         """Return heights [mm] of the unworn disc over the whole domain, for 3-D."""
-        snapshot, window = self.snapshot(0), self._centred(np.inf, SURFACE_BLOCKS)
+        snapshot, window = self.snapshot(0), self._centred((np.inf, np.inf), SURFACE_BLOCKS)
         worn = worn_heights(self.result, snapshot, "disc")
         return window.means(worn + snapshot.lost_beneath), window
 
     @cached_property
-    def strip(self) -> float:
-        """Width [mm] of the strip whose pressures are averaged for a line."""
+    def strips(self) -> tuple[float, float]:
+        """Widths [mm] of the strips along and across whose pressures are averaged for a line."""
         cell = self.study.grid.cell
-        return max(1, round(STRIP * 2.0 * self._half / cell)) * cell
+        along, across = (max(1, round(STRIP * 2.0 * half / cell)) * cell for half in self._halves[::-1])
+        return along, across
 
     @cached_property
     def evolution(self) -> SurfaceEvolution:
@@ -244,39 +250,45 @@ class FigureData:
         return Loads(pressures, apart, window, self.study.patches.coupling == "load")
 
     @cached_property
-    def _half(self) -> float:
-        """Half the side [mm] of the square that is shown; the domain is a square, too."""
-        places, cell = self.result.x, self.study.grid.cell
-        if not all(self.study.counter.form.rises):
-            return float(places[-1]) + 0.5 * cell
-        touched = self.snapshot(self.indices[-1]).touched
-        reach = max(float(np.abs(places[touched.any(axis=axis)]).max()) for axis in (0, 1))
-        return min(MARGIN * reach + cell, float(places[-1]))
+    def _halves(self) -> tuple[float, float]:
+        """Half the sides [mm] of what is shown, along and across: a square of a domain that is one."""
+        cell, rises = self.study.grid.cell, self.study.counter.form.rises
+        sides = tuple(0.5 * side for side in self.study.grid.sides)
+        is_square = sides[0] == sides[1]
+        if not (all(rises) if is_square else any(rises)):
+            return sides
+        touched, halves = self.snapshot(self.indices[-1]).touched, []
+        for axis, places in enumerate((self.result.x, self.result.y)):
+            reach = float(np.abs(places[touched.any(axis=1 - axis)]).max())
+            halves.append(min(MARGIN * reach + cell, float(places[-1])) if rises[axis] else sides[axis])
+        return (max(halves), max(halves)) if is_square else (halves[0], halves[1])
 
-    def _centred(self, half: float, most: int) -> Window:
-        """Cut a square around the middle into at most `most` blocks a side; part of a block is left out."""
-        count = int((np.abs(self.result.x) <= half).sum())
-        factor = -(-count // most)
-        whole = max(count // factor, 1) * factor
-        first = (self.result.x.size - whole) // 2
-        part = slice(first, first + whole)
-        return Window.of(self.study.cells, part, part, factor=factor)
+    def _centred(self, halves: tuple[float, float], most: int) -> Window:
+        """Cut the middle into at most `most` blocks a side, unless it is narrow; part of one is left out."""
+        axes = self.result.x, self.result.y
+        counts = [int((np.abs(places) <= half).sum()) for places, half in zip(axes, halves, strict=True)]
+        factor = min(-(-max(counts) // most), *counts)
+        wholes = [count // factor * factor for count in counts]
+        firsts = [(places.size - whole) // 2 for places, whole in zip(axes, wholes, strict=True)]
+        parts = [slice(first, first + whole) for first, whole in zip(firsts, wholes, strict=True)]
+        return Window.of(self.study.cells, *parts, factor=factor)
 
     def _profile(self, snapshot: Snapshot, axis: int) -> Profile:
         """Cut through the middle of a snapshot. axis: 0 along sliding, 1 across it."""
-        places, part = self.result.x, self.window.x
+        axes, parts = (self.result.x, self.result.y), (self.window.x, self.window.y)
+        places, part, beside = axes[axis], parts[axis], axes[1 - axis]
 
         def line(field: FloatArray) -> FloatArray:
-            return np.asarray(np.take(field, places.size // 2, axis=1 - axis)[part])
+            return np.asarray(np.take(field, beside.size // 2, axis=1 - axis)[part])
 
-        strip = np.compress(np.abs(places) <= 0.5 * self.strip, snapshot.pressure, axis=1 - axis)
+        strip = np.compress(np.abs(beside) <= 0.5 * self.strips[axis], snapshot.pressure, axis=1 - axis)
         pressure = strip.mean(axis=1 - axis)[part]
         cells = -(-pressure.size // BINS)
         bins = pressure.size // cells
         first = (pressure.size - bins * cells) // 2
         whole = slice(first, first + bins * cells)
-        axes = places[part], np.zeros(1)
-        unworn = self.result.unworn_counter(*(axes if axis == 0 else axes[::-1])).ravel()
+        cut = places[part], np.zeros(1)
+        unworn = self.result.unworn_counter(*(cut if axis == 0 else cut[::-1])).ravel()
         counter = or_nan(unworn) + line(snapshot.wear_counter)
         return Profile(
             place=places[part],

@@ -19,6 +19,7 @@ from warpwear.figures.of_run.view import positive
 from warpwear.figures.paint import paint
 from warpwear.figures.wording import after, with_scatter
 from warpwear.grid import FloatArray
+from warpwear.history.quantities import BY_NAME
 from warpwear.results.file import ResultFile
 from warpwear.results.track import blocks
 
@@ -135,11 +136,11 @@ class _Film:
     def _course(self, slid: float) -> Chart:
         """Declare the course up to a distance and its end, of the area where there is no friction."""
         course = self._data.course
-        values = course["cof" if self._is_friction else "area_contact"]
-        label = "coefficient of friction, –" if self._is_friction else "area in contact, mm²"
+        quantity = BY_NAME["cof" if self._is_friction else "area_contact"]
+        values, label = course[quantity.name], quantity.axis
         count = max(int(np.searchsorted(course["distance"], slid, side="right")), 1)
         x, y = course["distance"][:count], values[:count]
         dot = Line(x[-1:], y[-1:], look=Look(describe.NEUTRAL, "", marker="o", size=4.0), clipped=False)
-        distance = Axis("sliding distance, mm", low=0.0, high=1.03 * float(course["distance"][-1]), ticks=5)
+        distance = Axis(describe.DISTANCE, low=0.0, high=1.03 * float(course["distance"][-1]), ticks=5)
         value = Axis(label, low=0.0, high=1.05 * float(np.nanmax(values)))
         return Chart(label, distance, value, [Line(x, y), dot])

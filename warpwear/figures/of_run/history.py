@@ -18,6 +18,8 @@ from warpwear.laws.archard import BODIES
 
 #: Areas in contact and of the scar.
 AREAS = ("area_contact", "area_plastic", "area_touched", "area_nominal")
+#: Worn volumes of both bodies.
+VOLUMES = tuple(f"wear_volume_{body}" for body in BODIES)
 #: The running sum of areas is no area: it is drawn where friction is of it.
 SUMMED = "area_cumulative"
 #: Part of the smallest area in contact down to which areas are shown: cells at the hardness become none.
@@ -38,7 +40,7 @@ def axis_of(quantity: Quantity) -> Axis:
     return Axis(quantity.axis, "auto") if quantity.log else Axis(quantity.axis, low=0.0)
 
 
-@words.figure(words.NO_COURSE, words.NO_COF, essential=True, section="courses")
+@words.figure(words.NO_COURSE, words.NO_COF, essential=True, section="courses", overlaid=("cof",))
 def cof(data: FigureData) -> Figure:
     """Coefficient of friction over the sliding distance. {friction}{passes}"""
     return _of_cof(data, data.course["distance"], _course(data, "cof"), describe.DISTANCE)
@@ -108,7 +110,7 @@ def bare_fraction(data: FigureData) -> Figure:
     return Figure([chart], legend=0 if isinstance(fit, str) else 1)
 
 
-@words.figure(words.NO_COURSE, essential=True, section="courses")
+@words.figure(words.NO_COURSE, essential=True, section="courses", overlaid=("area_contact",))
 def areas(data: FigureData) -> Figure:
     """Real areas of contact and the nominal area of the scar, its ellipse, over the sliding
     distance.{passes}
@@ -127,7 +129,7 @@ def areas(data: FigureData) -> Figure:
     return Figure([Chart("Areas", over_distance(data.course["distance"]), area, lines)], legend=3)
 
 
-@words.figure(words.NO_COURSE, section="courses")
+@words.figure(words.NO_COURSE, section="courses", overlaid=("pressure_mean",))
 def pressure(data: FigureData) -> Figure:
     """Mean and largest pressure of the cells in contact over the sliding distance.{fall}{passes}"""
     course, hardness = data.course, data.study.hardness
@@ -157,7 +159,7 @@ def contact_radius(data: FigureData) -> Figure:
     return Figure([Chart("Radii", *axes, lines)], legend=2)
 
 
-@words.figure(words.NO_COURSE, words.UNWORN, essential=True, section="courses")
+@words.figure(words.NO_COURSE, words.UNWORN, essential=True, section="courses", overlaid=VOLUMES)
 def volumes(data: FigureData) -> Figure:
     """Worn volume and depth of the deepest cell of {slider} and disc over the sliding distance."""
     panels = []

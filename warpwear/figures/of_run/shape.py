@@ -3,6 +3,7 @@
 import numpy as np
 
 from warpwear.figures import describe
+from warpwear.figures.coarse import coarsen
 from warpwear.figures.describe import (
     Arrow,
     Axis,
@@ -21,7 +22,7 @@ from warpwear.figures.describe import (
 )
 from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
-from warpwear.figures.of_run.view import Profile, coarsen, or_nan, positive
+from warpwear.figures.of_run.view import Profile, or_nan, positive
 from warpwear.figures.wording import after
 from warpwear.grid import FloatArray
 
@@ -38,7 +39,7 @@ CUTS = (("along", describe.ALONG, "Along the sliding direction"), ("across", des
 LARGER = "heights drawn {} times as large"
 
 
-@words.figure(*words.FIELD, essential=True)
+@words.figure(words.NARROW, *words.FIELD, essential=True)
 def setup(data: FigureData) -> Figure:
     """The {slider} on the unworn disc at first contact, its near half cut away; heights are exaggerated
     as the figure says.
@@ -55,7 +56,7 @@ def setup(data: FigureData) -> Figure:
     low, top, high = float(np.nanmin(disc)), float(np.nanmax(disc)), float(np.nanmax(counter))
     middle, half = 0.5 * (x0 + x1), 0.5 * ARROW * (x1 - x0)
     note = (
-        f"{study.counter.title}\n{study.contact.load:.3g} N, domain {study.grid.size} wide\n"
+        f"{study.counter.title}\n{study.loads} N, domain {study.grid.size} wide\n"
         f"heights drawn {{larger}} times as large"
     )
     parts = (
@@ -85,7 +86,7 @@ def wear_map(data: FigureData) -> Figure:
     return Figure(maps)
 
 
-@words.figure(*words.COUNTER_WORN)
+@words.figure(words.NARROW, *words.COUNTER_WORN)
 def counter_map(data: FigureData) -> Figure:
     """Height of the {slider}, turned over, unworn and at distances slid; lines are of equal height, and
     far apart where it is worn flat.
@@ -99,13 +100,13 @@ def disc_map(data: FigureData) -> Figure:
     return _maps(data, "disc")
 
 
-@words.figure(*words.COUNTER_WORN)
+@words.figure(words.NARROW, *words.COUNTER_WORN)
 def counter_3d(data: FigureData) -> Figure:
     """The {slider}, turned over, unworn and {end}; pale where it is worn."""
     return _surfaces(data, "counter")
 
 
-@words.figure(*words.DISC_WORN)
+@words.figure(words.NARROW, *words.DISC_WORN)
 def disc_3d(data: FigureData) -> Figure:
     """The disc, unworn and {end}."""
     return _surfaces(data, "disc")

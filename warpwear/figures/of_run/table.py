@@ -14,6 +14,7 @@ import numpy as np
 from warpwear import lazy
 from warpwear.errors import InputError, explained
 from warpwear.figures import describe
+from warpwear.figures.blocks import with_blocks
 from warpwear.figures.of_run import fields, history, shape, snapshots, track
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.words import FIGURES, Entry, first_of
@@ -75,7 +76,8 @@ class Plotter:
             raise InputError(f"there is no figure '{name}': {reason}")
         if name not in self._declared:
             with self.data:
-                self._declared[name] = FIGURES[name].declare(self.data)
+                figure, study = FIGURES[name].declare(self.data), self.data.study
+            self._declared[name] = with_blocks(figure, study)
         return self._declared[name]
 
     def reason(self, name: str) -> str | None:

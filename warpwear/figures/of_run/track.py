@@ -22,9 +22,9 @@ CHANGE = "change of height, µm"
 
 @words.figure(*words.GROOVE, essential=True)
 def groove(data: FigureData) -> Figure:
-    """Mean cross-section of the groove {when}, and its mean depth along the track {end}."""
+    """Cross-section of the {groove} {when}, and its mean depth along the track {end}."""
     sections = [results.groove(data.result, index) for index in data.indices]
-    last, short = sections[-1], results.is_short(data.result)
+    last, short = sections[-1], data.groove == "scar"
     reach = float(np.abs(last.y[last.depth > 0.0]).max(initial=2.0 * data.study.grid.cell)) * 1.15
     across: list[Line | Level] = [
         Line(section.y, -1e3 * section.depth, after(section.distance), look)
@@ -39,7 +39,7 @@ def groove(data: FigureData) -> Figure:
         Level(-1e3 * last.mean_depth, f"mean depth {1e3 * last.mean_depth:.3g} µm", mean),
     ]
     deepest = -1.2e3 * max(float(np.nanmax(depths)), last.mean_depth)
-    width = f"mean over the groove's width of {last.width:.3g} mm"
+    width = f"mean over the {data.groove}'s width of {last.width:.3g} mm"
     over, down = Axis(describe.ACROSS, low=-reach, high=reach), Axis(CHANGE, low=deepest or None, high=0.0)
     place = "through the middle of the stroke" if short else "mean along sliding"
     panels = [
@@ -73,19 +73,20 @@ def track_map(data: FigureData) -> Figure:
 
 @words.figure(words.STILL, words.NO_COURSE, words.NO_GROOVE, essential=True)
 def wear_per_pass(data: FigureData) -> Figure:
-    """Mean depth that each pass adds to the groove, over the width of the contact."""
+    """Mean depth that each pass adds to the {groove}, over the width of the contact."""
     table, stroke = results.by_pass(data.result, "patch_across", "patch_along"), data.study.lap
     assert stroke is not None  # or the figure is left out
     whole = table["distance"] > 0.99 * stroke
     if not whole.any():
         whole[:] = True
     number = table["number"][whole]
+    many = np.maximum(np.rint(table["distance"] / stroke), 1.0)  # passes that a computed one stands for
     length = np.maximum(
-        table["distance"], table["patch_along"]
+        table["distance"] / many, table["patch_along"]
     )  # of a short stroke the scar keeps its middle
     marker = "o" if number.size < 12 else ""
     lines = [
-        Line(number, 1e3 * (table[name] / (length * table["patch_across"]))[whole], label, look)
+        Line(number, 1e3 * (table[name] / (many * length * table["patch_across"]))[whole], label, look)
         for name, label, look in (
             ("wear_volume_disc", "worn", Look(describe.DISC, marker=marker)),
             ("plastic_volume_disc", "displaced", Look(describe.NEUTRAL, "dot", marker=marker)),
@@ -102,7 +103,8 @@ def cof_stroke(data: FigureData) -> Figure:
     course, stroke = data.course, data.study.lap
     assert stroke is not None  # or the figure is left out
     number = np.maximum(np.ceil(course["distance"] / stroke - 1e-9).astype(int), 1)
-    passes = np.unique(number)
+    number[course.get("cycles", np.ones(number.size)) > 1.0] = 0  # a jump is no pass
+    passes = np.unique(number[number > 0])
     lines = []
     numbers = passes[chosen(passes.size, SHOWN)]
     for count, look in zip(numbers, in_time(describe.NEUTRAL, numbers.size), strict=True):
@@ -114,6 +116,6 @@ def cof_stroke(data: FigureData) -> Figure:
 
 @words.figure(*words.GROOVE, words.SMOOTH_DISC)
 def track_roughness(data: FigureData) -> Figure:
-    """Height parameters (ISO 25178-2) of the disc in the middle of the groove over the passes."""
+    """Height parameters (ISO 25178-2) of the disc in the middle of the {groove} over the passes."""
     table = results.roughness_in_track(data.result)
-    return of_parameters("groove", Axis("passes, –", "unworn"), table["passes"], table)
+    return of_parameters(data.groove, Axis("passes, –", "unworn"), table["passes"], table)

@@ -7,13 +7,14 @@ docstrings of functions that declare figures; their fields are filled in here.
 import inspect
 from collections import defaultdict
 from collections.abc import Callable, Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from warpwear.figures.describe import Figure
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.view import PASSES, last_at_hardness
+from warpwear.study.rules import FEWEST_ACROSS
 
 #: What declares a figure of a run.
 Declare = Callable[[FigureData], Figure]
@@ -117,6 +118,7 @@ NO_GROOVE = Reason(
 )
 #: Reasons of several figures.
 FIELD = (NO_SNAPSHOT, ONLY_SAMPLES)
+NARROW = Reason(lambda d: d.study.cells.ny < FEWEST_ACROSS, "the domain is too narrow to be seen in relief")
 COUNTER_WORN = (*FIELD, UNWORN_COUNTER)
 DISC_WORN = (TRACK, *FIELD, UNWORN_DISC)
 GROOVE = (STILL, NO_SNAPSHOT, NO_GROOVE)
@@ -128,12 +130,14 @@ class Entry(NamedTuple):
     """A figure of a run: what declares it, and why a run may have none.
 
     essential: whether it goes into a paper, and is drawn by default. section: of the page that shows it.
+    overlaid: columns of the history whose courses are laid over those of other runs.
     """
 
     declare: Declare
     reasons: tuple[Reason, ...]
     essential: bool
     section: str = ""
+    overlaid: tuple[str, ...] = ()
 
     @property
     def template(self) -> str:
@@ -153,17 +157,17 @@ class Entry(NamedTuple):
 #: Figures of a run by name.
 FIGURES: dict[str, Entry] = {}
 #: Fields of a caption that are filled in where no run is at hand.
-OF_ANY_RUN = {"slider": "counter-body", "when": "at the snapshots", "end": "at the end"}
+OF_ANY_RUN = {"slider": "counter-body", "when": "at the snapshots", "end": "at the end", "groove": "groove"}
 
 
-def figure(*reasons: Reason, essential: bool = False, section: str = "") -> Callable[[Declare], Declare]:
+def figure(*reasons: Reason, essential: bool = False, **others: Any) -> Callable[[Declare], Declare]:
     """Enter a function among the figures of a run; the start of its docstring is the caption.
 
-    section: of the run's page that shows it, of `warpwear.page.sections`; empty for none.
+    others: of `Entry`; a section is one of `warpwear.page.sections`.
     """
 
     def enter(declare: Declare) -> Declare:
-        FIGURES[declare.__name__] = Entry(declare, reasons, essential, section)
+        FIGURES[declare.__name__] = Entry(declare, reasons, essential, **others)
         return declare
 
     return enter
@@ -190,7 +194,8 @@ def law_of(data: FigureData) -> str:
         law = "Local law, cell by cell"
     patches = ", patches that share the load" if study.study.model == "two-scale" else ""
     cap = f", hardness {study.hardness:.3g} MPa" if np.isfinite(study.hardness) else ""
-    return f"{law}{patches}{cap}; load {study.contact.load:.3g} N; cells of {1e3 * study.grid.cell:.3g} µm."
+    loads = f"blocks of {study.programme}" if study.block else f"load {study.loads} N"
+    return f"{law}{patches}{cap}; {loads}; cells of {1e3 * study.grid.cell:.3g} µm."
 
 
 def _when(data: FigureData) -> str:
@@ -282,5 +287,6 @@ FIELDS: dict[str, Callable[[FigureData], str]] = {
     "blocks": _blocks,
     "critical": _critical,
     "smooth": _smooth,
+    "groove": lambda d: d.groove,
     "law": law_of,
 }

@@ -9,9 +9,8 @@ from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.kernels import patches as kernels
 from warpwear.kernels.cells import TILE_VECTORS
-from warpwear.laws.form import Form
 from warpwear.laws.patches import Patches
-from warpwear.laws.task import ContactTask
+from warpwear.laws.task import ContactTask, Form
 from warpwear.models.film import BareCells
 
 

@@ -33,7 +33,8 @@ def _refuse_wide(study: Study, heights: FloatArray) -> None:
     if curvature == 0.0:
         return
     hertz = study.hertz.radius if study.hertz else 0.0
-    smooth = max(0.5 * worn_patch(study), hertz, math.sqrt(study.contact.load / (math.pi * study.hardness)))
+    load = max(block.load for block in study.blocks)
+    smooth = max(0.5 * worn_patch(study), hertz, math.sqrt(load / (math.pi * study.hardness)))
     width = 2.0 * math.sqrt(smooth**2 + 2.0 * max(float(heights.max()), 0.0) / curvature)
     if study.patches.macro_cell > width:
         raise InputError(

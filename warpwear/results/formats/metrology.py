@@ -4,21 +4,19 @@ import hashlib
 import zipfile
 from datetime import UTC, datetime
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 
 from warpwear import lazy
 from warpwear.errors import printable
 from warpwear.results.formats.bodies import Body
+from warpwear.results.formats.xml import filled
 from warpwear.version import __version__
 
 sdfio = lazy.module("sdfio")
 
 #: Metres of a millimetre: the unit of both formats.
 METRES = 1.0e-3
-#: Namespace of the root of main.xml, which ISO 5436-2 gives it.
-NAMESPACE = "http://www.opengps.eu/2008/ISO5436_2"
 #: Names in the archive of a .x3p file.
 MAIN, SUMS, POINTS, VALID = "main.xml", "md5checksum.hex", "bindata/data.bin", "bindata/valid.bin"
 
@@ -63,46 +61,12 @@ def _md5(content: bytes) -> str:
 
 def _main_xml(body: Body, sums: dict[str, str]) -> bytes:
     """Describe a .x3p file in the order of its schema. sums: MD5 by name of the binary parts."""
-    ElementTree.register_namespace("p", NAMESPACE)
-    root = ElementTree.Element(f"{{{NAMESPACE}}}ISO5436_2")
-    now = datetime.now(UTC).isoformat(timespec="seconds")
-    x, y = _spacing(body)
-    axes = {
-        "CX": {"AxisType": "I", "DataType": "D", "Increment": x, "Offset": METRES * float(body.x[0])},
-        "CY": {"AxisType": "I", "DataType": "D", "Increment": y, "Offset": METRES * float(body.y[0])},
-        "CZ": {"AxisType": "A", "DataType": "D", "Increment": 1.0, "Offset": 0.0},
-    }
-    link = {"PointDataLink": POINTS, "MD5ChecksumPointData": sums[POINTS]}
-    if VALID in sums:
-        link |= {"ValidPointsLink": VALID, "MD5ChecksumValidPoints": sums[VALID]}
-    instrument = {"Manufacturer": "warpwear", "Model": "warpwear", "Serial": "none", "Version": __version__}
-    _add(
-        root,
-        {
-            "Record1": {"Revision": "ISO5436 - 2000", "FeatureType": "SUR", "Axes": axes},
-            "Record2": {
-                "Date": now,
-                "Instrument": instrument,
-                "CalibrationDate": now,
-                "ProbingSystem": {"Type": "Software", "Identification": "computed, not measured"},
-                "Comment": f"{printable(body.title)}; sliding is along x, heights are out of the material",
-            },
-            "Record3": {
-                "MatrixDimension": {"SizeX": body.x.size, "SizeY": body.y.size, "SizeZ": 1},
-                "DataLink": link,
-            },
-            "Record4": {"ChecksumFile": SUMS},
-        },
+    firsts = (METRES * float(side[0]) for side in (body.x, body.y))
+    return filled(
+        "x3p.xml",
+        axes=zip(("CX", "CY"), _spacing(body), firsts, strict=True),
+        now=datetime.now(UTC).isoformat(timespec="seconds"),
+        title=printable(body.title),
+        **{"body": body, "version": __version__, "sums": sums},
+        **{"points": POINTS, "valid": VALID, "checksums": SUMS},
     )
-    ElementTree.indent(root)
-    return bytes(ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True))
-
-
-def _add(parent: ElementTree.Element, content: dict[str, object]) -> None:
-    """Add elements by name, a number with all its digits; their own names have no namespace."""
-    for name, value in content.items():
-        child = ElementTree.SubElement(parent, name)
-        if isinstance(value, dict):
-            _add(child, value)
-        else:
-            child.text = str(value)

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
 
 from warpwear.grid import FloatArray
 from warpwear.results.formats.bodies import WRITABLE, Files, Job
+from warpwear.results.formats.xml import filled
 from warpwear.version import __version__
 
 #: Bytes that are packed together.
@@ -43,12 +43,8 @@ def vti_files(job: Job) -> Files:
 def _write_film(job: Job, film: dict[int, str], path: Path) -> None:
     """Write the list of a film's files: its time is the sliding distance [mm]."""
     distances = job.result.snapshot_distances
-    root = _root("Collection")
-    collection = ElementTree.SubElement(root, "Collection")
-    for number, file in film.items():
-        entry = {"timestep": repr(float(distances[number])), "group": "", "part": "0", "file": file}
-        ElementTree.SubElement(collection, "DataSet", entry)
-    ElementTree.ElementTree(root).write(path, encoding="UTF-8", xml_declaration=True)
+    files = [(float(distances[number]), file) for number, file in film.items()]
+    path.write_bytes(filled("pvd.xml", files=files))
 
 
 def _write_image(job: Job, name: str, number: int, path: Path) -> None:
@@ -60,10 +56,8 @@ def _write_image(job: Job, name: str, number: int, path: Path) -> None:
         "Origin": _numbers(sheet.x[0] + shift, sheet.y[0], 0.0),
         "Spacing": _numbers(*spacing, min(spacing)),
     }
-    file = _File("ImageData", (sheet.x.size, sheet.y.size), image)
-    file.say(job, sheet.distance)
-    file.point_data(sheet.fields)
-    file.write(path)
+    about = _about(job, sheet.distance, (sheet.x.size, sheet.y.size))
+    _write(path, {"PointData": _labelled(sheet.fields)}, kind="ImageData", attributes=image, **about)
 
 
 def _write_surface(job: Job, name: str, number: int, path: Path) -> None:
@@ -74,87 +68,49 @@ def _write_surface(job: Job, name: str, number: int, path: Path) -> None:
     body, snapshot = job.body(name, number), job.snapshot(number)
     sheet = job.sheet("track_fields" if name == "track" else "fields", number)
     fields = {key: v for key, v in sheet.fields.items() if not key.endswith(OTHERS[name])}
+    data: dict[str, Any] = _labelled({f"height_{name}": body.heights} | fields)
     there = np.isfinite(body.heights)
+    if not there.all():
+        data["vtkGhostType"] = np.where(there, 0, HIDDEN).astype(np.uint8)
     z = job.exaggeration * body.z
     z = np.where(there, z, np.nanmin(z) if there.any() else 0.0)
     shift = 0.0 if name == "track" else job.along(number)
     x, y = np.meshgrid(body.x + shift, body.y, indexing="ij")
-    file = _File("StructuredGrid", body.heights.shape, {})
-    file.say(job, snapshot.distance)
-    file.point_data({f"height_{name}": body.heights} | fields, hidden=None if there.all() else ~there)
-    points = ElementTree.SubElement(file.piece, "Points")
-    file.array(points, "points [mm]", np.stack([x, y, z], axis=-1).astype(np.float32))
-    file.write(path)
-
-
-def _root(kind: str) -> ElementTree.Element:
-    about = {"type": kind, "version": "1.0", "byte_order": "LittleEndian", "header_type": "UInt64"}
-    return ElementTree.Element("VTKFile", about | {"compressor": "vtkZLibDataCompressor"})
+    groups = {"PointData": data, "Points": {"points [mm]": np.stack([x, y, z], axis=-1).astype(np.float32)}}
+    _write(path, groups, kind="StructuredGrid", attributes={}, **_about(job, snapshot.distance, x.shape))
 
 
 def _numbers(*values: float) -> str:
     return " ".join(repr(float(value)) for value in values)
 
 
-class _File:
-    """One of VTK's XML files of a grid of points (nx, ny), whose arrays stand packed at its end in base64."""
-
-    def __init__(self, kind: str, shape: tuple[int, ...], attributes: dict[str, str]) -> None:
-        extent = f"0 {shape[0] - 1} 0 {shape[1] - 1} 0 0"
-        self._root = _root(kind)
-        self._grid = ElementTree.SubElement(self._root, kind, {"WholeExtent": extent} | attributes)
-        self._appended: list[bytes] = []
-        self._size = 0
-        self._about = ElementTree.SubElement(self._grid, "FieldData")
-        self.piece = ElementTree.SubElement(self._grid, "Piece", {"Extent": extent})
-
-    def say(self, job: Job, distance: float) -> None:
-        """Note the sliding distance [mm], which is the time of a film, and what made the file."""
-        time = {"type": "Float64", "Name": "TimeValue", "NumberOfTuples": "1", "format": "ascii"}
-        ElementTree.SubElement(self._about, "DataArray", time).text = repr(float(distance))
-        version = job.result.attributes["version"]
-        texts = {
-            "study": job.result.study.study.name,
-            "source": f"warpwear {version}, written by {__version__}",
-        }
-        for name, text in texts.items():  # as VTK has texts: codes of bytes, ended by a zero
-            about = {"type": "String", "Name": name, "NumberOfTuples": "1", "format": "ascii"}
-            codes = " ".join(map(str, (*text.encode(), 0)))
-            ElementTree.SubElement(self._about, "Array", about).text = codes
-
-    def point_data(self, fields: Mapping[str, FloatArray], *, hidden: Any = None) -> None:
-        """Add fields with a value a point, each with its unit in its name. hidden: points not to be shown."""
-        data = ElementTree.SubElement(self.piece, "PointData", {"Scalars": _label(next(iter(fields), ""))})
-        for name, values in fields.items():
-            self.array(data, _label(name), values)
-        if hidden is not None:
-            self.array(data, "vtkGhostType", np.where(hidden, HIDDEN, 0).astype(np.uint8))
-
-    def array(self, parent: ElementTree.Element, name: str, values: Any) -> None:
-        """Add an array of shape (nx, ny) or (nx, ny, components); x is the fastest in the file."""
-        about = {"type": TYPES[values.dtype.str[1:]], "Name": name, "format": "appended"}
-        about["offset"] = str(self._size)
-        if values.ndim == 3:
-            about["NumberOfComponents"] = str(values.shape[2])
-        ElementTree.SubElement(parent, "DataArray", about)
-        self._appended.append(_packed(np.ascontiguousarray(values.swapaxes(0, 1))))
-        self._size += len(self._appended[-1])
-
-    def write(self, path: Path) -> None:
-        """Write the file."""
-        appended = ElementTree.SubElement(self._root, "AppendedData", {"encoding": "base64"})
-        appended.text = "_\n"
-        before, _, after = ElementTree.tostring(
-            self._root, encoding="UTF-8", xml_declaration=True
-        ).rpartition(b"\n")
-        with path.open("wb") as file:
-            file.write(before)
-            file.writelines(self._appended)
-            file.write(b"\n" + after)
+def _about(job: Job, distance: float, shape: tuple[int, ...]) -> dict[str, Any]:
+    """Return what a file of a grid (nx, ny) says of itself: a distance [mm] is the time of a film."""
+    source = f"warpwear {job.result.attributes['version']}, written by {__version__}"
+    texts = {"study": job.result.study.study.name, "source": source}
+    extent = f"0 {shape[0] - 1} 0 {shape[1] - 1} 0 0"
+    return {"distance": float(distance), "texts": texts, "extent": extent}
 
 
-def _label(name: str) -> str:
-    return f"{name} [{WRITABLE[name].units}]" if name else ""
+def _write(path: Path, groups: Mapping[str, Mapping[str, Any]], **about: Any) -> None:
+    """Write a file whose arrays stand packed at its end in base64. about: what its form takes besides.
+
+    groups: group -> name -> array of shape (nx, ny) or (nx, ny, components); x is the fastest in the file.
+    """
+    appended: list[bytes] = []
+    described: dict[str, list[dict[str, Any]]] = {group: [] for group in groups}
+    for group, name, values in ((group, *one) for group, of in groups.items() for one in of.items()):
+        entry = {"name": name, "type": TYPES[values.dtype.str[1:]], "offset": sum(map(len, appended))}
+        described[group].append(entry | {"components": values.shape[2] if values.ndim == 3 else 1})
+        appended.append(_packed(np.ascontiguousarray(values.swapaxes(0, 1))))
+    before, _, after = filled("vtk.xml", groups=described, **about).rpartition(b"\n")
+    with path.open("wb") as file:
+        file.writelines([before, *appended, b"\n", after])
+
+
+def _labelled(fields: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    """Put the unit of each field into its name."""
+    return {f"{name} [{WRITABLE[name].units}]": values for name, values in fields.items()}
 
 
 def _packed(values: "np.ndarray[Any, Any]") -> bytes:

@@ -60,6 +60,12 @@ class Form:
         return self.along > 0.0, self.across > 0.0
 
     @property
+    def is_line(self) -> bool:
+        """Tell whether its scar is a rectangle: it rises one way and goes on the other."""
+        along, across = self.rises
+        return along != across
+
+    @property
     def reach(self) -> float:
         """Return the half width [mm] beyond which there is no body."""
         return math.inf
@@ -123,7 +129,7 @@ class Ball(Form):
 
 @dataclass(frozen=True)
 class Pin(Form):
-    """A flat pin with a rounded edge: 0 on its face, then a quarter of a circle, and nothing beyond."""
+    """A flat pin is 0 high on its face, then a quarter of a circle, with nothing beyond."""
 
     face: float = 0.0  # radius a of the flat face [mm]
     edge: float = 0.0  # radius ρ of the edge [mm]
