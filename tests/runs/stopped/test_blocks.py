@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 from cases_stopped import differences, run_stopped, study_of
 from cases_track import small
+from click.testing import CliRunner
 from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import InputError, Study
+from warpwear.cli.main import commands, main
 from warpwear.laws.friction import friction_energy
 from warpwear.results.summary import summarise, summary_text
 
@@ -168,6 +170,26 @@ def test_a_block_on_a_track_ends_with_a_pass() -> None:
     with pytest.raises(InputError, match=r"block 1: its length, 1\.35 mm, is not a whole number of passes"):
         study.replace(block=[{"distance": "1.35 mm"}, {"passes": 2}])
     assert study.replace(block=[{"passes": 2}, {"distance": "1.35 mm"}]).sliding.total == 1.8 + 1.35
+
+
+def test_a_load_that_patches_cannot_bear_is_refused_before_the_run() -> None:
+    study = programme("two-scale, load", [4.0, 16.0]).replace({"counter.radius": "0.3 mm"})
+    with pytest.raises(InputError, match=r"is more than the \d+ macro cells"):
+        next(iter(warpwear.steps(study.replace({"block.2.load": "160 N"}))))
+
+
+def test_the_command_line_refuses_and_sweeps_blocks(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text(programme("micro, implicit", [4.0, 16.0]).to_toml(), encoding="utf-8")
+    run = CliRunner()
+    both = ["--set", "block.2.passes=3", "--set", "block.2.distance=1 mm"]
+    with pytest.raises(SystemExit, match="2"):
+        main(["run", str(path), *both])
+    assert capsys.readouterr().err.strip().endswith("block 2: distance and passes exclude each other.")
+    names = ["--vary", "block.2.load=2 N,8 N", "--out", str(tmp_path / "sweep"), "--dry-run"]
+    assert run.invoke(commands, ["sweep", str(path), *names]).exit_code == 0
 
 
 def test_strokes_may_differ_at_rest_alone() -> None:
