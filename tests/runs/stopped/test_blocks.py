@@ -1,5 +1,7 @@
 """A programme of blocks: what one load does in four blocks, other loads in theirs, and a run that goes on."""
 
+import gc
+import weakref
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,7 @@ from warpwear import InputError, Study
 from warpwear.cli.main import commands, main
 from warpwear.laws.friction import friction_energy
 from warpwear.results.summary import summarise, summary_text
+from warpwear.runs.make import model_in
 
 HALF_SPACE = {"contact.law": "half-space", "counter.radius": "3 mm"}
 TRACKS = ("full", "representative", "rotating")
@@ -190,6 +193,25 @@ def test_the_command_line_refuses_and_sweeps_blocks(
     assert capsys.readouterr().err.strip().endswith("block 2: distance and passes exclude each other.")
     names = ["--vary", "block.2.load=2 N,8 N", "--out", str(tmp_path / "sweep"), "--dry-run"]
     assert run.invoke(commands, ["sweep", str(path), *names]).exit_code == 0
+
+
+@pytest.mark.parametrize("case", EACH)
+def test_a_model_is_given_up_with_its_block(case: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No circle of references keeps its fields until the collector comes."""
+    models: list[weakref.ref[Any]] = []
+
+    def watched(*order: Any) -> Any:
+        prepared = model_in(*order)
+        models.append(weakref.ref(prepared.model))
+        return prepared
+
+    monkeypatch.setattr("warpwear.runs.loop.model_in", watched)
+    gc.disable()
+    try:
+        warpwear.run(programme(case, [4.0, 16.0, 6.0]))
+        assert [model() for model in models] == [None, None]
+    finally:
+        gc.enable()
 
 
 def test_strokes_may_differ_at_rest_alone() -> None:
