@@ -388,10 +388,10 @@ def _read_topography(source: Source, *, plain: bool = False) -> Raw:
             raise ValueError("a list of points x y z that is no complete regular grid")
         unit = topography.unit if isinstance(topography.unit, str) else None
         if channel.dim == 1:
-            heights, *pixel = spaced(np.column_stack([topography.positions(), np.ma.filled(heights, np.nan)]))
+            heights, *steps = spaced(np.column_stack([topography.positions(), np.ma.filled(heights, np.nan)]))
         else:
-            pixel = topography.pixel_size
-        pixel = tuple(float(p) for p in pixel) if sizes is None else None
+            steps = topography.pixel_size
+        pixel = tuple(float(step) for step in steps) if sizes is None else None
         return Raw(heights, name, pixel, lateral_unit=unit, height_unit=unit)
 
 

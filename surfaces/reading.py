@@ -97,10 +97,10 @@ def read(
     if raw.heights.ndim != axes or min(raw.heights.shape) < 2:
         shape = "×".join(map(str, raw.heights.shape))
         raise formats.refusal(path, f"holds no {'profile' if profile else 'map'} (shape {shape})")
-    pair = None if pair is None else pair[:axes]
+    lengths = None if pair is None else pair[:axes]
     unit = height_unit if height_unit is not None else raw.height_unit
     factor = _height_factor(path, unit)
-    overrides = _overrides(raw, unit=height_unit, pixel=pair)
+    overrides = _overrides(raw, unit=height_unit, pixel=lengths)
     heights = np.ma.filled(raw.heights.astype(np.float64), np.nan) * factor
     heights[~np.isfinite(heights)] = np.nan
     if np.isnan(heights).all():
@@ -111,7 +111,7 @@ def read(
         )
     return Reading(
         heights=heights,
-        pixel=_pixel_of_file(path, raw) if pair is None else pair,
+        pixel=_pixel_of_file(path, raw) if lengths is None else lengths,
         format=raw.format,
         unit=str(unit).strip(),
         pixel_given=pixel is not None,

@@ -1,4 +1,4 @@
-"""Random surfaces like a measured profile: with its spectrum, its Rq and its distribution of heights."""
+"""Random surfaces resemble a measured profile: its spectrum, its Rq and its distribution of heights."""
 
 import math
 from collections.abc import Iterator
@@ -84,7 +84,8 @@ class LikeProfile(Periodic):
 
     def record(self) -> dict[str, Any]:
         """Return the parameters, and height parameters of the profile and of the surface."""
-        points = np.arange(POINTS * self._largest) * (self.period / (POINTS * self._largest))
+        count = POINTS * self._largest
+        points = np.arange(count, dtype=np.float64) * (self.period / count)
         own = height_parameters(self.heights(points, points))
         profile = height_parameters(self._levelled)
         i, j = self._modes
@@ -203,9 +204,9 @@ class LikeProfile(Periodic):
             heights[np.argsort(surface, axis=None, kind="stable")] = values
             waves = fft.rfft2(heights.reshape(count, count))
             waves *= size / np.maximum(np.abs(waves), 1e-300)
-        made = waves[rows, : n + 1] * (2.0 / count**2)
-        made[: n + 1, 0] = 0.0
-        return made
+        amplitudes = waves[rows, : n + 1] * (2.0 / count**2)
+        amplitudes[: n + 1, 0] = 0.0
+        return amplitudes
 
 
 def _likeliest(projected: FloatArray, bands: FloatArray, waves: FloatArray) -> FloatArray:

@@ -147,9 +147,9 @@ class FrictionLaw:
         when: at the start or the end; A0 is the mean over the first pass or the last cycle, as an area
         changes with the place on a track, and F the load there. A0 contains `factor`.
         """
-        if not np.isscalar(load):
-            here = np.asarray(load)[within(history, when, laps)]
-            load = float(here[0]) if np.ptp(here) == 0.0 else mean_over(history, np.asarray(load), when, laps)
+        if isinstance(load, np.ndarray):
+            here = load[within(history, when, laps)]
+            load = float(here[0]) if np.ptp(here) == 0.0 else mean_over(history, load, when, laps)
         sheared = mean_over(history, history[f"area_{area}"] * self.factor(history), when, laps)
         return fitted_strength(self.values["coefficient"], self.values[PLOUGHING], load=load, area=sheared)
 

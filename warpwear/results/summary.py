@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -121,7 +122,7 @@ def _blocks(result: ResultFile) -> list[Row]:
         depths = {b: 1.0e3 * float(history[f"wear_depth_{b}"][last]) for b in BODIES}
         mean = float(np.average(history["cof"][steps], weights=history["increment"][steps]))
         slid = min(block.end, float(history["distance"][last])) - block.start
-        numbers = {"load_N": block.load, "distance_mm": slid, "steps": int(steps.size)}
+        numbers: dict[str, Any] = {"load_N": block.load, "distance_mm": slid, "steps": int(steps.size)}
         numbers |= {"volume_mm3": volumes, "depth_um": depths, "cof_mean": finite(mean)}
         text = f"{block.load:.4g} N over {slid:.6g} mm: worn {shown(volumes)} mm³; deepest at its end "
         text += f"{shown(depths)} µm; mean CoF {shown(finite(mean), 3)}"

@@ -127,7 +127,7 @@ class Invariants:
                 "a larger radius, or less load, wear or distance is needed",
                 sound=True,
             )
-        needed = self._extent_for(row["distance"])
+        needed: tuple[float, ...] = self._extent_for(row["distance"])
         needed = needed if isinstance(self._domain.extent, tuple) else (max(needed),)
         return Violation(
             "edge",

@@ -46,7 +46,7 @@ class CycleJumps:
     STATE: ClassVar = {
         "model": Model,
         "stands_for": int,
-        "made": int,
+        "contacts": int,
         "_cycle": int,
         "_step": int,
         "_size": int,
@@ -76,7 +76,7 @@ class CycleJumps:
         self._alone = {max(math.ceil(stop / cycle - 1.0e-9) - 1, 0) for stop in stops}
         self._last = max(math.floor(self._total / cycle - 1.0 + 1.0e-9), 0)
         #: Cycles that the one being made stands for; contacts computed, the coarse state's included.
-        self.stands_for, self.made = 1, 0
+        self.stands_for, self.contacts = 1, 0
         self._cycle = self._step = self._left = self._age = self._again = 0
         self._size, self._jumped = self._fixed or 1, False
         #: The coarse state, and the cycle that it has come to; sums of `COMPARED` over the steps made since.
@@ -108,7 +108,7 @@ class CycleJumps:
 
     def count(self, row: Mapping[str, float]) -> None:
         """Book a step that was made."""
-        self._step, self.made = self._step + 1, self.made + 1
+        self._step, self.contacts = self._step + 1, self.contacts + 1
         self._means = _added(self._means, row)
         if self._step == self._steps:
             self._jumped = self._jumped or self.stands_for > 1
@@ -117,7 +117,7 @@ class CycleJumps:
     def told(self) -> dict[str, Any]:
         """Return what a result says of its jumps: errors relative to the rms depth of the whole run."""
         return {
-            "contacts": self.made,
+            "contacts": self.contacts,
             "contacts_of_every_cycle": int(self._track.steps(self._total)),
             "cycles": self._total / self._track.cycle,
             "depth_error": self._relative() if self._jumped else dict.fromkeys(BODIES, 0.0),
@@ -164,7 +164,7 @@ class CycleJumps:
         means = dict.fromkeys(COMPARED, 0.0)
         try:
             for step in self.model.steps([(step[0], False) for step in self._planned(self._behind, jump)]):
-                means, self.made = _added(means, step.row), self.made + 1
+                means, self.contacts = _added(means, step.row), self.contacts + 1
             apart = {body: _norm(depth - worn[body]) for body, depth in self._worn().items()}
             self._errors = {body: self._earlier[body] + error for body, error in apart.items()}
             self._keep_coarse()
@@ -200,7 +200,7 @@ class CycleJumps:
 
     def _worn(self) -> dict[str, FloatArray]:
         """Return copies of what both bodies have lost [mm]."""
-        return {body: worn.copy() for body, worn in zip(BODIES, self.model.worn(), strict=True)}
+        return {body: worn.copy() for body, worn in zip(BODIES, self.model.worn_depths(), strict=True)}
 
 
 def _added(sums: Mapping[str, float], row: Mapping[str, float]) -> dict[str, float]:

@@ -391,9 +391,8 @@ def _steps(study: Content) -> None:
     if study.is_swept:
         jump = study.stepping.jump
         # How far cycles may be jumped shows on the way.
-        steps = study.track.steps(total) / (
-            MOST_JUMP if jump == "auto" and study.jumps else jump if study.jumps else 1
-        )
+        longest = MOST_JUMP if jump == "auto" else jump
+        steps = study.track.steps(total) / (longest if study.jumps else 1)
         by, larger = f"sliding.shift = {study.shift} cells", "sliding.shift or grid.cell"
     elif growth > 1.0:
         # Growing steps cover first growth^n/(growth − 1); at most the whole distance is left for the largest.
