@@ -57,6 +57,40 @@ def test_gross_slip_of_a_cylinder(device: str) -> None:
     assert flat.sum() * study.grid.cell == pytest.approx(0.966e-3, rel=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("wear", "ball", "disc", "widths"),
+    [(1e-3, 0.1179e-3, 0.1161e-3, (0.190, 0.240, 0.190)), (1e-2, 0.720e-3, 0.704e-3, (0.255, 0.300, 0.270))],
+)
+def test_gross_slip_of_a_ball(
+    wear: float, ball: float, disc: float, widths: tuple[float, float, float], device: str
+) -> None:
+    """A prototype in NumPy of places passed in turn: depths, and lengths of ball, disc, and width of both.
+
+    wear: coefficient of each body times the cycles [mm³/(N·m)].
+    """
+    cycles, steel = 20, {"young": "210 GPa", "poisson": 0.3}
+    coefficient = f"{wear / cycles} mm^3/N/m"
+    study = Study(
+        study={"name": "fretting"},
+        counter={"radius": "5 mm", **steel},
+        disc={"synthetic": {"kind": "flat"}, **steel},
+        contact={"load": "20 N", "law": "half-space", "hardness": "inf MPa"},
+        wear={"counter": coefficient, "disc": coefficient},
+        grid={"cell": "5 um", "extent": "0.4 mm"},
+        sliding={"stroke": "50 um", "cycles": cycles},
+        output={"snapshots": []},
+        friction={"shear_strength": "100 MPa"},
+    )
+    last = warpwear.run(study, device=device).snapshot(-1)
+    worn = last.wear_counter, last.wear_disc
+    assert [depth.max() for depth in worn] == pytest.approx([ball, disc], rel=1e-2)
+    counts = worn[0].any(axis=1).sum(), worn[1].any(axis=1).sum(), worn[1].any(axis=0).sum()
+    assert [count * study.grid.cell for count in counts] == pytest.approx(widths, abs=0.0101)
+    for depth in worn:
+        volume = float(depth.sum()) * study.grid.cell**2
+        assert volume == pytest.approx(wear / cycles * 1e-3 * 20.0 * study.sliding.total, rel=1e-12)
+
+
 def test_a_block_on_a_rigid_ring(device: str) -> None:
     """Cruzado et al. (2010): 3600 m at rest, in increments that follow the distance."""
     k, load, radius = 2.0e-9, 65.0 / 6.0, 20.0

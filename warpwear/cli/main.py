@@ -112,7 +112,7 @@ def commands() -> None:
 
     \b
     warpwear studies             which studies are there to begin with
-    warpwear run v3-fine         a rough disc on cells of 1 µm, in some six seconds
+    warpwear run track           a ball that slides over a rough track, in half a minute
     warpwear run my-disc.toml    a study of your own
 
     A run is written into a folder, which plot, animate, export and compare take. Bad input ends with one

@@ -113,7 +113,7 @@ def profile_lines(head: list[Row], rows: list[Row]) -> list[str]:
 def profile_figure(profile: Profile, p: Parameters) -> Figure:
     """Draw a profile, its roughness as it is evaluated, and the material ratio."""
     first = 0.5 * (profile.length - p.rough.size * profile.spacing)
-    places = first + profile.spacing * (np.arange(p.rough.size, dtype=np.float64) + 0.5)
+    places = first + profile.places[: p.rough.size]
     ratio, reached = material_ratio_curve(p.rough)
     return _stack(
         _chart("Profile", "height less form, µm", profile.places, profile.heights),

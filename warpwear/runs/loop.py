@@ -179,7 +179,7 @@ class StepLoop:
     def _steps_of(
         self, left: list[Planned], *, with_fields: bool
     ) -> Iterator[tuple[RunStep, InvariantError | None]]:
-        """Yield the steps of a part of the plan, as `_steps`."""
+        """Yield the steps of a part of the plan, as `_steps` does."""
         # where points were filled, steps 1, 2, 4, 8, … are looked at too: a run on them stops early
         numbers, doubtful = itertools.count(len(self._rows) + 1), self._filled is not None
         looks = [
