@@ -117,7 +117,7 @@ class Content(Section):
 
     @property
     def programme(self) -> str | None:
-        """Return the blocks of the programme in words, the first five; None without a programme."""
+        """Return the blocks of the programme in words, the first of many; None without a programme."""
         if self.block is None:
             return None
         parts = [f"{block.load:.4g} N over {block.length:.6g} mm" for block in self.blocks]
