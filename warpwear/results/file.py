@@ -243,22 +243,24 @@ class ResultFile:
     @cached_property
     def snapshot_distances(self) -> FloatArray:
         """Return the sliding distances of the snapshots [mm]."""
-        with self._reading() as file:
-            return np.array([group.attrs["distance"] for group in file["snapshots"].values()])
+        return self._of_snapshots("distance")
 
     @cached_property
     def snapshot_rows(self) -> IntArray:
         """Row of the track under the ball's first row, one a snapshot; empty of a run without a track."""
-        with self._reading() as file:
-            rows = [group.attrs.get("row") for group in file["snapshots"].values()]
-            return np.array([row for row in rows if row is not None], dtype=np.int64)
+        return self._of_snapshots("row").astype(np.int64)
 
     @cached_property
     def load_on_filled(self) -> FloatArray:
         """Share of the load on points that the disc's file lacks, one a snapshot; empty where it is whole."""
+        return self._of_snapshots("load_on_filled")
+
+    def _of_snapshots(self, name: str) -> FloatArray:
+        """Return an attribute of all snapshots that have it."""
         with self._reading() as file:
-            loads = [group.attrs.get("load_on_filled") for group in file["snapshots"].values()]
-            return np.array([share for share in loads if share is not None], dtype=np.float64)
+            return np.array(
+                [group.attrs[name] for group in file["snapshots"].values() if name in group.attrs]
+            )
 
     @property
     def snapshots(self) -> Snapshots:

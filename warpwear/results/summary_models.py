@@ -52,8 +52,19 @@ def track(result: ResultFile) -> list[Row]:
         Row("", "plastic", study.sliding.plastic),
         Row("displaced", "plastic_volume_mm3", float(displaced)),
         *_parts(history),
+        *_jumps(result),
     ]
     return [Row("", "track", rows)]
+
+
+def _jumps(result: ResultFile) -> list[Row]:
+    """Declare the contacts computed of a run whose cycles may stand for many, and the error told."""
+    if (jumps := result.record.get("cycle_jump")) is None:
+        return []
+    percent = {body: 100.0 * error for body, error in jumps.pop("depth_error").items()}
+    text = f"{jumps['contacts']} contacts for the {jumps['contacts_of_every_cycle']} of "
+    text += f"{jumps['cycles']:.6g} cycles; error of the depths {shown(percent, 2)} %"
+    return [Row("jumps", "jumps", jumps | {"depth_error_percent": percent}, sentence=text)]
 
 
 def _directions(result: ResultFile) -> list[Row]:
