@@ -389,7 +389,7 @@ def _of_extent(study: Content) -> Iterator[str]:
 def _of_seam(study: Content) -> Iterator[str]:
     """Yield a sentence about a rough line contact whose disc does not repeat as its boundary does."""
     across = study.grid.sides[1]
-    elastic = study.contact.law == "half-space" and study.boundary == "line"
+    elastic = study.contact.law == "half-space" and study.boundary == "line" and study.cells.ny > 1
     if elastic and not rules_track.repeats(study.disc.synthetic, across, across=True):
         yield (
             f"The disc's surface does not repeat across sliding after {across:g} mm (grid.extent), as "
