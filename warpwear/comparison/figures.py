@@ -189,9 +189,7 @@ def _figure(comparison: Comparison, charts: Sequence[Chart]) -> Figure:
     several = len(comparison.groups) + len(comparison.experiments)
     figure = Figure([replace(charts[0], note=note), *charts[1:]], legend=several)
     studies = {run.study.programme: run.study for run in comparison.runs}
-    if len(studies) != 1 or None in studies:
-        return figure
-    return with_blocks(figure, *studies.values())
+    return with_blocks(figure, *studies.values()) if len(studies) == 1 else figure
 
 
 def _on_one_scale(charts: Sequence[Chart]) -> list[Chart]:

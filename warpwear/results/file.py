@@ -23,7 +23,7 @@ from warpwear.results.check import ATTRIBUTES, check_content, check_fields, curr
 from warpwear.results.seal import digest_of, has_mark, read_header
 from warpwear.study.study import Study
 from warpwear.study.units import parse
-from warpwear.surfaces.form import Given
+from warpwear.surfaces.form import Form, Given
 
 Derived = TypeVar("Derived")
 FILE_NAME = "result.h5"
@@ -319,17 +319,25 @@ class ResultFile:
         """Heights of the track before any wear [mm], shape (rows, ny). InputError without a track."""
         return self._array("track/heights", "has no track", rows)
 
+    @cached_property
+    def form(self) -> Form:
+        """Return the unworn counter-body's form, of a measured one as the run had it."""
+        form = self.study.counter.form
+        if not isinstance(form, Given):
+            return form
+        return replace(form, values=self._array("counter/heights", "has no measured counter-body"))
+
     def unworn_counter(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """Return the unworn counter-body's height over its lowest point [mm] at x × y [mm].
 
         Of a measured one it is that of the nearest cells; infinite where there is no body.
         """
-        form, cell = self.study.counter.form, self.study.grid.cell
+        form, cell = self.form, self.study.grid.cell
         if not isinstance(form, Given):
             return form.heights(x, y)
         axes = zip((x, y), (self.x, self.y), strict=True)
         near = (np.clip(np.floor((p - of[0]) / cell + 0.5).astype(int), 0, of.size - 1) for p, of in axes)
-        return self._array("counter/heights", "has no measured counter-body")[np.ix_(*near)]
+        return form.values[np.ix_(*near)]
 
     def track_loss(self, index: int, rows: slice = slice(None)) -> tuple[FloatArray, FloatArray]:
         """Return depths worn off the track, and displaced of it for good, at snapshot number `index` [mm]."""
