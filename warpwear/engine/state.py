@@ -104,8 +104,8 @@ def _take(kind: Any, before: Any, saved: Any, path: str, arrays: Mapping[str, np
         before.assign(_alike(arrays[path], before.numpy(), path))
         return before
     if path in arrays:
-        if isinstance(before, np.ndarray):  # a table that has no rows yet may get any number
-            _alike(arrays[path] if len(before) else arrays[path][:0], before, path)
+        if isinstance(before, np.ndarray):  # a table may have any number of rows
+            _alike(arrays[path][:0], before[:0], path)
         return arrays[path]
     if saved is None:
         return None

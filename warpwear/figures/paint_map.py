@@ -10,8 +10,8 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from warpwear.figures import style
+from warpwear.figures.coarse import coarsen
 from warpwear.figures.describe import Map
-from warpwear.figures.of_run.view import coarsen
 from warpwear.figures.paint_chart import DASHES, paint_level
 
 #: Points along a side from which lines of equal height are drawn.

@@ -23,6 +23,8 @@ class Model(ABC):
     certified = False
     #: Cycles of a track that the next steps stand for, each: their increments are as many times as long.
     stands_for = 1
+    #: Rows of a closed track by which they begin elsewhere.
+    turned = 0
 
     @property
     def in_blocks(self) -> bool:

@@ -52,8 +52,19 @@ def track(result: ResultFile) -> list[Row]:
         Row("", "plastic", study.sliding.plastic),
         Row("displaced", "plastic_volume_mm3", float(displaced)),
         *_parts(history),
+        *_jumps(result),
     ]
     return [Row("", "track", rows)]
+
+
+def _jumps(result: ResultFile) -> list[Row]:
+    """Declare the contacts computed of a run whose cycles may stand for many, and the error told."""
+    if (jumps := result.record.get("cycle_jump")) is None:
+        return []
+    percent = {body: 100.0 * error for body, error in jumps.pop("depth_error").items()}
+    text = f"{jumps['contacts']} contacts for the {jumps['contacts_of_every_cycle']} of "
+    text += f"{jumps['cycles']:.6g} cycles; error of the depths {shown(percent, 2)} %"
+    return [Row("jumps", "jumps", jumps | {"depth_error_percent": percent}, sentence=text)]
 
 
 def _directions(result: ResultFile) -> list[Row]:
@@ -151,7 +162,7 @@ def _hertz(result: ResultFile, *, is_line: bool) -> Row:
         return Row("", "hertz", None)
     rows = [
         Row("", "effective_modulus_MPa", hertz.modulus),
-        Row("radius", "radius_um", 1.0e3 * hertz.radius, digits=3),
+        Row("half width" if hertz.is_line else "radius", "radius_um", 1.0e3 * hertz.radius, digits=3),
         Row("", "area_mm2", hertz.area),
         Row("peak", "peak_pressure_MPa", hertz.peak_pressure),
     ]
@@ -280,7 +291,9 @@ def _inner_scar(result: ResultFile, body: str) -> Row:
     text += f", Sdq {shown(sdq, 2)}"
     wear = result.study.wear
     if body == "counter" and result.study.is_swept and not (wear.sheds and wear.dust_fraction < 1.0):
-        numbers["rq_along_of"] = "the length of a step, which a ball that wears as dust is averaged over"
+        numbers["rq_along_of"] = (
+            "the length of a step, which a counter-body that wears as dust is averaged over"
+        )
     else:
         text += f", along sliding Rq {shown(rq, 3)} µm"  # not known between patches
     if not isinstance(fit, str):

@@ -32,6 +32,10 @@ OF_CONTACT = 0.02
 HOPELESS, PATIENCE, AGAIN = 4.0, 4, 0.25
 #: Jumps of the coarse state before which their size does not grow.
 YOUNG = 2
+#: Jumps to a stop over the next one at least: they get shorter, so that the contact there is of no jump.
+LANDING = 4
+#: Part of a closed track from the beginning of one jump to that of the next: no two are near each other.
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 #: Columns of the history that both states are compared by.
 COMPARED = ("area_contact", "bare_fraction")
 
@@ -46,7 +50,7 @@ class CycleJumps:
     STATE: ClassVar = {
         "model": Model,
         "stands_for": int,
-        "made": int,
+        "contacts": int,
         "_cycle": int,
         "_step": int,
         "_size": int,
@@ -76,7 +80,7 @@ class CycleJumps:
         self._alone = {max(math.ceil(stop / cycle - 1.0e-9) - 1, 0) for stop in stops}
         self._last = max(math.floor(self._total / cycle - 1.0 + 1.0e-9), 0)
         #: Cycles that the one being made stands for; contacts computed, the coarse state's included.
-        self.stands_for, self.made = 1, 0
+        self.stands_for, self.contacts = 1, 0
         self._cycle = self._step = self._left = self._age = self._again = 0
         self._size, self._jumped = self._fixed or 1, False
         #: The coarse state, and the cycle that it has come to; sums of `COMPARED` over the steps made since.
@@ -93,7 +97,7 @@ class CycleJumps:
             if self._step == 0:
                 self._begin(self._planned(self._cycle, 1)[0])
                 self._choose()
-            self.model.stands_for = self.stands_for
+            self._set_out(self._cycle, self.stands_for)
             part = self._planned(self._cycle, self.stands_for)[self._step :]
             if not part:  # the last cycle was cut
                 return
@@ -101,14 +105,15 @@ class CycleJumps:
             if self._cycle * self._track.cycle >= self._total * (1.0 - 1.0e-12):
                 return
 
-    def go_on_with(self, model: Model) -> None:
-        """Go on with the model of another block, whose coarse state begins anew; what was told stays."""
-        self.model, self._coarse, self._numbers, self._left = model, {}, "", 0
-        self._again, self._age, self._earlier = self._cycle, 0, dict(self._errors)
+    def begin_anew(self) -> None:
+        """Begin a coarse state anew, as the model is another block's; what was told stays."""
+        self._coarse, self._numbers, self._left = {}, "", 0
+        self._again, self._age, self._earlier = self._cycle, 0, dict(self._told)
+        self._jumped = False
 
     def count(self, row: Mapping[str, float]) -> None:
         """Book a step that was made."""
-        self._step, self.made = self._step + 1, self.made + 1
+        self._step, self.contacts = self._step + 1, self.contacts + 1
         self._means = _added(self._means, row)
         if self._step == self._steps:
             self._jumped = self._jumped or self.stands_for > 1
@@ -117,11 +122,16 @@ class CycleJumps:
     def told(self) -> dict[str, Any]:
         """Return what a result says of its jumps: errors relative to the rms depth of the whole run."""
         return {
-            "contacts": self.made,
+            "contacts": self.contacts,
             "contacts_of_every_cycle": int(self._track.steps(self._total)),
             "cycles": self._total / self._track.cycle,
-            "depth_error": self._relative() if self._jumped else dict.fromkeys(BODIES, 0.0),
+            "depth_error": self._relative(self._told),
         }
+
+    @property
+    def _told(self) -> dict[str, float]:
+        """Return the errors as far as the run has jumped itself, not the coarse state alone."""
+        return self._errors if self._jumped else self._earlier
 
     @property
     def _steps(self) -> int:
@@ -138,6 +148,14 @@ class CycleJumps:
         ends.append((cycle + stands_for) * self._track.cycle)
         return [(stands_for * step, end, False) for (step, _), end in zip(steps, ends, strict=True)]
 
+    def _set_out(self, cycle: int, stands_for: int) -> None:
+        """Tell the model of the next cycle: a jump leaves a ramp where it begins, each time elsewhere."""
+        track, elsewhere = self._track, self._track.periodic and stands_for > 1
+        self.model.stands_for = stands_for
+        # By whole steps: the places of the contact are those of every other cycle.
+        steps = int(track.steps_of_pass * (cycle * GOLDEN % 1.0)) if elsewhere else 0
+        self.model.turned = steps * track.shift
+
     def _choose(self) -> None:
         """Choose what the cycle that begins stands for: half of a jump of the coarse state."""
         if self._left == 0:
@@ -145,7 +163,7 @@ class CycleJumps:
                 self._follow()
             free = min((c for c in (*self._alone, self._last) if c >= self._cycle), default=0) - self._cycle
             self._left = min(max(free, 1), 2)
-            self.stands_for = max(min(self._size, free // 2), 1)
+            self.stands_for = max(min(self._size, free // LANDING), 1)
             if not self._coarse and free > 1 and self._cycle >= self._again:
                 self._keep_coarse()
                 self._behind, self._age = self._cycle, 0
@@ -160,11 +178,11 @@ class CycleJumps:
         """Let the coarse state jump to where the run is, see how they differ, and choose the next size."""
         fine, worn, jump = state.save(self.model, whole=True), self._worn(), self._cycle - self._behind
         state.restore(self.model, self._coarse, json.loads(self._numbers))
-        self.model.stands_for = jump
+        self._set_out(self._behind, jump)
         means = dict.fromkeys(COMPARED, 0.0)
         try:
             for step in self.model.steps([(step[0], False) for step in self._planned(self._behind, jump)]):
-                means, self.made = _added(means, step.row), self.made + 1
+                means, self.contacts = _added(means, step.row), self.contacts + 1
             apart = {body: _norm(depth - worn[body]) for body, depth in self._worn().items()}
             self._errors = {body: self._earlier[body] + error for body, error in apart.items()}
             self._keep_coarse()
@@ -185,7 +203,7 @@ class CycleJumps:
 
     def _of_depth(self) -> float:
         """Return the larger relative error of both depths, over what is allowed."""
-        return max(self._relative().values()) / self._tolerance
+        return max(self._relative(self._errors).values()) / self._tolerance
 
     def _of_contact(self, means: Mapping[str, float], jump: int) -> float:
         """Return the largest relative change of what is compared of the contact, over what is allowed."""
@@ -193,10 +211,10 @@ class CycleJumps:
         pairs = [(mean, self._means[name] / cycles) for name, mean in means.items() if self._means[name]]
         return max(abs(coarse / fine - 1.0) for coarse, fine in pairs) / OF_CONTACT
 
-    def _relative(self) -> dict[str, float]:
-        """Return the errors over the depths, rms over the scar."""
+    def _relative(self, errors: Mapping[str, float]) -> dict[str, float]:
+        """Return errors over the depths, rms over the scar."""
         depths = {body: _norm(worn) for body, worn in self._worn().items()}
-        return {body: self._errors[body] / depth if depth else 0.0 for body, depth in depths.items()}
+        return {body: errors[body] / depth if depth else 0.0 for body, depth in depths.items()}
 
     def _worn(self) -> dict[str, FloatArray]:
         """Return copies of what both bodies have lost [mm]."""

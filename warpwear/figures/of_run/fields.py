@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 
 from warpwear.figures import describe
+from warpwear.figures.coarse import coarsen
 from warpwear.figures.describe import Axis, Box, Chart, Figure, Line, Look, Map, Outline, Scale, Towers
 from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
-from warpwear.figures.of_run.view import FilmState, State, Window, coarsen, positive
+from warpwear.figures.of_run.view import FilmState, State, Window, positive
 from warpwear.figures.wording import after, with_scatter
 from warpwear.grid import FloatArray
 from warpwear.laws import archard

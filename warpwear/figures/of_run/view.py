@@ -17,6 +17,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from warpwear.figures.coarse import over_blocks
 from warpwear.grid import FloatArray, Grid
 
 #: From this number of whole passes on, their means are drawn over the steps.
@@ -61,11 +62,11 @@ class Window:
 
     def means(self, field: FloatArray) -> FloatArray:
         """Return the mean of every block of a field of the grid, shape (blocks, blocks)."""
-        return _over_blocks(np.add, field[self.x, self.y], self.factor) / self.factor**2
+        return over_blocks(np.add, field[self.x, self.y], self.factor) / self.factor**2
 
     def largest(self, field: "NDArray[Any]") -> "NDArray[Any]":
         """Return the largest of every block of a field of the grid, shape (blocks, blocks)."""
-        return _over_blocks(np.maximum, field[self.x, self.y], self.factor)
+        return over_blocks(np.maximum, field[self.x, self.y], self.factor)
 
 
 @dataclass(frozen=True)
@@ -112,20 +113,6 @@ class Loads:
     apart: tuple[float, ...]  # parts of the load that both put on other patches
     window: Window
     prescribed: bool  # the smooth contact's are the patches'
-
-
-def _over_blocks(combine: np.ufunc, field: "NDArray[Any]", n: int) -> "NDArray[Any]":
-    """Combine the places of squares of n × n, shape (blocks, blocks); part of a square is left out."""
-    nx, ny = field.shape[0] // n, field.shape[1] // n
-    # Rows first: what is left for the slow direction is smaller by n.
-    rows = combine.reduce(field[: nx * n, : ny * n].reshape(nx, n, ny * n), axis=1)
-    return np.asarray(combine.reduce(rows.reshape(nx, ny, n), axis=2))
-
-
-def coarsen(field: FloatArray, most: int) -> tuple[FloatArray, int]:
-    """Return means over squares, at most `most` along a side that is not narrow, and the places of a side."""
-    n = min(-(-max(field.shape) // most), *field.shape)
-    return _over_blocks(np.add, field, n) / n**2, n
 
 
 def positive(values: FloatArray) -> FloatArray:

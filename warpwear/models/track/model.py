@@ -73,8 +73,13 @@ class SweptModel(Model):
 
     def _go_to(self, done: int = 0, cells: int | None = None) -> int:
         """Return the disc's row under the first of the counter-body, in the next step or in a part of it."""
-        self._row = self._track.row(self._done, done, cells)
+        self._row = self._row_of(self._done, done, cells)
         return self._row
+
+    def _row_of(self, step: int, done: int = 0, cells: int | None = None) -> int:
+        """Return what `Track.row` does, on a disc that is turned."""
+        row = self._track.row(step, done, cells)
+        return (row + self.turned) % self._track.rows if self.turned else row
 
     def worn(self) -> tuple[FloatArray, FloatArray]:
         """Return the depths worn off counter-body and disc [mm], the disc's of the whole track."""
@@ -84,13 +89,17 @@ class SweptModel(Model):
     def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
         """Steps made on the device in one go, before the first of them is seen."""
         assert isinstance(self.contact, SlidingContact)  # no other is `in_blocks`
-        rows = [self._track.row(self._done + i) for i in range(len(increments))]
+        rows = [self._row_of(self._done + i) for i in range(len(increments))]
         for beyond, step in self.contact.steps(rows, increments):
             self.steps_in_flight = beyond
             yield self._placed(step)
 
     def _placed(self, step: Step) -> Step:
-        step.row["position"] = self._track.place(self._done)
+        track, turned = self._track, self.turned * self._track.cell
+        length = track.rows * track.cell
+        place = track.place(self._done)
+        # Of a closed track, which alone is turned, all places are within it.
+        step.row["position"] = (place + turned + 0.5 * length) % length - 0.5 * length if turned else place
         self._done += 1
         return step
 
