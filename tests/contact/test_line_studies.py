@@ -176,6 +176,16 @@ def test_a_rough_line_slides(device: str) -> None:
             {"contact.boundary": "free", "contact.load": "1 N", "grid.extent": ["0.2 mm", "3 um"]},
             "3 cells of",
         ),
+        (
+            {
+                "contact.boundary": "free",
+                "contact.load": "1 N",
+                "grid.extent": "0.2 mm",
+                "sliding.distance": None,
+                "block": [{"load": "2 N/mm", "distance": "1 mm"}],
+            },
+            "^block 1: load = 2 N/mm is the load of a length",
+        ),
         ({"counter.shape": "ball"}, "'line' would repeat the counter-body beside itself"),
         (
             {"contact.load": "3 mm"},
