@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +42,7 @@ CUT = "the file's last line has no end: it may have been cut short, and its last
 #: Formats of SurfaceTopography that are not looked for: those without a mark, for which other files pass (of
 #: hgt any 2n² bytes, of nms two small numbers), and what is read here.
 NOT_SOUGHT = ("hgt", "npy", "npz")
+BCR, ISO = b"BCR-1.0", b"ISO-1.0"  # behind the first letter of an .sdf
 BY_ENDING = ("nms",)  # is looked for in files of this ending
 #: Its formats of plain text, whose readers take a minute for a few MB of anything else.
 PLAIN = ("asc", "xyz")
@@ -335,6 +337,10 @@ def _open_topography(path: Path, *, plain: bool) -> Any:
     io = lazy.load("SurfaceTopography").IO  # 2 s, so only when needed
     with path.open("rb") as file:
         start = file.read(io.MAGIC_BUFFER_SIZE)
+    content: Any = str(path)
+    if start[1:8] == BCR:  # the layout of ISO 25178-71 under its older name
+        start = start[:1] + ISO + start[8:]
+        content = BytesIO(start + path.read_bytes()[len(start) :])
     known: Exception | None = None
     for reader in io.readers:
         fit, name = reader.can_read(start), reader.format()
@@ -345,7 +351,7 @@ def _open_topography(path: Path, *, plain: bool) -> Any:
         try:
             if name == "ibw":
                 check_wave(path)
-            return reader(str(path))
+            return reader(content)
         except Exception as error:  # the reader is foreign: whatever it raises, another may do
             known = error if fit is io.MagicMatch.YES else known
     raise known or ValueError("no reader knows the format")
@@ -388,10 +394,11 @@ def _read_topography(source: Source, *, plain: bool = False) -> Raw:
             raise ValueError("a list of points x y z that is no complete regular grid")
         unit = topography.unit if isinstance(topography.unit, str) else None
         if channel.dim == 1:
-            heights, *pixel = spaced(np.column_stack([topography.positions(), np.ma.filled(heights, np.nan)]))
+            places = np.ravel(topography.positions())
+            heights, *steps = spaced(np.column_stack([places, np.ma.filled(heights, np.nan)]))
         else:
-            pixel = topography.pixel_size
-        pixel = tuple(float(p) for p in pixel) if sizes is None else None
+            steps = topography.pixel_size
+        pixel = tuple(float(p) for p in steps) if sizes is None else None
         return Raw(heights, name, pixel, lateral_unit=unit, height_unit=unit)
 
 

@@ -29,7 +29,8 @@ MUCH_MISSING = 2.0  # percent of the points
 MANY_OUTLIERS = 0.5  # percent of the points
 SPIKE = 7.0  # times Sq: heights over the mean that random roughness of ten million points does not reach
 SEAM = 3.0  # times the rms step between neighbours: a higher one, where copies meet, is a seam
-WIDE = 1e3  # mm: half the width across of a disc that is known along a line
+#: Columns that a profile is taken for, enough for a spline, and their distance [mm]: wider than any domain.
+COLUMNS, WIDE = 16, 100.0
 COARSE = 0.05  # mm: pixel and Sq both above it look like micrometres called millimetres
 
 
@@ -269,20 +270,21 @@ def read_measured(
 
 
 def _alike_across(reading: Reading, preparation: Preparation) -> Reading:
-    """Return a profile as two columns of a map that is wider than any domain. Raises InputError."""
+    """Return a profile as columns of a map that is wider than any domain. Raises InputError."""
     for name in ("crop", "sliding_axis", "outliers", "s_filter", "l_filter", "level"):
         value = getattr(preparation, name)
-        if value == "sphere" if name == "level" else value != getattr(DEFAULT, name):
+        if value in ("sphere", "cylinder") if name == "level" else value != getattr(DEFAULT, name):
             raise InputError(
                 f"disc.{name} = {value!r} is for a map, and disc.surface is a profile: leave it out"
             )
     return replace(
-        reading, heights=np.repeat(reading.heights[:, None], 2, axis=1), pixel=(*reading.pixel, WIDE)
+        reading, heights=np.repeat(reading.heights[:, None], COLUMNS, axis=1), pixel=(reading.pixel[0], WIDE)
     )
 
 
 def _of_file(path: Path, reading: Reading) -> dict[str, Any]:
     """Return what a file holds, for the record, before anything is done to it."""
+    sides = list(zip(reading.pixel, reading.heights.shape, strict=False))  # one of a profile
     return {
         "file": path.name,
         "sha256": reading.digest,
@@ -291,8 +293,8 @@ def _of_file(path: Path, reading: Reading) -> dict[str, Any]:
         "unit_from": "study" if reading.unit_given else "file",
         "pixel_from": "study" if reading.pixel_given else "file",
         "file_grid": list(reading.heights.shape),
-        "file_pixel_um": [1e3 * pixel for pixel in reading.pixel],
-        "file_extent_mm": [n * pixel for n, pixel in zip(reading.heights.shape, reading.pixel, strict=True)],
+        "file_pixel_um": [1e3 * pixel for pixel, _ in sides],
+        "file_extent_mm": [pixel * n for pixel, n in sides],
         "height_min_um": float(np.nanmin(reading.heights)) * 1e3,
         "height_max_um": float(np.nanmax(reading.heights)) * 1e3,
         "sq_as_read_um": float(np.nanstd(reading.heights)) * 1e3,

@@ -46,7 +46,7 @@ class Reading:
     """A height map or profile in mm says what a file holds, and where its pixel and unit are from."""
 
     heights: FloatArray  # [mm], shape (nx, ny), or (n,) of a profile, NaN where missing
-    pixel: tuple[float, ...]  # [mm], (px, py), or (px,) of a profile
+    pixel: tuple[float, float]  # (px, py) [mm], alike of a profile
     format: str
     unit: str  # of the heights in the file
     pixel_given: bool
@@ -97,10 +97,9 @@ def read(
     if raw.heights.ndim != axes or min(raw.heights.shape) < 2:
         shape = "×".join(map(str, raw.heights.shape))
         raise formats.refusal(path, f"holds no {'profile' if profile else 'map'} (shape {shape})")
-    pair = None if pair is None else pair[:axes]
     unit = height_unit if height_unit is not None else raw.height_unit
     factor = _height_factor(path, unit)
-    overrides = _overrides(raw, unit=height_unit, pixel=pair)
+    overrides = _overrides(raw, unit=height_unit, pixel=None if pair is None else pair[:axes])
     heights = np.ma.filled(raw.heights.astype(np.float64), np.nan) * factor
     heights[~np.isfinite(heights)] = np.nan
     if np.isnan(heights).all():
@@ -188,7 +187,7 @@ def _squeezed(raw: "Raw") -> "Raw":
     return replace(raw, heights=raw.heights.reshape(-1), pixel=pixel)
 
 
-def _pixel_of_file(path: Path, raw: "Raw") -> tuple[float, ...]:
+def _pixel_of_file(path: Path, raw: "Raw") -> tuple[float, float]:
     if raw.pixel is None or raw.lateral_unit is None:
         lacks = "names none" if raw.pixel is None else "gives its own without a unit"
         raise InputError(f"disc.pixel is not given and disc.surface '{path}' {lacks}: {PIXELS_ALLOWED}")
@@ -199,4 +198,4 @@ def _pixel_of_file(path: Path, raw: "Raw") -> tuple[float, ...]:
             f"disc.surface '{path}' has a pixel of {' × '.join(f'{p:g}' for p in pixel)} mm: allowed is from "
             "0.1 nm to 1 mm, or give disc.pixel"
         )
-    return pixel
+    return pixel[0], pixel[-1]

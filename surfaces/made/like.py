@@ -1,4 +1,4 @@
-"""Random surfaces like a measured profile: with its spectrum, its Rq and its distribution of heights."""
+"""Random surfaces are made like a measured profile: its spectrum, its Rq, its distribution of heights."""
 
 import math
 from collections.abc import Iterator
@@ -19,11 +19,12 @@ fft = lazy.module("scipy.fft")
 
 BANDS = 8  # of the spectrum per decade
 STEPS = 2000  # in which the isotropic spectrum is found
+FITS = 100  # of its decades to the profile's
 FEWEST = 8  # waves of the profile in a band, whose power is known to about half of it
 ROUNDS = 20  # in which spectrum and heights are brought together
 POINTS = 3  # along a shortest wave, at which the heights are distributed
 MUCH = 0.02  # of Rq², above which waves that are left out are told of
-UNLIKELY = 4.0  # above which a spectrum that is not reached is told of: about 1 is chance
+UNLIKELY = 1.0  # above which a spectrum that is not reached is told of: chance leaves less than half of it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,7 +85,7 @@ class LikeProfile(Periodic):
 
     def record(self) -> dict[str, Any]:
         """Return the parameters, and height parameters of the profile and of the surface."""
-        points = np.arange(POINTS * self._largest) * (self.period / (POINTS * self._largest))
+        points = np.linspace(0.0, self.period, POINTS * self._largest, endpoint=False)
         own = height_parameters(self.heights(points, points))
         profile = height_parameters(self._levelled)
         i, j = self._modes
@@ -93,7 +94,7 @@ class LikeProfile(Periodic):
         return {
             "kind": "profile",
             "like": self.like,
-            "profile_sha256": self.digest,
+            "sha256": self.digest,
             "profile": {"rq_um": 1e3 * profile["sq"], "rsk": profile["ssk"], "rku": profile["sku"]},
             "left_out_percent": {"shorter": 100.0 * self._left_out[0], "longer": 100.0 * self._left_out[1]},
             "cut_off_um": 1e3 * self.cut_off,
@@ -170,15 +171,16 @@ class LikeProfile(Periodic):
         projected = np.zeros((bands.size, bands.size))
         np.add.at(projected, (row[seen], ring[seen]), guess.ravel()[seen])
         factors = _likeliest(projected, bands, np.diff(edges))
-        fit = projected @ factors
-        fit *= bands.sum() / fit.sum()
+        decade = np.floor(np.log10(middle)).astype(np.intp)
+        for _ in range(FITS):  # the powers of whole decades are known best, and kept
+            fit = projected @ factors
+            of_decades = np.bincount(decade, fit) / np.bincount(decade, bands)
+            factors /= of_decades[decade]
+        off = float(np.sqrt(np.mean(np.square(of_decades - 1.0))))
         ratio = bands / fit
-        # twice the logarithm of how much likelier the bands' own power is: about 1 where the rest is chance
+        # twice the logarithm of how much likelier the own power of the bands is, a band
         number = np.diff(edges) * (2.0 * self.profile.length / self.period)
         unlikely = float(np.mean(number * (ratio - 1.0 - np.log(ratio))))
-        decades = np.flatnonzero(np.diff(np.floor(np.log10(middle)), prepend=-1.0))
-        of_decades = np.add.reduceat(fit, decades) / np.add.reduceat(bands, decades)
-        off = float(np.sqrt(np.mean(np.square(of_decades - 1.0))))
         power = guess * factors[np.clip(ring, 0, bands.size - 1)].reshape(guess.shape)
         return _normed(power, float(by_mode.sum())), off, unlikely
 
@@ -203,9 +205,9 @@ class LikeProfile(Periodic):
             heights[np.argsort(surface, axis=None, kind="stable")] = values
             waves = fft.rfft2(heights.reshape(count, count))
             waves *= size / np.maximum(np.abs(waves), 1e-300)
-        made = waves[rows, : n + 1] * (2.0 / count**2)
-        made[: n + 1, 0] = 0.0
-        return made
+        amplitudes = waves[rows, : n + 1] * (2.0 / count**2)
+        amplitudes[: n + 1, 0] = 0.0
+        return amplitudes
 
 
 def _likeliest(projected: FloatArray, bands: FloatArray, waves: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Profile parameters of ISO 21920-2, after the filters and over the lengths of ISO 21920-3."""
+"""Compute the profile parameters of ISO 21920-2, by the filters and over the lengths of ISO 21920-3."""
 
 import math
 from dataclasses import dataclass
@@ -8,6 +8,7 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.surfaces.base import IntArray
 from warpwear.surfaces.profiles.profile import Profile
 from warpwear.surfaces.roughness import (
     CUT_OFFS,
@@ -127,7 +128,7 @@ def mean_width(heights: FloatArray, *, spacing: float, least: float) -> float | 
     return float(crossings[1] - crossings[0]) * spacing / (rises.size - 1)
 
 
-def _crossing(heights: FloatArray, there: FloatArray, low: int, high: int) -> float:
+def _crossing(heights: FloatArray, there: IntArray, low: int, high: int) -> float:
     """Return the last place, in points, where a profile rises through zero between two of its points."""
     between = there[(there >= low) & (there <= high)]
     last = np.flatnonzero(heights[between] <= 0.0)[-1]

@@ -33,7 +33,7 @@ class Profile:
     @property
     def places(self) -> FloatArray:
         """Return the places [mm] of the points from the beginning, shape (n,)."""
-        return self.spacing * (np.arange(self.heights.size) + 0.5)
+        return self.spacing * np.arange(0.5, self.heights.size)
 
     @property
     def missing(self) -> BoolArray:

@@ -30,7 +30,7 @@ def cylinder(grid: Grid) -> FloatArray:
 
 
 @pytest.mark.parametrize("columns", [1, 2, 5, 24])
-@pytest.mark.parametrize(("across", "error"), [(64, 0.006), (128, 0.003)])
+@pytest.mark.parametrize(("across", "error"), [(64, 2e-4), (128, 5e-5)])
 def test_hertz_of_a_line(across: int, error: float, columns: int, device: str, threads: int) -> None:
     """Half-width to a cell, pressure and approach; the approach counts from the domain's length away."""
     cell = 2.0 * HALF_WIDTH / across
@@ -45,15 +45,15 @@ def test_hertz_of_a_line(across: int, error: float, columns: int, device: str, t
         device=device,
         threads=threads,
     )
-    assert found.area / (columns * cell) == pytest.approx(2.0 * HALF_WIDTH, abs=2.1 * cell)
+    assert found.area / (columns * cell) == pytest.approx(2.0 * HALF_WIDTH, abs=1.1 * cell)
     assert found.pressure.max() == pytest.approx(PEAK, rel=error)
     exact = PEAK * np.sqrt(np.maximum(1.0 - (grid.x / HALF_WIDTH) ** 2, 0.0))
     inside = np.abs(grid.x) < 0.95 * HALF_WIDTH
-    assert_allclose(found.pressure[inside, 0], exact[inside], atol=2.0 * error * PEAK)
+    assert_allclose(found.pressure[inside, 0], exact[inside], atol=30.0 * error * PEAK)
     length = grid.nx * cell
     sinks = PER_LENGTH / (math.pi * E_STAR) * (2.0 * math.log(2.0 * length / HALF_WIDTH) + 1.0)
     approach = found.approach - heights.mean() + heights.max()  # of the line that touches first
-    assert approach == pytest.approx(sinks, rel=1e-3)
+    assert approach == pytest.approx(sinks, rel=error)
     # to rounding the same in every row of cells
     assert_allclose(found.pressure, found.pressure[:, :1] + np.zeros((1, columns)), rtol=1e-6)
 

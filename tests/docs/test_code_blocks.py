@@ -19,6 +19,7 @@ PAGES = [ROOT / name for name in ("README.md", "CONTRIBUTING.md")] + sorted((ROO
 NAMES = [page.relative_to(ROOT).as_posix() for page in PAGES]
 #: Boxes of Python that do not run when the site is made -> what they hold, and why.
 LEFT_OUT = {
+    "docs/how-to/programme.md": {"block=[": "tests/runs/stopped/test_blocks.py runs one like it"},
     "README.md": {"plt.subplots": "tests/test_readme.py runs it"},
     "docs/how-to/sweeps.md": {"SLURMCluster": "needs a cluster"},
     "docs/how-to/inference.md": {"warpwear.infer(": "takes a minute; tests/inference runs one like it"},

@@ -206,7 +206,7 @@ def test_a_named_stroke_slides_and_chooses_its_steps() -> None:
 
 
 def test_a_stroke_that_the_bodies_yield_is_told() -> None:
-    """Mindlin's 3 μ F/(16 a) Σ (2 − ν)/G of two like bodies, both ways: (2 − ν) 3 μ F/(4 G a) in all."""
+    """Mindlin: 3 μ F/(16 a) Σ (2 − ν)/G to either side, of like bodies 3 μ F (2 − ν)/(4 G a) in all."""
     steel = {"counter.young": "200 GPa", "counter.poisson": 0.3, "disc.young": "200 GPa", "disc.poisson": 0.3}
     steel |= {"friction.shear_strength": None, "friction.coefficient": 0.5}
     study = study_of(2).replace(steel)

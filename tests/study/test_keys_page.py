@@ -73,5 +73,5 @@ def test_every_number_has_bounds() -> None:
     ]
     assert free == [
         "study.name", "study.description", "counter.material", "counter.surface", "counter.array",
-        "disc.material", "disc.surface", "disc.array"
+        "disc.material", "disc.surface", "disc.array", "disc.synthetic.like"
     ]  # fmt: skip

@@ -261,6 +261,8 @@ TESTED = {
     ".zip": "tests/surfaces/files/test_container.py",
     ".gz": "tests/surfaces/files/test_layouts.py",
     ".tmd": "tests/surfaces/files/test_layouts.py",
+    ".prf": "tests/surfaces/profiles/test_profile.py",
+    ".x3p": "tests/surfaces/profiles/test_profile.py",
     ".xyz": "tests/surfaces/test_point_cloud.py",
     ".al3d": "tests/surfaces/test_instrument_bytes.py",
 }

@@ -9,7 +9,8 @@ import pytest
 from scipy import integrate, special
 
 from warpwear import Result, Study, run, solve_contact
-from warpwear.errors import InputError
+from warpwear.errors import InputError, InvariantError
+from warpwear.figures.of_run.data import smooth_shares
 from warpwear.laws.elastic import Hertz
 from warpwear.surfaces.form import sag
 from warpwear.surfaces.measured import read_measured
@@ -312,7 +313,7 @@ def test_a_small_file_is_refused(ball_file: dict[str, Any]) -> None:
 def test_a_worn_edge_is_an_error(ball_file: dict[str, Any]) -> None:
     """A measured body known in its file alone must not touch at the domain's edge."""
     small = ball_file | {"grid.extent": "0.2 mm", "checks.strict": True}
-    with pytest.raises(Exception, match=r"grid\.extent = 0\.2 mm is too small"):
+    with pytest.raises(InvariantError, match=r"grid\.extent = 0\.2 mm is too small"):
         run(study_of(small), plots=False)
 
 
@@ -335,6 +336,53 @@ def test_a_measured_run_keeps_its_body(ball_file: dict[str, Any], tmp_path: Path
     assert np.isfinite(np.load(tmp_path / "export" / "counter_worn.npy")).all()
 
 
+def test_a_cylinder_the_other_way_is_refused(tmp_path: Path) -> None:
+    """A file whose cylinder lies along sliding is not put back across it."""
+    cells = study_of(SHAPES["ball"]).cells
+    section = sag(cells.x, np.zeros(1), radius=3.0)[:, 0]
+    keys = {"counter.shape": "measured", "counter.level": "cylinder", "counter.radius": "3 mm"}
+    keys |= {"counter.pixel": "20 um", "counter.height_unit": "mm", "grid.extent": "0.5 mm"}
+    for name, heights in (
+        ("across", -np.add.outer(section, 0.0 * section)),
+        ("along", -np.add.outer(0.0 * section, section)),
+    ):
+        np.save(tmp_path / f"{name}.npy", heights)
+    along, across = (
+        study_of(keys | {"counter.surface": str(tmp_path / f"{name}.npy")}) for name in ("along", "across")
+    )
+    with pytest.raises(InputError, match=r"counter\.sliding_axis"):
+        run(along, plots=False)
+    nominal = study_of(SHAPES["cylinder"] | {"grid.extent": "0.5 mm"})
+    with pytest.raises(InvariantError, match="edge"):  # the file's sides are not the cylinder's ends
+        run(across, plots=False)
+    goes_on = across.replace({"counter.extend": "mirror"})
+    with run(goes_on, plots=False) as result, run(nominal, plots=False) as expected:
+        for name in ("area_contact", "wear_depth_disc"):
+            np.testing.assert_allclose(result.history[name], expected.history[name], rtol=1e-9, err_msg=name)
+
+
+def test_line(device: str) -> None:
+    """A cylinder of a line boundary has Hertz's pressure under a load of its length."""
+    study = study_of(
+        SHAPES["cylinder"]
+        | {
+            "contact.law": "half-space",
+            "contact.boundary": "line",
+            "contact.load": "18.5 N/mm",
+            "contact.hardness": "inf MPa",
+            "grid.cell": "1 um",
+            "grid.extent": ["0.256 mm", "0.004 mm"],
+            "sliding.distance": "0 mm",
+        }
+    )
+    hertz = study.hertz
+    assert hertz is not None
+    assert hertz.radius**2 == pytest.approx(4.0 * 18.5 * 3.0 / (math.pi * hertz.modulus))
+    with run(study, plots=False, device=device) as result:
+        assert result.history["pressure_max"][0] == pytest.approx(hertz.peak_pressure, rel=1e-3)
+        assert result.history["patch_along"][0] == pytest.approx(2.0 * hertz.radius, abs=2e-3)
+
+
 @pytest.mark.parametrize("axis", ["x", "y"])
 def test_level_cylinder(axis: str, tmp_path: Path) -> None:
     """A rough, tilted cylinder is levelled to its roughness, whichever way it lies."""
@@ -349,3 +397,28 @@ def test_level_cylinder(axis: str, tmp_path: Path) -> None:
     radius = float(sentence.partition("radius ")[2].partition(" mm")[0])
     assert radius == pytest.approx(2.0, rel=1e-2)
     assert "bulging" in sentence
+
+
+def test_figures_and_the_page(tmp_path: Path, quick_pictures: Any) -> None:
+    """Figures of a pin, which has nothing beyond its rim, are drawn, and the page names it."""
+    study = study_of(SHAPES["pin"] | {"output.snapshots": ["3 mm"]})
+    with quick_pictures(), run(study, out=tmp_path / "run", plots="essential") as result:
+        assert {"setup", "profiles"} <= {path.stem for path in (tmp_path / "run" / "figures").glob("*.png")}
+        result.plot.counter_map()
+    page = (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
+    assert f"A {study.counter.title} on" in page
+
+
+def test_loads_of_patches_beside_a_measured_body(ball_file: dict[str, Any]) -> None:
+    """The smooth contact beside the patches is that of the measured body, whose file is gone by then."""
+    keys = {
+        "study.model": "two-scale",
+        "patches.macro_cell": "100 um",
+        "contact.bulk_stiffness": "2e6 N/mm^3",
+        "sliding.distance": "0.1 mm",
+    }
+    with run(study_of(SHAPES["ball"] | keys), plots=False) as ball:
+        shares = smooth_shares(ball, [0, 9])
+    with run(study_of(ball_file | keys), plots=False) as result:
+        Path(ball_file["counter.surface"]).unlink()
+        np.testing.assert_allclose(smooth_shares(result, [0, 9]), shares, rtol=1e-9, atol=1e-12)

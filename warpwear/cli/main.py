@@ -13,6 +13,7 @@ import click
 
 from warpwear.cli.calibrate import calibrate
 from warpwear.cli.compare import compare
+from warpwear.cli.new import new
 from warpwear.cli.report import report
 from warpwear.cli.result import animate, export_command, plot
 from warpwear.cli.run import run
@@ -112,8 +113,9 @@ def commands() -> None:
 
     \b
     warpwear studies             which studies are there to begin with
-    warpwear run v3-fine         a rough disc on cells of 1 µm, in some six seconds
-    warpwear run my-disc.toml    a study of your own
+    warpwear run track           a ball that slides over a rough track, in half a minute
+    warpwear new my-test.toml    a study of your own rig, to be filled in
+    warpwear run my-test.toml    run it
 
     A run is written into a folder, which plot, animate, export and compare take. Bad input ends with one
     sentence and exit status 2; an interrupted run leaves a checkpoint and ends with 130; a sweep of which
@@ -121,6 +123,6 @@ def commands() -> None:
     """
 
 
-_OF_RUNS = (run, studies, show, plot, animate, export_command, list_materials)
+_OF_RUNS = (run, new, studies, show, plot, animate, export_command, list_materials)
 for command in (*_OF_RUNS, surface, compare, sweep, calibrate, report):
     commands.add_command(command)

@@ -71,8 +71,8 @@ def export_command(folder: Path, out: Path | None, overwrite: bool, **options: A
 
     \b
     sdf, x3p   heights for MountainsMap and Gwyddion, in metres
-    stl        ball and disc in their places, as closed solids in mm
-    vti        fields, ball and disc for ParaView; open the .pvd, which is a film
+    stl        both bodies in their places, as closed solids in mm
+    vti        fields and both bodies for ParaView; open the .pvd, which is a film
     netcdf     history and fields for xarray and MATLAB, with units
     csv        fields, a row a cell, and profiles for MATLAB and Excel
     xyz, npy   points and arrays of heights, in mm

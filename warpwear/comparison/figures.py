@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from warpwear.comparison.area_load import area_load, has_loads
-from warpwear.comparison.gather import Comparison
+from warpwear.comparison.gather import Comparison, means_of_parts
 from warpwear.comparison.groups import Course, Group, RunData
 from warpwear.figures import courses, describe
 from warpwear.figures.blocks import with_blocks
@@ -189,9 +189,7 @@ def _figure(comparison: Comparison, charts: Sequence[Chart]) -> Figure:
     several = len(comparison.groups) + len(comparison.experiments)
     figure = Figure([replace(charts[0], note=note), *charts[1:]], legend=several)
     studies = {run.study.programme: run.study for run in comparison.runs}
-    if len(studies) > 1 or None in studies:
-        return figure
-    return with_blocks(figure, *studies.values())
+    return with_blocks(figure, *studies.values()) if len(studies) == 1 else figure
 
 
 def _on_one_scale(charts: Sequence[Chart]) -> list[Chart]:
@@ -217,12 +215,7 @@ def measured_line(experiment: Experiment, look: Look, end: float = 1.0) -> Line:
     label, every = in_legend(experiment.name), max(1, min(distance.size, POINTS) // MARKED)
     if distance.size <= 2 * POINTS:
         return Line(distance, values / end, label, look, every=max(1, distance.size // MARKED))
-    edges = np.linspace(0.0, distance[-1], POINTS + 1)
-    part = np.clip(np.searchsorted(edges, distance, side="right") - 1, 0, POINTS - 1)
-    number = np.bincount(part, minlength=POINTS)
-    filled = number > 0
-    sums = [np.bincount(part, weights=v, minlength=POINTS)[filled] for v in (distance, values, values**2)]
-    distance, values, squares = (s / number[filled] for s in sums)
+    distance, values, squares = means_of_parts(POINTS, distance, values, values**2)
     scatter = np.sqrt(np.clip(squares - values**2, 0.0, None))
     low, high = (values - scatter) / end, (values + scatter) / end
     return Line(distance, values / end, label, look, low, high, every=every)

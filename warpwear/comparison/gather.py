@@ -153,10 +153,15 @@ def shape_of(experiment: Experiment) -> dict[str, float]:
     """
     distance, cof = experiment.distance, experiment.cof
     if distance.size > 2 * PARTS:
-        part = np.minimum((PARTS * distance / distance[-1]).astype(np.intp), PARTS - 1)
-        filled = np.flatnonzero(number := np.bincount(part))
-        distance, cof = ((np.bincount(part, weights=v)[filled] / number[filled]) for v in (distance, cof))
+        distance, cof = means_of_parts(PARTS, distance, cof)
     return _shape(distance, cof)
+
+
+def means_of_parts(parts: int, distance: FloatArray, *columns: FloatArray) -> list[FloatArray]:
+    """Average distances and columns over them, (n,) each, in equal parts of the whole; empty ones go."""
+    part = np.clip((parts * distance / distance[-1]).astype(np.intp), 0, parts - 1)
+    filled = np.flatnonzero(number := np.bincount(part))
+    return [np.bincount(part, weights=v)[filled] / number[filled] for v in (distance, *columns)]
 
 
 def _shape(distance: FloatArray, cof: FloatArray) -> dict[str, float]:

@@ -17,6 +17,6 @@ def over_blocks(combine: np.ufunc, field: NDArray[Any], n: int) -> NDArray[Any]:
 
 
 def coarsen(field: FloatArray, most: int) -> tuple[FloatArray, int]:
-    """Return means over squares, at most `most` along a side, and how many places a square is wide."""
-    n = -(-max(field.shape) // most)
+    """Return means over squares, at most `most` along a side that is not narrow, and the places of a side."""
+    n = min(-(-max(field.shape) // most), *field.shape)
     return over_blocks(np.add, field, n) / n**2, n

@@ -23,6 +23,8 @@ from warpwear.figures.paint_others import PAINT_3D, PAINT_OTHERS
 CHARACTER, LEGEND_LINE = 0.05, 0.45
 #: Inches around square maps: labels at the left, a colour bar, what lies below, a line of a title, a gap.
 LEFT, BAR, BELOW, TITLE, GAP = 0.6, 0.66, 0.42, 0.135, 0.1
+#: Length over width from which maps lie one below the other, and the height of such a row [inch].
+LONG, LONG_ROW = 4.0, 1.35
 #: Dots per inch of figures that a notebook shows.
 SCREEN = 120
 #: A row of a legend [inch].
@@ -47,6 +49,9 @@ class Sheet(sheets.Figure):
 def paint(figure: Figure) -> sheets.Figure:
     """Draw a figure."""
     cells = [cell for panel in figure.panels for cell in _cells(panel)]
+    if all(isinstance(cell, Map) and cell.square and _is_long(cell) for cell in cells):
+        cells = [_stretched(cell) for cell in cells]
+        figure = replace(figure, columns=1, width=describe.PAGE, height=LONG_ROW, shared="x")
     with style.style():
         if all(type(cell) in PAINT_3D for cell in cells):
             return _sheet_3d(cells)
@@ -94,6 +99,19 @@ def _cells(panel: Panel) -> list[Panel]:
         replace(panel, fields=[values], labels=[*head, label], notes=[note])
         for values, label, note in zip(panel.fields, labels, notes, strict=True)
     ]
+
+
+def _is_long(cell: Any) -> bool:
+    """Tell whether a map is too long to stand beside others."""
+    x0, x1, y0, y1 = cell.extent
+    return bool(x1 - x0 > LONG * (y1 - y0))
+
+
+def _stretched(cell: Any) -> Map:
+    """Give a map that fills a row, higher than it is, and says so."""
+    title = ", ".join(filter(None, [*cell.labels, *cell.notes])).replace("\n", ", ")
+    note = f"{title} (y drawn {{}} times as large as x)"
+    return replace(cell, square=False, labels=[], notes=[], stretch_note=note, y="across, mm")
 
 
 def _from_above(panel: Bodies, name: str) -> Map:

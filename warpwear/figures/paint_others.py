@@ -27,6 +27,8 @@ SCAR = 0.55
 #: Circles and spokes of facets of a cap.
 CIRCLES, SPOKES = 36, 97
 LIGHT = LightSource(azdeg=300, altdeg=50)
+#: Width over length of a box at least, as it is drawn.
+NARROW = 0.85
 #: Most values of a grid that are written into it.
 WRITTEN = 49
 #: Characters of a line of text, where it begins behind its label, and its height [points].
@@ -37,18 +39,20 @@ def paint_box(axes: Any, box: Box) -> None:
     """Draw a box into axes of three dimensions."""
     x0, x1, y0, y1 = box.extent
     side = max(x1 - x0, y1 - y0)
+    width = max(y1 - y0, NARROW * (x1 - x0))
     axes.set_zlim(box.low, box.high)
     for part in box.parts:
         if not isinstance(part, Arrow):
             PARTS[type(part)](axes, part, box.extent)
     axes.set(xlim=(x0, x1), ylim=(y0, y1), zlim=(box.low, box.high))
-    axes.set_box_aspect(((x1 - x0) / side, (y1 - y0) / side, HEIGHT), zoom=1.17)
+    axes.set_box_aspect(((x1 - x0) / side, width / side, HEIGHT), zoom=1.17)
     axes.view_init(elev=ELEVATION, azim=AZIMUTH)
     axes.set_xlabel(ALONG, labelpad=-4)
     axes.set_ylabel(ACROSS, labelpad=-4)
     axes.set_zlabel(box.label, labelpad=-5)
     larger = float(f"{HEIGHT * side / (1e-3 * (box.high - box.low)):.2g}")
-    axes.set_title(box.note.format(larger=f"{larger:g}"), y=1.0, pad=7)
+    stretched = f" (y {width / (y1 - y0):.2g} times)" if width > y1 - y0 else ""
+    axes.set_title(box.note.format(larger=f"{larger:g}") + stretched, y=1.0, pad=7)
     for artist in axes.collections:  # the box is larger than the square that axes in 3-D keep to
         artist.set_clip_on(False)
     axes.zaxis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))

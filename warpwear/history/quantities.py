@@ -231,12 +231,15 @@ _DECLARED: dict[tuple[Per, str | None], dict[str, str]] = {
         "sk [um]": "core height Sk in the middle of the scar",
         "spk [um]": "reduced peak height Spk in the middle of the scar",
         "svk [um]": "reduced valley depth Svk in the middle of the scar",
-        "sq_counter [um]": "Sq of the ball in the inner scar, half its size, form of degree 4 removed",
+        "sq_counter [um]": "Sq of the counter-body in the inner scar, half its size, "
+        "form of degree 4 removed",
         "sq_disc [um]": "the same of the disc; of a track the root mean square over places along it",
         "sq_disc_unworn [um]": "that of the same cells of the disc before any wear",
-        "sdq_counter [1]": "root mean square gradient Sdq of the ball in the inner scar, as sq_counter",
+        "sdq_counter [1]": "root mean square gradient Sdq of the counter-body in the inner scar, "
+        "as sq_counter",
         "sdq_disc [1]": "the same of the disc, as sq_disc",
-        "rq_counter [um]": "Rq of profiles along sliding there, each less its form of degree 4, of the ball",
+        "rq_counter [um]": "Rq of profiles along sliding there, each less its form of degree 4, "
+        "of the counter-body",
         "rq_disc [um]": "the same of the disc, as sq_disc",
         "islands [1]": "connected regions in contact (cells that share an edge)",
         "islands_of_one_cell [1]": "islands of a single cell: the mesh does not resolve them",

@@ -117,6 +117,12 @@ def information(posterior: Posterior, values: dict[str, FloatArray]) -> FloatArr
     return np.asarray(fisher)
 
 
+def some_of(values: Mapping[str, FloatArray], number: int) -> dict[str, FloatArray]:
+    """Return a number of many samples, evenly apart."""
+    chosen = np.linspace(0, len(next(iter(values.values()))) - 1, number).astype(np.intp)
+    return {key: column[chosen] for key, column in values.items()}
+
+
 def _errors(posterior: Posterior, values: dict[str, FloatArray]) -> FloatArray:
     """Return standard deviations of the measured values about computed ones, (samples, values)."""
     errors = np.zeros((len(next(iter(values.values()))), len(posterior.data.values)))
@@ -140,8 +146,7 @@ def identify(posterior: Posterior, values: dict[str, FloatArray], z: FloatArray)
     """Find what the data tell, from samples of all unknowns: key -> (samples,), and z (samples, unknowns)."""
     unknowns = posterior.model.unknowns
     keys = [unknown.key for unknown in unknowns]
-    chosen = np.linspace(0, len(z) - 1, PLACES).astype(np.intp)
-    fisher = information(posterior, {key: value[chosen] for key, value in values.items()})
+    fisher = information(posterior, some_of(values, PLACES))
     groups: Counter[tuple[str, ...]] = Counter()
     for one in fisher:
         sizes, vectors = np.linalg.eigh(one)

@@ -14,7 +14,7 @@ import numpy as np
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.inference.data import Data
-from warpwear.inference.identify import information
+from warpwear.inference.identify import information, some_of
 from warpwear.inference.likelihood import Posterior
 from warpwear.inference.model import Model
 from warpwear.study.study import Study
@@ -98,7 +98,7 @@ def best_tests(
     values: samples of the posterior. Raises InputError.
     """
     place, now = place_of(posterior, target), _relative(values[target])
-    some = _some(values)
+    some = some_of(values, PLACES)
     known = information(posterior, some)
     tests = []
     for candidate in candidates:
@@ -111,7 +111,7 @@ def best_tests(
 def repeats_needed(posterior: Posterior, values: Mapping[str, FloatArray], target: str) -> int | None:
     """Return how many more tests like this one bring an unknown to ± 10 %, None where none do."""
     place, now = place_of(posterior, target), _relative(values[target])
-    known = information(posterior, _some(values))
+    known = information(posterior, some_of(values, PLACES))
     every = range(MOST_REPEATS + 1)
     reached = bisect_left(every, True, key=lambda n: now * _left(known, n * known, place) <= REACHED)
     return reached if reached in every else None
@@ -130,12 +130,6 @@ def place_of(posterior: Posterior, target: str) -> int:
             f"'{target}' is no unknown, so that no test is sought for it; there are {', '.join(keys)}"
         )
     return keys.index(target)
-
-
-def _some(values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    """Return a few of many samples."""
-    chosen = np.linspace(0, len(next(iter(values.values()))) - 1, PLACES).astype(np.intp)
-    return {key: column[chosen] for key, column in values.items()}
 
 
 def _left(known: FloatArray, added: FloatArray, place: int) -> float:

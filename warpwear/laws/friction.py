@@ -200,9 +200,9 @@ def friction_energy(distance: FloatArray, cof: FloatArray, load: FloatArray) -> 
     """Integrate the friction force over the distance slid: ∫ μ F dL [J] up to the end of each step.
 
     distance [mm] and coefficient at the end of each step, load [N] in it, all (n,). Trapezoids between the
-    coefficients; before the end of the first there is no other row, so its own holds from the start.
+    coefficients; in the first step, and in the first under another load, its own holds from the start.
     """
-    before = np.concatenate([cof[:1], cof[:-1]])
+    before = np.where(np.diff(load, prepend=load[:1]) == 0.0, np.concatenate([cof[:1], cof[:-1]]), cof)
     return 0.5e-3 * np.cumsum((cof + before) * load * np.diff(distance, prepend=0.0))
 
 

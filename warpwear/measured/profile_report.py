@@ -37,7 +37,11 @@ def line_of(surface: Measured, line: str) -> Profile:
     own = surface.record()
     about = {"file": own["file"], "format": own["format"], "unit": own["unit"], "line": line}
     about |= {"notes": own["operations"]}
-    return checked(Profile(surface.pixel[1 - across], surface.measured.take(index, across), about))
+    return checked(
+        Profile(
+            surface.pixel[1 - across], surface.measured.T[index] if across else surface.measured[index], about
+        )
+    )
 
 
 def profile_rows(profile: Profile, degree: int, *, beside: str = "") -> list[Row]:
@@ -113,7 +117,7 @@ def profile_lines(head: list[Row], rows: list[Row]) -> list[str]:
 def profile_figure(profile: Profile, p: Parameters) -> Figure:
     """Draw a profile, its roughness as it is evaluated, and the material ratio."""
     first = 0.5 * (profile.length - p.rough.size * profile.spacing)
-    places = first + profile.spacing * (np.arange(p.rough.size) + 0.5)
+    places = first + profile.places[: p.rough.size]
     ratio, reached = material_ratio_curve(p.rough)
     return _stack(
         _chart("Profile", "height less form, µm", profile.places, profile.heights),

@@ -154,14 +154,13 @@ def _profile_in(file: Path, preparation: Mapping[str, str | None]) -> Profile:
     """Read the profile in a file. Raises InputError, for options that are for maps, too."""
     options = {f"--{key.replace('_', '-')}": value for key, value in preparation.items() if key not in LINE}
     refuse(options, "is for a map of heights, and FILE holds a profile")
-    given = preparation.get
     try:
         return read_profile(
             file,
-            spacing=optional("--pixel", given("pixel"), "mm"),
-            height_unit=given("height_unit"),
-            array=given("array"),
-            down=given("height_sign") == "down",
+            spacing=optional("--pixel", preparation.get("pixel"), "mm"),
+            height_unit=preparation.get("height_unit"),
+            array=preparation.get("array"),
+            down=preparation.get("height_sign") == "down",
         )
     except InputError as error:
         raise InputError(_with_options(str(error))) from error

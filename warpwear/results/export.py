@@ -13,7 +13,7 @@ from typing import Any
 from warpwear.errors import InputError, explained
 from warpwear.laws.archard import BODIES
 from warpwear.results.file import ResultFile
-from warpwear.results.formats.bodies import TRACK, WRITABLE, Body, Files, Job
+from warpwear.results.formats.bodies import TRACK, WRITABLE, Files, Job
 from warpwear.results.formats.metrology import write_sdf, write_x3p
 from warpwear.results.formats.netcdf import netcdf_files
 from warpwear.results.formats.stl import write_stl
@@ -48,15 +48,12 @@ class Format:
 def _bodies(ending: str, write: Callable[..., None], job: Job, *, options: Sequence[str] = ()) -> Files:
     """Name a file for each body and snapshot. options: what of the job the writer takes."""
     values = {key: getattr(job, key) for key in options}
+
+    def write_body(name: str, number: int, path: Path) -> None:
+        write(path, job.body(name, number), **values)
+
     for number, name in product(job.numbers, job.bodies):
-        file = f"{name}_worn{job.suffix(number)}.{ending}"
-        yield file, partial(_write_body, write, partial(job.body, name, number), values)
-
-
-def _write_body(
-    write: Callable[..., None], body: Callable[[], Body], values: dict[str, Any], path: Path
-) -> None:
-    write(path, body(), **values)
+        yield f"{name}_worn{job.suffix(number)}.{ending}", partial(write_body, name, number)
 
 
 _BODY, _FIELDS = frozenset({"bodies", "points"}), frozenset({"fields"})

@@ -23,7 +23,7 @@ from warpwear.results.check import ATTRIBUTES, check_content, check_fields, curr
 from warpwear.results.seal import digest_of, has_mark, read_header
 from warpwear.study.study import Study
 from warpwear.study.units import parse
-from warpwear.surfaces.form import Given
+from warpwear.surfaces.form import Form, Given
 
 Derived = TypeVar("Derived")
 FILE_NAME = "result.h5"
@@ -243,22 +243,24 @@ class ResultFile:
     @cached_property
     def snapshot_distances(self) -> FloatArray:
         """Return the sliding distances of the snapshots [mm]."""
-        with self._reading() as file:
-            return np.array([group.attrs["distance"] for group in file["snapshots"].values()])
+        return self._of_snapshots("distance")
 
     @cached_property
     def snapshot_rows(self) -> IntArray:
         """Row of the track under the ball's first row, one a snapshot; empty of a run without a track."""
-        with self._reading() as file:
-            rows = [group.attrs.get("row") for group in file["snapshots"].values()]
-            return np.array([row for row in rows if row is not None], dtype=np.int64)
+        return self._of_snapshots("row").astype(np.int64)
 
     @cached_property
     def load_on_filled(self) -> FloatArray:
         """Share of the load on points that the disc's file lacks, one a snapshot; empty where it is whole."""
+        return self._of_snapshots("load_on_filled")
+
+    def _of_snapshots(self, name: str) -> FloatArray:
+        """Return an attribute of all snapshots that have it."""
         with self._reading() as file:
-            loads = [group.attrs.get("load_on_filled") for group in file["snapshots"].values()]
-            return np.array([share for share in loads if share is not None], dtype=np.float64)
+            return np.array(
+                [group.attrs[name] for group in file["snapshots"].values() if name in group.attrs]
+            )
 
     @property
     def snapshots(self) -> Snapshots:
@@ -317,17 +319,25 @@ class ResultFile:
         """Heights of the track before any wear [mm], shape (rows, ny). InputError without a track."""
         return self._array("track/heights", "has no track", rows)
 
+    @cached_property
+    def form(self) -> Form:
+        """Return the unworn counter-body's form, of a measured one as the run had it."""
+        form = self.study.counter.form
+        if not isinstance(form, Given):
+            return form
+        return replace(form, values=self._array("counter/heights", "has no measured counter-body"))
+
     def unworn_counter(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """Return the unworn counter-body's height over its lowest point [mm] at x × y [mm].
 
         Of a measured one it is that of the nearest cells; infinite where there is no body.
         """
-        form, cell = self.study.counter.form, self.study.grid.cell
+        form, cell = self.form, self.study.grid.cell
         if not isinstance(form, Given):
             return form.heights(x, y)
         axes = zip((x, y), (self.x, self.y), strict=True)
         near = (np.clip(np.floor((p - of[0]) / cell + 0.5).astype(int), 0, of.size - 1) for p, of in axes)
-        return self._array("counter/heights", "has no measured counter-body")[np.ix_(*near)]
+        return form.values[np.ix_(*near)]
 
     def track_loss(self, index: int, rows: slice = slice(None)) -> tuple[FloatArray, FloatArray]:
         """Return depths worn off the track, and displaced of it for good, at snapshot number `index` [mm]."""

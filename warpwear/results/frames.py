@@ -44,7 +44,7 @@ def to_xarray(result: ResultFile) -> Any:
     for name in snapshots[0].fields if snapshots else ():
         along = "track_x" if name in OF_THE_TRACK and "track_x" in dataset.coords else "x"
         stacked = np.stack([snapshot.fields[name] for snapshot in snapshots])
-        dataset[name] = _described(FIELDS, name, ("distance", along, "y"), stacked)
+        dataset[name] = described(FIELDS, name, ("distance", along, "y"), stacked)
     return dataset
 
 
@@ -54,12 +54,12 @@ def courses(result: ResultFile, numbers: Sequence[int]) -> Any:
     history = dict(result.history)
     coordinates = {
         "step": ("step", np.arange(history["distance"].size), {"long_name": "row of the history"}),
-        "step_distance": _described(COLUMNS, "distance", ("step",), history.pop("distance")),
+        "step_distance": described(COLUMNS, "distance", ("step",), history.pop("distance")),
     }
-    data = {name: _described(COLUMNS, name, ("step",), values) for name, values in history.items()}
+    data = {name: described(COLUMNS, name, ("step",), values) for name, values in history.items()}
     if result.study.study.model == "two-scale":
         tables = {table.name: table for table in PATCH_TABLES}
-        data |= {name: _described(tables, name, ("step", "patch"), getattr(result, name)) for name in tables}
+        data |= {name: described(tables, name, ("step", "patch"), getattr(result, name)) for name in tables}
         places = np.meshgrid(result.macro_x, result.macro_y, indexing="ij")
         about_places = {"units": "mm", "long_name": "centre of the patch"}
         for name, centres in zip(("patch_x", "patch_y"), places, strict=True):
@@ -78,7 +78,7 @@ def courses(result: ResultFile, numbers: Sequence[int]) -> Any:
     return xarray.Dataset(data, coordinates, about)
 
 
-def _described(
+def described(
     declared: Mapping[str, Quantity], name: str, dimensions: tuple[str, ...], values: Any
 ) -> tuple[tuple[str, ...], Any, dict[str, str]]:
     """Make a variable for xarray: dimensions, values, and unit and meaning of the quantity."""

@@ -266,6 +266,8 @@ def _strength(study: Study, strength: float | None) -> Row:
     note, limit = ", as given", study.shear_limit
     if study.friction.fitted is not None:
         note = f", fitted to {study.friction.coefficient:g}"
+        if study.block is not None:
+            note += f" under {study.blocks[-1 if study.friction.fitted == 'end' else 0].load:g} N"
         note += ": give it as friction.shear_strength to runs to compare"
     if strength is not None and math.isfinite(limit) and strength > limit:
         formula = "H/√α" if study.friction.junction_growth else "H/(3√3)"

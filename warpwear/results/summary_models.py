@@ -162,7 +162,7 @@ def _hertz(result: ResultFile, *, is_line: bool) -> Row:
         return Row("", "hertz", None)
     rows = [
         Row("", "effective_modulus_MPa", hertz.modulus),
-        Row("radius", "radius_um", 1.0e3 * hertz.radius, digits=3),
+        Row("half width" if hertz.is_line else "radius", "radius_um", 1.0e3 * hertz.radius, digits=3),
         Row("", "area_mm2", hertz.area),
         Row("peak", "peak_pressure_MPa", hertz.peak_pressure),
     ]
@@ -291,7 +291,9 @@ def _inner_scar(result: ResultFile, body: str) -> Row:
     text += f", Sdq {shown(sdq, 2)}"
     wear = result.study.wear
     if body == "counter" and result.study.is_swept and not (wear.sheds and wear.dust_fraction < 1.0):
-        numbers["rq_along_of"] = "the length of a step, which a ball that wears as dust is averaged over"
+        numbers["rq_along_of"] = (
+            "the length of a step, which a counter-body that wears as dust is averaged over"
+        )
     else:
         text += f", along sliding Rq {shown(rq, 3)} µm"  # not known between patches
     if not isinstance(fit, str):

@@ -32,6 +32,7 @@ class Groove:
     y: FloatArray  # [mm]
     worn: FloatArray  # mean depth [mm], shape (ny,)
     displaced: FloatArray  # mean depth pressed down for good [mm], shape (ny,)
+    cell: float  # [mm]
 
     @property
     def depth(self) -> FloatArray:
@@ -41,12 +42,12 @@ class Groove:
     @property
     def width(self) -> float:
         """Return the width of the cells that lost anything [mm]."""
-        return float(np.count_nonzero(self.depth)) * float(self.y[1] - self.y[0])
+        return float(np.count_nonzero(self.depth)) * self.cell
 
     @property
     def section(self) -> float:
         """Return the area of the cross-section that is gone [mm²]."""
-        return float(self.depth.sum()) * float(self.y[1] - self.y[0])
+        return float(self.depth.sum()) * self.cell
 
     @property
     def mean_depth(self) -> float:
@@ -97,7 +98,8 @@ def groove(result: ResultFile, index: int) -> Groove:
         worn += of_part[0].sum(axis=0)
         displaced += of_part[1].sum(axis=0)
     count = rows.stop - rows.start
-    return Groove(float(result.snapshot_distances[index]), result.y, worn / count, displaced / count)
+    distance = float(result.snapshot_distances[index])
+    return Groove(distance, result.y, worn / count, displaced / count, result.study.grid.cell)
 
 
 def depth_along(result: ResultFile, index: int, bins: int) -> tuple[FloatArray, FloatArray]:

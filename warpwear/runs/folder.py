@@ -94,7 +94,7 @@ def is_finished(folder: Path, order: RunOrder) -> bool:
                 f"out = {folder} holds a run of another study ({', '.join(changed)}); {OTHER_FOLDER}."
             )
         record = result.record["surface"]
-        files = {order.study.disc.surface: record, order.study.counter.surface: record.get("counter", {})}
+        files = {order.study.disc.file: record, order.study.counter.surface: record.get("counter", {})}
         for surface, of_file in files.items():
             digest = of_file.get("sha256")
             if digest and surface and Path(surface).is_file() and digest_of(surface) != digest:

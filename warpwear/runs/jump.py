@@ -105,9 +105,9 @@ class CycleJumps:
             if self._cycle * self._track.cycle >= self._total * (1.0 - 1.0e-12):
                 return
 
-    def go_on_with(self, model: Model) -> None:
-        """Go on with the model of another block, whose coarse state begins anew; what was told stays."""
-        self.model, self._coarse, self._numbers, self._left = model, {}, "", 0
+    def begin_anew(self) -> None:
+        """Begin a coarse state anew, as the model is another block's; what was told stays."""
+        self._coarse, self._numbers, self._left = {}, "", 0
         self._again, self._age, self._earlier = self._cycle, 0, dict(self._told)
         self._jumped = False
 

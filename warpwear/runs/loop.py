@@ -17,6 +17,7 @@ from warpwear.engine.executor import Executor
 from warpwear.errors import RESUME_IT, ConvergenceError, InvariantError
 from warpwear.history.rows import Rows
 from warpwear.history.snapshot import Snapshot
+from warpwear.laws.passes import Block
 from warpwear.results.seal import versions
 from warpwear.results.writer import ResultWriter
 from warpwear.runs import doubts
@@ -105,6 +106,7 @@ class StepLoop:
             state.restore(self._jumps or self._model, then.arrays, then.numbers)
             self._writer.take_snapshots_from(stored.file)
         self._rows = then.rows
+        self._go_on(self._order.blocks[int(then.rows.last["block"]) - 1])
         self.warnings, self._reported = then.warnings, then.reported_violations
         self._elapsed_before = then.elapsed
         LOG.info("goes on after step %d, from a checkpoint by warpwear %s", len(self._rows), stored.version)
@@ -218,15 +220,21 @@ class StepLoop:
 
     def _begin(self, step: Planned) -> None:
         """Make the model ready for a step: under another load a new one takes over the bodies as they are."""
-        block, model = self._order.block_of(step), self._model
-        if block.load != self._block.load:
-            prepared = model_in(self._order, block, self._heights, self._executor, {})
-            state.restore(prepared.model, *state.save(model))
-            prepared.model.longest_block = min(model.longest_block, prepared.model.longest_block)
-            self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
-            if self._jumps is not None:
-                self._jumps.go_on_with(prepared.model)
-        self._block = block
+        if self._go_on(self._order.block_of(step)) and self._jumps is not None:
+            self._jumps.begin_anew()
+
+    def _go_on(self, block: Block) -> bool:
+        """Let the model of a block take over the bodies as they are; tell whether that is another one."""
+        before, self._block = self._block, block
+        if block.load == before.load:
+            return False
+        prepared, model = model_in(self._order, block, self._heights, self._executor, {}), self._model
+        state.restore(prepared.model, *state.save(model))
+        prepared.model.longest_block = min(model.longest_block, prepared.model.longest_block)
+        self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
+        if self._jumps is not None:
+            self._jumps.model = prepared.model
+        return True
 
     def _snapshot_of(self, index: int) -> Snapshot | None:
         """Return the fields after a row's step, views of the model's on a CPU; None after a later one."""

@@ -263,3 +263,11 @@ class Disc(MeasuredBody, Body):
         must_be_said=True,
     )
     synthetic: Synthetic | None = key(None, "a synthetic surface instead", applies=ROUGH, one_of="surface")
+
+    @property
+    def file(self) -> str | None:
+        """The file that its surface is from, or like: None of one that is made by keys alone."""
+        synthetic = self.synthetic
+        if synthetic is None:
+            return self.surface
+        return synthetic.like if synthetic.kind == "profile" else None

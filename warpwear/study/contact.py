@@ -58,8 +58,8 @@ ROUND = "a ball, a crowned body or a cylinder"
 #: The sentence's end where a stiffness is allowed instead.
 A_STIFFNESS = "; or a stiffness such as '2e6 N/mm^3'"
 THICKNESS = (
-    "wear.particle_thickness, such as '0.6 um': measure it as 4 times Rq of the worn ball along sliding, "
-    "or on flakes in the SEM"
+    "wear.particle_thickness, such as '0.6 um': measure it as 4 times Rq of the worn counter-body along "
+    "sliding, or on flakes in the SEM"
 )
 CRITICAL = (
     "junctions.surface_energy, such as '2 J/m^2', and of the softer body Young's modulus, Poisson's ratio "
@@ -159,9 +159,9 @@ class Contact(Section):
         None,
         "half-space: nothing beyond the domain (two-scale model: beyond each patch), or it is repeated; "
         "line: repeated across sliding, with nothing beyond its ends along it; "
-        "if not given free under a ball, periodic under a flat and for patches",
-        assumed="nothing beyond the domain under a ball; under a flat the domain is repeated, and in the "
-        "two-scale model each patch",
+        "if not given free under a counter-body, periodic under a flat and for patches",
+        assumed="nothing beyond the domain under a counter-body; under a flat the domain is repeated, and in "
+        "the two-scale model each patch",
         applies=when("contact.law", "half-space"),
     )
     stiffness: Annotated[float, Quantity("N/mm^3", Range(infinite=True))] = key(
@@ -240,8 +240,8 @@ class Wear(Section):
 
     counter: WearCoefficient = key(
         ...,
-        'wear coefficient K of the ball, such as "2e-6 mm^3/N/m"; 0 where it does not wear; without a unit '
-        "k = K H, H as of the disc",
+        'wear coefficient K of the counter-body, such as "2e-6 mm^3/N/m"; 0 where it does not wear; without '
+        "a unit k = K H, H as of the disc",
         formerly="wear.sphere",
     )
     disc: WearCoefficient = key(
@@ -294,7 +294,7 @@ class Wear(Section):
     )
     particle_thickness: Length | None = shed_key(
         None,
-        "thickness t of a piece at its middle: 4 Rq of profiles of the worn ball along sliding, form "
+        "thickness t of a piece at its middle: 4 Rq of profiles of the worn counter-body along sliding, form "
         "removed, or of flakes in SEM",
     )
     dust_fraction: Annotated[float, Number(Range(or_equal=True, most=1.0))] = shed_key(

@@ -117,7 +117,7 @@ class Content(Section):
 
     @property
     def programme(self) -> str | None:
-        """The blocks of the programme as people write them, the first five; None without a programme."""
+        """The blocks of the programme as people write them, the first of many; None without a programme."""
         if self.block is None:
             return None
         told = [f"{block.load:.4g} N over {block.length:.6g} mm" for block in self.blocks]

@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 from functools import partial
+from itertools import chain
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
@@ -42,9 +43,10 @@ STROKE = needs("sliding.stroke")
 #: Keys of [sliding] and of a block that say one thing.
 LENGTHS = ("distance", "passes", "cycles", "revolutions", "duration")
 PACES = ("speed", "frequency")
+WAYS = ("stroke", "track_radius")
 A_DISC_OF_CELLS = ": patches lie still, and a smooth disc is one of cells with disc.synthetic.kind = 'flat'"
 #: A programme says lengths in its blocks.
-ALONE = when("block", None, otherwise="does not go with [[block]], whose lengths add up")
+ALONE = when("block", None, otherwise="does not apply beside [[block]], whose lengths add up")
 total_key = partial(key, one_of="total", applies=ALONE)
 growing_key = partial(key, applies=STEPS + FIXED, one_of="plan: growing")
 
@@ -210,6 +212,8 @@ class BlockSection(Section):
     """A table [[block]] says what differs in it from [contact] and [sliding], and how far it slides."""
 
     load: Annotated[float, Load("N")] | None = key(None, "normal load in the block")
+    stroke: Length | None = key(None, "length of one pass; over a track all blocks have one")
+    track_radius: Length | None = key(None, "instead of stroke: radius of the track on a rotating disc")
     speed: Annotated[float, Quantity("mm/s")] | None = key(None, "sliding speed, for the time axis only")
     frequency: Annotated[float, Quantity("Hz")] | None = key(
         None, "cycles, or with a track_radius revolutions, in a second"
@@ -223,7 +227,8 @@ class BlockSection(Section):
     def over(self, sliding: Sliding) -> Sliding:
         """Return [sliding] as it is in the block: what this says replaces all that said the same."""
         own = {name: value for name, value in self if value is not None and name != "load"}
-        void = dict.fromkeys((*LENGTHS, *(PACES if own.keys() & set(PACES) else ())))
+        said = [names for names in (PACES, WAYS) if own.keys() & set(names)]
+        void = dict.fromkeys(chain(LENGTHS, *said))
         return sliding.model_copy(update=void | own)
 
 

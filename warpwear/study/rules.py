@@ -10,7 +10,7 @@ from warpwear.study import rules_pieces, rules_track
 from warpwear.study.contact import LineLoad
 from warpwear.study.content import Content
 from warpwear.study.keys import check_keys
-from warpwear.study.motion import LENGTHS, BlockSection, Sliding
+from warpwear.study.motion import LENGTHS, WAYS, BlockSection, Sliding
 
 #: More steps than anybody waits for, or than a history holds.
 MOST_STEPS = 1_000_000
@@ -47,7 +47,7 @@ def check(study: Content) -> None:
 
 
 def sliding_of_blocks(study: Content) -> Sliding:
-    """Return [sliding] with the distance that the blocks of a programme add up to: raises ValueError."""
+    """Return [sliding] with the distance and the pass that blocks make together: raises ValueError."""
     for name in LENGTHS:
         if getattr(study.sliding, name) is not None:
             raise ValueError(f"sliding.{name} and [[block]] exclude each other: the lengths of blocks add up")
@@ -61,15 +61,26 @@ def sliding_of_blocks(study: Content) -> Sliding:
                 rf"(contact\.|sliding\.)({'|'.join(BlockSection.model_fields)})\b", r"\2", str(error)
             )
             raise ValueError(f"block {number}: {here}") from error
-    lap = study.lap
+    first = study.parts[0]
+    for number, part in enumerate(study.parts, 1):
+        if part.sliding.lap != first.sliding.lap and (part.is_swept or first.is_swept):
+            raise ValueError(
+                f"block {number}: a pass of {part.sliding.lap or 0.0:.6g} mm is not that of block 1, "
+                f"{first.sliding.lap or 0.0:.6g} mm; over a track all blocks have one stroke or track_radius"
+            )
+    lap = first.lap
     for block in study.blocks[:-1]:
         if lap is not None and not is_whole(block.length / lap):
             raise ValueError(
                 f"block {block.number}: its length, {block.length:g} mm, is not a whole number of "
                 f"passes of {lap:g} mm, after which alone another block may follow on a track"
             )
-    sliding = study.sliding.model_copy(update={"distance": study.blocks[-1].end})
-    sliding.model_fields_set.discard("distance")
+    follows = {"distance": study.blocks[-1].end}
+    if first.is_swept or study.sliding.lap is None:  # what all blocks say instead
+        ways = {name: getattr(first.sliding, name) for name in WAYS}
+        follows |= {name: value for name, value in ways.items() if value != getattr(study.sliding, name)}
+    sliding = study.sliding.model_copy(update=follows)
+    sliding.model_fields_set.difference_update(follows)
     return sliding
 
 

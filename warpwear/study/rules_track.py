@@ -54,7 +54,7 @@ def check(study: Content) -> None:
         whose = f"sliding.track = {sliding.track:g} mm" if sliding.track != "full" else named
         raise ValueError(
             f"{whose} is shorter than grid.extent = {study.grid.size}: the counter-body would lie on the "
-            "same cells twice"
+            "same cells twice; allowed are a longer track and a smaller grid.extent"
         )
     if track.cells < study.shift:
         raise ValueError(

@@ -29,6 +29,8 @@ from warpwear.surfaces.roughness import material_ratio_curve
 
 optimize = lazy.module("scipy.optimize")
 
+#: What the record says of a levelled cylinder that lies along sliding.
+LYING = "cylinder along x"
 #: Points along a side at which a bearing area curve is taken.
 FINE = 1000
 
@@ -137,6 +139,12 @@ def form_of(study: Study, surface: Measured | None) -> Form:
     form, grid = study.counter.form, study.cells
     if surface is None or not isinstance(form, Given):
         return form
+    if study.counter.level == "cylinder" and any(LYING in text for text in surface.details["operations"]):
+        raise InputError(
+            f"counter.surface = '{study.counter.surface}' shows a cylinder along sliding, and counter.level "
+            "= 'cylinder' puts one back that lies across it: allowed are the other counter.sliding_axis, or "
+            "counter.level = 'plane', which keeps the file's."
+        )
     with _of_counter():
         seen = surface.heights(grid.x, -grid.y[::-1])[:, ::-1]
     nominal = Ball(form.along, form.across) if form.across else Form(form.along)

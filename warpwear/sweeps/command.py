@@ -16,20 +16,11 @@ from warpwear.errors import InputError
 from warpwear.measured.course import read_experiment
 from warpwear.runs.console import EVERY_SECONDS
 from warpwear.study.loading import value_of_text
+from warpwear.sweeps import sweep
 from warpwear.sweeps.cluster import connected
 from warpwear.sweeps.plan import Plan, read_plan
 from warpwear.sweeps.report import failed_sentence, summary_text, write_report
 from warpwear.sweeps.run_one import Row
-from warpwear.sweeps.sweep import (
-    Count,
-    check_folder,
-    check_runs,
-    estimate,
-    local_executor,
-    make_runs,
-    opened_folder,
-    share_runs,
-)
 from warpwear.sweeps.table import SweepResult
 
 
@@ -77,19 +68,19 @@ def command(
     motion: Any = {"speed": sliding.speed, "stroke": sliding.stroke}
     measured = tuple(read_experiment(path, load=load, **motion) for path in experiments)
     folder = out if out is not None else Path(f"{plan.study.study.name}-sweep")
-    check_folder(folder, resume=resume)
-    check_runs(plan, folder)
+    sweep.check_folder(folder, resume=resume)
+    sweep.check_runs(plan, folder)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     if runs is not None and not dry_run:
-        share_runs(folder, runs)
-    place = nullcontext() if dry_run else opened_folder(folder)
+        sweep.share_runs(folder, runs)
+    place = nullcontext() if dry_run else sweep.opened_folder(folder)
     with place, _executor(plan, **where) as (executor, threads, workers):
-        cost = estimate(plan, None if dry_run else folder, executor, threads=threads)
+        cost = sweep.estimate(plan, None if dry_run else folder, executor, threads=threads)
         click.echo(cost.sentence(workers), err=not dry_run)
         if dry_run:
             return 0
         with tqdm(total=len(plan.points), unit="run", disable=not sys.stderr.isatty(), leave=False) as bar:
-            counted, said = Count(len(plan.points)), time.monotonic()
+            counted, said = sweep.Count(len(plan.points)), time.monotonic()
 
             def on_row(number: int, row: Row) -> None:
                 nonlocal said
@@ -105,7 +96,7 @@ def command(
                 bar.write(f"warning: {sentence}", file=sys.stderr)
 
             try:
-                rows = make_runs(
+                rows = sweep.make_runs(
                     plan, folder, executor, threads=threads, on_row=on_row, on_warning=on_warning
                 )
             except KeyboardInterrupt:
@@ -132,5 +123,5 @@ def _executor(
         with connected(cluster, insecure=insecure, device=plan.device) as (executor, number):
             yield executor, 1, number
         return
-    with local_executor(plan, workers=workers, gpus=gpus is not None) as (pool, threads, number):
+    with sweep.local_executor(plan, workers=workers, gpus=gpus is not None) as (pool, threads, number):
         yield pool, threads, number

@@ -53,7 +53,7 @@ def _point(
         varied = study.replace(values)
     except InputError as error:
         return Point(number, values, None, "", str(error))
-    surface = None if varied.disc.surface is None else digest(varied.disc.surface)
+    surface = None if varied.disc.file is None else digest(varied.disc.file)
     return Point(number, values, varied, name_of(varied, device=device, surface=surface), surface=surface)
 
 
@@ -64,7 +64,9 @@ def name_of(study: Study, *, device: str, surface: str | None) -> str:
     of device and `RESULT_FORMAT`. surface: digest of that file.
     """
     sections = that_matter(study)
-    if surface is not None:
+    if surface is not None and study.disc.synthetic is not None:
+        sections["disc"]["synthetic"]["like"] = surface
+    elif surface is not None:
         sections["disc"]["surface"] = surface
     if study.counter.shape == "measured" and study.counter.surface is not None:
         sections["counter"]["surface"] = digest_of(study.counter.surface)

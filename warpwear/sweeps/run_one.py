@@ -73,7 +73,7 @@ def run_one(task: Task) -> Row:
             if row is None:
                 (folder / FILE_NAME).unlink()
                 raise InputError(
-                    f"disc.surface '{study.disc.surface}' is not the file any more that the sweep was "
+                    f"disc.surface '{study.disc.file}' is not the file any more that the sweep was "
                     "planned with; start the sweep again"
                 )
         return replace(row, was_there=was_there, seconds=row.seconds if was_there else _since(start))

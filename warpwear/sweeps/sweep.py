@@ -115,7 +115,7 @@ def make_runs(
     executor: Executor,
     *,
     threads: int | None = None,
-    on_row: Callable[[int, Row], object] | None = None,
+    on_row: Callable[[int, Row], object] = lambda number, row: None,
     on_warning: Callable[[str], object] = lambda sentence: None,
 ) -> list[Row]:
     """Have an executor make the runs of a plan, each once, and return their rows in the plan's order.
@@ -130,15 +130,12 @@ def make_runs(
     for point in plan.points:
         if point.study is None:
             rows[point.number] = Row(f"failed: {point.problem}")
-            if on_row is not None:
-                on_row(point.number, rows[point.number])
+            on_row(point.number, rows[point.number])
             continue
-        future = futures.get(point.run)
-        if future is None:
-            future = futures[point.run] = executor.submit(
-                run_one, task_of(point, folder / RUNS, device=plan.device, threads=threads)
-            )
-        waiting.setdefault(future, []).append(point.number)
+        if point.run not in futures:
+            task = task_of(point, folder / RUNS, device=plan.device, threads=threads)
+            futures[point.run] = executor.submit(run_one, task)
+        waiting.setdefault(futures[point.run], []).append(point.number)
     begun: dict[Future[Row], float] = {}
     longest = 0.0
     late: set[Future[Row]] = set()
@@ -162,8 +159,7 @@ def make_runs(
                 longest = max(longest, row.seconds if row.status == "done" else 0.0)
                 for number in waiting.pop(future):
                     rows[number] = row
-                    if on_row is not None:
-                        on_row(number, row)
+                    on_row(number, row)
     except KeyboardInterrupt:
         for future in waiting:
             future.cancel()

@@ -12,11 +12,10 @@ import numpy as np
 from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import QUANTITIES
 from warpwear.result import Result
 from warpwear.results.ensemble import at, band, is_label
 from warpwear.results.formats.netcdf import require_free_space
-from warpwear.results.frames import package
+from warpwear.results.frames import COLUMNS, described, package
 from warpwear.results.report import quoted
 from warpwear.study.keys import value_of
 from warpwear.study.units import parse
@@ -31,7 +30,6 @@ stats = lazy.module("scipy.stats")
 RUNS = "runs"
 #: Tables of a sweep; every one that has ended has the first.
 TABLES = ("table.csv", "table.parquet", "sweep.nc")
-MEANINGS = {quantity.name: quantity for quantity in QUANTITIES}
 
 
 @dataclass(eq=False, repr=False)
@@ -186,7 +184,7 @@ class SweepResult:
             words = [str(_written(point.values[key])) for point in self.plan.points]
             coordinates[key] = ("run", words) if number is None else ("run", number[0], {"units": number[1]})
         data: dict[str, Any] = {
-            name: (("run", "distance"), self.courses(name), _about(name)) for name in names
+            name: described(COLUMNS, name, ("run", "distance"), self.courses(name)) for name in names
         }
         for name in dict.fromkeys(name for row in self.rows for name in row.ends):
             plain = name.partition(" [")[0]
@@ -228,11 +226,6 @@ def _between(values: FloatArray, words: Sequence[str]) -> float:
     values = values[known]
     means = {label: values[labels == label].mean() for label in set(labels)}
     return float(np.var([means[label] for label in labels]) / np.var(values))
-
-
-def _about(name: str) -> dict[str, str]:
-    known = MEANINGS.get(name)
-    return {"units": known.units, "long_name": known.meaning} if known else {}
 
 
 def _written(value: Any) -> Any:

@@ -123,10 +123,8 @@ def render_page(
         pictures=pictures,
         n=numbers,
         # The other surfaces have one line together.
-        runs=[_how(name, result) for name, result in runs.results.items() if SURFACE not in name],
-        refusal=runs.refusal,
-        increments=runs.plan.increments,
-        patches=runs.patches,
+        made=[_how(name, result) for name, result in runs.results.items() if SURFACE not in name],
+        runs=runs,
         assumptions=_assumptions(runs),
         quick=quick,
         environment={

@@ -11,6 +11,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import InputError, Study
+from warpwear.laws.friction import friction_energy
+from warpwear.results.summary import summarise, summary_text
 
 HALF_SPACE = {"contact.law": "half-space", "counter.radius": "3 mm"}
 TRACKS = ("full", "representative", "rotating")
@@ -107,6 +109,10 @@ def test_friction_follows_the_load_of_each_block(device: str) -> None:
     history, tau = result.history, result.summary["shear_strength_MPa"]
     assert_allclose(tau, 0.5 * 6.0 / history["area_contact"][-1], rtol=1e-12)
     assert_allclose(history["cof"], tau * history["area_contact"] / history["load"], rtol=1e-12)
+    # The force τ A hardly jumps with the load: its energy is that of trapezoids of it but for two steps.
+    force = history["cof"] * history["load"]
+    smooth = friction_energy(history["distance"], force, np.ones_like(force))
+    assert_allclose(history["friction_energy"][-1], smooth[-1], rtol=0.02)
 
 
 def test_time_goes_by_the_speed_of_each_block() -> None:
@@ -138,7 +144,11 @@ REFUSED: list[tuple[dict[str, Any], str]] = [
     ({"block": [{"distance": "1 mm", "lod": "9 N"}]}, "'block.1.lod' is no key of a study"),
     ({"block": [{"distance": "1 mm", "load": "9 mm"}]}, "block.1.load = '9 mm': has the wrong dimension"),
     ({"block": [{"distance": "1 mm"}], "sliding.distance": "2 mm"}, "sliding.distance and [[block]] exclude"),
-    ({"block": [{"revolutions": 2}]}, "block 1: revolutions = 2 needs sliding.track_radius"),
+    ({"block": [{"revolutions": 2}]}, "block 1: revolutions = 2 needs track_radius"),
+    (
+        {"block": [{"cycles": 2, "stroke": "1 mm", "track_radius": "1 mm"}]},
+        "block 1: stroke and track_radius",
+    ),
     ({"block.7.load": "2 N"}, "block.7: the study has 2 blocks, numbered from 1"),
 ]
 
@@ -156,3 +166,49 @@ def test_a_block_on_a_track_ends_with_a_pass() -> None:
     with pytest.raises(InputError, match=r"block 1: its length, 1\.35 mm, is not a whole number of passes"):
         study.replace(block=[{"distance": "1.35 mm"}, {"passes": 2}])
     assert study.replace(block=[{"passes": 2}, {"distance": "1.35 mm"}]).sliding.total == 1.8 + 1.35
+
+
+def test_strokes_may_differ_at_rest_alone() -> None:
+    still = Study.load("v3-fine").replace({"grid.cell": "20 um", "output.snapshots": []})
+    blocks: list[dict[str, Any]] = [{"cycles": 2, "stroke": "3 mm"}, {"cycles": 2, "stroke": "1 mm"}]
+    assert [block.length for block in still.replace(block=blocks).blocks] == [12.0, 4.0]
+    with pytest.raises(InputError, match="block 2: a pass of 1 mm is not that of block 1, 3 mm"):
+        small("full").replace(block=blocks)
+    track = small("full").replace(block=[{"passes": 2, "stroke": "1.8 mm"}] * 2)
+    assert track.track.stroke == 1.8
+    assert Study.stored(track.to_toml()) == track
+
+
+def test_cycles_that_stand_for_many_stay_within_their_block(tmp_path: Path, device: str) -> None:
+    """Jumped-over cycles too wear by the load of their block; a run stopped in the second goes on."""
+    jumps = {"stepping.jump": 4, "counter.radius": "3 mm"}
+    blocks = [{"load": "1 N", "cycles": 9}, {"load": "4 N", "passes": 17}, {"load": "2 N", "cycles": 6}]
+    study = small("full").replace(jumps).replace(block=blocks)
+    one, other = tmp_path / "alone", tmp_path / "stopped"
+    with warpwear.run(study, out=one, plots=False, threads=1, device=device) as result:
+        history, passes = result.history, np.array([18, 17, 12])
+        assert history["cycles"].max() == 4.0
+        for number, count in enumerate(passes, 1):
+            mine = history["block"] == number
+            assert_allclose(history["increment"][mine].sum(), 0.9 * count, rtol=1e-12)
+        expected = study.wear_coefficients[1] * 0.9 * float(passes @ [1.0, 4.0, 2.0])
+        assert_allclose(history["wear_volume_disc"][-1], expected, rtol=1e-12)
+        inside = int(np.flatnonzero(history["block"] == 2.0)[0]) + 20
+    run_stopped(study, other, inside, threads=1, device=device)
+    warpwear.run(study, out=other, plots=False, resume=True, threads=1, device=device).close()
+    assert differences(one, other) == []
+
+
+def test_a_record_lists_the_blocks(device: str) -> None:
+    result = warpwear.run(programme("micro, implicit", [4.0, 16.0]), device=device)
+    blocks, history = result.summary["blocks"], result.history
+    assert [(b["number"], b["load_N"], b["distance_mm"]) for b in blocks] == [
+        (1, 4.0, 0.0625),
+        (2, 16.0, 0.0625),
+    ]
+    worn = [b["volume_mm3"]["disc"] for b in blocks]
+    assert_allclose(worn[1] / worn[0], 4.0, rtol=1e-9)
+    second = history["block"] == 2.0
+    mean = np.average(history["cof"][second], weights=history["increment"][second])
+    assert blocks[1]["cof_mean"] == mean
+    assert "block 2          16 N over 0.0625 mm: worn" in summary_text(summarise(result))

@@ -13,13 +13,14 @@ from warpwear.grid import FloatArray
 class ArrayContact:
     """Holds a solved contact of an array of heights. Units are the caller's; fields have the heights' shape.
 
-    approach: how far the plane, or the ball's apex, lies below the heights' mean plane; negative while it
-    lies above. gap: distance between the bodies after elastic deformation; 0 under a pressure below the
-    hardness, negative where the hardness is reached (how deep the material has to flow), infinite beyond the
-    counter's edge. residual: the largest violation of (gap = 0 under pressure, gap ≥ 0 elsewhere, gap ≤ 0 at
-    the hardness) over the rms height of the gap before contact. certificate: that and more, reckoned anew
-    from the pressure: by how much its energy can exceed the least, above all. evaluations: pairs of Fourier
-    transforms on a half-space, else passes over the cells that a trial approach took.
+    approach: how far the plane, or the counter-body's lowest point, lies below the heights' mean plane;
+    negative while it lies above. gap: distance between the bodies after elastic deformation; 0 under a
+    pressure below the hardness, negative where the hardness is reached (how deep the material has to flow),
+    infinite beyond the counter-body. residual: the largest violation of (gap = 0 under pressure, gap ≥ 0
+    elsewhere, gap ≤ 0 at the hardness) over the rms height of the gap before contact. certificate: that and
+    more, reckoned anew from the pressure: by how much its energy can exceed the least, above all.
+    evaluations: pairs of Fourier transforms on a half-space, else passes over the cells that a trial approach
+    took.
     """
 
     pressure: FloatArray  # pressure, shape (nx, ny)

@@ -86,9 +86,9 @@ def solve_contact(
     result depends on it.
 
     Says on standard error what memory is needed where that is 2 GiB or more, before it starts.
-    Warns where the contact with a ball reaches the edge of the array, and where it is of fewer than nine
-    cells. Raises InputError for what is not
-    possible, ConvergenceError where the tolerance is not met, MemoryError where memory runs out. Sources:
+    Warns where the contact with a counter-body reaches the edge of the array, and where it is of fewer than
+    nine cells. Raises InputError for what is not possible, ConvergenceError where the
+    tolerance is not met, MemoryError where memory runs out. Sources:
     Polonsky and Keer 1999, Wear 231, 206 and Almqvist et al. 2007, Tribol. Int. 40, 574 (half-space);
     Johnson, Contact Mechanics, 1985, section 4.3 (springs).
 
@@ -169,8 +169,8 @@ def solve_contact(
             ) from error
     if form is not None and _touches_edge(contact.pressure, form, edge):
         warnings.warn(
-            f"the contact with the ball reaches the edge of heights, of the shape {surface.shape}, beyond "
-            "which nothing carries; a larger array is needed for the whole contact.",
+            f"the contact with the counter-body reaches the edge of heights, of the shape {surface.shape}, "
+            "beyond which nothing carries; a larger array is needed for the whole contact.",
             stacklevel=2,
         )
     touched = np.count_nonzero(contact.pressure)

@@ -6,6 +6,7 @@ So a snapshot is cropped to the scar, reduced block by block, and let go.
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, Self
 
@@ -326,9 +327,9 @@ def smooth_shares(result: ResultFile, rows: Sequence[int]) -> FloatArray | None:
     study = result.study
     if isinstance(study.contact.bulk_stiffness, str) and study.hertz is None:
         return None
-    patches = study.patch_layout
+    patches, task = study.patch_layout, replace(study.contact_task, form=result.form)
     with Executor(Grid(patches.count, 1, patches.domain.cell), threads=1) as executor:
-        return _smooth_shares(SmoothContact(study.contact_task, patches, executor), result, rows)
+        return _smooth_shares(SmoothContact(task, patches, executor), result, rows)
 
 
 def _smooth_shares(smooth: SmoothContact, result: ResultFile, rows: Sequence[int]) -> FloatArray:

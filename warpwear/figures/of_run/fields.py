@@ -100,8 +100,9 @@ def pressure_profiles(data: FigureData) -> Figure:
     views, looks = data.views, describe.in_time(describe.CONTACT, len(data.views))
     tops = [float(max(v.along.pressure.max(), v.across.pressure.max())) for v in views]
     seen = [top for top in tops if top > 0.0]
-    widths = " and ".join(dict.fromkeys(f"{1e3 * strip:.3g}" for strip in data.strips))
-    label = f"pressure, mean of middle {widths} µm, MPa"
+    widths = [*dict.fromkeys(f"{1e3 * strip:.3g}" for strip in data.strips)]
+    mean = "mean of " if len(widths) == 1 else ""
+    label = f"pressure, {mean}middle {' and '.join(widths)} µm, MPa"
     pressure = Axis(label, low=0.0, high=1.15 * max(tops) or None)
     if seen and max(seen) > describe.WIDE * min(seen):
         pressure = Axis(label, "log", 0.2 * min(seen), 1.5 * max(seen))

@@ -32,6 +32,8 @@ UNLIKE = 4.0
 RELIEF, TURNED = 70, 250
 #: About how many lines of equal height a map has.
 CONTOURS = 9
+#: Names of counter-bodies that rise from where they touch.
+ROUND = ("ball", "counter-body")
 #: Length of the arrow of sliding over the domain's side.
 ARROW = 0.4
 CUTS = (("along", describe.ALONG, "Along the sliding direction"), ("across", describe.ACROSS, "Across it"))
@@ -137,7 +139,7 @@ def _maps(data: FigureData, body: str) -> Figure:
     low = min(float(np.nanmin(field)) for field in seen)
     high = max(float(np.nanmax(field)) for field in fields)
     # One scale for all: what changes is the disc, not the colours.
-    label, contours = f"height of the {name}, µm", CONTOURS if is_ball else 0
+    label, contours = f"height of the {name}, µm", CONTOURS if name in ROUND else 0
     scale = Scale(label, low, high, colours="heights", beyond="min" if is_ball else "neither")
     shape = Map(f"Height of the {name}", fields, data.window.extent, scale, labels, contours=contours)
     return Figure([shape])
@@ -149,7 +151,7 @@ def _surfaces(data: FigureData, body: str) -> Figure:
     states = {state: 1e3 * coarsen(field, RELIEF)[0] for state, field in states.items()}
     name, turned = data.name_of(body), ", turned over" if body == "counter" else ""
     is_ball = name == "ball"
-    worn = coarsen((getattr(last, f"wear_{body}") > 0.0).astype(float), RELIEF)[0] if is_ball else None
+    worn = coarsen((getattr(last, f"wear_{body}") > 0.0).astype(float), RELIEF)[0] if name in ROUND else None
     # A cap's corners do not set the scale.
     seen = [_cap(field) if is_ball else field for field in states.values()]
     ends = min(float(np.nanmin(field)) for field in seen), max(float(np.nanmax(field)) for field in seen)

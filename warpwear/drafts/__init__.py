@@ -1,0 +1,1 @@
+"""Drafts are commented studies of common rigs, which `warpwear new` fills in."""
