@@ -1,4 +1,4 @@
-"""The error that jumps over cycles tell, against runs of every cycle: ball, line, rough track, film, pieces."""
+"""The error told by jumps over cycles, against every cycle: ball, line, rough track, film, pieces."""
 
 from typing import Any
 
