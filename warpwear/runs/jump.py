@@ -150,7 +150,7 @@ class CycleJumps:
 
     def _set_out(self, cycle: int, stands_for: int) -> None:
         """Tell the model of the next cycle: a jump leaves a ramp where it begins, each time elsewhere."""
-        track, elsewhere = self._track, self._track.periodic and stands_for > 1
+        track, elsewhere = self._track, self._track.periodic and stands_for > 1 and not self._track.reverses
         self.model.stands_for = stands_for
         # By whole steps: the places of the contact are those of every other cycle.
         steps = int(track.steps_of_pass * (cycle * GOLDEN % 1.0)) if elsewhere else 0
