@@ -32,10 +32,11 @@ def methods_of(study: Study, s: dict[str, Any]) -> str:
     """Write the paragraph that a paper's section on methods may begin with."""
     counter, disc = (s["wear_coefficient_mm3_per_Nm"][body] for body in ("counter", "disc"))
     cap, motion = s["hardness_MPa"], motion_of(study, s["distance_mm"])
+    load = f"{study.loads} N" + (f", in blocks of {study.programme}" if study.block else "")
     hardness = f", with the pressure of a cell limited to {cap:.4g} MPa" if cap else ""
     sentences = [
         f"Contact and wear were computed with warpwear {s['version']} ({study.study.model} model).",
-        f"{slider_of(study)} on {disc_of(study)} {motion} under {s['load_N']:.4g} N.",
+        f"{slider_of(study)} on {disc_of(study)} {motion} under {load}.",
         f"The contact was solved {_law(study, s)}{hardness}, on {study.cells.nx} × {study.cells.ny} square "
         f"cells of {s['cell_um']:.4g} µm, in {s['steps']} step{'s' * (s['steps'] != 1)}.",
     ]
@@ -81,7 +82,7 @@ def table_of(counter: CounterBody, s: dict[str, Any], answers: Iterable[dict[str
     """List quantity, value and unit of what went in and what came out."""
     hardness, unit = s["hardness_MPa"], printed("mm^3/N/m")
     return [
-        ("Load", shown(s["load_N"]), "N"),
+        ("Load", ", ".join(shown(block["load_N"]) for block in s.get("blocks", [s])), "N"),
         *([] if counter.form.is_flat else [("Counter-body", counter.title, "")]),
         ("Sliding distance", shown(s["distance_mm"], 6), "mm"),
         ("Cell", shown(s["cell_um"]), "µm"),

@@ -78,14 +78,15 @@ def thinned(places: FloatArray) -> "np.ndarray[Any, Any]":
 
 def _chart(chart: Chart) -> dict[str, Any]:
     lines = [line for line in chart.lines if isinstance(line, Line) and np.isfinite(line.y).any()]
-    levels = [_across(level, lines) for level in chart.lines if isinstance(level, Level)]
+    log_y = describe.scaled(chart.y, *describe.values_of(chart, "y")).scale == "log"
+    levels = [_across(level, lines, log_y) for level in chart.lines if isinstance(level, Level)]
     return {
         "kind": "chart",
         "x": chart.x.label,
         "y": chart.y.label,
         "lines": [_line(line, chart.title) for line in [*lines, *levels]],
         "log_x": describe.scaled(chart.x, *describe.values_of(chart, "x")).scale == "log",
-        "log_y": describe.scaled(chart.y, *describe.values_of(chart, "y")).scale == "log",
+        "log_y": log_y,
         "inverted": [chart.x.inverted, chart.y.inverted],
         "ends": [[_end(axis.low), _end(axis.high)] for axis in (chart.x, chart.y)],
     }
@@ -95,14 +96,19 @@ def _end(value: float | None) -> float | None:
     return None if value is None else float(value)
 
 
-def _across(level: Level, lines: list[Line]) -> Line:
-    """Make the line through a whole chart at a level, where the lines have their places."""
+def _across(level: Level, lines: list[Line], log_y: bool) -> Line:
+    """Make the line through a whole chart at a level, where the lines have their places.
+
+    log_y: whether values that are not above zero have none.
+    """
     if not lines:
         return Line(np.zeros(0), np.zeros(0), level.label, level.look)
     if level.axis == "y":
         longest = max((line.x for line in lines), key=lambda places: places.size)
         return Line(longest, np.full(longest.size, level.value), level.label, level.look)
-    ends = np.array([min(np.nanmin(v.y) for v in lines), max(np.nanmax(v.y) for v in lines)])
+    every = np.concatenate([line.y for line in lines])
+    every = every[every > 0.0] if log_y else every
+    ends = np.array([np.nanmin(every), np.nanmax(every)])
     return Line(np.full(2, level.value), ends, level.label, level.look)
 
 

@@ -218,7 +218,10 @@ def assumptions_of(study: Study, s: dict[str, Any]) -> Lines:
 
 def checks_of(study: Study, s: dict[str, Any]) -> Lines:
     """List residuals and conservation, and whether each is within its limit."""
-    balance = max(study.load_tolerance if study.uses_bearing_area else 0.0, TOLERANCE * s["load_N"])
+    balance = max(
+        study.load_tolerance if study.uses_bearing_area else 0.0,
+        TOLERANCE * max(b.load for b in study.blocks),
+    )
     residual = s["load_residual_N"]["largest"]
     rows = [("load carried − load asked for, largest of a step", residual, balance, " N")]
     for body, value in s["conservation_relative"].items():

@@ -70,7 +70,7 @@ class Maker:
 
     def executor(self, study: Study, *, device: str, threads: int | None) -> Executor:
         """Make what the kernels are launched on. Raises InputError as `Executor` does."""
-        fields = self.fields(study, device=device)
+        fields = self.needed(study, device=device)
         return Executor(study.cells, device=device, threads=threads, fields_needed=fields)
 
     def fields(self, study: Study, *, device: str) -> float:
@@ -81,6 +81,10 @@ class Maker:
         if study.film is not None:
             fields += FILM_FIELDS + HEALING_FIELDS * bodies * math.isfinite(study.film.regrowth)
         return fields
+
+    def needed(self, study: Study, *, device: str) -> float:
+        """Estimate those of a programme: where its load changes a model takes over from another."""
+        return self.fields(study, device=device) * (2.0 if study.same_load is None else 1.0)
 
     def rows_of_bodies(self, study: Study) -> float:
         """Return rows of both bodies over those of the grid."""
@@ -117,7 +121,7 @@ class OnTrack(Maker, name="track"):
 
     def executor(self, study: Study, *, device: str, threads: int | None) -> Executor:
         """Make it where host and device hold the track."""
-        _check_memory(study, study.track.rows, self.fields(study, device=device), device)
+        _check_memory(study, study.track.rows, self.needed(study, device=device), device)
         return Executor(study.cells, device=device, threads=threads)
 
     def fields(self, study: Study, *, device: str) -> float:
@@ -145,7 +149,7 @@ class OfPatches(AtRest, name="patches"):
 
     def executor(self, study: Study, *, device: str, threads: int | None) -> Executor:
         """Make it on the grid of the patches, where the host holds their history too."""
-        patches, fields = study.patch_layout, self.fields(study, device=device)
+        patches, fields = study.patch_layout, self.needed(study, device=device)
         _check_memory_of_book(study, patches, device)
         return Executor(patches.grid, device=device, threads=threads, fields_needed=fields)
 

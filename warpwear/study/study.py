@@ -106,7 +106,7 @@ class Study(Content):
         study._old_names = ()
         return study
 
-    def replace(self, changes: Mapping[str, Any] | None = None, /, **sections: Mapping[str, Any]) -> Self:
+    def replace(self, changes: Mapping[str, Any] | None = None, /, **sections: Any) -> Self:
         """Return a copy with keys changed: {"grid.cell": "2 um"}, or by section: grid={"cell": "2 um"}.
 
         Raises InputError for anything that cannot be computed. A key that says the same in another way

@@ -132,7 +132,8 @@ class TwoScaleModel(Model):
 
     def _pass(self, program: Program, kernel: object, *inputs: object) -> None:
         """Add a pass over all patches to a program."""
-        program.launch(kernel, *inputs, slots=self.patches.count, chunks=lambda: self._chunks)
+        chunks = self._chunks  # not self, which holds the program: models are given up within a run
+        program.launch(kernel, *inputs, slots=self.patches.count, chunks=lambda: chunks)
 
     @property
     def in_blocks(self) -> bool:
@@ -201,7 +202,7 @@ class TwoScaleModel(Model):
         extents = [self._ledger.most[name] for name in EXTENTS]
         self._now.set(mean=row["pressure_mean"], number=0, steps=len(increments), extents=extents)
         self.sharing.flags.stepping.fill_(1)
-        self._chunks = self._executor.split_rows(self._work)
+        self._chunks[:] = self._executor.split_rows(self._work)
         return removals
 
     def _press(self) -> Field:
