@@ -72,9 +72,7 @@ class Prepared(NamedTuple):
     heights: FloatArray  # [mm], shape (nx, ny), axis 0 along sliding
     filled: BoolArray | None  # points that were missing or removed, shape (nx, ny); None without any
     pixel: tuple[float, float]  # along both axes [mm]
-    record: dict[
-        str, Any
-    ]  # how many points were missing or removed, and in sentences what was done, in order
+    record: dict[str, Any]  # how many points were missing or removed; in sentences what was done, in order
 
 
 def prepare(reading: Reading, preparation: Preparation, *, name: str) -> Prepared:
@@ -83,7 +81,8 @@ def prepare(reading: Reading, preparation: Preparation, *, name: str) -> Prepare
     Raises InputError, naming the field of ``disc``, for operations that the measurement does not allow and
     for heights that no measurement has.
     """
-    heights, pixel = reading.heights, reading.pixel
+    heights, (along, across) = reading.heights, reading.pixel
+    pixel = along, across
     done = list(reading.notes)
     if preparation.height_sign == "down":
         heights = -heights

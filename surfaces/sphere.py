@@ -114,47 +114,34 @@ class Cylinder:
 
 
 def fit_cylinder(heights: FloatArray, *, pixel: tuple[float, float]) -> Cylinder:
-    """Fit a cylinder by least squares of heights to the valid points, along the axis that it fits best.
+    """Fit a cylinder by least squares of heights to the valid points, along the axis that bends less.
 
-    heights, pixel: as of `fit_sphere`. Raises NoSphere where no parabola along either axis starts the fit.
+    heights, pixel: as of `fit_sphere`. A parabola starts the fit. Raises NoSphere where there are fewer
+    than ten points or they have no curvature to speak of.
     """
-    fits, why = [], NoSphere("no curvature")
-    for axis in (0, 1):
-        try:
-            fit = _fit_along(heights, axis, places(heights.shape, pixel))
-        except NoSphere as error:
-            why = error
-            continue
-        rest = float(np.nanmean((heights - fit.heights(*places(heights.shape, pixel))) ** 2))
-        fits.append((rest, axis, fit))
-    if not fits:
-        raise why
-    return min(fits)[2]
-
-
-def _fit_along(heights: FloatArray, axis: int, points: tuple[FloatArray, FloatArray]) -> Cylinder:
-    """Fit a cylinder along an axis of the field. points: places of its pixels [mm]."""
     i, j = np.nonzero(np.isfinite(heights))
     if i.size < FEWEST_POINTS:
         raise NoSphere("fewer than ten points")
     keep = slice(None, None, max(1, i.size // FIT_POINTS))
-    px, py, z = points[0][i[keep]], points[1][j[keep]], heights[i[keep], j[keep]]
-    along, across = (px, py) if axis == 0 else (py, px)
-    scale = max(float(np.ptp(across)) / 2.0, 1e-12)
-    design = np.stack([np.ones_like(z), along / scale, across / scale, (across / scale) ** 2], axis=1)
-    z0, tilt, slope, bend = least_squares(design, z)
-    if abs(bend) < 1e-9 * scale:
+    axes, z = places(heights.shape, pixel), heights[i[keep], j[keep]]
+    scale = max(float(np.ptp(of)) for of in axes) / 2.0
+    points = axes[0][i[keep]] / scale, axes[1][j[keep]] / scale
+    z0, *slopes, bend_x, bend_y = least_squares(
+        np.stack([np.ones_like(z), *points, points[0] ** 2, points[1] ** 2], axis=1), z / scale
+    )
+    axis, bend = (1, bend_x) if abs(bend_x) > abs(bend_y) else (0, bend_y)
+    if abs(bend) < 1e-9:
         raise NoSphere("no curvature")
-    kappa, x0 = -2.0 * bend / scale**2, -0.5 * slope * scale / bend
-    start = [x0 / scale, (z0 - 0.25 * slope**2 / bend) / scale, kappa * scale, tilt]
+    along, across, slope = points[axis], points[1 - axis], slopes[1 - axis]
 
     def rest(p: FloatArray) -> FloatArray:
-        arc = _sag((across - p[0] * scale) ** 2, p[2] / scale)
-        return np.nan_to_num(p[1] * scale - arc + p[3] * along / scale - z, nan=1e3)
+        arc = _sag((across - p[0]) ** 2, p[2])
+        return np.nan_to_num(p[1] - arc + p[3] * along - z / scale, nan=1e3)
 
+    start = [-0.5 * slope / bend, z0 - 0.25 * slope**2 / bend, -2.0 * bend, slopes[axis]]
     with np.errstate(invalid="ignore"):
-        x0, top, k, slope = optimize.least_squares(rest, start, method="lm", xtol=1e-14, ftol=1e-14).x
-    return Cylinder(axis, (float(x0 * scale), float(top * scale)), float(scale / k), float(slope / scale))
+        x0, top, curvature, tilt = optimize.least_squares(rest, start, method="lm", xtol=1e-14, ftol=1e-14).x
+    return Cylinder(axis, (float(x0 * scale), float(top * scale)), float(scale / curvature), float(tilt))
 
 
 def _sag(squared: FloatArray, curvature: float) -> FloatArray:

@@ -72,6 +72,27 @@ def test_wear_of_a_line(threads: int, device: str) -> None:
     assert history["patch_along"][-1] == pytest.approx(2.0 * half, abs=0.008)
 
 
+def test_a_block_on_a_ring(device: str) -> None:
+    """Cruzado et al. 2010: 65 N over 6 mm, a ring that does not wear; 44.06 µm deep and 2.655 mm wide."""
+    study = line(
+        counter__radius="20 mm",
+        contact__load=f"{65.0 / 6.0} N/mm",
+        wear__counter="0 mm^3/N/m",
+        wear__disc="2e-6 mm^3/N/m",
+        grid__cell="20 um",
+        grid__extent=["3.2 mm", "20 um"],
+        sliding__distance="3600 m",
+        stepping__first="1 m",
+        stepping__largest="100 m",
+    )
+    history = warpwear.run(study, device=device, plots=False).history
+    section = 2e-9 * 65.0 / 6.0 * 3.6e6
+    half = (1.5 * 20.0 * section) ** (1.0 / 3.0)
+    assert history["wear_volume_disc"][-1] == pytest.approx(0.02 * section, rel=1e-12)
+    assert history["wear_depth_disc"][-1] == pytest.approx(half**2 / 40.0, rel=2e-3)
+    assert history["patch_along"][-1] == pytest.approx(2.0 * half, abs=0.041)
+
+
 @pytest.mark.parametrize("law", ["local", "half-space"])
 def test_a_line_of_one_row_of_cells_wears_as_one_of_many(law: str, device: str) -> None:
     """Per length: what is the same across does not depend on how many cells are."""
@@ -155,6 +176,16 @@ def test_a_rough_line_slides(device: str) -> None:
             {"contact.boundary": "free", "contact.load": "1 N", "grid.extent": ["0.2 mm", "3 um"]},
             "3 cells of",
         ),
+        (
+            {
+                "contact.boundary": "free",
+                "contact.load": "1 N",
+                "grid.extent": "0.2 mm",
+                "sliding.distance": None,
+                "block": [{"load": "2 N/mm", "distance": "1 mm"}],
+            },
+            "^block 1: load = 2 N/mm is the load of a length",
+        ),
         ({"counter.shape": "ball"}, "'line' would repeat the counter-body beside itself"),
         (
             {"contact.load": "3 mm"},
@@ -195,3 +226,27 @@ def test_a_seam_across_is_told() -> None:
         for kind in (rough, rough | {"period": "80 um"}, {"kind": "milled", "ra": "1 um", "fine_ra": "0 um"})
     ]
     assert [len(told) for told in seams] == [1, 0, 0]
+
+
+@pytest.mark.slow
+def test_fretting_of_a_cylinder() -> None:
+    """McColl, Ding and Leen 2004, 18,000 cycles, as an independent half-plane solver has it on such cells.
+
+    Depths to half a percent, the worn area by Archard's law, the scar to a cell at each end.
+    """
+    study = line(
+        grid__cell="5 um",
+        grid__extent=["0.8 mm", "5 um"],
+        sliding__stroke="50 um",
+        sliding__cycles=18_000,
+        stepping__jump=100,
+    )
+    result = warpwear.run(study, plots=False)
+    history = result.history
+    assert 1e3 * history["wear_depth_disc"][-1] == pytest.approx(2.761, rel=5e-3)
+    assert 1e3 * history["wear_depth_counter"][-1] == pytest.approx(2.067, rel=5e-3)
+    assert history["wear_volume_disc"][-1] / 0.005 == pytest.approx(
+        1e-3 * K_DISC * PER_LENGTH * 1800.0, rel=1e-10
+    )
+    lost = np.add(*result.track_loss(-1, slice(0, result.track_x.size))).any(axis=1)
+    assert np.count_nonzero(lost) * 0.005 == pytest.approx(0.515, abs=0.011)

@@ -70,6 +70,24 @@ MISUSES: dict[str, tuple[Any, dict[str, Any], str]] = {
         'boundary = "periodic" is not possible with counter_radius = 3',
     ),
     "counter": (HEIGHTS, {"counter_radius": -3.0}, "counter_radius = -3 is not possible"),
+    "no such key": (
+        HEIGHTS,
+        {"counter": {"radii": 3.0}},
+        "counter has no 'radii'; its keys are shape, radius",
+    ),
+    "no such shape": (HEIGHTS, {"counter": {"shape": "cone", "radius": 1.0}}, "shape = 'cone' is unknown"),
+    "half a crown": (
+        HEIGHTS,
+        {"counter": {"shape": "crowned", "radius_along": 3.0}},
+        "counter of shape 'crowned' needs radius_across",
+    ),
+    "negative edge": (
+        HEIGHTS,
+        {"counter": {"shape": "pin", "radius": 1.0, "edge_radius": -1.0}},
+        "counter edge_radius = -1 is not possible",
+    ),
+    "two counter-bodies": (HEIGHTS, {"counter_radius": 3.0, "counter": {"radius": 3.0}}, "give one of them"),
+    "other heights": (HEIGHTS, {"counter": np.zeros((3, 3))}, r"counter of shape \(3, 3\) is not possible"),
     "tiny counter-body": (
         HEIGHTS,
         {"counter_radius": 0.01},

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cases_instruments import rough
 
+import warpwear
 from warpwear import Study
 from warpwear.errors import InputError
 from warpwear.study.surface import surface_in
@@ -84,3 +85,45 @@ def test_a_changed_profile_is_another_run(folder: Path) -> None:
             file.write(end)
         names.append(points_of(before, [{}], device="cpu")[0].run)
     assert names[0] != names[1]
+
+
+LINE = """
+[counter]
+shape = "cylinder"
+radius = "3 mm"
+material = "AISI 52100"
+[disc]
+material = "AISI 304"
+surface = "p.csv"
+[contact]
+load = "20 N/mm"
+law = "half-space"
+boundary = "line"
+hardness = "4 GPa"
+[wear]
+counter = "1e-5 mm^3/N/m"
+disc = "1e-5 mm^3/N/m"
+[grid]
+cell = "2 um"
+extent = ["0.8 mm", "2 um"]
+[sliding]
+distance = "1 mm"
+[stepping]
+scheme = "implicit"
+first = "0.5 mm"
+"""
+
+
+def test_a_line_contact_of_one_row_of_cells(folder: Path, device: str) -> None:
+    """It carries the load, on fewer cells than a smooth disc does."""
+    (folder / "line.toml").write_text(LINE, encoding="utf-8")
+    line = Study.load(folder / "line.toml")
+    smooth = line.replace({"disc.surface": None, "disc.synthetic": {"kind": "flat"}})
+    assert not any("seam" in notice for notice in line.notices())
+    cells = []
+    for one in (line, smooth):
+        pressure = warpwear.run(one, device=device).snapshots[0].pressure
+        assert pressure.shape == (400, 1)
+        assert pressure.sum() * 0.002 == pytest.approx(20.0, rel=1e-3)
+        cells.append(int((pressure > 0.0).sum()))
+    assert 0 < cells[0] < 0.8 * cells[1]

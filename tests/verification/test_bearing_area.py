@@ -72,7 +72,7 @@ def test_symmetry_survives_wear(device: str) -> None:
                 assert (np.abs(mirrored - pressure) <= 1e-9 * pressure).all()
             assert np.count_nonzero(pressure >= H) <= needed <= np.count_nonzero(pressure)
             assert_allclose(pressure.sum() * grid.cell_area, F, rtol=1e-12)
-    worn = model.worn()[1]
+    worn = model.worn_depths()[1]
     assert_allclose(worn, worn.T, atol=1e-12)
     radius = cap(K * F * 300.0)[1]
     assert step.row["area_touched"] == pytest.approx(

@@ -1,4 +1,4 @@
-"""The borders of a programme's blocks in charts over the sliding distance."""
+"""Charts over the sliding distance show the borders of a programme's blocks."""
 
 from dataclasses import replace
 

@@ -198,10 +198,8 @@ def paint_text(axes: Axes, text: Text) -> None:
     for label, words in text.rows:
         for number, line in enumerate(textwrap.wrap(words, LINE)):
             down -= HIGH
-            for place, part, colour in (
-                (0.0, "" if number else label, describe.NEUTRAL),
-                (INDENT, line, "black"),
-            ):
+            parts = ((0.0, "" if number else label, describe.NEUTRAL), (INDENT, line, "black"))
+            for place, part, colour in parts:
                 written = axes.annotate(part, (0.0, 1.0), (place, down), color=colour, **how)
                 written.set_in_layout(False)
                 written.set_annotation_clip(False)

@@ -45,14 +45,9 @@ class Posterior:
             return ()
         # else the strength decides how uncertain a coefficient is
         exact = self.model.error == 0.0 and self.model.scatter <= EXACT
-        return tuple(
-            u
-            for u in self.model.unknowns
-            if u.key in LINEAR
-            and u.is_normal
-            and (exact or u.key == LINEAR[0])
-            and u not in self.model.runs.inputs
-        )
+        in_closed_form = LINEAR if exact else LINEAR[:1]
+        known = [u for u in self.model.unknowns if u not in self.model.runs.inputs]
+        return tuple(u for u in known if u.key in in_closed_form and u.is_normal)
 
     @cached_property
     def sampled(self) -> tuple[Unknown, ...]:

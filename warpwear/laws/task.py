@@ -23,6 +23,10 @@ class Form(Protocol):
         """Tell whether it is the rigid flat, whose contact has no outline."""
 
     @property
+    def is_line(self) -> bool:
+        """Tell whether its scar is a rectangle: it rises one way and goes on the other."""
+
+    @property
     def rises(self) -> tuple[bool, bool]:
         """Tell whether it rises along sliding and across it; where it does not, it ends with the domain."""
 

@@ -37,11 +37,7 @@ def line_of(surface: Measured, line: str) -> Profile:
     own = surface.record()
     about = {"file": own["file"], "format": own["format"], "unit": own["unit"], "line": line}
     about |= {"notes": own["operations"]}
-    return checked(
-        Profile(
-            surface.pixel[1 - across], surface.measured.T[index] if across else surface.measured[index], about
-        )
-    )
+    return checked(Profile(surface.pixel[1 - across], np.take(surface.measured, index, axis=across), about))
 
 
 def profile_rows(profile: Profile, degree: int, *, beside: str = "") -> list[Row]:

@@ -43,7 +43,7 @@ class Model(ABC):
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """Return the fields after the last step, which was asked for its pressure, at its distance [mm]."""
 
-    def worn(self) -> tuple[FloatArray, FloatArray]:
+    def worn_depths(self) -> tuple[FloatArray, FloatArray]:
         """Return the depths worn off counter-body and disc [mm]; a CPU's are views."""
         raise NotImplementedError
 

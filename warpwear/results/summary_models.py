@@ -64,6 +64,8 @@ def _jumps(result: ResultFile) -> list[Row]:
     percent = {body: 100.0 * error for body, error in jumps.pop("depth_error").items()}
     text = f"{jumps['contacts']} contacts for the {jumps['contacts_of_every_cycle']} of "
     text += f"{jumps['cycles']:.6g} cycles; error of the depths {shown(percent, 2)} %"
+    if result.history["cycles"].max() == 1.0:
+        text = f"none: each of the {jumps['cycles']:.6g} cycles was computed"
     return [Row("jumps", "jumps", jumps | {"depth_error_percent": percent}, sentence=text)]
 
 

@@ -128,6 +128,7 @@ class OnTrack(Maker, name="track"):
         """Estimate more of the disc's size: heights, wear, dents, what is pending; and of the way."""
         of_disc = models_track.DISC_FIELDS + (study.sliding.plastic == "keep")
         of_disc += PIECES_FIELDS * study.wear.sheds
+        of_disc *= 3.0 if study.jumps and device == "cpu" else 1.0  # both states of jumps are kept as copies
         fields = super().fields(study, device=device) + SLIDING_FIELDS * (study.contact.law == "half-space")
         return float(fields + of_disc * study.track.rows / study.cells.nx)
 

@@ -127,8 +127,8 @@ class Invariants:
                 "a larger radius, or less load, wear or distance is needed",
                 sound=True,
             )
-        needed = self._extent_for(row["distance"])
-        needed = needed if isinstance(self._domain.extent, tuple) else (max(needed),)
+        sides = self._extent_for(row["distance"])
+        needed = [*sides] if isinstance(self._domain.extent, tuple) else [max(sides)]
         return Violation(
             "edge",
             f"grid.extent = {self._domain.size} is too small: the contact reached the domain's "

@@ -150,7 +150,7 @@ class CycleJumps:
 
     def _set_out(self, cycle: int, stands_for: int) -> None:
         """Tell the model of the next cycle: a jump leaves a ramp where it begins, each time elsewhere."""
-        track, elsewhere = self._track, self._track.periodic and stands_for > 1
+        track, elsewhere = self._track, self._track.periodic and stands_for > 1 and not self._track.reverses
         self.model.stands_for = stands_for
         # By whole steps: the places of the contact are those of every other cycle.
         steps = int(track.steps_of_pass * (cycle * GOLDEN % 1.0)) if elsewhere else 0
@@ -194,11 +194,13 @@ class CycleJumps:
 
     def _adapt(self, ratio: float) -> None:
         """Choose the size of the next jumps. ratio: of the error to what is allowed."""
-        if self._fixed is not None or (ratio < SAFETY and self._age < YOUNG):
-            return
-        self._size = max(min(int(self._size * SAFETY / max(ratio, 1.0e-3)), 2 * self._size), 1)
-        if ratio > HOPELESS and not self._jumped and self._age >= PATIENCE:
-            self._coarse, self._numbers = {}, ""
+        grows, before = ratio < SAFETY, self._size
+        # The error of a size shows after some jumps of it; those cut short before a stop say nothing of it.
+        if self._fixed is None and not (grows and (self._age < YOUNG or self.stands_for < self._size)):
+            self._size = max(min(int(before * SAFETY / max(ratio, 1.0e-3)), 2 * before), 1)
+            self._age *= self._size == before
+        if ratio > HOPELESS and self._fixed is None and not self._jumped and self._age >= PATIENCE:
+            self._coarse, self._numbers, self._errors = {}, "", dict(self._earlier)
             self._again = self._cycle + max(PATIENCE, int(AGAIN * self._cycle))
 
     def _of_depth(self) -> float:
@@ -218,7 +220,7 @@ class CycleJumps:
 
     def _worn(self) -> dict[str, FloatArray]:
         """Return copies of what both bodies have lost [mm]."""
-        return {body: worn.copy() for body, worn in zip(BODIES, self.model.worn(), strict=True)}
+        return {body: worn.copy() for body, worn in zip(BODIES, self.model.worn_depths(), strict=True)}
 
 
 def _added(sums: Mapping[str, float], row: Mapping[str, float]) -> dict[str, float]:

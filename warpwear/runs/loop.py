@@ -5,7 +5,7 @@ import logging
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from itertools import groupby
 from pathlib import Path
 
@@ -172,7 +172,7 @@ class StepLoop:
                 self._begin(steps[0])
                 yield from self._steps_of(steps, with_fields=with_fields)
 
-    @property
+    @cached_property
     def _count(self) -> int:
         """Steps of the whole run, those of cycles that are jumped over included."""
         study = self._order.study

@@ -61,7 +61,7 @@ class RunOrder:
 
     @cached_property
     def blocks(self) -> tuple[Block, ...]:
-        """The blocks of the programme; one, the whole test, without a programme."""
+        """Return the blocks of the programme; one, the whole test, without a programme."""
         return self.study.blocks
 
     def block_of(self, step: Planned) -> Block:

@@ -19,7 +19,8 @@ from warpwear.runs.order import RunOrder
 class RunStep:
     """One step that was just made: its row of the history and, until the next is made, its fields.
 
-    index: of the row in the history; count: steps of the whole run.
+    index: of the row in the history; count: steps of the whole run, those of cycles that are
+    jumped over included.
     """
 
     index: int

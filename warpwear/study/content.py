@@ -111,17 +111,17 @@ class Content(Section):
 
     @property
     def same_load(self) -> float | None:
-        """Load of the whole test [N]; None where blocks differ in it."""
+        """Return the load of the whole test [N]; None where blocks differ in it."""
         loads = {block.load for block in self.blocks}
         return loads.pop() if len(loads) == 1 else None
 
     @property
     def programme(self) -> str | None:
-        """The blocks of the programme as people write them, the first of many; None without a programme."""
+        """Return the blocks of the programme in words, the first of many; None without a programme."""
         if self.block is None:
             return None
-        told = [f"{block.load:.4g} N over {block.length:.6g} mm" for block in self.blocks]
-        return ", ".join(told[:NAMED]) + (f" and {len(told) - NAMED} more" if len(told) > NAMED else "")
+        parts = [f"{block.load:.4g} N over {block.length:.6g} mm" for block in self.blocks]
+        return ", ".join(parts[:NAMED]) + (f" and {len(parts) - NAMED} more" if len(parts) > NAMED else "")
 
     def volume(self, law: WearLaw, distance: float) -> float:
         """Return what a law wears off a body over the test's first distance [mm]: Σ K F ΔL [mm³]."""

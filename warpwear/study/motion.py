@@ -1,4 +1,4 @@
-"""[grid], [sliding], [[block]] and [stepping]: the cells, the way of the counter-body, and its steps."""
+"""[grid], [sliding], [[block]] and [stepping] set the cells, the way of the counter-body, and its steps."""
 
 import math
 from dataclasses import dataclass

@@ -35,6 +35,7 @@ def check(study: Content) -> None:
     _junction_growth(study)
     if study.study.model == "two-scale":
         _patches(study)
+    _line(study)
     _boundary(study)
     _shape(study)
     rules_track.check(study)
@@ -109,29 +110,36 @@ def _patches(study: Content) -> None:
     rules_track.refuse_parts("grid.extent", extent, patches.macro_cell, cells=named)
 
 
-def _boundary(study: Content) -> None:
-    """Refuse a half-space that repeats a counter-body, unless that goes on, and lines that are none."""
-    form, grid, load = study.counter.form, study.grid, study.contact.load
-    line = study.contact.law == "half-space" and study.boundary == "line"
-    if line and study.study.model == "two-scale":
+def _line(study: Content) -> None:
+    """Refuse lines that end across sliding, and what lines alone have."""
+    grid, repeats = study.grid, study.contact.law == "half-space" and study.boundary == "line"
+    if repeats and study.study.model == "two-scale":
         raise ValueError(
             "contact.boundary = 'line' is for one grid: allowed for patches are 'free', 'periodic'"
         )
-    if line and form.rises[1]:
+    if repeats and study.counter.form.rises[1]:
         raise ValueError(
             "contact.boundary = 'line' would repeat the counter-body beside itself: allowed is 'free', or a "
             "cylinder or a flat"
         )
-    if isinstance(load, LineLoad) and not study.is_line:
+    if study.is_line:
+        return
+    load = study.contact.load
+    if isinstance(load, LineLoad):
         raise ValueError(
             f"contact.load = {load.per_length:g} N/mm is the load of a length, which only a line contact "
             f"has: allowed is a force, such as '8 N', or {A_LINE}"
         )
-    if study.cells.ny < FEWEST_ACROSS and not study.is_line:
+    if study.cells.ny < FEWEST_ACROSS:
         raise ValueError(
             f"grid.extent = {grid.size} is {study.cells.ny} cells of {1e3 * grid.cell:g} µm wide: allowed "
             f"are {FEWEST_ACROSS} or more, or {A_LINE}"
         )
+
+
+def _boundary(study: Content) -> None:
+    """Refuse a half-space that repeats a counter-body, unless that goes on beyond its file."""
+    form = study.counter.form
     if study.repeats and not form.is_flat and all(form.rises):
         raise ValueError(
             "contact.boundary = 'periodic' would repeat the counter-body beside itself: allowed is 'free', "
@@ -389,7 +397,7 @@ def _of_extent(study: Content) -> Iterator[str]:
 def _of_seam(study: Content) -> Iterator[str]:
     """Yield a sentence about a rough line contact whose disc does not repeat as its boundary does."""
     across = study.grid.sides[1]
-    elastic = study.contact.law == "half-space" and study.boundary == "line"
+    elastic = study.contact.law == "half-space" and study.boundary == "line" and study.cells.ny > 1
     if elastic and not rules_track.repeats(study.disc.synthetic, across, across=True):
         yield (
             f"The disc's surface does not repeat across sliding after {across:g} mm (grid.extent), as "
@@ -402,9 +410,8 @@ def _steps(study: Content) -> None:
     if study.is_swept:
         jump = study.stepping.jump
         # How far cycles may be jumped shows on the way.
-        steps = study.track.steps(total) / (
-            MOST_JUMP if jump == "auto" and study.jumps else jump if study.jumps else 1
-        )
+        longest = MOST_JUMP if jump == "auto" else jump
+        steps = study.track.steps(total) / (longest if study.jumps else 1)
         by, larger = f"sliding.shift = {study.shift} cells", "sliding.shift or grid.cell"
     elif growth > 1.0:
         # Growing steps cover first growth^n/(growth − 1); at most the whole distance is left for the largest.

@@ -1,20 +1,24 @@
 """The section of a groove of known area, and how often its error holds."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from cases_instruments import profile, rough
 
 from warpwear.errors import InputError
+from warpwear.surfaces.measured import read_measured
 from warpwear.surfaces.profiles.groove import find_groove
 
+SHARED = Path(__file__).parents[4] / "shared" / "surfaces"
 STEP, COUNT = 0.002, 2000
 PLACES = STEP * (np.arange(COUNT) + 0.5 - COUNT / 2)
 
 
-def groove(width: float, depth: float, middle: float) -> np.ndarray:
+def groove(width: float, depth: float, middle: float, places: np.ndarray = PLACES) -> np.ndarray:
     """Return a parabolic groove with pile-up beside it [mm]."""
-    from_rim = np.abs(PLACES - middle) - 0.5 * width
-    cut = -depth * np.maximum(1.0 - np.square((PLACES - middle) / (0.5 * width)), 0.0)
+    from_rim = np.abs(places - middle) - 0.5 * width
+    cut = -depth * np.maximum(1.0 - np.square((places - middle) / (0.5 * width)), 0.0)
     piled = 0.15 * depth * np.exp(-np.square((from_rim - 0.05 * width) / (0.05 * width)))
     return cut + np.where(from_rim > 0.0, piled, 0.0)
 
@@ -46,6 +50,33 @@ def test_errors_hold_as_often_as_they_say() -> None:
         apart.append((found.net[0] + cut.sum() * STEP) / found.net_error)
     within = np.abs(apart)
     assert within.size >= 55
+    assert 0.58 <= (within < 1.0).mean() <= 0.78
+    assert (within < 2.0).mean() >= 0.9
+
+
+@pytest.mark.slow
+def test_errors_hold_on_measured_surfaces() -> None:
+    """Of grooves cut into 240 lines of three measured surfaces, along both axes, as many as on made ones."""
+    files = [SHARED / name for name in ("sur-2.sur", "x3p-2.x3p", "al3d-1.al3d")]
+    if not all(file.is_file() for file in files):
+        pytest.skip("the measured files are not here")
+    rng, apart = np.random.default_rng(0), []
+    for surface in map(read_measured, files):
+        for _ in range(80):
+            axis = int(rng.integers(2))
+            lines, step = (surface.levelled.T, surface.levelled)[axis], surface.pixel[axis]
+            line = profile(lines[int(rng.integers(len(lines)))], step).levelled(1).heights
+            places = step * (np.arange(line.size) + 0.5 - 0.5 * line.size)
+            width, depth, middle = rng.uniform([0.1, 6.0, -0.12], [0.25, 20.0, 0.12])
+            extent = step * line.size
+            cut = groove(width * extent, depth * line.std(), middle * extent, places)
+            try:
+                found = find_groove(profile(cut + line, step))
+            except InputError:
+                continue
+            apart.append((found.net[0] + cut.sum() * step) / found.net_error)
+    within = np.abs(apart)
+    assert within.size > 160
     assert 0.58 <= (within < 1.0).mean() <= 0.78
     assert (within < 2.0).mean() >= 0.9
 

@@ -115,7 +115,8 @@ def counter_of(
     if counter is None:
         return None
     if isinstance(counter, Mapping):
-        return _form_of(counter)
+        form = _form_of(counter)
+        return None if form.is_flat else form
     values, lowest, *_ = checked_heights(counter, 1, name="counter")
     if values.shape != shape:
         raise InputError(
@@ -130,7 +131,7 @@ def _form_of(keys: Mapping[str, Any]) -> Form:
     if unknown:
         raise InputError(f"counter has no {unknown[0]!r}; its keys are shape, {', '.join(FORM_KEYS)}.")
     shape = keys.get("shape", "ball")
-    needed = {"crowned": FORM_KEYS[1:3]}.get(shape, FORM_KEYS[:1])
+    needed = FORM_KEYS[1:3] if shape == "crowned" else FORM_KEYS[:1]
     if missing := [key for key in needed if key not in keys]:
         raise InputError(f"counter of shape {shape!r} needs {missing[0]}.")
     values = {key: value for key, value in keys.items() if key != "shape"}

@@ -67,7 +67,7 @@ def _near(rows: range, period: int) -> FloatArray:
 
 def _far(rows: int, period: int, datum: float) -> FloatArray:
     """Return what all further images add, in cells times π E*: one point for each of nine parts of a cell."""
-    x, y = np.arange(rows)[:, np.newaxis], np.arange(period // 2 + 1)
+    x, y = np.arange(rows, dtype=np.float64)[:, np.newaxis], np.arange(period // 2 + 1, dtype=np.float64)
     images, total = _images(period), np.zeros((rows, y.size))
     for place, part in zip(PLACES, PARTS, strict=True):
         for place_across, part_across in zip(PLACES, PARTS, strict=True):

@@ -254,7 +254,8 @@ class FigureData:
     def _halves(self) -> tuple[float, float]:
         """Half the sides [mm] of what is shown, along and across: a square of a domain that is one."""
         cell, rises = self.study.grid.cell, self.study.counter.form.rises
-        sides = tuple(0.5 * side for side in self.study.grid.sides)
+        along, across = self.study.grid.sides
+        sides = 0.5 * along, 0.5 * across
         is_square = sides[0] == sides[1]
         if not (all(rises) if is_square else any(rises)):
             return sides

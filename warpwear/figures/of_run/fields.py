@@ -107,10 +107,8 @@ def pressure_profiles(data: FigureData) -> Figure:
     if seen and max(seen) > describe.WIDE * min(seen):
         pressure = Axis(label, "log", 0.2 * min(seen), 1.5 * max(seen))
     panels = []
-    for cut, place, title in (
-        ("along", describe.ALONG, "Along sliding"),
-        ("across", describe.ACROSS, "Across it"),
-    ):
+    ways = (("along", describe.ALONG, "Along sliding"), ("across", describe.ACROSS, "Across it"))
+    for cut, place, title in ways:
         cuts = [(getattr(view, cut), after(view.distance)) for view in views]
         lines = [Line(c.bins, c.pressure, when, look) for (c, when), look in zip(cuts, looks, strict=True)]
         panels.append(Chart(title, Axis(place), pressure, lines))

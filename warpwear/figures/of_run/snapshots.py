@@ -46,10 +46,8 @@ def texture(data: FigureData) -> Figure:
     table = data.evolution.table
     heights: list[Line] = []
     slopes: list[Line] = []
-    for body, look in (
-        ("counter", Look(describe.COUNTER, marker="o")),
-        ("disc", Look(describe.DISC, marker="s")),
-    ):
+    looks = {"counter": Look(describe.COUNTER, marker="o"), "disc": Look(describe.DISC, marker="s")}
+    for body, look in looks.items():
         slid, sq, fit = data.settling[body]
         name, is_fitted = data.name_of(body), not isinstance(fit, str)
         dots = Look(look.colour, "", marker=look.marker) if is_fitted else look

@@ -123,14 +123,14 @@ class OneScaleModel(Model):
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
         assert step.pressure is not None
         gap = self._executor.to_numpy(self.state.gap)
-        counter, disc = self.worn(gap)
+        counter, disc = self.worn_depths(gap)
         snapshot = Snapshot(distance, pressure=step.pressure, wear_counter=counter, wear_disc=disc, gap=gap)
         # A GPU's fields are copied to be seen, and the others are made for this step.
         return replace(
             snapshot, fresh=frozenset(snapshot.fields) - ({"gap"} if self._executor.device.is_cpu else set())
         )
 
-    def worn(self, gap: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
+    def worn_depths(self, gap: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
         """Depths worn off ball and disc so far [mm], shape (nx, ny). gap: as it is, where it is at hand."""
         first, end = self._ledger.columns  # nothing is worn beyond them
         gap = self._executor.to_numpy(self.state.gap) if gap is None else gap

@@ -81,7 +81,7 @@ class SweptModel(Model):
         row = self._track.row(step, done, cells)
         return (row + self.turned) % self._track.rows if self.turned else row
 
-    def worn(self) -> tuple[FloatArray, FloatArray]:
+    def worn_depths(self) -> tuple[FloatArray, FloatArray]:
         """Return the depths worn off counter-body and disc [mm], the disc's of the whole track."""
         state, to_numpy = self.contact.state, self._executor.to_numpy
         return to_numpy(state.wear_counter), to_numpy(state.wear_disc)
