@@ -3,6 +3,7 @@
 import math
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,7 @@ from warpwear.study.surface import surface_of
 from warpwear.surfaces.measured import Measured
 
 #: Extent of the domain over the width of the contact that smooth bodies are expected to have.
-MARGIN = 1.6
+MARGIN = 1.3
 #: Fewest and most cells over the width of that contact, between which a file's pixel is taken as the cell.
 CELLS = (20, 400)
 
@@ -66,12 +67,12 @@ def _study(document: Any, folder: Path) -> Study:
 def _grid(document: Any, wanted: Mapping[str, Any], folder: Path, *, of_file: bool) -> dict[str, Any]:
     """Return cell and extent, where they are not wanted otherwise, and how a small file goes on."""
     study = _study(document, folder)
-    widths = np.array(worn_widths(study))
-    if study.hertz is not None:
-        unworn = 2.0 * np.array(study.hertz.semi_axes)
-        widths = np.where(study.counter.form.rises, np.maximum(widths, unworn), 0.0)
-    cell, change_of = study.grid.cell, dict[str, Any]()
-    surface = surface_of(study.disc) if of_file else None
+    grid, surface = study.cells, surface_of(study.disc)
+    if isinstance(surface, Measured):
+        surface = replace(surface, extend="mirror")
+    peak = float(np.ptp(surface.heights(grid.x, grid.y)))
+    widths = np.array([_width(study, axis, peak) for axis in (0, 1)])
+    cell, change_of = grid.cell, dict[str, Any]()
     if isinstance(surface, Measured):
         if "grid.cell" not in wanted:
             widest = widths.max()
@@ -84,3 +85,17 @@ def _grid(document: Any, wanted: Mapping[str, Any], folder: Path, *, of_file: bo
         line = isinstance(study.grid.extent, tuple)
         change_of["grid.extent"] = [f"{s:.6g} mm" for s in sides] if line else f"{max(sides):.6g} mm"
     return change_of
+
+
+def _width(study: Study, axis: int, peak: float) -> float:
+    """Return the width [mm] that the contact may have along an axis; peak: height of the roughness [mm]."""
+    if not study.counter.form.rises[axis]:
+        return 0.0
+    smooth = worn_widths(study)[axis]
+    if study.hertz is not None:
+        smooth = max(smooth, 2.0 * study.hertz.semi_axes[axis])
+    if axis == 0 and study.is_swept:  # a stroke that the contact does not leave widens the scar
+        smooth += min(study.sliding.lap or 0.0, smooth)
+    # Where a paraboloid as high as this would cut through the roughness.
+    curvature = (study.counter.form.along, study.counter.form.across)[axis]
+    return math.hypot(smooth, math.sqrt(8.0 * peak / curvature) if curvature else 0.0)

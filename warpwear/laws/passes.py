@@ -98,8 +98,12 @@ def within(history: Mapping[str, FloatArray], when: When, laps: Laps | None) -> 
         inside = np.zeros(distance.size, dtype=bool)
         inside[-1 if when == "end" else 0] = True
         return inside
-    middle = distance - 0.5 * history["increment"]
-    return middle > distance[-1] - laps.last(distance[-1]) if when == "end" else middle < laps.length
+    increment, last = history["increment"], laps.last(distance[-1])
+    if "cycles" in history:  # a step that stands for many is one of a pass
+        increment = increment / history["cycles"]
+        distance = np.cumsum(increment)
+    middle = distance - 0.5 * increment
+    return middle > distance[-1] - last if when == "end" else middle < laps.length
 
 
 def mean_over(history: Mapping[str, FloatArray], values: FloatArray, when: When, laps: Laps | None) -> float:

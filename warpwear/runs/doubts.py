@@ -19,6 +19,8 @@ ELASTIC = 0.2
 OF_STEEL = 210.0e3 / (2.0 * (1.0 - 0.3**2))
 #: A contact of fewer cells is not resolved.
 FEW_CELLS = 20
+#: Cells of a row of a line contact that a contact needs as much.
+LEAST_IN_A_ROW = 5
 #: Fewer cells do not even tell by how much.
 COUNTED_CELLS = 4
 
@@ -46,7 +48,7 @@ def of_slope(study: Study, slope: float) -> Iterator[str]:
 
 def of_count(study: Study, count: float, when: str) -> Iterator[str]:
     """Doubt a contact of too few cells, and name the size that would do. when: opens the sentence."""
-    if count >= FEW_CELLS:
+    if count >= FEW_CELLS or (study.is_line and count >= LEAST_IN_A_ROW * study.cells.ny):
         return
     area = max(count, 1.0) * study.cells.cell_area
     if count < COUNTED_CELLS:  # which say little of an area, that the load and the hardness bound
