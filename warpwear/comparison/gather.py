@@ -142,7 +142,7 @@ def rms_difference(
 
 def shape_of_run(run: RunData) -> dict[str, float]:
     """Find m and λ of the coefficient of friction of a run, see `summary.shape_of_growth`."""
-    return {} if run.cof is None else _shape(*run.course)
+    return {} if run.cof is None or run.study.same_load is None else _shape(*run.course)
 
 
 def shape_of(experiment: Experiment) -> dict[str, float]:

@@ -30,10 +30,6 @@ class Form(Protocol):
     def rises(self) -> tuple[bool, bool]:
         """Tell whether it rises along sliding and across it; where it does not, it ends with the domain."""
 
-    @property
-    def is_line(self) -> bool:
-        """Tell whether its scar is a rectangle: it rises one way and goes on the other."""
-
     def heights(self, x: FloatArray, y: FloatArray) -> FloatArray:
         """Return its heights [mm] at the points x × y [mm], shape (x.size, y.size)."""
 

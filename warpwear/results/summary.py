@@ -209,7 +209,8 @@ def _of_one_spot(result: ResultFile) -> list[Row]:
     Where more than one pass was slid, also the section of the groove that the disc's wear would be, were it
     spread over the track of the test: a disc that lies still has all of it under the counter-body.
     """
-    lap, distance = result.study.sliding.lap, float(result.history["distance"][-1])
+    laps, distance = {p.sliding.lap for p in result.study.parts}, float(result.history["distance"][-1])
+    lap = laps.pop() if len(laps) == 1 else None  # blocks may differ in it
     if distance == 0.0:
         return []
     text = "scar and depths are those of one spot, which stays under the counter-body"
@@ -234,8 +235,8 @@ def _friction(result: ResultFile, end: dict[str, float]) -> list[Row]:
         _strength(study, strength),
         Row("", "shear_strength_of_softer_body_MPa", finite(study.shear_limit)),
         Row("", "cof_area", section.area if law.strengths else None),
-        Row("", "cof_shape", _shape(*course(result, "cof"))),
-        Row("", "area_shape", _shape(*course(result, f"area_{section.area}"))),
+        Row("", "cof_shape", _shape(result, "cof")),
+        Row("", "area_shape", _shape(result, f"area_{section.area}")),
         Row("", "cof_reference", section.coefficient),
         _strengths(section.coefficient, others),
     ]
@@ -405,12 +406,14 @@ def course(result: ResultFile, name: str) -> tuple[FloatArray, FloatArray]:
     return places[whole], passes[name][whole]
 
 
-def _shape(distance: FloatArray, values: FloatArray) -> dict[str, float] | None:
-    """Return how a quantity grows, as `shape_of_growth`.
+def _shape(result: ResultFile, name: str) -> dict[str, float] | None:
+    """Return how a column grows, as `shape_of_growth`.
 
-    None for too few steps, for a late start, and for values that are not known or, late, not positive.
+    None for too few steps, for a late start, under loads that change, and for values that are not known or,
+    late, not positive.
     """
-    if distance.size < 20 or distance[0] > distance[-1] / 80.0:
+    distance, values = course(result, name)
+    if result.study.same_load is None or distance.size < 20 or distance[0] > distance[-1] / 80.0:
         return None
     if not (np.isfinite(values).all() and np.all(values[distance >= 0.5 * distance[-1]] > 0.0)):
         return None

@@ -336,7 +336,9 @@ def _other_ways(model: type[BaseModel], name: str) -> tuple[str, ...]:
 
 
 def value_of(nested: Any, name: str) -> Any:
-    """Return the value of a dotted key; None where there is none."""
+    """Return the value of a dotted key, of a list of tables by number from 1; None where there is none."""
     for part in name.split("."):
+        if isinstance(nested, list | tuple):
+            nested = {str(number): table for number, table in enumerate(nested, 1)}
         nested = nested.get(part) if isinstance(nested, dict) else None
     return nested
