@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import tomlkit
+from tomlkit.items import Table
 
 from warpwear.errors import InputError
 from warpwear.study.loading import change
@@ -22,6 +23,8 @@ from warpwear.surfaces.measured import Measured
 
 #: Extent of the domain over the width of the contact that smooth bodies are expected to have.
 MARGIN = 1.3
+#: Length of a track over the domain's, where the draft's own is shorter than the domain.
+TRACK = 2
 #: Column of a draft at which comments begin, where a value is short enough.
 COLUMN = 32
 #: Fewest and most cells over the width of that contact, between which a file's pixel is taken as the cell.
@@ -65,16 +68,18 @@ def draft(
 
 def _unlined(document: Any) -> None:
     """Make a draft of a line contact one of a body that is round across sliding too."""
-    if document["contact"].pop("boundary", None) and isinstance(document["grid"]["extent"], list):
-        document["grid"]["extent"] = document["grid"]["extent"][0]
-        document["grid"]["extent"].comment("wider than the contact at the end")
+    grid = document["grid"]
+    if document["contact"].pop("boundary", None) and isinstance(grid["extent"], list):
+        grid["extent"] = grid["extent"][0]
+        side: Any = grid["extent"]
+        side.comment("wider than the contact at the end")
 
 
 def _align(document: Any) -> None:
     """Begin the comments of a draft at one column again, after values of other lengths."""
     for section in document.values():
-        for key, item in section.items() if isinstance(section, tomlkit.items.Table) else ():
-            if item.trivia.comment and not isinstance(item, tomlkit.items.Table):
+        for key, item in section.items() if isinstance(section, Table) else ():
+            if item.trivia.comment and not isinstance(item, Table):
                 length = len(f"{key} = {item.as_string()}")
                 item.trivia.comment_ws = " " * max(COLUMN - length, 2)
 
@@ -99,6 +104,8 @@ def _roomy(document: Any, wanted: Mapping[str, Any], folder: Path) -> Study:
             along = f"{cells * cell!r} mm"
             line = isinstance(sections["grid"]["extent"], list)
             sections["grid"]["extent"] = [along, f"{cell!r} mm"] if line else along
+            if _is_short(document, wanted, cells * cell):
+                sections["sliding"]["track"] = f"{TRACK * cells * cell!r} mm"
             return _study(sections, folder)
     raise refusal
 
@@ -124,7 +131,15 @@ def _grid(document: Any, wanted: Mapping[str, Any], folder: Path) -> dict[str, A
         sides = [8 * math.ceil(MARGIN * width / cell / 8) * cell if width else cell for width in widths]
         line = isinstance(study.grid.extent, tuple)
         change_of["grid.extent"] = [f"{s:.9g} mm" for s in sides] if line else f"{max(sides):.9g} mm"
+        if _is_short(document, wanted, max(study.grid.sides[0], sides[0])):
+            change_of["sliding.track"] = f"{TRACK * sides[0]:.9g} mm"
     return change_of
+
+
+def _is_short(document: Any, wanted: Mapping[str, Any], side: float) -> bool:
+    """Tell whether the draft's own track is shorter than a domain [mm] along sliding."""
+    track = document["sliding"].get("track", "full")
+    return "sliding.track" not in wanted and track != "full" and parse(track, "mm") < side
 
 
 def _dividing(study: Study, cell: float) -> float:
