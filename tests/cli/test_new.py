@@ -131,6 +131,8 @@ def test_a_file_that_is_there_is_kept() -> None:
         (["a.toml", "--like", "x"], "is not one of"),
         (["a.toml", "--set", "contact.load=5 N/mm"], "contact.load = 5 N/mm"),
         (["a.toml", "--set", "grid.extent=[1,2,3]"], "grid.extent"),
+        (["a.toml", "--set", "counter=3"], "counter"),
+        (["a.toml", "--set", "grid={extent='1 mm'}"], "grid.cell is missing"),
         (["a.toml", "--set", "sliding.strok=3"], "did you mean 'sliding.stroke'?"),
         (["a.toml", "--like", "pin", "--set", "grid.extent=1 mm"], "makes a pin"),
         (["a.toml", "--like", "fretting", "--set", "counter.shape=ball"], "allowed is a force"),

@@ -58,7 +58,9 @@ def draft(
         document["disc"].pop("synthetic", None)
         wanted["disc.surface"] = os.path.relpath(surface, folder)
     change(document, wanted)
-    if document["counter"]["shape"] in ("ball", "pin") and "contact.boundary" not in wanted:
+    if not all(isinstance(section, dict) for section in document.values()):
+        Study(**document.unwrap())  # refuses a value in the place of a section
+    if document["counter"].get("shape") in ("ball", "pin") and "contact.boundary" not in wanted:
         _unlined(document)
     change(document, _grid(document, wanted, folder))
     _study(document.unwrap(), folder)  # what is no study is refused before anything is written
@@ -69,7 +71,7 @@ def draft(
 def _unlined(document: Any) -> None:
     """Make a draft of a line contact one of a body that is round across sliding too."""
     grid = document["grid"]
-    if document["contact"].pop("boundary", None) and isinstance(grid["extent"], list):
+    if document["contact"].pop("boundary", None) and isinstance(grid.get("extent"), list):
         grid["extent"] = grid["extent"][0]
         side: Any = grid["extent"]
         side.comment("wider than the contact at the end")
@@ -100,9 +102,9 @@ def _roomy(document: Any, wanted: Mapping[str, Any], folder: Path) -> Study:
     for cells in (64, 128, 256, 512, 1024) if "grid.extent" not in wanted else ():
         sections = document.unwrap()
         with suppress(InputError, ValueError):
-            cell = parse(sections["grid"]["cell"], "mm")
+            cell = parse(sections["grid"].get("cell"), "mm")
             along = f"{cells * cell!r} mm"
-            line = isinstance(sections["grid"]["extent"], list)
+            line = isinstance(sections["grid"].get("extent"), list)
             sections["grid"]["extent"] = [along, f"{cell!r} mm"] if line else along
             if _is_short(document, wanted, cells * cell):
                 sections["sliding"]["track"] = f"{TRACK * cells * cell!r} mm"
