@@ -1,5 +1,6 @@
 """The command `warpwear new`: a commented study of one rig, ready to run."""
 
+import shlex
 from pathlib import Path
 
 import click
@@ -41,4 +42,4 @@ def new(file: Path, like: str, surface: Path | None, changes: tuple[str, ...], o
         file.write_text(study, encoding="utf-8")
     except OSError as error:
         raise InputError(f"{file} cannot be written: {error.strerror}.") from error
-    click.echo(f"{file} holds the study; put in your numbers and: warpwear run {file}")
+    click.echo(f"{file} holds the study; put in your numbers and: warpwear run {shlex.quote(str(file))}")

@@ -3,6 +3,7 @@
 import math
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
@@ -10,15 +11,22 @@ from typing import Any
 
 import numpy as np
 import tomlkit
+from tomlkit.items import Table
 
+from warpwear.errors import InputError
 from warpwear.study.loading import change
 from warpwear.study.rules_track import worn_widths
 from warpwear.study.study import Study
 from warpwear.study.surface import surface_of
+from warpwear.study.units import parse
 from warpwear.surfaces.measured import Measured
 
 #: Extent of the domain over the width of the contact that smooth bodies are expected to have.
 MARGIN = 1.3
+#: Length of a track over the domain's, where the draft's own is shorter than the domain.
+TRACK = 2
+#: Column of a draft at which comments begin, where a value is short enough.
+COLUMN = 32
 #: Fewest and most cells over the width of that contact, between which a file's pixel is taken as the cell.
 CELLS = (20, 400)
 
@@ -50,23 +58,63 @@ def draft(
         document["disc"].pop("synthetic", None)
         wanted["disc.surface"] = os.path.relpath(surface, folder)
     change(document, wanted)
-    if not {"grid.cell", "grid.extent"} <= set(wanted):
-        change(document, _grid(document, wanted, folder, of_file=surface is not None))
-    _study(document, folder)  # what is no study is refused before anything is written
+    if not all(isinstance(section, dict) for section in document.values()):
+        Study(**document.unwrap())  # refuses a value in the place of a section
+    if document["counter"].get("shape") in ("ball", "pin") and "contact.boundary" not in wanted:
+        _unlined(document)
+    change(document, _grid(document, wanted, folder))
+    _study(document.unwrap(), folder)  # what is no study is refused before anything is written
+    _align(document)
     return tomlkit.dumps(document)
 
 
-def _study(document: Any, folder: Path) -> Study:
-    """Return the study of a document that will lie in a folder. Raises InputError."""
-    sections = document.unwrap()
+def _unlined(document: Any) -> None:
+    """Make a draft of a line contact one of a body that is round across sliding too."""
+    grid = document["grid"]
+    if document["contact"].pop("boundary", None) and isinstance(grid.get("extent"), list):
+        grid["extent"] = grid["extent"][0]
+        side: Any = grid["extent"]
+        side.comment("wider than the contact at the end")
+
+
+def _align(document: Any) -> None:
+    """Begin the comments of a draft at one column again, after values of other lengths."""
+    for section in document.values():
+        for key, item in section.items() if isinstance(section, Table) else ():
+            if item.trivia.comment and not isinstance(item, Table):
+                length = len(f"{key} = {item.as_string()}")
+                item.trivia.comment_ws = " " * max(COLUMN - length, 2)
+
+
+def _study(sections: dict[str, Any], folder: Path) -> Study:
+    """Return the study of sections that will lie in a folder. Raises InputError."""
     if sections["disc"].get("surface"):
         sections["disc"]["surface"] = str(folder / sections["disc"]["surface"])
     return Study(**sections)
 
 
-def _grid(document: Any, wanted: Mapping[str, Any], folder: Path, *, of_file: bool) -> dict[str, Any]:
+def _roomy(document: Any, wanted: Mapping[str, Any], folder: Path) -> Study:
+    """Return the study in the smallest of some domains that holds its contact. Raises InputError."""
+    try:
+        return _study(document.unwrap(), folder)
+    except InputError as error:
+        refusal = error
+    for cells in (64, 128, 256, 512, 1024) if "grid.extent" not in wanted else ():
+        sections = document.unwrap()
+        with suppress(InputError, ValueError):
+            cell = parse(sections["grid"].get("cell"), "mm")
+            along = f"{cells * cell!r} mm"
+            line = isinstance(sections["grid"].get("extent"), list)
+            sections["grid"]["extent"] = [along, f"{cell!r} mm"] if line else along
+            if _is_short(document, wanted, cells * cell):
+                sections["sliding"]["track"] = f"{TRACK * cells * cell!r} mm"
+            return _study(sections, folder)
+    raise refusal
+
+
+def _grid(document: Any, wanted: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """Return cell and extent, where they are not wanted otherwise, and how a small file goes on."""
-    study = _study(document, folder)
+    study = _roomy(document, wanted, folder)
     grid, surface = study.cells, surface_of(study.disc)
     if isinstance(surface, Measured):
         surface = replace(surface, extend="mirror")
@@ -77,20 +125,44 @@ def _grid(document: Any, wanted: Mapping[str, Any], folder: Path, *, of_file: bo
         if "grid.cell" not in wanted:
             widest = widths.max()
             cell = float(f"{min(max(*surface.pixel, widest / CELLS[1]), widest / CELLS[0]):.2g}")
-            change_of["grid.cell"] = f"{1e3 * cell:.6g} um"
+            cell = _dividing(study, cell)
+            change_of["grid.cell"] = f"{1e3 * cell:.9g} um"
         if "disc.extend" not in wanted:
             change_of["disc.extend"] = "mirror"  # a track is longer than most measurements
     if "grid.extent" not in wanted:
         sides = [8 * math.ceil(MARGIN * width / cell / 8) * cell if width else cell for width in widths]
         line = isinstance(study.grid.extent, tuple)
-        change_of["grid.extent"] = [f"{s:.6g} mm" for s in sides] if line else f"{max(sides):.6g} mm"
+        change_of["grid.extent"] = [f"{s:.9g} mm" for s in sides] if line else f"{max(sides):.9g} mm"
+        if _is_short(document, wanted, max(study.grid.sides[0], sides[0])):
+            change_of["sliding.track"] = f"{TRACK * sides[0]:.9g} mm"
     return change_of
+
+
+def _is_short(document: Any, wanted: Mapping[str, Any], side: float) -> bool:
+    """Tell whether the draft's own track is shorter than a domain [mm] along sliding."""
+    track = document["sliding"].get("track", "full")
+    return "sliding.track" not in wanted and track != "full" and parse(track, "mm") < side
+
+
+def _dividing(study: Study, cell: float) -> float:
+    """Return the cell [mm] of fewest digits near one, of which the track or stroke holds whole steps."""
+    if not study.is_swept or study.sliding.lap is None:
+        return cell
+    track = study.sliding.track
+    length = study.sliding.lap if track == "full" else float(track)
+    steps = study.shift if track != "full" else 1
+    exact = length / cell / steps
+    counts = range(max(math.floor(0.97 * exact), 1), math.ceil(1.03 * exact) + 1)
+    cells = (length / (steps * count) for count in counts)
+    return min(cells, key=lambda size: (len(f"{1e3 * size:.9g}"), abs(size - cell)))
 
 
 def _width(study: Study, axis: int, peak: float) -> float:
     """Return the width [mm] that the contact may have along an axis; peak: height of the roughness [mm]."""
     if not study.counter.form.rises[axis]:
         return 0.0
+    if study.counter.shape == "pin":
+        return 2.0 * study.counter.form.reach
     smooth = worn_widths(study)[axis]
     if study.hertz is not None:
         smooth = max(smooth, 2.0 * study.hertz.semi_axes[axis])
