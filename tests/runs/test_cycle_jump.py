@@ -43,7 +43,8 @@ CASES |= {f"fretting, {law}": ("full", "30 mm", FRETTING | keys) for law, keys i
 def errors_of(track: str, distance: str, keys: Keys) -> tuple[float, float, float]:
     """Return the larger relative error of both depths, as it is and as it is told, and of a volume."""
     study = small(track, sliding__distance=distance).replace(SMOOTH | keys)
-    every, jumped = (warpwear.run(study.replace({"stepping.jump": jump})) for jump in (1, "auto"))
+    jumps = 1, 3 if study.wear.sheds else "auto"  # no error allows jumps of wear in pieces
+    every, jumped = (warpwear.run(study.replace({"stepping.jump": jump})) for jump in jumps)
     errors = []
     for body in BODIES:
         depths = (np.asarray(getattr(result.snapshot(-1), f"wear_{body}")) for result in (every, jumped))
@@ -63,5 +64,5 @@ def test_the_error_told_holds_and_is_not_much_too_wide() -> None:
     holds = [true <= told + 1.0e-9 for true, told, _ in table.values()]
     assert np.mean(holds) >= 0.9
     assert np.median([told / max(true, 1.0e-9) for true, told, _ in table.values() if told]) <= 5.0
-    assert max(told for _, told, _ in table.values()) <= 0.005
+    assert max(told for name, (_, told, _) in table.items() if "pieces" not in name) <= 0.005
     assert max(off for *_, off in table.values()) <= 1.0e-12

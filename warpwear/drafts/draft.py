@@ -94,8 +94,9 @@ def _width(study: Study, axis: int, peak: float) -> float:
     smooth = worn_widths(study)[axis]
     if study.hertz is not None:
         smooth = max(smooth, 2.0 * study.hertz.semi_axes[axis])
-    if axis == 0 and study.is_swept:  # a stroke that the contact does not leave widens the scar
-        smooth += min(study.sliding.lap or 0.0, smooth)
+    lap = study.sliding.lap if study.is_swept else None
+    if axis == 0 and lap is not None and lap < smooth:  # a stroke that the contact does not leave widens it
+        smooth += lap
     # Where a paraboloid as high as this would cut through the roughness.
     curvature = (study.counter.form.along, study.counter.form.across)[axis]
     return math.hypot(smooth, math.sqrt(8.0 * peak / curvature) if curvature else 0.0)

@@ -34,6 +34,8 @@ HOPELESS, PATIENCE, AGAIN = 4.0, 4, 0.25
 YOUNG = 2
 #: Jumps to a stop over the next one at least: they get shorter, so that the contact there is of no jump.
 LANDING = 4
+#: Exponent of the distance by which rms depths grow at least: those of a ball by 3/4, of its groove by 5/6.
+GROWTH = 1.0 / 3.0
 #: Part of a closed track from the beginning of one jump to that of the next: no two are near each other.
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 #: Columns of the history that both states are compared by.
@@ -161,7 +163,7 @@ class CycleJumps:
         if self._left == 0:
             if self._coarse and self._behind < self._last:
                 self._follow()
-            free = min((c for c in (*self._alone, self._last) if c >= self._cycle), default=0) - self._cycle
+            free = self._stop - self._cycle
             self._left = min(max(free, 1), 2)
             self.stands_for = max(min(self._size, free // LANDING), 1)
             if not self._coarse and free > 1 and self._cycle >= self._again:
@@ -169,6 +171,11 @@ class CycleJumps:
                 self._behind, self._age = self._cycle, 0
             self._means = dict.fromkeys(COMPARED, 0.0)
         self._left -= 1
+
+    @property
+    def _stop(self) -> int:
+        """Return the next cycle that stands for itself; where none is left, the one at hand."""
+        return min((c for c in (*self._alone, self._last) if c >= self._cycle), default=self._cycle)
 
     def _keep_coarse(self) -> None:
         self._coarse, numbers = state.save(self.model, whole=True)
@@ -204,8 +211,12 @@ class CycleJumps:
             self._again = self._cycle + max(PATIENCE, int(AGAIN * self._cycle))
 
     def _of_depth(self) -> float:
-        """Return the larger relative error of both depths, over what is allowed."""
-        return max(self._relative(self._errors).values()) / self._tolerance
+        """Return the larger relative error of both depths, over what is allowed.
+
+        That is more while the next stop is far: the depths grow until then, and the error is to hold there.
+        """
+        allowed = self._tolerance * max(self._stop / self._cycle, 1.0) ** GROWTH
+        return max(self._relative(self._errors).values()) / allowed
 
     def _of_contact(self, means: Mapping[str, float], jump: int) -> float:
         """Return the largest relative change of what is compared of the contact, over what is allowed."""

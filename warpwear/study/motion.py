@@ -252,7 +252,7 @@ class Stepping(Section):
     jump: Annotated[int, Field(ge=1, le=1_000_000, strict=True)] | Literal["auto"] = key(
         "auto",
         "swept: cycles (or laps) that a computed one stands for; 1: each is computed; auto: as many as "
-        f"jump_error allows, from {FEWEST_CYCLES} cycles on",
+        f"jump_error allows, from {FEWEST_CYCLES} cycles on and without wear.particle",
         applies=SWEPT,
     )
     jump_error: Annotated[float, Number(Range(most=0.5))] = key(
