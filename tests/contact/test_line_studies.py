@@ -174,7 +174,7 @@ def test_a_rough_line_slides(device: str) -> None:
         ({"contact.boundary": "free"}, r"contact\.load = 18\.5 N/mm is the load of a length"),
         (
             {"contact.boundary": "free", "contact.load": "1 N", "grid.extent": ["0.2 mm", "3 um"]},
-            "3 cells of",
+            "3 × ",
         ),
         (
             {

@@ -132,7 +132,7 @@ def _line(study: Content) -> None:
         )
     if study.cells.ny < FEWEST_ACROSS:
         raise ValueError(
-            f"grid.extent = {grid.size} is {study.cells.ny} cells of {1e3 * grid.cell:g} µm wide: allowed "
+            f"grid.extent = {grid.size} is {study.cells.ny} × {1e3 * grid.cell:g} µm wide: allowed "
             f"are {FEWEST_ACROSS} or more, or {A_LINE}"
         )
 

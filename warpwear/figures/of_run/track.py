@@ -46,7 +46,7 @@ def groove(data: FigureData) -> Figure:
         Chart("Middle section" if short else "Mean section", over, Axis(CHANGE), across, place),
         Chart("Depth along the track", Axis(describe.ALONG), down, along, width),
     ]
-    return Figure(panels, legend=6)
+    return Figure(panels if data.study.cells.ny > 1 else panels[1:], legend=6)
 
 
 @words.figure(*words.GROOVE, essential=True)
