@@ -217,6 +217,17 @@ def test_a_load_of_a_length_stays_one() -> None:
     assert study.replace({"contact.load": "2 N"}).contact.load == 2.0
 
 
+def test_a_load_of_the_domain_is_told_as_one_of_a_length() -> None:
+    """A strip of the line carries a part of what a rig presses on all of it."""
+    assert not [notice for notice in line().notices() if "N/mm" in notice]
+    strip = line(contact__load="0.1 N", grid__extent=["0.6 mm", "8 um"])
+    (notice,) = (notice for notice in strip.notices() if "N/mm" in notice)
+    assert "that of the domain, 0.008 mm of the line: 12.5 N/mm" in notice
+    assert "12.5 N/mm over" in repr(strip)
+    with pytest.raises(InputError, match=r"contact\.load = 20 N \(2500 N/mm\) is more than the domain"):
+        strip.replace({"contact.load": "20 N", "contact.hardness": "500 MPa"})
+
+
 def test_a_seam_across_is_told() -> None:
     """Of a rough disc that the boundary repeats and its surface does not."""
     study = line(grid__extent=["0.16 mm", "80 um"], contact__hardness="1 GPa")

@@ -14,7 +14,7 @@ def with_blocks(figure: Figure, study: Study) -> Figure:
     def bordered(panel: Panel) -> Panel:
         if not isinstance(panel, Chart) or panel.x.label != DISTANCE:
             return panel
-        note = "\n".join(filter(None, (panel.note, f"dotted: blocks of {study.loads} N")))
+        note = "\n".join(filter(None, (panel.note, f"dotted: blocks of {study.loads}")))
         return replace(panel, lines=[*panel.lines, *borders], note=note)
 
     if study.block is None:

@@ -32,7 +32,7 @@ def methods_of(study: Study, s: dict[str, Any]) -> str:
     """Write the paragraph that a paper's section on methods may begin with."""
     counter, disc = (s["wear_coefficient_mm3_per_Nm"][body] for body in ("counter", "disc"))
     cap, motion = s["hardness_MPa"], motion_of(study, s["distance_mm"])
-    load = f"{study.loads} N" + (f", in blocks of {study.programme}" if study.block else "")
+    load = f"{study.loads}" + (f", in blocks of {study.programme}" if study.block else "")
     hardness = f", with the pressure of a cell limited to {cap:.4g} MPa" if cap else ""
     sentences = [
         f"Contact and wear were computed with warpwear {s['version']} ({study.study.model} model).",

@@ -61,7 +61,7 @@ def motion_of(study: Study, distance: float) -> str:
 
 def asked_of(study: Study, distance: float) -> str:
     """Say in one sentence what the run was to find. distance: that it has slid [mm]."""
-    load = f"under {study.loads} N" + (f" in {len(study.block)} blocks" if study.block else "")
+    load = f"under {study.loads}" + (f" in {len(study.block)} blocks" if study.block else "")
     more = ", how much is worn off" if study.sliding.total else ""
     law = "the local law" if study.contact.law == "local" else "the half-space"
     return (

@@ -104,10 +104,11 @@ class Content(Section):
 
     @property
     def loads(self) -> str:
-        """Return the load [N], or of a programme the smallest and the largest, as people write them."""
-        loads = [block.load for block in self.blocks]
+        """Return the load, or of a programme the smallest and the largest; of a line that of its length."""
+        length, unit = (self.grid.sides[1], "N/mm") if self.is_line else (1.0, "N")
+        loads = [block.load / length for block in self.blocks]
         least, most = f"{min(loads):.4g}", f"{max(loads):.4g}"
-        return least if least == most else f"{least} to {most}"
+        return f"{least} {unit}" if least == most else f"{least} to {most} {unit}"
 
     @property
     def same_load(self) -> float | None:

@@ -217,10 +217,11 @@ def _capacity(study: Content) -> None:
             f"section, and contact.load = {study.contact.load:g} N needs more than {radius:.3g} mm"
         )
     if carried < study.contact.load:
+        of_length = f" ({study.loads})" if study.is_line else ""
         raise ValueError(
-            f"contact.load = {study.contact.load:g} N is more than the domain under the counter-body "
-            f"carries at this hardness ({carried:.4g} N{_of_sheared(study)}); allowed are smaller loads, a "
-            "larger grid.extent or contact.hardness"
+            f"contact.load = {study.contact.load:g} N{of_length} is more than the domain under the "
+            f"counter-body carries at this hardness ({carried:.4g} N{_of_sheared(study)}); allowed are "
+            "smaller loads, a larger grid.extent or contact.hardness"
         )
 
 
@@ -244,6 +245,7 @@ def _tolerance(study: Content) -> None:
 def doubts(study: Content) -> Iterator[str]:
     """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
     yield from _of_extent(study)
+    yield from _of_line_load(study)
     yield from _of_seam(study)
     if study.block is not None:
         yield from dict.fromkeys(sentence for part in study.parts for sentence in doubts(part))
@@ -391,6 +393,17 @@ def _of_extent(study: Content) -> Iterator[str]:
             yield (
                 f"grid.extent = {study.grid.size} may be too small: without roughness the worn patch will be "
                 f"{patch:.3g} mm wide{way} at the end, and with it wider; {_spared(patch):g} mm would do."
+            )
+
+
+def _of_line_load(study: Content) -> Iterator[str]:
+    """Yield a sentence where the load of a line contact is one of the domain, a part of the line's length."""
+    given = [study.contact.load, *(part.load for part in study.block or ())]
+    for load in (load for load in given if study.is_line and load is not None):
+        if not isinstance(load, LineLoad):
+            yield (
+                f"contact.load = {load:g} N is that of the domain, {study.grid.sides[1]:g} mm of the line: "
+                f"{load / study.grid.sides[1]:.4g} N/mm; a load of a length is given as such."
             )
 
 

@@ -52,7 +52,7 @@ class Study(Content):
         about, cells = self.study, self.cells
         return (
             f"<Study '{about.name}': {about.model} model, {self.contact.law} law, {self.kinematics}, "
-            f"{cells.nx} × {cells.ny} cells of {1e3 * cells.cell:g} µm, {self.loads} N over "
+            f"{cells.nx} × {cells.ny} cells of {1e3 * cells.cell:g} µm, {self.loads} over "
             f"{self.sliding.total:g} mm>"
         )
 

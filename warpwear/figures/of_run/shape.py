@@ -58,7 +58,7 @@ def setup(data: FigureData) -> Figure:
     low, top, high = float(np.nanmin(disc)), float(np.nanmax(disc)), float(np.nanmax(counter))
     middle, half = 0.5 * (x0 + x1), 0.5 * ARROW * (x1 - x0)
     note = (
-        f"{study.counter.title}\n{study.loads} N, domain {study.grid.size} wide\n"
+        f"{study.counter.title}\n{study.loads}, domain {study.grid.size} wide\n"
         f"heights drawn {{larger}} times as large"
     )
     parts = (

@@ -194,7 +194,7 @@ def law_of(data: FigureData) -> str:
         law = "Local law, cell by cell"
     patches = ", patches that share the load" if study.study.model == "two-scale" else ""
     cap = f", hardness {study.hardness:.3g} MPa" if np.isfinite(study.hardness) else ""
-    loads = f"blocks of {study.programme}" if study.block else f"load {study.loads} N"
+    loads = f"blocks of {study.programme}" if study.block else f"load {study.loads}"
     return f"{law}{patches}{cap}; {loads}; cells of {1e3 * study.grid.cell:.3g} µm."
 
 
