@@ -62,7 +62,7 @@ def _jumps(result: ResultFile) -> list[Row]:
     if (jumps := result.record.get("cycle_jump")) is None:
         return []
     percent = {body: 100.0 * error for body, error in jumps.pop("depth_error").items()}
-    text = f"{jumps['contacts']} contacts for the {jumps['contacts_of_every_cycle']} of "
+    text = f"{jumps['contacts']} steps computed for the {jumps['contacts_of_every_cycle']} of "
     text += f"{jumps['cycles']:.6g} cycles; error of the depths {shown(percent, 2)} %"
     if result.history["cycles"].max() == 1.0:
         text = f"none: each of the {jumps['cycles']:.6g} cycles was computed"
