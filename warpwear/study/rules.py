@@ -398,12 +398,12 @@ def _of_extent(study: Content) -> Iterator[str]:
 
 def _of_line_load(study: Content) -> Iterator[str]:
     """Yield a sentence where the load of a line contact is one of the domain, a part of the line's length."""
-    given = [study.contact.load, *(part.load for part in study.block or ())]
-    for load in (load for load in given if study.is_line and load is not None):
+    loads = [study.contact.load, *(part.load for part in study.block or ())]
+    for load in (load for load in loads if study.is_line and load is not None):
         if not isinstance(load, LineLoad):
             yield (
                 f"contact.load = {load:g} N is that of the domain, {study.grid.sides[1]:g} mm of the line: "
-                f"{load / study.grid.sides[1]:.4g} N/mm; a load of a length is given as such."
+                f"{load / study.grid.sides[1]:.4g} N/mm; a load of a length is loads as such."
             )
 
 
