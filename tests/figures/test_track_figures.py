@@ -17,7 +17,9 @@ from warpwear import InputError, Result
 from warpwear.cli.main import commands
 from warpwear.comparison.gather import gather
 from warpwear.comparison.table import columns, to_text
+from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.film import animate
+from warpwear.figures.of_run.history import cof
 from warpwear.results.summary import course
 from warpwear.results.track import blocks, by_pass, depth_along, groove, roughness_in_track, whole_steps
 from warpwear.sweeps.run_one import row_of
@@ -234,3 +236,16 @@ def test_short_ends_of_passes_are_not_drawn() -> None:
     result = warpwear.run(small("full", sliding__distance="2.7 mm"))  # 6 steps of 7 cells and one of 3
     there, back = [True] * 6 + [False], [False] + [True] * 6
     assert whole_steps(result).reshape(3, 7).tolist() == [there, back, there]
+
+
+def test_means_of_passes_that_stand_for_many() -> None:
+    """A jump is one pass, however far it slides: its mean is over all its steps, not over one of them."""
+    changes = {"grid__cell": "20 um", "sliding__distance": "90 mm", "stepping__jump": 4}
+    result = warpwear.run(small("representative", output__snapshots=[], **changes))
+    assert result.history["cycles"].max() > 1.0
+    steps, means = cof(FigureData(result)).panels[0].lines[:2]
+    expected = by_pass(result, "cof")
+    assert steps.x.size == result.history["distance"].size
+    assert_allclose(means.y[-expected["cof"].size + 1 :], expected["cof"][1:], rtol=1e-12)
+    ends = np.cumsum(expected["distance"])
+    assert_allclose(means.x[-ends.size + 1 :], (ends - 0.5 * expected["distance"])[1:], rtol=1e-12)

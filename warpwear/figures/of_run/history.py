@@ -15,6 +15,7 @@ from warpwear.figures.of_run.view import PASSES, last_at_hardness
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BY_NAME, Quantity
 from warpwear.laws.archard import BODIES
+from warpwear.results.track import pass_numbers, whole_steps
 
 #: Areas in contact and of the scar.
 AREAS = ("area_contact", "area_plastic", "area_touched", "area_nominal")
@@ -80,7 +81,10 @@ def _course(
     passes = int(distance[-1] / lap + 1e-9) if lap is not None else 0
     if lap is None or passes < PASSES:
         return [Line(distance, values, label, look)]
-    number = np.maximum(np.ceil(distance / lap - 1e-9).astype(int) - 1, 0)
+    # Computed passes: one that stands for many is one, however far it slides.
+    of_steps = pass_numbers(data.result)
+    number, passes = of_steps[whole_steps(data.result)], of_steps.size // data.study.track.steps_of_pass
+    slid = np.bincount(of_steps, data.history["increment"])[:passes]
     whole, starts = number < passes, np.searchsorted(number, np.arange(passes))
     if largest:
         of_passes = np.maximum.reduceat(values[whole], starts)
@@ -88,7 +92,7 @@ def _course(
         weights = data.course["increment"][whole]
         of_passes = np.add.reduceat(values[whole] * weights, starts) / np.add.reduceat(weights, starts)
     first = distance < 0.5 * lap
-    places = np.concatenate([distance[first], (np.arange(passes) + 0.5) * lap])
+    places = np.concatenate([distance[first], np.cumsum(slid) - 0.5 * slid])
     means = Line(places, np.concatenate([values[first], of_passes]), label, look)
     steps = Line(distance, values, look=Look(look.colour, width=0.4, alpha=0.4))
     return [means] if largest else [steps, means]
