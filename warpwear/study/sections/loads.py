@@ -1,4 +1,4 @@
-"""Loads of a study: a force, or one of a line contact's length."""
+"""A load of a study is a force, or that of a line contact's length."""
 
 from dataclasses import dataclass
 from typing import Any, Self
