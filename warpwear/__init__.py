@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from warpwear.contact.array.contact import ArrayContact
     from warpwear.contact.array.solve import solve_contact
     from warpwear.contact.certificate import Certificate
+    from warpwear.contact.stress.stresses import Stresses, stresses
     from warpwear.errors import ConvergenceError, InputError, InvariantError, StudyWarning
     from warpwear.history.snapshot import Snapshot
     from warpwear.inference.infer import infer
@@ -38,12 +39,14 @@ _PUBLIC = {
     "RunStep": "warpwear.runs.step:RunStep",
     "Snapshot": "warpwear.history.snapshot:Snapshot",
     "Study": "warpwear.study.study:Study",
+    "Stresses": "warpwear.contact.stress.stresses:Stresses",
     "StudyWarning": "warpwear.errors:StudyWarning",
     "SweepResult": "warpwear.sweeps.table:SweepResult",
     "infer": "warpwear.inference.infer:infer",
     "run": "warpwear.runs.run:run",
     "solve_contact": "warpwear.contact.array.solve:solve_contact",
     "steps": "warpwear.runs.run:steps",
+    "stresses": "warpwear.contact.stress.stresses:stresses",
     "sweep": "warpwear.sweeps.sweep:sweep",
 }
 
@@ -57,6 +60,7 @@ __all__ = [
     "Result",
     "RunStep",
     "Snapshot",
+    "Stresses",
     "Study",
     "StudyWarning",
     "SweepResult",
@@ -65,6 +69,7 @@ __all__ = [
     "run",
     "solve_contact",
     "steps",
+    "stresses",
     "sweep",
 ]
 

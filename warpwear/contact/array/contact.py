@@ -28,6 +28,7 @@ class ArrayContact:
     approach: float  # length
     cell: float  # length
     hardness: float | None  # pressure
+    boundary: str | None  # of the half-space; None of springs and of the bearing area
     certificate: Certificate
     evaluations: int
 
