@@ -19,10 +19,11 @@ class ShearCertificate:
     tolerance or, where that is more, what rounding shows. beyond_bounds: by how much |q| exceeds c, a
     pressure. force_residual: force missed, over μ P; 0 at a displacement.
 
-    energy_gap: Σ c |s| − q·s, times the area of a cell. No other traction within the bounds, of the same force
-    where a force is prescribed, has an energy ½ q·Aq − q·(rhs + D) that is lower by more (Frank and Wolfe 1956,
-    Nav. Res. Logist. Q. 3, 95): s is that energy's negative gradient, and no other traction of a cell gives
-    more than c |s| − q·s along it. relative_gap: energy_gap over Σ c times the scale of violations.
+    energy_gap: Σ c |s| − q·s, times the area of a cell. No other traction within the bounds, of the same
+    force where a force is prescribed, has an energy ½ q·Aq − q·(rhs + D) that is lower by more (Frank and
+    Wolfe 1956, Nav. Res. Logist. Q. 3, 95): s is that energy's negative gradient, and no other traction of a
+    cell gives more than c |s| − q·s along it. relative_gap: energy_gap over Σ c times the scale of
+    violations.
     """
 
     violation: float
@@ -37,9 +38,9 @@ class ShearCertificate:
 class ShearedContact:
     """Holds the tangential traction of a contact after an increment. Units are the caller's.
 
-    contact: the normal contact that it acts in; of dissimilar bodies as changed by the traction. traction: on
-    the surface of heights along axis 0 and axis 1, shape (2, nx, ny), so that qx, qy = traction. slip: relative
-    displacement of the surfaces in contact during this increment, shape (2, nx, ny); 0 out of contact, and
+    contact: the normal contact that it acts in; of dissimilar bodies as changed by the traction. traction:
+    on the surface of heights along axis 0 and axis 1, shape (2, nx, ny), so that qx, qy = traction. slip: of
+    the surfaces in contact on each other during this increment, shape (2, nx, ny); 0 out of contact, and
     where they stick but for the tolerance. stick: cells in contact whose traction is below friction's bound,
     shape (nx, ny). displacement: rigid, along both axes, since the first increment. energy: dissipated in
     this increment. evaluations: responses and their inverses, of four Fourier transforms each.
