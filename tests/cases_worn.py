@@ -202,7 +202,7 @@ def pair(rng, kind, worn, *, shape=FIELD, noise=0.03, half=None):
 
 @dataclass(frozen=True)
 class Off:
-    """By how many errors measured quantities are off, these errors over the true values, and lengths in points."""
+    """By how many errors measured quantities are off, and these errors over the true values."""
 
     off: dict
     relative: dict
@@ -210,16 +210,16 @@ class Off:
 
 
 def lose(rng, heights, *, scattered, clumped, width):
-    """Return heights with parts of their points lost (NaN): any points, and clumps of about a width [points]."""
+    """Return heights with parts of their points lost (NaN): any, and in clumps of about a width [points]."""
     rough = ndimage.gaussian_filter(rng.normal(size=heights.shape), width, mode="wrap")
     clumps = rough > np.quantile(rough, 1.0 - clumped) if clumped else False
     return np.where((rng.random(heights.shape) < scattered) | clumps, np.nan, heights)
 
 
 def off_by_errors(seed, number, kind, worn, **lost):
-    """Measure a case: volumes, area, lengths, mean profile at every tenth place; lost: see `lose`, in both files.
+    """Measure a case: volumes, area, lengths, mean profile at every tenth place.
 
-    Return the sentence of a refusal.
+    lost: of both files, see `lose`. Return the sentence of a refusal.
     """
     rng = np.random.default_rng([seed, number, list(KINDS).index(kind), SCARS.index(worn)])
     case = pair(rng, kind, worn)
