@@ -24,10 +24,10 @@ LOWERED = str.maketrans("⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "+-0123456789")
 
 def methods_of(study: Study, s: dict[str, Any]) -> str:
     """Write the paragraph that a paper's section on methods may begin with."""
-    bodies = {"slider": slider_of(study), "disc": disc_of(study), "source": source_of(s)}
-    laws = {"wear": said(study.wear_laws), "friction": study.friction.law_with().said}
+    said_of: Any = {"slider": slider_of(study), "disc": disc_of(study), "source": source_of(s)}
+    said_of |= {"wear": said(study.wear_laws), "friction": study.friction.law_with().said}
     motion = motion_of(study, s["distance_mm"])
-    text = filled("methods.txt", escape=False, study=study, s=s, motion=motion, **bodies, **laws)
+    text = filled("methods.txt", escape=False, study=study, s=s, motion=motion, **said_of)
     return " ".join(text.split())
 
 
@@ -58,6 +58,6 @@ def to_latex(text: str) -> str:
 
 def latex_of(study: Study, methods: str, table: Iterable[Line]) -> str:
     """Write methods and table as LaTeX, with the laws of wear and friction between them."""
-    laws = {"wear": study.wear_laws[0].formula, "friction": study.friction.law_with().formula}
-    texts = {"name": study.study.name, "methods": methods, "table": table}
-    return filled("paper.tex", {"tex": to_latex}, escape=False, **texts, **laws)
+    laws: Any = {"wear": study.wear_laws[0].formula, "friction": study.friction.law_with().formula}
+    laws |= {"name": study.study.name, "methods": methods, "table": table}
+    return filled("paper.tex", {"tex": to_latex}, escape=False, **laws)
