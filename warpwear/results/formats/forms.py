@@ -1,0 +1,31 @@
+"""Fill the forms of `templates/`: pages, paragraphs for people, LaTeX, XML of other software."""
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any
+
+from warpwear import lazy
+
+jinja2 = lazy.module("jinja2")
+
+#: No function beside those that forms have anyway.
+NONE: Mapping[str, Callable[..., Any]] = MappingProxyType({})
+
+
+def filled(
+    form: str, filters: Mapping[str, Callable[..., Any]] = NONE, *, escape: bool = True, **content: Any
+) -> str:
+    """Fill a form; what is put in is escaped, unless the form is plain text. A missing name is an error.
+
+    form: name of its file. filters: name in the form -> function. content: name in the form -> value.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("warpwear", "templates"),
+        autoescape=escape,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(filters)
+    text: str = environment.get_template(form).render(content)
+    return text
