@@ -14,6 +14,7 @@ from warpwear.version import __version__
 
 if TYPE_CHECKING:
     from warpwear.contact.array.contact import ArrayContact
+    from warpwear.contact.array.shear import ShearCertificate, ShearedContact
     from warpwear.contact.array.solve import solve_contact
     from warpwear.contact.certificate import Certificate
     from warpwear.errors import ConvergenceError, InputError, InvariantError, StudyWarning
@@ -36,6 +37,8 @@ _PUBLIC = {
     "InvariantError": "warpwear.errors:InvariantError",
     "Result": "warpwear.result:Result",
     "RunStep": "warpwear.runs.step:RunStep",
+    "ShearCertificate": "warpwear.contact.array.shear:ShearCertificate",
+    "ShearedContact": "warpwear.contact.array.shear:ShearedContact",
     "Snapshot": "warpwear.history.snapshot:Snapshot",
     "Study": "warpwear.study.study:Study",
     "StudyWarning": "warpwear.errors:StudyWarning",
@@ -56,6 +59,8 @@ __all__ = [
     "InvariantError",
     "Result",
     "RunStep",
+    "ShearCertificate",
+    "ShearedContact",
     "Snapshot",
     "Study",
     "StudyWarning",
