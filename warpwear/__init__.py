@@ -14,6 +14,7 @@ from warpwear.version import __version__
 
 if TYPE_CHECKING:
     from warpwear.contact.array.contact import ArrayContact
+    from warpwear.contact.array.shear import ShearCertificate, ShearedContact
     from warpwear.contact.array.solve import solve_contact
     from warpwear.contact.certificate import Certificate
     from warpwear.contact.stress.stresses import Stresses, stresses
@@ -37,6 +38,8 @@ _PUBLIC = {
     "InvariantError": "warpwear.errors:InvariantError",
     "Result": "warpwear.result:Result",
     "RunStep": "warpwear.runs.step:RunStep",
+    "ShearCertificate": "warpwear.contact.array.shear:ShearCertificate",
+    "ShearedContact": "warpwear.contact.array.shear:ShearedContact",
     "Snapshot": "warpwear.history.snapshot:Snapshot",
     "Study": "warpwear.study.study:Study",
     "Stresses": "warpwear.contact.stress.stresses:Stresses",
@@ -59,6 +62,8 @@ __all__ = [
     "InvariantError",
     "Result",
     "RunStep",
+    "ShearCertificate",
+    "ShearedContact",
     "Snapshot",
     "Stresses",
     "Study",
