@@ -28,7 +28,6 @@ class ArrayContact:
     approach: float  # length
     cell: float  # length
     hardness: float | None  # pressure
-    boundary: str | None  # of the half-space; None of springs and of the bearing area
     certificate: Certificate
     evaluations: int
     modulus: float | None = None  # E*, pressure

@@ -243,7 +243,6 @@ def _contact_of(
         approach=solution.approach * task.length,
         cell=cell,
         hardness=hardness,
-        boundary=task.edge,
         certificate=certificate.scaled(length=task.length, pressure=task.pressure, area=cell**2),
         evaluations=solution.evaluations,
     )
