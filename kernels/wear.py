@@ -42,6 +42,7 @@ class Increment:
     stiffness_next: wp.float64
     first_column: wp.int32  # columns between which cells are known to be touched
     last_column: wp.int32
+    is_ready: wp.int32  # 1 between a search that has ended and the row of its step
 
 
 @wp.struct
@@ -149,6 +150,7 @@ def expect(steps: Steps, s: Search, lists_before: Listing, approach: wp.float64,
     c = steps.course[0]
     removal = steps.plan[c.step, 0]
     now = Increment()
+    now.is_ready = 1
     now.wear_per_pressure = removal
     now.stiffness = steps.plan[c.step, 1]
     now.reference = wp.where(c.mean > ZERO, c.mean, wp.where(cap < NONE, cap, ZERO))
@@ -286,6 +288,8 @@ def record(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps
     Steps end where the contact reaches the edge or the rim, as a run may stop there and be kept as it is, and
     at a step whose pressures do not carry the load.
     """
+    if steps.increment[0].is_ready == 0:
+        return
     row = steps.course[0].step
     history = steps.history
     ahead = total_step(tables, history, row, TOTALS)
@@ -319,5 +323,6 @@ def record(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps
             c.step = row + 1
         steps.course[0] = c
         steps.stepping[0] = 0
+        steps.increment[0].is_ready = 0
         if goes_on and c.step < c.steps:
             begin_step(springs, steps)
