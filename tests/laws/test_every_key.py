@@ -27,8 +27,9 @@ from warpwear.laws import archard
 from warpwear.laws.friction import FITTED, KEYS
 from warpwear.page.content import words_of
 from warpwear.results.summary import course, summarise
-from warpwear.study.contact import Friction, Wear
 from warpwear.study.keys import declarations, section_in
+from warpwear.study.sections.friction import Friction
+from warpwear.study.sections.wear import Wear
 from warpwear.sweeps.run_one import Task, run_one
 
 #: The smooth ball at rest on coarse cells, and a rough one: a run of them takes a moment.

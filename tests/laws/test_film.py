@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from warpwear.laws.film import Breaking, fit_breaking, grown_cap
-from warpwear.study.contact import Friction
+from warpwear.study.sections.friction import Friction
 
 FILM = {"thickness": "10 nm", "shear_strength": "40 MPa"}
 

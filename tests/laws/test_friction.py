@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from warpwear.study.contact import Friction
+from warpwear.study.sections.friction import Friction
 
 HISTORY = {
     "distance": np.array([1.0, 50.0, 100.0]),

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from warpwear.laws.archard import WEAR_LAWS, WearLaw, said
-from warpwear.study.contact import Friction, Wear
+from warpwear.study.sections.friction import Friction
+from warpwear.study.sections.wear import Wear
 
 #: Numbers of keys of [wear], three of each, K in mm²/N.
 NUMBERS = {"counter": [1e-6, 2e-6, 0.0], "initial_counter": [4e-6, 2e-6, 1e-6]}

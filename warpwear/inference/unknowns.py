@@ -15,8 +15,9 @@ from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.inference.data import Data
-from warpwear.study.contact import ArchardCoefficient, value_in
 from warpwear.study.keys import key_of, no_such_key
+from warpwear.study.sections.friction import value_in
+from warpwear.study.sections.wear import ArchardCoefficient
 from warpwear.study.study import Study
 from warpwear.study.units import EXAMPLES, Number, Quantity, Range, parse
 from warpwear.sweeps.distributions import Distribution, distribution

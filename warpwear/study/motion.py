@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from warpwear.study.contact import Load
 from warpwear.study.keys import Length, LengthOrZero, Section, key, needs, needs_compliance, when
+from warpwear.study.sections.loads import Load
 from warpwear.study.units import Number, Quantity, Range, is_pair, one_by_one
 
 #: Parts of a distance at rest that no increment exceeds, unless given.

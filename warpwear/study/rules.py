@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from warpwear.laws.archard import CALLED
 from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study import rules_pieces, rules_track
-from warpwear.study.contact import LineLoad
 from warpwear.study.content import Content
 from warpwear.study.keys import check_keys
 from warpwear.study.motion import LENGTHS, WAYS, BlockSection, Sliding
+from warpwear.study.sections.loads import LineLoad
 
 #: More steps than anybody waits for, or than a history holds.
 MOST_STEPS = 1_000_000

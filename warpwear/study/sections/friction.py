@@ -1,0 +1,155 @@
+"""[friction] and [junctions]: what shears."""
+
+from collections.abc import Mapping
+from functools import partial
+from types import MappingProxyType
+from typing import Annotated, Any, Literal
+
+from warpwear.laws.friction import FRICTION_LAWS, KEYS, FrictionLaw
+from warpwear.study.keys import Demand, Length, Pressure, Section, excludes, key, needs, when
+from warpwear.study.units import Number, Quantity, Range
+
+FITTED = when("friction.shear_strength", None, otherwise="does not apply with a friction.shear_strength")
+SHEARS = when("friction.law", "shear-strength")
+UNCHANGED: Mapping[str, Any] = MappingProxyType({})
+
+
+def no_cell_by_cell(why: str, of: tuple[str, ...] = ()) -> tuple[Demand, ...]:
+    """Return the demand that neither a film nor growing junctions give each cell its own shear strength."""
+    return excludes("friction.film", of=of, why=why) + excludes("friction.junction_growth", of=of, why=why)
+
+
+fitted_key = partial(
+    key,
+    one_of="strength: measured",
+    demands=no_cell_by_cell(", which needs friction.shear_strength itself"),
+)
+BARE_STRENGTH = needs(
+    "friction.shear_strength",
+    what="friction.shear_strength, the interfacial shear strength of bare metal, such as '172 MPa'",
+)
+NO_BEARING_CURVE = excludes("wear.law", "bearing-curve", why=", where a share of a cell touches")
+NOT_CONTACT = ("touched", "cumulative", "nominal")
+
+
+class FilmSection(Section):
+    """The section [friction.film] says what covers the bodies until it is worn off."""
+
+    thickness: Length = key(..., "wear depth beyond which a body's cell has lost its film, such as '10 nm'")
+    shear_strength: Pressure = key(
+        ..., "interfacial shear strength of a cell with a film; friction.shear_strength is that of a bare one"
+    )
+    bodies: Literal["both", "counter", "disc"] = key(
+        "both",
+        "bodies that carry a film; a cell of the contact is bare where all of them have lost it",
+        assumed="oxide on both metals",
+        former_value=("sphere", "counter"),
+    )
+    regrowth: Annotated[float | Literal["never"], Quantity("mm", words=("never",))] = key(
+        "never",
+        "sliding distance without wear of a body's cell after which its film is whole again",
+        assumed="the film does not form anew during the test",
+    )
+
+
+class Friction(Section):
+    """The section [friction] says what fixes the coefficient of friction."""
+
+    law: Literal["shear-strength", "coulomb"] = key(
+        "shear-strength",
+        "the coefficient is τ0 × area / load, and ploughing; coulomb: it is friction.coefficient at every "
+        "distance, ploughing included",
+    )
+    shear_strength: Pressure | None = key(
+        None,
+        "interfacial shear strength τ0",
+        one_of="strength",
+        demands=excludes("friction.law", "coulomb", why=", a coefficient alone"),
+    )
+    coefficient: Annotated[float, Number(Range(most=3.0))] = fitted_key(
+        0.6,
+        "measured coefficient that fixes τ0, instead; coulomb: the coefficient μ",
+        assumed="for want of a measured one",
+        applies=FITTED,
+    )
+    calibrate: Literal["end", "initial"] = fitted_key(
+        "end", "when the measured coefficient holds", applies=SHEARS + FITTED
+    )
+    ploughing: Annotated[float, Number(Range(or_equal=True, most=3.0))] = key(
+        0.0, "part μ_p of the coefficient that does not shear", applies=SHEARS
+    )
+    initial_ratio: Annotated[float, Number(Range(or_equal=True, most=1000.0))] | None = key(
+        None,
+        "running-in: τ at the start over τ0, with τ0 (1 + (ratio − 1) e^(−L/L_τ)); an empirical fit",
+        applies=SHEARS,
+        demands=needs("friction.running_in")
+        + no_cell_by_cell(": a shear strength that runs in by a fit would be counted twice"),
+    )
+    running_in: Length | None = key(
+        None,
+        "running-in: L_τ of the shear strength",
+        applies=SHEARS,
+        demands=needs("friction.initial_ratio"),
+    )
+    area: Literal["contact", "touched", "cumulative", "nominal"] = key(
+        "contact",
+        "area that shears",
+        applies=SHEARS,
+        demands=no_cell_by_cell(", which shears the cells in contact", of=NOT_CONTACT),
+    )
+    junction_growth: Annotated[float, Number(Range(or_equal=True, most=100.0))] = key(
+        0.0,
+        "α of the cap √(H² − α τ²) of a cell under shear: junctions grow (Tabor: 9 to 27); 0 is none",
+        demands=BARE_STRENGTH
+        + NO_BEARING_CURVE
+        + needs("caps_pressure", what="a finite contact.hardness", why=", which it lowers"),
+    )
+    film: FilmSection | None = key(None, "a film that wear breaks", demands=BARE_STRENGTH + NO_BEARING_CURVE)
+
+    @property
+    def fitted(self) -> Literal["end", "initial", "coulomb"] | None:
+        """Where the coefficient is an input, to which τ0 is fitted, or all of it; None where τ0 is given."""
+        if self.law == "coulomb":
+            return self.law
+        return self.calibrate if self.shear_strength is None else None
+
+    @property
+    def ends_as_given(self) -> bool:
+        """True where the coefficient at the end is an input."""
+        return self.fitted in ("end", "coulomb")
+
+    def law_with(self, values: Mapping[str, Any] = UNCHANGED) -> FrictionLaw:
+        """Return the law by which friction follows from a history. values: as of `Wear.laws`."""
+        own = {key: value_in(self, key) for key in KEYS}
+        numbers = {key: values.get(f"friction.{key}", value) for key, value in own.items()}
+        return FRICTION_LAWS[self.law](numbers)
+
+    @property
+    def limit(self) -> str:
+        """Formula of the shear stress that a body of hardness H bears."""
+        return "H/√α" if self.junction_growth else "H/(3√3)"
+
+    def _check(self) -> None:
+        if self.fitted in ("end", "initial") and self.coefficient <= self.ploughing:
+            raise ValueError(
+                f"friction.coefficient = {self.coefficient:g} must exceed friction.ploughing = "
+                f"{self.ploughing:g}"
+            )
+
+
+def value_in(section: Any, key: str) -> Any:
+    """Return the value of a dotted key of a study or a section; None where a section is not there."""
+    for name in key.split("."):
+        section = getattr(section, name, None)
+    return section
+
+
+class Junctions(Section):
+    """The section [junctions] says what the critical size of junctions follows from."""
+
+    surface_energy: Annotated[float, Quantity("N/mm")] | None = key(
+        None, "surface energy γ, for the critical size of junctions (thesis eq 2.3) beside the islands' sizes"
+    )
+    strength: Pressure | None = key(
+        None, "shear strength σ_j of junctions; by default the hardness/(3√3) of the softer body"
+    )

@@ -1,0 +1,220 @@
+"""What a study is made of, and how its bodies move: its sections, the blocks of its programme, its track."""
+
+import math
+from typing import Self, TypeVar
+
+from pydantic import Field
+
+from warpwear.grid import Grid
+from warpwear.laws.passes import Block, Laps
+from warpwear.laws.patches import Patches
+from warpwear.laws.track import WHOLE, Track
+from warpwear.study.bodies import CounterBody, Disc
+from warpwear.study.contact import Contact
+from warpwear.study.keys import Section, key, when
+from warpwear.study.motion import (
+    FEWEST_CYCLES,
+    MOST_SHIFT,
+    STEPS_OF_STROKE,
+    BlockSection,
+    GridSection,
+    Sliding,
+    Stepping,
+)
+from warpwear.study.sections.friction import Friction, Junctions
+from warpwear.study.sections.loads import LineLoad
+from warpwear.study.sections.wear import Wear
+from warpwear.study.settings import About, Checks, Output, PatchesSection, Run
+
+#: Parts of the sliding distance after which fields are kept of themselves.
+SNAPSHOTS = (0.001, 0.01, 0.1)
+#: Blocks of a programme that a sentence names.
+NAMED = 5
+Loaded = TypeVar("Loaded", Contact, BlockSection)
+
+
+class Programme(Section):
+    """The sections of a study hold its keys; its properties say how bodies move, and in which order."""
+
+    study: About = About()
+    counter: CounterBody
+    disc: Disc
+    contact: Contact
+    wear: Wear
+    grid: GridSection
+    sliding: Sliding
+    block: tuple[BlockSection, ...] | None = key(
+        None, "programme: blocks of other loads, speeds and lengths, one after another"
+    )
+    stepping: Stepping = Stepping()
+    friction: Friction = Friction()
+    junctions: Junctions = Junctions()
+    patches: PatchesSection = key(
+        PatchesSection(),
+        "patches of the two-scale model",
+        applies=when(
+            "study.model", "two-scale", otherwise="does not apply to the {} model: it has no patches"
+        ),
+    )
+    run: Run = Run()
+    checks: Checks = Checks()
+    output: Output = Output()
+    assumed: dict[str, str] = Field(default={}, description="keys that were assumed, and why")
+
+    def _check(self) -> None:
+        """Make a load of a length that of the whole domain, which is known here at first."""
+        self.__dict__["contact"] = self._whole(self.contact)
+        if self.block is not None:
+            self.__dict__["block"] = tuple(self._whole(block) for block in self.block)
+
+    def _whole(self, section: Loaded) -> Loaded:
+        """Return a section whose load, where it is one of a length, is that of the whole domain."""
+        if not isinstance(section.load, LineLoad):
+            return section
+        return section.model_copy(update={"load": LineLoad(section.load.per_length, self.grid.sides[1])})
+
+    @property
+    def parts(self) -> tuple[Self, ...]:
+        """Studies that the blocks of a programme are by themselves; this one alone without a programme."""
+        if self.block is None:
+            return (self,)
+        alone = self.model_copy(update={"block": None})
+        loads = (self.contact.load if block.load is None else block.load for block in self.block)
+        contacts = (self.contact.model_copy(update={"load": load}) for load in loads)
+        slidings = (block.over(self.sliding) for block in self.block)
+        return tuple(
+            alone.model_copy(update={"contact": contact, "sliding": sliding})
+            for contact, sliding in zip(contacts, slidings, strict=True)
+        )
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """Blocks of the programme, in their order; the whole test is one without a programme."""
+        return Block.in_a_row((p.contact.load, p.sliding.total, p.sliding.mean_speed) for p in self.parts)
+
+    @property
+    def loads(self) -> str:
+        """Return the load, or of a programme the smallest and the largest; of a line that of its length."""
+        length, unit = (self.grid.sides[1], "N/mm") if self.is_line else (1.0, "N")
+        loads = [block.load / length for block in self.blocks]
+        least, most = f"{min(loads):.4g}", f"{max(loads):.4g}"
+        return f"{least} {unit}" if least == most else f"{least} to {most} {unit}"
+
+    @property
+    def same_load(self) -> float | None:
+        """Return the load of the whole test [N]; None where blocks differ in it."""
+        loads = {block.load for block in self.blocks}
+        return loads.pop() if len(loads) == 1 else None
+
+    @property
+    def programme(self) -> str | None:
+        """Return the blocks of the programme in words, the first of many; None without a programme."""
+        if self.block is None:
+            return None
+        parts = [f"{block.load:.4g} N over {block.length:.6g} mm" for block in self.blocks]
+        return ", ".join(parts[:NAMED]) + (f" and {len(parts) - NAMED} more" if len(parts) > NAMED else "")
+
+    @property
+    def is_swept(self) -> bool:
+        """True where the counter-body slides over a track, false where it stays on the same cells."""
+        return self.kinematics == "swept"
+
+    @property
+    def kinematics(self) -> str:
+        """How the bodies move: as named, else "swept" of the micro model with a stroke or a track radius."""
+        slides = self.study.model == "micro" and self.sliding.lap is not None
+        return self.sliding.kinematics or ("swept" if slides else "stationary")
+
+    @property
+    def shift(self) -> int:
+        """Cells that a step of a swept study covers: as named, else what leaves a stroke its least steps.
+
+        Of a track whose length is named it is a divisor, if there is one that is more than half as many.
+        """
+        sliding, cell, lap = self.sliding, self.grid.cell, self.sliding.lap
+        assert lap is not None  # checked with the study
+        most = max(1, min(MOST_SHIFT, math.floor(lap / cell / STEPS_OF_STROKE * (1.0 + WHOLE))))
+        cells = most if sliding.track == "full" else round(float(sliding.track) / cell)
+        fits = (n for n in range(most, most // 2, -1) if cells % n == 0)
+        return sliding.shift or next(fits, most)
+
+    @property
+    def jumps(self) -> bool:
+        """True where a computed cycle of a track may stand for more than itself."""
+        if not self.is_swept or self.stepping.jump == 1:
+            return False
+        if self.stepping.jump != "auto":
+            return True
+        # Which pieces leave next is another matter in each cycle: no error bounds a jump over them.
+        return not self.wear.sheds and self.sliding.total >= FEWEST_CYCLES * self.track.cycle
+
+    @property
+    def increments(self) -> tuple[float, float, float]:
+        """First increment at rest [mm], the factor by which increments grow, and the largest [mm]."""
+        return self.stepping.plan(self.sliding.total)
+
+    @property
+    def lap(self) -> float | None:
+        """Distance that a pass over the track slides [mm]; None where the disc lies still."""
+        return self.sliding.lap if self.is_swept else None
+
+    @property
+    def laps(self) -> Laps | None:
+        """How the passes of a swept study repeat; None where the disc lies still."""
+        return None if self.lap is None else Laps(self.lap, self.sliding.track_radius is None)
+
+    @property
+    def track(self) -> Track:
+        """The track that a swept study asks for; `rules_track` says whether it may."""
+        sliding, cell, shift = self.sliding, self.grid.cell, self.shift
+        lap = sliding.lap
+        assert lap is not None  # checked with the study
+        rotates = sliding.track_radius is not None
+        if sliding.track != "full":
+            cells = round(float(sliding.track) / cell)
+        elif rotates:
+            cells = max(1, round(lap / (shift * cell))) * shift
+        else:
+            cells = round(lap / cell)
+        periodic = rotates or sliding.track != "full"
+        return Track(cells, shift, cell, self.cells.nx, lap, periodic, not rotates)
+
+    @property
+    def patch_layout(self) -> Patches:
+        """The places of the patches that a two-scale study asks for."""
+        domain, patches = self.cells, self.patches
+        pitch, side = round(patches.macro_cell / domain.cell), round(patches.patch_width / domain.cell)
+        seed = patches.seed if patches.placement == "random" else None
+        return Patches.laid_out(domain, pitch=pitch, side=side, seed=seed)
+
+    @property
+    def boundary(self) -> str:
+        """Boundary of the half-space, or of every patch: "free", "periodic" or "line"."""
+        whole_counter = not self.counter.form.is_flat and self.study.model != "two-scale"
+        return self.contact.boundary or ("free" if whole_counter else "periodic")
+
+    @property
+    def is_line(self) -> bool:
+        """True where the contact goes on across sliding beyond the domain, which is a part of its length."""
+        along, across = self.counter.form.rises
+        if self.contact.law == "half-space":
+            return self.boundary == "line"
+        return along and not across and self.study.model != "two-scale"
+
+    @property
+    def repeats(self) -> bool:
+        """True where the domain, with the counter-body, is repeated beside itself."""
+        elastic = self.contact.law == "half-space" and self.study.model == "micro"
+        return elastic and self.boundary == "periodic"
+
+    @property
+    def cells(self) -> Grid:
+        """The grid of cells that the study asks for."""
+        nx, ny = (round(side / self.grid.cell) for side in self.grid.sides)
+        return Grid(nx, ny, self.grid.cell)
+
+    @property
+    def snapshot_distances(self) -> tuple[float, ...]:
+        """Sliding distances [mm] that fields are kept at, or where the next step ends, beside the end."""
+        snapshots = self.output.snapshots
+        return tuple(part * self.sliding.total for part in SNAPSHOTS) if snapshots == "auto" else snapshots

@@ -1,0 +1,207 @@
+"""[wear]: what each body loses."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from numbers import Real
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import Field, PlainSerializer, PlainValidator
+
+from warpwear.laws.archard import BODIES, COEFFICIENTS, WEAR_LAWS, WearLaw
+from warpwear.laws.friction import COEFFICIENT
+from warpwear.study.keys import Length, Section, excludes, key, needs, when
+from warpwear.study.sections.friction import UNCHANGED
+from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, Range, parse, text
+
+AT_REST = when(
+    "kinematics",
+    "stationary",
+    otherwise="does not apply to sliding.kinematics = '{}', where a cell slides while the contact is over it",
+)
+SHEDS = when("wear.sheds", otherwise="does not apply without a wear.particle: all wear leaves at once")
+shed_key = partial(key, applies=SHEDS)
+running_in_key = partial(key, applies=when("wear.law", "running-in"))
+THICKNESS = (
+    "wear.particle_thickness, such as '0.6 um': measure it as 4 times Rq of the worn counter-body along "
+    "sliding, or on flakes in the SEM"
+)
+CRITICAL = (
+    "junctions.surface_energy, such as '2 J/m^2', and of the softer body Young's modulus, Poisson's ratio "
+    "and hardness; or give a diameter, such as '20 um'"
+)
+NOT_BY_AREA = (
+    ": by a shear strength all cells that touch would wear alike, whatever their pressure, which no contact "
+    "here is solved with"
+)
+IN_ONE_PROPORTION = ", which keeps what counter-body and disc wear in one proportion"
+
+
+@dataclass(frozen=True)
+class ArchardCoefficient:
+    """A wear coefficient is K of V = K F L [mm³/(N·m)], k of V = k F L / H, a bare number, or α [mm³/J]."""
+
+    unit: ClassVar[str] = "mm^3/N/m"
+    of_energy: ClassVar[str] = "mm^3/J"
+    range: ClassVar[Range] = NOT_NEGATIVE
+
+    value: float
+    dimensionless: bool = False
+    #: Whether it is volume over friction energy. A joule is a newton metre: units alone do not tell.
+    per_energy: bool = False
+
+    @classmethod
+    def read(cls, quantity: Any) -> Self:
+        """Return the coefficient of a quantity, or of a bare number. Raises ValueError."""
+        if isinstance(quantity, cls):
+            return quantity
+        bare = isinstance(quantity, Real) and not isinstance(quantity, bool)
+        value = Number(cls.range).read(quantity) if bare else parse(quantity, cls.unit)
+        return cls(cls.range.check(value), bare, not bare and "J" in str(quantity).replace("joule", "J"))
+
+    def write(self) -> str | float:
+        """Return what `read` reads back: text with a unit, or a bare number."""
+        unit = self.of_energy if self.per_energy else self.unit
+        return self.value if self.dimensionless else text(self.value, unit)
+
+    def resolved(self, hardness: float, friction: Any = math.nan) -> Any:
+        """Return K [mm²/N] (thesis eqs 4.12 and 4.13). hardness: H of V = k F L / H [MPa].
+
+        friction: coefficient μ, of K = α μ.
+        """
+        if self.per_energy:
+            return 1.0e-3 * (self.value * friction)
+        return self.value / hardness if self.dimensionless else 1.0e-3 * self.value
+
+
+WearCoefficient = Annotated[
+    ArchardCoefficient, PlainValidator(ArchardCoefficient.read), PlainSerializer(ArchardCoefficient.write)
+]
+
+
+class Wear(Section):
+    """The section [wear] says what each body loses."""
+
+    counter: WearCoefficient = key(
+        ...,
+        'wear coefficient K of the counter-body, such as "2e-6 mm^3/N/m"; 0 where it does not wear; without '
+        "a unit k = K H, H as of the disc",
+        formerly="wear.sphere",
+    )
+    disc: WearCoefficient = key(
+        ...,
+        'wear coefficient K of the disc, such as "2e-6 mm^3/N/m"; 0 where it does not wear; without a unit '
+        "k = K H, with contact.hardness or else the softer body's for both bodies",
+    )
+    law: Literal["archard", "exponential", "running-in", "bearing-curve", "energy"] = key(
+        "archard",
+        "depth = K × pressure × distance, K constant or by an empirical law of the distance slid; energy: "
+        "depth = α × friction energy of an area, with counter and disc in mm^3/J",
+        demands=needs("wear.decay", of="exponential")
+        + needs("wear.running_in", of="running-in")
+        + needs("wear.starts_apart", of="running-in", what="wear.initial_counter or wear.initial_disc")
+        + needs("study.model", "macro", of="bearing-curve", why=": the other models resolve the roughness")
+        + needs("stepping.scheme", "implicit", of="bearing-curve")
+        + excludes("study.model", "two-scale", of="running-in", why=IN_ONE_PROPORTION)
+        + needs("friction.law", "coulomb", of="energy", why=NOT_BY_AREA),
+    )
+    decay: Annotated[float, Quantity("1/mm")] | None = key(
+        None,
+        "exponential: α of V = K F (1 − e^(−αL))/α, an empirical fit",
+        applies=when("wear.law", "exponential"),
+    )
+    running_in: Length | None = running_in_key(
+        None, "running-in: L0 of K + (K0 − K) e^(−L/L0), an empirical fit"
+    )
+    initial_counter: WearCoefficient | None = running_in_key(
+        None,
+        "running-in: K0 of the counter-body; K if not given",
+        formerly="wear.initial_sphere",
+    )
+    initial_disc: WearCoefficient | None = running_in_key(None, "running-in: K0 of the disc; K if not given")
+    distance_factor: Literal["none", "across", "radial"] = key(
+        "none",
+        "shorter sliding distance of disc cells beside the middle, √(1 − d²/R²): d across or radial",
+        applies=AT_REST,
+        demands=excludes("study.model", "two-scale", of=("across", "radial"), why=IN_ONE_PROPORTION)
+        + excludes("contact.law", "half-space", of=("across", "radial"))
+        + needs("counter.shape", "ball", of=("across", "radial"))
+        + excludes("wear.particle", of=("across", "radial")),
+    )
+    particle: Annotated[float | Literal["critical"], Quantity("mm", words=("critical",))] | None = key(
+        None,
+        "diameter d* of the pieces in which worn volume leaves; critical: that of thesis eq 2.3, see "
+        "[junctions]; if not given, it leaves at once, as dust",
+        demands=needs("wear.particle_thickness", what=THICKNESS)
+        + needs("study.model", "micro", why=": patches would cut pieces, and smooth bodies have none")
+        + needs("critical_junction", of="critical", what=CRITICAL),
+    )
+    particle_thickness: Length | None = shed_key(
+        None,
+        "thickness t of a piece at its middle: 4 Rq of profiles of the worn counter-body along sliding, form "
+        "removed, or of flakes in SEM",
+    )
+    dust_fraction: Annotated[float, Number(Range(or_equal=True, most=1.0))] = shed_key(
+        0.0,
+        "share of the worn volume that leaves at once beside the pieces",
+        assumed="wear in pieces alone; a few per cent change the course",
+    )
+    pending_start: Literal["zero", "uniform"] = shed_key(
+        "zero",
+        "volume that pieces have gathered before the test: none, or drawn, so that they are at every stage",
+        assumed="unworn bodies: the first pieces take a while",
+    )
+    pending_seed: Annotated[int, Field(ge=0, strict=True)] = key(
+        0, "seed of the uniform start", applies=SHEDS + when("wear.pending_start", "uniform")
+    )
+
+    @property
+    def sheds(self) -> bool:
+        """True where worn volume leaves in pieces."""
+        return self.particle is not None
+
+    @property
+    def unit(self) -> str:
+        """Give the unit that coefficients have under the law."""
+        return ArchardCoefficient.of_energy if self.law == "energy" else ArchardCoefficient.unit
+
+    def laws(
+        self, hardness: float, friction: float, values: Mapping[str, Any] = UNCHANGED
+    ) -> tuple[WearLaw, WearLaw]:
+        """Return the laws of counter-body and disc. hardness: H of V = k F L / H [MPa].
+
+        friction: coefficient, of the energy law. values: dotted keys -> numbers, or arrays of them, in the
+        keys' units, that replace those of the study.
+        """
+        friction = values.get(f"friction.{COEFFICIENT}", friction)
+
+        def number(key: str) -> Any:
+            value = values.get(f"wear.{key}")
+            if value is None:
+                value = getattr(self, key)
+            elif key in COEFFICIENTS:
+                value = ArchardCoefficient(value, per_energy=self.law == "energy")
+            return value.resolved(hardness, friction) if isinstance(value, ArchardCoefficient) else value
+
+        counter, disc = (WEAR_LAWS[self.law].of(body, number) for body in BODIES)
+        return counter, disc
+
+    @property
+    def starts_apart(self) -> bool:
+        """True where a body runs in, from a coefficient of its own."""
+        return self.initial_counter is not None or self.initial_disc is not None
+
+    @property
+    def per_energy(self) -> dict[str, float]:
+        """Map a body to its coefficient α of the energy law [mm³/J]."""
+        return {body: getattr(self, body).value for body in BODIES}
+
+    def _check(self) -> None:
+        for name in sorted(COEFFICIENTS):
+            value, other = getattr(self, name), "the energy of friction" if self.law == "energy" else "load"
+            if value and value.value and value.per_energy != (self.law == "energy"):
+                raise ValueError(
+                    f"wear.{name} = '{value.write()}' does not go with wear.law = '{self.law}', which wears "
+                    f"by {other}: its unit is {self.unit}"
+                )
