@@ -23,7 +23,7 @@ import pandas as pd
 import tomli_w
 
 HERE = Path(__file__).parent
-#: A band whose ends differ by more says nothing; a point of the rigid form counts with this part on either side.
+#: A band whose ends differ by more says nothing; a rigid form's point counts with this part on either side.
 WIDEST, POINT = 4.0, 0.05
 #: Circumference of the track of c1 and c2 [m], and how far their courses are computed [m].
 LAP, REACH = 2.0 * math.pi * 3.02e-3, 8.0
