@@ -211,9 +211,8 @@ def measure(data: Path) -> None:
 @main.command()
 def table() -> None:
     """Print the table of the documentation."""
-    click.echo(
-        "| test | quantity | predicted, 5 to 95 % | rigid form | measured | verdict |\n|---|---|---|---|---|---|"
-    )
+    click.echo("| test | quantity | predicted, 5 to 95 % | rigid form | measured | verdict |")
+    click.echo("|---|---|---|---|---|---|")
     for row in table_rows():
         click.echo("| " + " | ".join(row) + " |")
 
