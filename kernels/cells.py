@@ -138,15 +138,6 @@ def lowest_of(v: Cells):
 
 
 @wp.func
-def largest_of(v: Cells):
-    """Find the largest of the lanes, pair by pair."""
-    return wp.max(
-        wp.max(wp.max(v[0], v[1]), wp.max(v[2], v[3])),
-        wp.max(wp.max(v[4], v[5]), wp.max(v[6], v[7])),
-    )
-
-
-@wp.func
 def of_row(values: wp.array(dtype=wp.float64), row: wp.int32):
     """Return the value of a row, or the one value that all rows share."""
     return values[wp.min(row, values.shape[0] - 1)]

@@ -37,6 +37,21 @@ def bound(solve: Solve):
     """Bring pressures down to caps that may have fallen."""
 
 
+@native_pass("yield<false>", module=TOGETHER)
+def yield_to_pressure(solve: Solve):
+    """Add what compliances of each cell make of the pressure to its response."""
+
+
+@native_pass("yield<true>", module=TOGETHER)
+def yield_to_step(solve: Solve):
+    """Add what compliances of each cell make of the step to its response."""
+
+
+@native_pass("weigh", module=TOGETHER)
+def weigh(solve: Solve):
+    """Give each cell the share in the preconditioner that its compliance leaves it."""
+
+
 @native_pass("gradient", module=TOGETHER)
 def gradient(solve: Solve):
     """Make the gradient of the present pressure from its response."""

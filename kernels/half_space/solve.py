@@ -158,6 +158,7 @@ class Fields:
     gathered: wp.array2d(dtype=wp.float32)  # descent that was extended and gathered; no rows where none is
     cap: wp.float64  # H [MPa]
     fractions: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear all of it
+    yields: wp.array2d(dtype=Cells)  # compliance of each cell [mm/MPa]; no rows where none has its own
 
 
 @wp.struct

@@ -12,7 +12,7 @@ typedef double Lanes;
 typedef double Stored;
 typedef float SingleLanes;
 typedef float StoredSingle;
-typedef long long Counts;
+typedef int Counts; // of one thread
 #else
 typedef double Lanes __attribute__((ext_vector_type(8)));
 typedef double Stored __attribute__((ext_vector_type(8), aligned(8)));
@@ -66,6 +66,7 @@ WARPWEAR_FN double count(Counts v) { return double(v); }
 WARPWEAR_FN double most(Lanes v) { return v; }
 WARPWEAR_FN Lanes doubled(SingleLanes v) { return double(v); }
 WARPWEAR_FN SingleLanes halved(Lanes v) { return float(v); }
+WARPWEAR_FN Lanes root_of(Lanes v) { return sqrt(v); }
 template <typename T> WARPWEAR_FN void fetch(const T*) {}
 #else
 WARPWEAR_FN Lanes size_of(Lanes v) { return __builtin_elementwise_abs(v); }
@@ -88,6 +89,11 @@ WARPWEAR_FN double most(Lanes v)
 }
 WARPWEAR_FN Lanes doubled(SingleLanes v) { return __builtin_convertvector(v, Lanes); }
 WARPWEAR_FN SingleLanes halved(Lanes v) { return __builtin_convertvector(v, SingleLanes); }
+WARPWEAR_FN Lanes root_of(Lanes v)
+{
+    for (int j = 0; j < LANES; ++j) v[j] = wp::sqrt(v[j]);
+    return v;
+}
 template <typename T> WARPWEAR_FN void fetch(const T* place) { __builtin_prefetch(place, 1); }
 #endif
 

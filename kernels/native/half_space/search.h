@@ -19,7 +19,7 @@ static const double ROUNDING_OF_SUM = 4.0e-16;
 // Where the cells of a row lie, and their caps.
 struct SearchRow {
     Stored *pressure, *gradient, *trial, *step, *response;
-    const Stored *gap, *fractions;
+    const Stored *gap, *fractions, *yields;
     const StoredSingle* gathered;
     Lanes cap;
     int number;
@@ -29,9 +29,10 @@ struct SearchRow {
         : pressure(row_of(fields.pressure, row)), gradient(row_of(fields.gradient, row)),
           trial(row_of(fields.trial, row)), step(row_of(fields.step, row)),
           response(row_of(fields.response, row)), gap(row_of(fields.gap, row)), fractions(nullptr),
-          gathered(nullptr), cap(fields.cap), number(row)
+          yields(nullptr), gathered(nullptr), cap(fields.cap), number(row)
     {
         if (fields.fractions.shape[0] > 0) fractions = row_of(fields.fractions, row);
+        if (fields.yields.shape[0] > 0) yields = row_of(fields.yields, row);
         if (fields.gathered.shape[0] > 0) gathered = (const StoredSingle*)&wp::index(fields.gathered, row, 0);
     }
 
@@ -144,6 +145,32 @@ template <typename Solve> WARPWEAR_FN void bound(int slot, int slots, Solve& sol
         return [row](int i) {
             const Lanes p = row.pressure[i], cap = row.cap_of(i);
             row.pressure[i] = p < cap ? p : cap;
+        };
+    });
+}
+
+// What compliances of each cell add to the response to the pressure, or to the step.
+template <bool of_step, typename Solve> WARPWEAR_FN void yield(int slot, int slots, Solve& solve)
+{
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&) {
+        return [row](int i) {
+            CONTRACT_FAST
+            const Lanes x = of_step ? row.step[i] : row.pressure[i], b = row.yields[i];
+            row.response[i] = row.response[i] + b * x;
+        };
+    });
+}
+
+// The share of a cell in what the preconditioner is given, and in what it gives: w = 1/sqrt(1 + b M/4) with
+// its compliance b and the largest coefficient M of the inverse. w M w is about the inverse with b then.
+template <typename Solve> WARPWEAR_FN void weigh(int slot, int slots, Solve& solve)
+{
+    const Lanes quarter = 0.25 * solve.numbers.data[0].stiffness;
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&) {
+        return [=](int i) {
+            CONTRACT_FAST
+            const Lanes one = 1.0, b = row.yields[i];
+            row.trial[i] = row.trial[i] / root_of(one + quarter * b);
         };
     });
 }

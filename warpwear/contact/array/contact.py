@@ -20,7 +20,7 @@ class ArrayContact:
     elsewhere, gap ≤ 0 at the hardness) over the rms height of the gap before contact. certificate: that and
     more, reckoned anew from the pressure: by how much its energy can exceed the least, above all.
     evaluations: pairs of Fourier transforms on a half-space, else passes over the cells that a trial approach
-    took.
+    took. modulus, boundary: of the half-space; None where there is none.
     """
 
     pressure: FloatArray  # pressure, shape (nx, ny)
@@ -30,6 +30,8 @@ class ArrayContact:
     hardness: float | None  # pressure
     certificate: Certificate
     evaluations: int
+    modulus: float | None = None  # E*, pressure
+    boundary: str | None = None
 
     @property
     def residual(self) -> float:

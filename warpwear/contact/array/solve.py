@@ -6,6 +6,7 @@ Numbers are in consistent units of the caller's choice; the solvers work in unit
 import math
 import warnings
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -162,6 +163,7 @@ def solve_contact(
         try:
             solve = partial(solve_half_space, tolerance=tolerance) if edge else solve_cells
             contact, carried = _contact_of(task, solve(task, executor), executor, hardness, tolerance)
+            contact = replace(contact, modulus=modulus, boundary=edge)
         except ConvergenceError as error:
             raise ConvergenceError(
                 f"solve_contact failed: with {task.length:.6g} for a mm and {task.pressure:.6g} for a MPa, "

@@ -86,10 +86,11 @@ class SearchRules:
 class Search:
     """Looks for a pressure under one operator, on one gap.
 
-    gap: from the mean planes [mm]. fractions: of the hardness, that cells bear; None: all of it. groups: 1,
-    all rows together, or as many as the executor has rows, each of which has a load of its own. tiled:
-    whether gradients are extended tile by tile, as a CPU does by default. After a run `numbers` and `groups`
-    hold what the search knows, by the names of `kernels.half_space.solve`.
+    gap: from the mean planes [mm]. fractions: of the hardness, that cells bear; None: all of it. yields:
+    compliance of each cell beside the operator's [mm/MPa]; None: none. groups: 1, all rows together, or as
+    many as the executor has rows, each of which has a load of its own. tiled: whether gradients are extended
+    tile by tile, as a CPU does by default. After a run `numbers` and `groups` hold what the search knows, by
+    the names of `kernels.half_space.solve`.
     """
 
     def __init__(
@@ -101,6 +102,7 @@ class Search:
         rules: SearchRules,
         fields: Mapping[str, Field],
         fractions: Field | None,
+        yields: Field | None = None,
         groups: int,
         tiled: bool | None = None,
     ) -> None:
@@ -108,8 +110,10 @@ class Search:
         device, grid = executor.device, executor.grid
         on_cpu = device.is_cpu
         self._single = operator.of_one_grid and on_cpu and operator.cells >= LEAST_SINGLE
-        self._extends = operator.of_one_grid
-        self._few = rules.few if operator.of_one_grid and on_cpu and hardness < NO_CAP and groups == 1 else 0
+        self._yields = yields is not None
+        plain = operator.of_one_grid and not self._yields
+        self._extends = plain
+        self._few = rules.few if plain and on_cpu and hardness < NO_CAP and groups == 1 else 0
         #: Whether what is extended is gathered tile by tile.
         self._tiled = on_cpu if tiled is None else tiled
         rows = grid.nx * (1 if self._tiled else 2) * self._extends
@@ -130,6 +134,7 @@ class Search:
                 **fields,
                 cap=min(hardness, NO_CAP),
                 fractions=executor.zeros(0) if fractions is None else fractions,
+                yields=executor.zeros(0) if yields is None else yields,
                 gathered=array(gathered, wp.float32),
             ),
             request=array(len(Request), wp.float64),
@@ -287,7 +292,11 @@ class Search:
         search, trial = self._solve, self._solve.fields.trial
         if not self._extends:
             self._pass(program, passes.residual)
+            if self._yields:
+                self._pass(program, passes.weigh)
             self._operator.say_inverse(program, trial, trial)
+            if self._yields:
+                self._pass(program, passes.weigh)
             return
         self._pass(program, passes.scatter)
         program.decide(steps.judge_scatter, search)
@@ -327,6 +336,8 @@ class Search:
     def _respond(self, program: Program, field: str, *, single: bool) -> None:
         fields = self._solve.fields
         self._operator.say_response(program, getattr(fields, field), fields.response, single=single)
+        if self._yields:
+            self._pass(program, passes.yield_to_step if field == "step" else passes.yield_to_pressure)
 
     def _pass(self, program: Program, kernel: Any, *more: Any) -> None:
         program.launch(kernel, self._solve, *more, slots=self._slots, chunks=self._chunks)

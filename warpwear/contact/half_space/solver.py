@@ -60,7 +60,7 @@ class BoundedPressure:
         names = "pressure", "gradient", "trial", "step", "response"
         self._fields = {name: executor.zeros() for name in names}
         self._search: Search | None = None
-        #: Gap, cap fractions and groups that the search is said for.
+        #: Gap, cap fractions, compliances of cells and groups that the search is said for.
         self._said: tuple[Any, ...] = ()
         self._started = False
 
@@ -92,6 +92,7 @@ class BoundedPressure:
         streak_compliance: float = 0.0,
         streak_window: int | None = None,
         parts: Field | None = None,
+        yields: Field | None = None,
         certified: bool | None = True,
         then: Callable[[Search], Program] | None = None,
     ) -> HalfSpaceContact:
@@ -102,9 +103,10 @@ class BoundedPressure:
         the mean planes [mm]. compliance: c of every cell beside the half-space's [mm/MPa]: K ΔL of both
         bodies for an implicit step of wear. streak_compliance: K ΔL of a body that the other slides over,
         under pressures averaged along x, see `Influence`. streak_window: cells of that mean; None: the whole
-        line. parts: of the hardness, 0 < part ≤ 1, that cells bear; None: all of it. certified: whether to
-        certify the pressure, for one more pair of transforms; None: if it is found from nothing. then: the
-        program that follows a search before the host looks.
+        line. parts: of the hardness, 0 < part ≤ 1, that cells bear; None: all of it. yields: compliance that
+        each cell has beside these [mm/MPa]; None: none. certified: whether to certify the pressure, for one
+        more pair of transforms; None: if it is found from nothing. then: the program that follows a search
+        before the host looks.
 
         Raises InputError for a load that the hardness cannot carry, ConvergenceError where the tolerance is
         not met.
@@ -112,8 +114,10 @@ class BoundedPressure:
         loads = self._loads(mean_pressure, approach)
         compliances = compliance, streak_compliance, streak_window
         certified = not self._started if certified is None else certified
-        transforms = 0 if self._started else self._start(gap, mean_pressure, approach, compliances, parts)
-        search = self._search_for(gap, parts, groups=isinstance(mean_pressure, np.ndarray))
+        transforms = (
+            0 if self._started else self._start(gap, mean_pressure, approach, compliances, parts, yields)
+        )
+        search = self._search_for(gap, parts, yields, groups=isinstance(mean_pressure, np.ndarray))
         self._influence.set_compliance(*compliances)
         request = {
             Request.RESPONSE: self._influence.shortest_response + compliance,
@@ -141,6 +145,7 @@ class BoundedPressure:
         approach: float | None,
         compliances: Compliances,
         parts: Field | None,
+        yields: Field | None,
     ) -> int:
         """Find a first pressure, where there is a way to; the pairs of transforms that it took."""
         return 0
@@ -149,9 +154,9 @@ class BoundedPressure:
         """Return the displacement under the pressure that was certified last [mm]; lost in a solve."""
         return self._fields["response"]
 
-    def _search_for(self, gap: Field, parts: Field | None, *, groups: bool) -> Search:
-        """Return the search for contacts with a gap and cap fractions; it is said once for each."""
-        said = gap.ptr, None if parts is None else parts.ptr, groups
+    def _search_for(self, gap: Field, parts: Field | None, yields: Field | None, *, groups: bool) -> Search:
+        """Return the search for contacts with a gap, caps and compliances; it is said once for each."""
+        said = gap.ptr, *(None if field is None else field.ptr for field in (parts, yields)), groups
         if self._search is None or said != self._said:
             self._search = None  # and its memory, before the next takes its own
             self._search = Search(
@@ -161,6 +166,7 @@ class BoundedPressure:
                 rules=self._rules,
                 fields={"gap": gap, **self._fields},
                 fractions=parts,
+                yields=yields,
                 groups=self._executor.grid.nx if groups else 1,
             )
             self._said = said
@@ -232,9 +238,9 @@ class HalfSpace(BoundedPressure):
         datum = executor.grid.nx * executor.grid.cell if datum is None else datum
         elastic: dict[str, Any] = {"modulus": modulus, "boundary": boundary, "datum": datum}
         self._like = elastic | {name: options[name] for name in ("hardness", "rules") if name in options}
-        #: The solver on wide cells, and its gap and cap fractions.
+        #: The solver on wide cells, and its gap, cap fractions and compliances.
         self._wide: HalfSpace | None = None
-        self._wide_fields: tuple[Field, Field] = None, None
+        self._wide_fields: tuple[Field, ...] = ()
         super().__init__(executor, Influence(executor, **elastic), **options)
 
     def _start(
@@ -244,12 +250,15 @@ class HalfSpace(BoundedPressure):
         approach: float | None,
         compliances: Compliances,
         parts: Field | None,
+        yields: Field | None,
     ) -> int:
         """Start from the contact on cells twice as wide, of whose transforms four count as one."""
         fine = self._executor
         if not coarse_start.is_worth_it(fine):
             return 0
-        if self._wide is None or (self._wide_fields[1] is None) != (parts is None):
+        fields = gap, parts, yields
+        there = [field is not None for field in fields]
+        if self._wide is None or [field is not None for field in self._wide_fields] != there:
             self._wide = HalfSpace(
                 Executor(coarse_start.coarse_grid(fine.grid), device=str(fine.device), threads=fine.threads),
                 tolerance=coarse_start.TOLERANCE,
@@ -257,20 +266,24 @@ class HalfSpace(BoundedPressure):
                 **self._like,
             )
             of_wide = self._wide._executor
-            self._wide_fields = of_wide.zeros(), None if parts is None else of_wide.zeros()
+            self._wide_fields = tuple(of_wide.zeros() if one else None for one in there)
         wide, on = self._wide, self._wide._executor
         own, streak, window = compliances
-        wide_gap, wide_parts = self._wide_fields
         wide.forget()
         try:
+            wide_gap, wide_parts, wide_yields = (
+                None if field is None else coarse_start.restrict(fine, field, on, target)
+                for field, target in zip(fields, self._wide_fields, strict=True)
+            )
             contact = wide.solve(
-                coarse_start.restrict(fine, gap, on, wide_gap),
+                wide_gap,
                 mean_pressure=mean_pressure,
                 approach=approach,
                 compliance=own,
                 streak_compliance=streak,
                 streak_window=None if window is None else max(window // 2, 1),
-                parts=None if parts is None else coarse_start.restrict(fine, parts, on, wide_parts),
+                parts=wide_parts,
+                yields=wide_yields,
                 certified=False,
             )
         except (ConvergenceError, InputError):
@@ -278,7 +291,7 @@ class HalfSpace(BoundedPressure):
         coarse_start.prolong(on, contact.pressure_field, fine, self.pressure_field)
         self._started, transforms = True, -(-contact.transforms // 4)
         if coarse_start.memory_is_short(fine):
-            self._wide, self._wide_fields = None, (None, None)
-            del wide, on, contact, wide_gap, wide_parts
+            self._wide, self._wide_fields = None, ()
+            del wide, on, contact, wide_gap, wide_parts, wide_yields
             release(fine.device)
         return transforms

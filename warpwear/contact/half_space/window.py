@@ -133,17 +133,23 @@ class OnWindow:
         self._whole, self._part = whole, Executor(grid, device=device, threads=threads, fields_needed=0.0)
         self.solver = HalfSpace(self._part, **law)
         self.gap = self._part.zeros()
-        self.fractions: Field | None = None  # of the hardness, that cells bear
+        #: Of the hardness, that cells bear, and their own compliances.
+        self.fractions: Field | None = None
+        self.yields: Field | None = None
         #: Row and vector of the whole grid where it begins.
         self.first = wp.zeros(2, dtype=wp.int32, device=whole.device)
         self._programs: dict[Any, tuple[tuple[Any, ...], Program]] = {}
 
-    def take(self, gap: Field, pressure: Field, fractions: Field | None) -> None:
-        """Copy what fields of the whole grid hold there."""
+    def take(self, gap: Field, pressure: Field, **others: Field | None) -> None:
+        """Copy what fields of the whole grid hold there. others: fractions and yields, or None."""
         pairs = [(gap, self.gap), (pressure, self.solver.pressure_field)]
-        if fractions is not None:
-            self.fractions = self._part.zeros() if self.fractions is None else self.fractions
-            pairs.append((fractions, self.fractions))
+        for name, field in others.items():
+            if field is None:
+                setattr(self, name, None)
+                continue
+            if getattr(self, name) is None:
+                setattr(self, name, self._part.zeros())
+            pairs.append((field, getattr(self, name)))
 
         def say(program: Program) -> None:
             for field, part in pairs:
@@ -241,6 +247,7 @@ class WindowedHalfSpace:
         streak_compliance: float = 0.0,
         streak_window: int | None = None,
         parts: Field | None = None,
+        yields: Field | None = None,
         least_part: float = 1.0,
         certified: bool | None = True,
     ) -> HalfSpaceContact:
@@ -270,7 +277,7 @@ class WindowedHalfSpace:
             window, here = self._window, self._here
             assert window is not None
             assert here is not None
-            here.take(gap, self._pressure, parts)
+            here.take(gap, self._pressure, fractions=parts, yields=yields)
             self._clear_beside(window)
             if self._started:
                 here.solver.go_on()
@@ -282,7 +289,8 @@ class WindowedHalfSpace:
                 compliance=compliance,
                 streak_compliance=streak_compliance,
                 streak_window=streak_window,
-                parts=None if parts is None else here.fractions,
+                parts=here.fractions,
+                yields=here.yields,
                 certified=certified,
                 then=partial(self._after, here, gap),
             )
