@@ -201,7 +201,7 @@ class Programme(Section):
 
     @property
     def tracks(self) -> tuple[Track, ...]:
-        """The tracks of the blocks, in the middle of one disc."""
+        """Return the track of each block, in the middle of one disc."""
         longest = self.track
         return tuple(
             track if track.periodic else replace(track, spare=longest.cells - track.cells)
