@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from warpwear.contact.array.shear import ShearCertificate, ShearedContact
     from warpwear.contact.array.solve import solve_contact
     from warpwear.contact.certificate import Certificate
+    from warpwear.contact.stress.stresses import Stresses, stresses
     from warpwear.errors import ConvergenceError, InputError, InvariantError, StudyWarning
     from warpwear.history.snapshot import Snapshot
     from warpwear.inference.infer import infer
@@ -41,12 +42,14 @@ _PUBLIC = {
     "ShearedContact": "warpwear.contact.array.shear:ShearedContact",
     "Snapshot": "warpwear.history.snapshot:Snapshot",
     "Study": "warpwear.study.study:Study",
+    "Stresses": "warpwear.contact.stress.stresses:Stresses",
     "StudyWarning": "warpwear.errors:StudyWarning",
     "SweepResult": "warpwear.sweeps.table:SweepResult",
     "infer": "warpwear.inference.infer:infer",
     "run": "warpwear.runs.run:run",
     "solve_contact": "warpwear.contact.array.solve:solve_contact",
     "steps": "warpwear.runs.run:steps",
+    "stresses": "warpwear.contact.stress.stresses:stresses",
     "sweep": "warpwear.sweeps.sweep:sweep",
 }
 
@@ -62,6 +65,7 @@ __all__ = [
     "ShearCertificate",
     "ShearedContact",
     "Snapshot",
+    "Stresses",
     "Study",
     "StudyWarning",
     "SweepResult",
@@ -70,6 +74,7 @@ __all__ = [
     "run",
     "solve_contact",
     "steps",
+    "stresses",
     "sweep",
 ]
 
