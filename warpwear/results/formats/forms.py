@@ -1,6 +1,8 @@
-"""Fill the forms of `templates/`: pages, paragraphs for people, LaTeX, XML of other software."""
+"""Read the sentences of `templates/`, and fill its forms: pages, paragraphs, LaTeX, XML of other software."""
 
+import tomllib
 from collections.abc import Callable, Mapping
+from importlib.resources import files
 from types import MappingProxyType
 from typing import Any
 
@@ -29,3 +31,9 @@ def filled(
     environment.filters.update(filters)
     text: str = environment.get_template(form).render(content)
     return text
+
+
+def prose(name: str) -> dict[str, Any]:
+    """Read the sentences of a file of `templates/`."""
+    text = files("warpwear").joinpath("templates", f"{name}.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text)
