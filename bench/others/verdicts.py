@@ -94,7 +94,7 @@ def trib(data: Path) -> Values:
 
 
 def below_head(path: Path, head: str, separator: str) -> pd.DataFrame:
-    """Read the numbers below the line that begins so, whatever ends the lines, as text with decimal points."""
+    """Read what stands below the line that begins so, whatever ends the lines, with decimal points."""
     lines = path.read_text(encoding="latin-1").splitlines()
     start = next(row for row, line in enumerate(lines) if line.startswith(head))
     names = [name.strip() for name in lines[start].split(separator)]
