@@ -168,7 +168,7 @@ READERS: dict[str, Callable[[Path], Values]] = {"trib": trib, "saint-gobain": sa
 
 def table_rows() -> Iterator[tuple[str, ...]]:
     """Give a row for each quantity of each case: what was predicted, what was measured, the verdict."""
-    for path in sorted(HERE.glob("*/prediction.toml")):
+    for path in sorted(HERE.glob("*/prediction*.toml")):
         prediction = tomllib.loads(path.read_text(encoding="utf-8"))
         other = path.with_name("measured.toml")
         measured = tomllib.loads(other.read_text(encoding="utf-8")) if other.exists() else {}
