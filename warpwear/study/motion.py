@@ -212,8 +212,10 @@ class BlockSection(Section):
     """A table [[block]] says what differs in it from [contact] and [sliding], and how far it slides."""
 
     load: Annotated[float, Load("N")] | None = key(None, "normal load in the block")
-    stroke: Length | None = key(None, "length of one pass; over a track all blocks have one")
-    track_radius: Length | None = key(None, "instead of stroke: radius of the track on a rotating disc")
+    stroke: Length | None = key(None, "length of one pass; over a track in the middle of the longest")
+    track_radius: Length | None = key(
+        None, "instead of stroke: radius of the track on a rotating disc; over a track all blocks have one"
+    )
     speed: Annotated[float, Quantity("mm/s")] | None = key(None, "sliding speed, for the time axis only")
     frequency: Annotated[float, Quantity("Hz")] | None = key(
         None, "cycles, or with a track_radius revolutions, in a second"
