@@ -13,7 +13,7 @@ from click.testing import CliRunner
 import warpwear
 from warpwear import InputError, Study
 from warpwear.cli.main import commands
-from warpwear.results.crate import NAME
+from warpwear.results.formats.metadata import NAME
 
 #: Pitch of the measured surface [mm].
 PITCH = 0.01

@@ -10,9 +10,9 @@ import tomli_w
 from warpwear.clock import phase
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import EVOLUTION, Quantity, columns_of
-from warpwear.results.crate import write_metadata
 from warpwear.results.evolution import surface_evolution
 from warpwear.results.file import SURFACE_FILE, ResultFile
+from warpwear.results.formats.metadata import write_metadata
 from warpwear.results.report import Row, record, to_json
 from warpwear.results.summary import summarise
 

@@ -9,9 +9,9 @@ from pathlib import Path
 import tomli_w
 
 from warpwear.errors import InputError
-from warpwear.results.crate import FILES, NAME, metadata
 from warpwear.results.file import ResultFile
 from warpwear.results.formats.bodies import Files, Job
+from warpwear.results.formats.metadata import FILES, NAME, metadata
 from warpwear.results.tables import write_tables
 from warpwear.study.loading import FILES as KEYS
 from warpwear.study.loading import insert, value_of
