@@ -25,7 +25,11 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
         "half-spaces over a track",
         lambda study: study.is_swept and study.contact.law == "half-space",
     ),
-    "jump": ("runs that jump over cycles (stepping.jump)", lambda study: study.jumps),
+    "jump": (
+        "runs that jump over cycles (stepping.jump, fretting)",
+        lambda study: study.jumps or study.fretting is not None,
+    ),
+    "fretting": ("fretting (sliding.kinematics)", lambda study: study.fretting is not None),
     "dents": (
         "tracks that keep their dents",
         lambda study: study.is_swept and study.sliding.plastic == "keep",
@@ -136,6 +140,13 @@ LOOKS: dict[str, dict[str, Any]] = {
     **_of_bodies("wear_depth", "deepest wear", family="depth of the deepest cell", **_MICRONS),
     "cof": _look("coefficient of friction"),
     "friction_energy": _look("energy dissipated by friction"),
+    "tangential_force": _look("amplitude of the tangential force"),
+    "displacement": _look("amplitude of the displacement", **_MICRONS),
+    "energy": _look("energy of a cycle"),
+    "energy_ratio": _look("energy ratio of a cycle"),
+    "slip_mean": _look("mean slip of a cycle", **_MICRONS),
+    "stick_area": _look("stick area", "CONTACT"),
+    "slip": _look("slip of a cycle", **_MICRONS),
     "bare_fraction": _look("bare fraction of the area in contact", "DISC"),
     "diameter": _look("diameter as cut", **_MICRONS),
 }
@@ -181,6 +192,15 @@ _DECLARED: dict[tuple[Per, str | None], dict[str, str]] = {
     ("step", "jump"): {
         "cycles [1]": "cycles that the step stands for, each: its increment is of them all",
     },
+    ("step", "fretting"): {
+        "tangential_force [N]": "amplitude Q of the tangential force in a cycle",
+        "displacement [mm]": "amplitude Δ of the bodies' displacement in a cycle; NaN of a line",
+        "displacement_border [mm]": "amplitude of displacement from which on all of the contact slips",
+        "energy [mJ]": "energy that friction dissipates in a cycle",
+        "energy_ratio [1]": "that energy over 4QΔ: 0.2 where a ball begins to slip as a whole, at most 1",
+        "slip_mean [mm]": "way slipped in a cycle, to and fro: the mean over the load",
+        "stick_area [mm^2]": "area in contact that does not slip",
+    },
     ("step", "half-space track"): {
         "parts [1]": "contacts solved in the step, each over a part of its cells; the row holds their means",
         "area_error [1]": "estimated relative error of the contact area by the length of these parts",
@@ -219,6 +239,9 @@ _DECLARED: dict[tuple[Per, str | None], dict[str, str]] = {
     },
     ("cell", "dents"): {
         "plastic_disc [mm]": "depth displaced of the track for good, not worn",
+    },
+    ("cell", "fretting"): {
+        "slip [mm]": "way that a place in contact slips in a cycle, to and fro; 0 where it sticks",
     },
     ("cell", "film"): {
         "bare [1]": "1 where a cell was bare of film as the step began, else 0",
