@@ -16,6 +16,7 @@ from warpwear.history.arrangements import ARRANGEMENTS, name_of
 from warpwear.history.pieces import PieceBook
 from warpwear.history.recorder_patches import PatchBook, bytes_of_book
 from warpwear.laws.bearing_curve import Logistic
+from warpwear.laws.passes import Block
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.laws.track import Track
@@ -85,15 +86,24 @@ class Maker:
         return fields
 
     def needed(self, study: Study, *, device: str) -> float:
-        """Estimate those of a programme: where its load changes a model takes over from another."""
-        return self.fields(study, device=device) * (2.0 if study.same_load is None else 1.0)
+        """Estimate those of a programme: where its load or track changes a model takes over from another."""
+        same_track = not study.is_swept or len(set(study.tracks)) == 1
+        return self.fields(study, device=device) * (
+            1.0 if study.same_load is not None and same_track else 2.0
+        )
 
     def rows_of_bodies(self, study: Study) -> float:
         """Return rows of both bodies over those of the grid."""
         return 2.0
 
     def model(
-        self, study: Study, task: ContactTask, heights: FloatArray, executor: Executor, record: Record
+        self,
+        study: Study,
+        task: ContactTask,
+        heights: FloatArray,
+        executor: Executor,
+        record: Record,
+        block: Block,
     ) -> PreparedModel:
         """Make the model; it may add to the surface's record. Raises InputError for heights it cannot use."""
         raise NotImplementedError
@@ -109,7 +119,13 @@ class AtRest(Maker, name="rest"):
         return super().fields(study, device=device) + (SLIDING_FIELDS + 2.0) * differs + fields
 
     def model(
-        self, study: Study, task: ContactTask, heights: FloatArray, executor: Executor, record: Record
+        self,
+        study: Study,
+        task: ContactTask,
+        heights: FloatArray,
+        executor: Executor,
+        record: Record,
+        block: Block,
     ) -> PreparedModel:
         """Make a model of one grid."""
         curve = bearing_curve_of(study) if study.wear.law == "bearing-curve" else None
@@ -140,10 +156,17 @@ class OnTrack(Maker, name="track"):
         return study.track.rows / study.cells.nx + 1.0
 
     def model(
-        self, study: Study, task: ContactTask, heights: FloatArray, executor: Executor, record: Record
+        self,
+        study: Study,
+        task: ContactTask,
+        heights: FloatArray,
+        executor: Executor,
+        record: Record,
+        block: Block,
     ) -> PreparedModel:
         """Make a model of the whole track."""
-        model = models_track.SweptModel(task, study.track, heights, executor)
+        track = study.tracks[block.number - 1]
+        model = models_track.SweptModel(task, track, heights, executor)
         return PreparedModel(model, heights, record, pieces=model.pieces)
 
 
@@ -157,7 +180,13 @@ class OfPatches(AtRest, name="patches"):
         return Executor(patches.grid, device=device, threads=threads, fields_needed=fields)
 
     def model(
-        self, study: Study, task: ContactTask, heights: FloatArray, executor: Executor, record: Record
+        self,
+        study: Study,
+        task: ContactTask,
+        heights: FloatArray,
+        executor: Executor,
+        record: Record,
+        block: Block,
     ) -> PreparedModel:
         """Make a model of all patches."""
         patches = study.patch_layout

@@ -69,6 +69,8 @@ class Content(Programme):
         sliding = self.sliding
         if sliding.drives_bodies:
             return "mean"
+        if self.block is not None:
+            return sliding.positions or "cells"
         smooth = self.disc.synthetic is not None and self.disc.synthetic.kind == "flat"
         return sliding.positions or ("mean" if smooth and self.stroke_ratio <= HONEST_MEAN else "cells")
 

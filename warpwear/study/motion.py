@@ -176,6 +176,7 @@ class Sliding(Section):
         f"if not given the mean where the disc is smooth and the stroke at most {HONEST_MEAN:g} of the "
         "width of the scar",
         applies=MEANS,
+        demands=excludes("block", of="mean"),
     )
     stroke_of: Literal["slip", "body"] = key(
         "slip",
@@ -281,8 +282,10 @@ class BlockSection(Section):
     """A table [[block]] says what differs in it from [contact] and [sliding], and how far it slides."""
 
     load: Annotated[float, Load("N")] | None = key(None, "normal load in the block")
-    stroke: Length | None = key(None, "length of one pass; over a track all blocks have one")
-    track_radius: Length | None = key(None, "instead of stroke: radius of the track on a rotating disc")
+    stroke: Length | None = key(None, "length of one pass; over a track in the middle of the longest")
+    track_radius: Length | None = key(
+        None, "instead of stroke: radius of the track on a rotating disc; over a track all blocks have one"
+    )
     speed: Annotated[float, Quantity("mm/s")] | None = key(None, "sliding speed, for the time axis only")
     frequency: Annotated[float, Quantity("Hz")] | None = key(
         None, "cycles, or with a track_radius revolutions, in a second"

@@ -72,6 +72,11 @@ class CyclicSlip:
         return max(1, min(round(0.5 * self.rigid / self._executor.grid.cell), self._executor.grid.nx))
 
     @property
+    def margin(self) -> int:
+        """Return the cells along an edge that must not be touched: the disc's scar is a stroke longer."""
+        return 1 + (self.window + 1) // 2
+
+    @property
     def knows_approach(self) -> bool:
         """Tell whether there was a contact under the load."""
         return not math.isnan(self._approach)

@@ -69,7 +69,7 @@ class SlidingHalfSpace:
         "_of_rows": dict,
         "_half_space": WindowedHalfSpace,
         "pieces": SlidingPieces,
-        "_ledger": Ledger,
+        "ledger": Ledger,
         "_steps_done": int,
         "_outline": float,
         "_asperities": float,
@@ -136,14 +136,8 @@ class SlidingHalfSpace:
         self._programs: dict[str, tuple[Field, Program]] = {}
         self._goes = wp.zeros(1, dtype=wp.int32, device=device)
         self._of_pieces = wp.zeros((1, 2 * len(OF_BODY)), dtype=wp.float64, device=device)
-        self._ledger = Ledger(
-            task,
-            executor.grid,
-            margin=1
-            if self.fretting is None
-            else 1 + round(0.5 * self.fretting.rigid / 2.0 / executor.grid.cell),
-            track_fraction=track_fraction,
-        )
+        margin = 1 if self.fretting is None else self.fretting.margin
+        self.ledger = Ledger(task, executor.grid, margin=margin, track_fraction=track_fraction)
         #: Relative error of the area by each cell of a part, and by each beyond the first, as of late.
         self._outline, self._asperities = math.inf if moves and not task.form.is_flat else 0.0, 0.0
         self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
@@ -176,7 +170,7 @@ class SlidingHalfSpace:
         of the contact (approach, areas, cells, squares of pressures), and the largest pressure; the pressure
         asked for is that of the last part.
         """
-        before = self._ledger.row
+        before = self.ledger.row
         approach = residual = error = 0.0
         transforms = parts = done = 0
         pooled = dict.fromkeys(OF_A_PART if self.film is None else (*OF_A_PART, "bare"), 0.0)
@@ -237,7 +231,7 @@ class SlidingHalfSpace:
             self._shed(total, most)
         cap = min(self.task.hardness, NO_CAP)
         balance = Balance(approach, 0.0, cap, residual, evaluations=transforms)
-        step = self._ledger.enter(
+        step = self.ledger.enter(
             balance,
             increment,
             removal,
@@ -250,7 +244,7 @@ class SlidingHalfSpace:
         if self._static is not None:
             step.row["area_static"] = static
         self._steps_done += 1
-        self.state.columns = self._ledger.columns
+        self.state.columns = self.ledger.columns
         if self.pieces is not None:
             self.state.columns = self.pieces.beside(self.state.columns)
         return step
@@ -379,7 +373,7 @@ class SlidingHalfSpace:
             pending_counter=(1.0 - dust) * removals[0],
             pending_disc=(1.0 - dust) * disc,
             approach=contact.approach,
-            reference=self._ledger.row["pressure_mean"],  # the scatter is summed about a value near the mean
+            reference=self.ledger.row["pressure_mean"],  # the scatter is summed about a value near the mean
         )
         self._run("wear", lambda program: self._say_wear(program, contact), contact.pressure_field)
         sums, maxima, *single = self._mirror.read()

@@ -62,6 +62,11 @@ class SweptModel(Model):
         """Whether the device makes the next steps by itself."""
         return self.contact.in_blocks
 
+    def set_out_anew(self, before: Track) -> None:
+        """Begin with the first step of this track, on a disc that has slid over another one before."""
+        self.contact.ledger.rebase(before.track_fraction)
+        self._done = 0
+
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, slide on by the increment [mm] and wear both bodies."""
         if isinstance(self.contact, SlidingHalfSpace):
