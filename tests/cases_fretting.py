@@ -43,7 +43,7 @@ def sheared(cells: int, *, over: float = 2.6, **changes: Any) -> Study:
     """Those bodies under a force of 0.6 μP, unless changed, on so many cells over `over` Hertz radii."""
     cell = 1e3 * over * HERTZ / cells
     grid = {"grid__cell": f"{cell!r} um", "grid__extent": f"{cells * cell!r} um"}
-    drive = {"sliding__stroke": None, "sliding__kinematics": None}
+    drive: dict[str, Any] = {"sliding__stroke": None, "sliding__kinematics": None}
     if "sliding__stroke" not in changes:
         drive["sliding__force"] = "7.2 N"
     return study_of(**(grid | drive | changes))

@@ -173,7 +173,8 @@ def test_a_drive_near_the_border(factor: float, regime: str) -> None:
 
 
 def test_threads_and_resuming_change_no_bit(tmp_path: Any) -> None:
-    for drive in ({}, {"sliding__stroke": "1.6 um", "sliding__stroke_of": "body"}):
+    drives: list[dict[str, Any]] = [{}, {"sliding__stroke": "1.6 um", "sliding__stroke_of": "body"}]
+    for drive in drives:
         study = sheared(64, **drive, output__snapshots=["1 mm"], sliding__cycles=2000)
         first, second = (warpwear.run(study, threads=threads) for threads in (1, 2))
         folder = tmp_path / f"run-{len(drive)}"

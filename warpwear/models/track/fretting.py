@@ -1,7 +1,7 @@
 """What slips in a fretting contact before a jump over cycles: all of it, a ring, or nothing."""
 
 import math
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -58,7 +58,11 @@ class CyclicSlip:
         self._solver: HalfSpace | None = None
         if not slides:
             grid = executor.grid
-            law = {"modulus": task.modulus, "boundary": task.boundary, "hardness": task.hardness}
+            law: dict[str, Any] = {
+                "modulus": task.modulus,
+                "boundary": task.boundary,
+                "hardness": task.hardness,
+            }
             self._solver = HalfSpace(executor, tolerance=TOLERANCE, datum=grid.nx * grid.cell, **law)
 
     def restored(self) -> None:
@@ -74,7 +78,7 @@ class CyclicSlip:
     @property
     def margin(self) -> int:
         """Return the cells along an edge that must not be touched: the disc's scar is a stroke longer."""
-        return 1 + (self.window + 1) // 2
+        return 1 + self.window // 2
 
     @property
     def knows_approach(self) -> bool:
