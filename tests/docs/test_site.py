@@ -74,6 +74,7 @@ def test_links_to_other_places_are_these() -> None:
     assert found == {
         "https://contact.engineering",
         "https://distributed.dask.org",
+        "https://centre-borelli.github.io/ruptures-docs/",
         "https://emcee.readthedocs.io",
         "https://github.com/ContactEngineering/SurfaceTopography",
         "https://github.com/NVIDIA/warp",
