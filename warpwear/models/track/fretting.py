@@ -1,4 +1,4 @@
-"""What slips in a fretting contact before a jump over cycles: all of it, a ring, or nothing."""
+"""Before a jump over cycles of fretting a contact is asked what slips: all of it, a ring, or nothing."""
 
 import math
 from typing import Any, ClassVar
