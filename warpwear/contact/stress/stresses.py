@@ -95,7 +95,7 @@ class Stresses:
         if normal not in ("x", "y"):
             raise InputError(f"normal = {normal!r} is not known; allowed: 'x' and 'y'.")
         axis = -2 if normal == "x" else -1
-        grid = Grid(*self.tensor.shape[2:], self.cell)
+        grid = Grid(self.tensor.shape[2], self.tensor.shape[3], self.cell)
         places = grid.x if normal == "x" else grid.y
         place = number("at", at, any_sign=True, optional=False)
         if not places[0] - 0.5 * self.cell <= place <= places[-1] + 0.5 * self.cell:
@@ -186,7 +186,7 @@ class Cycle:
     def largest(self, field: FloatArray) -> tuple[float, tuple[float, float, float]]:
         """Return the largest value of a field of this cycle, and where it lies: x, y from the middle, z."""
         depth, i, j = np.unravel_index(int(field.argmax()), field.shape)
-        grid = Grid(*field.shape[1:], self.cell)
+        grid = Grid(field.shape[1], field.shape[2], self.cell)
         return float(field[depth, i, j]), (float(grid.x[i]), float(grid.y[j]), float(self.depths[depth]))
 
 
