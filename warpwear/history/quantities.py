@@ -27,7 +27,11 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
         "half-spaces over a track",
         lambda study: study.is_swept and study.contact.law == "half-space",
     ),
-    "jump": ("runs that jump over cycles (stepping.jump)", lambda study: study.jumps),
+    "jump": (
+        "runs that jump over cycles (stepping.jump, fretting)",
+        lambda study: study.jumps or study.fretting is not None,
+    ),
+    "fretting": ("fretting (sliding.kinematics)", lambda study: study.fretting is not None),
     "dents": (
         "tracks that keep their dents",
         lambda study: study.is_swept and study.sliding.plastic == "keep",
@@ -138,6 +142,13 @@ LOOKS: dict[str, dict[str, Any]] = {
     **_of_bodies("wear_depth", "deepest wear", family="depth of the deepest cell", **_MICRONS),
     "cof": _look("coefficient of friction"),
     "friction_energy": _look("energy dissipated by friction"),
+    "tangential_force": _look("amplitude of the tangential force"),
+    "displacement": _look("amplitude of the displacement", **_MICRONS),
+    "energy": _look("energy of a cycle"),
+    "energy_ratio": _look("energy ratio of a cycle"),
+    "slip_mean": _look("mean slip of a cycle", **_MICRONS),
+    "stick_area": _look("stick area", "CONTACT"),
+    "slip": _look("slip of a cycle", **_MICRONS),
     "bare_fraction": _look("bare fraction of the area in contact", "DISC"),
     "diameter": _look("diameter as cut", **_MICRONS),
 }

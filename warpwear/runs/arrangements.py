@@ -39,6 +39,8 @@ HALF_SPACE_FIELDS, GPU_FIELDS = {"periodic": 16.0, "free": 22.0, "line": 22.0}, 
 SLIDING_FIELDS = 3.0
 #: More with a film: what is bare and its caps; and of each body whose film forms anew.
 FILM_FIELDS, HEALING_FIELDS = 2.0, 3.0
+#: More of fretting: a mean along x, slips, and a contact of its own under P*.
+FRETTING_FIELDS = 28.0
 #: More of each body that wears in pieces: what is pending, its sums, and lists of cells.
 PIECES_FIELDS = 2.5
 
@@ -113,7 +115,8 @@ class AtRest(Maker, name="rest"):
     def fields(self, study: Study, *, device: str) -> float:
         """Estimate more where cells differ: by a track's model, a radial factor, and the stiffness."""
         differs = not study.contact_task.is_uniform or study.wear.law == "bearing-curve"
-        return super().fields(study, device=device) + (SLIDING_FIELDS + 2.0) * differs
+        fields = FRETTING_FIELDS * (study.fretting is not None)
+        return super().fields(study, device=device) + (SLIDING_FIELDS + 2.0) * differs + fields
 
     def model(
         self,

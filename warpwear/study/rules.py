@@ -40,6 +40,7 @@ def check(study: Content) -> None:
     _boundary(study)
     _shape(study)
     rules_track.check(study)
+    _fretting(study)
     rules_pieces.check(study)
     _hardness(study)
     _capacity(study)
@@ -113,6 +114,30 @@ def _patches(study: Content) -> None:
             "must hold two macro cells or more"
         )
     rules_track.refuse_parts("grid.extent", extent, patches.macro_cell, cells=named)
+
+
+def _fretting(study: Content) -> None:
+    """Refuse forces that make the contact slip as a whole, and means over what is rough."""
+    sliding, limit = study.sliding, study.friction.coefficient * study.contact.load
+    if study.fretting is None:
+        return
+    if limit == 0.0:
+        raise ValueError("friction.coefficient = 0 dissipates nothing: fretting needs more than 0")
+    if sliding.force is not None and sliding.force >= limit:
+        raise ValueError(
+            f"sliding.force = {sliding.force:g} N is not less than friction.coefficient × contact.load = "
+            f"{limit:g} N: the whole contact would slip, without end; allowed are less, or a sliding.stroke"
+        )
+    if sliding.drives_bodies:
+        return
+    stroke, disc = sliding.stroke or 0.0, study.disc.synthetic
+    if stroke > study.grid.cell:
+        rules_track.refuse_parts("sliding.stroke", stroke, study.grid.cell)
+    if disc is None or disc.kind != "flat":
+        raise ValueError(
+            "sliding.positions = 'mean' needs disc.synthetic.kind = 'flat': what is rough changes from place "
+            "to place; allowed is 'cells'"
+        )
 
 
 def _line(study: Content) -> None:
