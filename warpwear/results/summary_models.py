@@ -41,7 +41,7 @@ def track(result: ResultFile) -> list[Row]:
     """Declare groove, passes and what was displaced, of a swept run."""
     study, history, layout = result.study, result.history, result.study.track
     first, last = (mean_over(history, history["area_contact"], when, study.laps) for when in WHEN)
-    passes, displaced = float(history["distance"][-1]) / layout.stroke, history["plastic_volume_disc"][-1]
+    passes, displaced = study.passes_at(history["distance"][-1]), history["plastic_volume_disc"][-1]
     rows = [
         Row("", "length_mm", layout.cells * layout.cell),
         Row("", "pass_mm", layout.stroke),

@@ -192,8 +192,7 @@ def _friction(data: FigureData) -> str:
 
 def _passes(data: FigureData) -> str:
     """Say what thin and bold lines are, where there are both."""
-    lap, slid = data.study.lap, float(data.course["distance"][-1])
-    if lap is None or int(slid / lap + 1e-9) < PASSES:
+    if data.study.lap is None or data.study.passes_at(data.course["distance"][-1]) + 1e-9 < PASSES:
         return ""
     return " Thin: steps; bold: from the middle of the first pass on the mean of each pass."
 
