@@ -35,6 +35,8 @@ width = lazy.module("warpwear.models.patches.width")
 
 #: Fields at the peak of a run on the half-space, by its boundary, and more on a GPU, whose transforms copy.
 HALF_SPACE_FIELDS, GPU_FIELDS = {"periodic": 16.0, "free": 22.0, "line": 22.0}, 12.0
+#: More on the host where stresses below the surface are computed, a depth at a time.
+STRESS_FIELDS = {"periodic": 60.0, "free": 100.0, "line": 100.0}
 #: More where the disc slides: a mean along x, and what it takes to follow the disc.
 SLIDING_FIELDS = 3.0
 #: More with a film: what is bare and its caps; and of each body whose film forms anew.
@@ -93,6 +95,8 @@ class Maker:
         fields, bodies = FIELDS_NEEDED + PIECES_FIELDS * study.wear.sheds, self.rows_of_bodies(study)
         if study.contact.law == "half-space":
             fields += HALF_SPACE_FIELDS[study.boundary] + GPU_FIELDS * (device != "cpu") - FIELDS_NEEDED
+        if study.has_stresses:
+            fields += STRESS_FIELDS[study.boundary]
         if study.film is not None:
             fields += FILM_FIELDS + HEALING_FIELDS * bodies * math.isfinite(study.film.regrowth)
         return fields
