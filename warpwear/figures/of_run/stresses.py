@@ -65,7 +65,9 @@ def stress_depths(data: FigureData) -> Figure:
     table, study = data.result.stresses, data.study
     unit, name, note = _unit(data, data.indices[-1])
     over = Axis(f"depth z/{name}, –" if note else f"depth z, {name}", low=0.0)
-    panels, kinds = [], [("Stress", MEASURES, "yield strength", study.yield_strength)]
+    panels = []
+    kinds: list[tuple[str, tuple[str, ...], str, float | None]] = []
+    kinds.append(("Stress", MEASURES, "yield strength", study.yield_strength))
     if study.fatigue is not None:
         kinds.append(("Cycle", OF_A_CYCLE, "limit in torsion", study.fatigue.torsion))
     for title, measures, name_of_limit, limit in kinds:
