@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from warpwear.contact.array.contact import ArrayContact
     from warpwear.contact.array.shear import ShearCertificate, ShearedContact
     from warpwear.contact.array.solve import solve_contact
+    from warpwear.contact.array.tangential import solve_tangential
     from warpwear.contact.certificate import Certificate
     from warpwear.errors import ConvergenceError, InputError, InvariantError, StudyWarning
     from warpwear.history.snapshot import Snapshot
@@ -46,6 +47,7 @@ _PUBLIC = {
     "infer": "warpwear.inference.infer:infer",
     "run": "warpwear.runs.run:run",
     "solve_contact": "warpwear.contact.array.solve:solve_contact",
+    "solve_tangential": "warpwear.contact.array.tangential:solve_tangential",
     "steps": "warpwear.runs.run:steps",
     "sweep": "warpwear.sweeps.sweep:sweep",
 }
@@ -69,6 +71,7 @@ __all__ = [
     "infer",
     "run",
     "solve_contact",
+    "solve_tangential",
     "steps",
     "sweep",
 ]
