@@ -7,7 +7,7 @@ from enum import IntEnum
 
 import warp as wp
 
-from warpwear.kernels.cells import ONE, ZERO, Cells
+from warpwear.kernels.cells import NONE, ONE, ZERO, Cells
 from warpwear.kernels.half_space.solve import CONVERGED, LED_NOWHERE, RUNS
 from warpwear.kernels.native_code import native_pass, options
 
@@ -20,8 +20,12 @@ MISSED = wp.constant(wp.float64(1.0e-13))
 MISSED_AT_END = wp.constant(wp.float64(1.0e-12))
 #: Shifts of one trial at most.
 SHIFTS = wp.constant(wp.int32(100))
+#: Damping of the first of them, over that of a cell, and what a better or a worse one multiplies it by.
+DAMPING = wp.constant(wp.float64(1.0e-6))
+EASED = wp.constant(wp.float64(0.1))
+HARDENED = wp.constant(wp.float64(100.0))
 #: Least determinant of what cells may follow, over its squared trace: below it they all slip one way.
-ONE_WAY = wp.constant(wp.float64(1.0e-9))
+ONE_WAY = wp.constant(wp.float64(1.0e-12))
 
 
 class ShearFlag(IntEnum):
@@ -42,6 +46,7 @@ class ShearNumbers:
     most: wp.int32  # iterations
     strength: wp.float64  # by which multipliers weigh in the preconditioner [MPa/mm]
     scale: wp.float64  # largest displacement by the bound itself [mm]
+    cells: wp.float64  # in contact
     bounds: wp.float64  # Σ c [MPa]
     violation: wp.float64  # over the scale
     missed: wp.float64  # force, over Σ c
@@ -50,8 +55,8 @@ class ShearNumbers:
     memory: wp.float64
     mean: wp.vec2d
     length: wp.float64
-    shift: wp.vec2d  # [MPa]
-    shifts_all: wp.int32
+    shift: wp.vec2d  # of the trial [MPa]
+    damping: wp.float64  # of its next change
     shifts: wp.int32
     restarts: wp.int32  # 1 where a free cell has come to its circle
     iteration: wp.int32
@@ -118,7 +123,7 @@ def goes(shear: Shear):
 
 @native_pass("shear_moves<false>")
 def shifts(shear: Shear):
-    """Shift the cells inside their circles."""
+    """Shift the trial, each cell within its circle."""
 
 
 @wp.func_native("return lane_of_slot();")
@@ -154,28 +159,39 @@ def shift_of(xx: wp.float64, xy: wp.float64, yy: wp.float64, sums: wp.vec2d):
 
 @wp.func
 def shifted(shear: Shear, before: ShearNumbers, lines: Lines):
-    """Say how cells are shifted so that they carry the force, and whether they are at all."""
+    """Shift the trial on by Newton's method, until it carries the force; damped where that led away."""
     n = before
     miss = n.force - wp.vec2d(lines[0], lines[1])
-    n.missed = wp.where(n.forced == 1, wp.max(wp.abs(miss[0]), wp.abs(miss[1])) / n.bounds, ZERO)
-    n.shifts_all = wp.where(lines[2] > ZERO, 0, 1)
-    n.shift = miss / wp.max(lines[2], ONE)
-    if n.shifts_all == 1:
-        n.shift = shift_of(lines[3], lines[4], lines[5], miss)
+    missed = wp.where(n.forced == 1, wp.max(wp.abs(miss[0]), wp.abs(miss[1])) / n.bounds, ZERO)
+    n.damping = wp.where(missed < n.missed, n.damping * EASED, n.damping * HARDENED)
+    n.missed = missed
+    damping = n.damping * n.cells
+    n.shift = n.shift + shift_of(lines[2] + damping, lines[3], lines[4] + damping, miss)
     n.shifts = n.shifts + 1
-    on = n.missed > MISSED and n.shifts <= SHIFTS and wp.length_sq(n.shift) > ZERO
-    shear.flags[ShearFlag.SHIFTING] = wp.where(on, 1, 0)
+    shear.flags[ShearFlag.SHIFTING] = wp.where(missed > MISSED and n.shifts <= SHIFTS, 1, 0)
+    return n
+
+
+@wp.func
+def unshifted(before: ShearNumbers):
+    """Begin to shift a trial."""
+    n = before
+    n.shift = wp.vec2d(ZERO, ZERO)
+    n.shifts = 0
+    n.missed = NONE
+    n.damping = DAMPING
     return n
 
 
 @wp.kernel
 def begin(first_slot: wp.int32, slots: wp.int32, shear: Shear):
     """Begin with no traction, or with the force on all cells alike."""
-    lines = lines_of(shear, 7, 8)
+    lines = lines_of(shear, 6, 7)
     if lane() == 0:
-        n = shear.numbers[0]
-        n.bounds = lines[6]
-        n.scale = lines[7]
+        n = unshifted(shear.numbers[0])
+        n.cells = lines[2]
+        n.bounds = lines[5]
+        n.scale = lines[6]
         n.restarts = 1
         n.status = RUNS
         shear.numbers[0] = shifted(shear, n, lines)
@@ -184,7 +200,7 @@ def begin(first_slot: wp.int32, slots: wp.int32, shear: Shear):
 @wp.kernel
 def shift(first_slot: wp.int32, slots: wp.int32, shear: Shear):
     """Shift on, until the force is met."""
-    lines = lines_of(shear, 6, 7)
+    lines = lines_of(shear, 5, 6)
     if lane() == 0:
         shear.numbers[0] = shifted(shear, shear.numbers[0], lines)
 
@@ -192,11 +208,10 @@ def shift(first_slot: wp.int32, slots: wp.int32, shear: Shear):
 @wp.kernel
 def arrive(first_slot: wp.int32, slots: wp.int32, shear: Shear):
     """Note what a step has led to, and shift where it misses the force."""
-    lines = lines_of(shear, 6, 7)
+    lines = lines_of(shear, 5, 6)
     if lane() == 0:
         n = shear.numbers[0]
-        n.restarts = wp.where(lines[6] > ZERO, 1, 0)
-        n.shifts = 0
+        n.restarts = wp.where(lines[5] > ZERO, 1, 0)
         n.iteration = n.iteration + 1
         shear.numbers[0] = shifted(shear, n, lines)
 
@@ -205,16 +220,18 @@ def arrive(first_slot: wp.int32, slots: wp.int32, shear: Shear):
 def level(first_slot: wp.int32, slots: wp.int32, shear: Shear):
     """Find the rigid displacement: under a force, that by which the cells inside do not slip on the mean.
 
-    Where there are none, it is that by which cells do not slip along their circles, on the mean.
+    Where there are none, it is that by which cells do not slip along their circles, on the mean, or at all.
     """
-    lines = lines_of(shear, 8, 8)
+    lines = lines_of(shear, 11, 11)
     if lane() == 0:
         n = shear.numbers[0]
         if n.forced == 1:
             if lines[0] > ZERO:
                 n.level = wp.vec2d(-lines[1] / lines[0], -lines[2] / lines[0])
             else:
-                n.level = -shift_of(lines[5], lines[6], lines[7], wp.vec2d(lines[3], lines[4]))
+                n.level = -shift_of(lines[8], lines[9], lines[10], wp.vec2d(lines[6], lines[7]))
+                if wp.length_sq(n.level) == ZERO:  # all slip one way
+                    n.level = wp.vec2d(-lines[4] / lines[3], -lines[5] / lines[3])
         shear.numbers[0] = n
 
 
@@ -264,6 +281,6 @@ def go(first_slot: wp.int32, slots: wp.int32, shear: Shear):
     """Decide how far to go along the way: to the least energy along it."""
     lines = lines_of(shear, 1, 1)
     if lane() == 0:
-        n = shear.numbers[0]
+        n = unshifted(shear.numbers[0])
         n.length = wp.where(lines[0] > ZERO, n.downhill / wp.where(lines[0] > ZERO, lines[0], ONE), ZERO)
         shear.numbers[0] = n

@@ -108,17 +108,6 @@ WARPWEAR_FN void each_pair(const Shear& shear, int slot, int slots, const Do& of
     }
 }
 
-// A vector, or the nearest within the circle; on it where `stays` says so.
-WARPWEAR_FN Pair within(Pair v, Lanes c, Mask stays)
-{
-    const Lanes one = 1.0, square = dot(v, v);
-    const Mask beyond = stays | (square > c * c);
-    if (!any(beyond)) return v;
-    const Lanes zero = 0.0, size = root_of(square);
-    const Lanes by = (beyond & (size > zero)) ? c / (size > zero ? size : one) : one;
-    return by * v;
-}
-
 // Add what the last traction displaced to where surfaces start from; set the traction to (c, 0).
 template <typename Shear> WARPWEAR_FN void shear_starts(int slot, int slots, Shear& shear)
 {
@@ -144,32 +133,35 @@ template <typename Shear> WARPWEAR_FN void shear_scale(int slot, int slots, Shea
         row.traction.put(i, {zero, zero});
         row.gradient.put(i, {zero, zero});
         row.way.put(i, {zero, zero});
+        row.trial.put(i, {zero, zero});
     });
-    leave_lines(shear.table, slot, 7,
-                {0.0, 0.0, count(touching), 0.0, 0.0, 0.0, total(sum), most(largest)});
+    const double cells = count(touching);
+    leave_lines(shear.table, slot, 6, {0.0, 0.0, cells, 0.0, cells, total(sum), most(largest)});
 }
 
-// Sums of e - Aq: cells inside their circles and both components; what all cells may follow, and its part.
+// Sums of e - Aq: cells inside their circles and both components, then of all; what of it all may follow, and
+// the sum of how.
 template <typename Shear> WARPWEAR_FN void shear_levels(int slot, int slots, Shear& shear)
 {
-    Lanes x = 0.0, y = 0.0, all_x = 0.0, all_y = 0.0;
-    Counts inside = 0;
+    const Lanes none = 0.0;
+    Pair of_inner = {none, none}, all = of_inner, of_ways = of_inner;
+    Counts inside = 0, touching = 0;
     Ways ways;
     each_pair(shear, slot, slots, [&](const ShearRow& row, int i) {
         const Lanes zero = 0.0, one = 1.0;
         const Mask touches = row.touches(i), on = row.on_circle(i), inner = touches & ~on;
-        const Pair left = row.start[i] - row.response[i], here = only(inner, left),
-                   there = row.along(i, only(touches, left), on);
+        const Pair left = only(touches, row.start[i] - row.response[i]);
+        of_inner = of_inner + only(inner, left);
+        all = all + left;
+        of_ways = of_ways + row.along(i, left, on);
         inside += one_if(inner);
+        touching += one_if(touches);
         ways.add(row, i, touches ? one : zero, on);
-        x += here.x;
-        y += here.y;
-        all_x += there.x;
-        all_y += there.y;
     });
-    leave_lines(shear.table, slot, 8,
-                {count(inside), total(x), total(y), total(all_x), total(all_y), total(ways.xx),
-                 total(ways.xy), total(ways.yy)});
+    leave_lines(shear.table, slot, 11,
+                {count(inside), total(of_inner.x), total(of_inner.y), count(touching), total(all.x),
+                 total(all.y), total(of_ways.x), total(of_ways.y), total(ways.xx), total(ways.xy),
+                 total(ways.yy)});
 }
 
 // What the slip asks of each cell: ties, gradient with its change, and what the preconditioner is given. Maxima:
@@ -256,32 +248,32 @@ template <typename Shear> WARPWEAR_FN void shear_curves(int slot, int slots, She
     leave_sum(shear.table, 0, slot, total(sum));
 }
 
-// goes: q += length x d, tied cells along their circles, free ones within. Else cells inside their circles
-// are shifted within them, or where there are none all cells, tied ones along theirs. Sums: traction, cells
-// inside, what all cells may follow. Maximum: 1 where a free cell has come to its circle.
+// The nearest traction within the circles to a trial, q + length x d, and a shift of all. goes: make the trial
+// first. Sums: traction, and the derivative of that by the shift. Maximum: 1 where a free cell has come to its
+// circle.
 template <bool goes, typename Shear> WARPWEAR_FN void shear_moves(int slot, int slots, Shear& shear)
 {
     const auto& numbers = shear.numbers.data[0];
     const Lanes length = numbers.length;
     const Pair shift = {Lanes(numbers.shift[0]), Lanes(numbers.shift[1])};
-    const bool shifts_all = numbers.shifts_all == 1;
-    Lanes x = 0.0, y = 0.0, hit = 0.0;
-    Counts inside = 0;
-    Ways ways;
+    Lanes x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0, hit = 0.0;
     each_pair(shear, slot, slots, [&](const ShearRow& row, int i) {
         const Lanes zero = 0.0, one = 1.0, c = row.bound[i];
-        const Mask touches = row.touches(i), tied = row.is_tied(i), on = row.on_circle(i);
-        const Pair moved = shifts_all ? row.along(i, only(touches, shift)) : only(touches & ~on, shift);
-        const Pair q = within(row.traction[i] + (goes ? length * row.way[i] : moved), c, touches & tied);
+        const Mask touches = row.touches(i), was_on = row.on_circle(i);
+        if (goes) row.trial.put(i, row.traction[i] + length * row.way[i]);
+        const Pair v = row.trial[i] + only(touches, shift);
+        const Lanes square = dot(v, v);
+        const Mask beyond = square > c * c;
+        const Lanes size = root_of(beyond ? square : one), by = beyond ? c / size : one;
+        const Pair q = by * v, n = only(beyond, (one / size) * v);
         row.traction.put(i, q);
-        const Mask is_on = row.on_circle(i);
-        inside += one_if(touches & ~is_on);
-        ways.add(row, i, touches ? one : zero, tied);
+        const Lanes weight = touches ? by : zero;
         x += q.x;
         y += q.y;
-        hit = larger(hit, (touches & ~tied & is_on & ~on) ? one : zero);
+        xx += weight * (one - n.x * n.x);
+        xy -= weight * (n.x * n.y);
+        yy += weight * (one - n.y * n.y);
+        if (goes) hit = larger(hit, (~row.is_tied(i) & row.on_circle(i) & ~was_on) ? one : zero);
     });
-    leave_lines(shear.table, slot, 6,
-                {total(x), total(y), count(inside), total(ways.xx), total(ways.xy), total(ways.yy),
-                 most(hit)});
+    leave_lines(shear.table, slot, 5, {total(x), total(y), total(xx), total(xy), total(yy), most(hit)});
 }
