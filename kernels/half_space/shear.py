@@ -18,6 +18,9 @@ LINES = 14
 #: Force that a search may miss, over Σ c: of a shift that ends, and of a traction that is taken.
 MISSED = wp.constant(wp.float64(1.0e-13))
 MISSED_AT_END = wp.constant(wp.float64(1.0e-12))
+#: Steps with cells that come to their circles after which one is plain, as the first is: where bodies slide,
+#: the preconditioner pushes some of them the wrong way.
+HITS = wp.constant(wp.int32(5))
 #: Shifts of one trial at most.
 SHIFTS = wp.constant(wp.int32(100))
 #: Damping of the first of them, over that of a cell, and what a better or a worse one multiplies it by.
@@ -33,6 +36,7 @@ class ShearFlag(IntEnum):
 
     SEARCHING = 0
     SHIFTING = 1
+    PRECONDITIONS = 2
 
 
 @wp.struct
@@ -58,7 +62,7 @@ class ShearNumbers:
     shift: wp.vec2d  # of the trial [MPa]
     damping: wp.float64  # of its next change
     shifts: wp.int32
-    restarts: wp.int32  # 1 where a free cell has come to its circle
+    hits: wp.int32  # steps one after another in which a free cell has come to its circle
     iteration: wp.int32
     status: wp.int32
 
@@ -192,7 +196,7 @@ def begin(first_slot: wp.int32, slots: wp.int32, shear: Shear):
         n.cells = lines[2]
         n.bounds = lines[5]
         n.scale = lines[6]
-        n.restarts = 1
+        n.hits = HITS
         n.status = RUNS
         shear.numbers[0] = shifted(shear, n, lines)
 
@@ -211,27 +215,22 @@ def arrive(first_slot: wp.int32, slots: wp.int32, shear: Shear):
     lines = lines_of(shear, 5, 6)
     if lane() == 0:
         n = shear.numbers[0]
-        n.restarts = wp.where(lines[5] > ZERO, 1, 0)
+        plain = shear.flags[ShearFlag.PRECONDITIONS] == 0
+        n.hits = wp.where(plain or lines[5] > ZERO, wp.where(plain, 1, n.hits + 1), 0)
         n.iteration = n.iteration + 1
         shear.numbers[0] = shifted(shear, n, lines)
 
 
 @wp.kernel
 def level(first_slot: wp.int32, slots: wp.int32, shear: Shear):
-    """Find the rigid displacement: under a force, that by which the cells inside do not slip on the mean.
-
-    Where there are none, it is that by which cells do not slip along their circles, on the mean, or at all.
-    """
-    lines = lines_of(shear, 11, 11)
+    """Find the rigid displacement: under a force, that by which cells slip least where they may move."""
+    lines = lines_of(shear, 8, 8)
     if lane() == 0:
         n = shear.numbers[0]
         if n.forced == 1:
-            if lines[0] > ZERO:
+            n.level = -shift_of(lines[5], lines[6], lines[7], wp.vec2d(lines[3], lines[4]))
+            if wp.length_sq(n.level) == ZERO:  # all slip one way
                 n.level = wp.vec2d(-lines[1] / lines[0], -lines[2] / lines[0])
-            else:
-                n.level = -shift_of(lines[8], lines[9], lines[10], wp.vec2d(lines[6], lines[7]))
-                if wp.length_sq(n.level) == ZERO:  # all slip one way
-                    n.level = wp.vec2d(-lines[4] / lines[3], -lines[5] / lines[3])
         shear.numbers[0] = n
 
 
@@ -246,6 +245,7 @@ def judge(first_slot: wp.int32, slots: wp.int32, shear: Shear):
             n.status = CONVERGED
         elif n.iteration >= n.most:
             n.status = LED_NOWHERE
+        shear.flags[ShearFlag.PRECONDITIONS] = wp.where(n.hits < HITS, 1, 0)
         shear.flags[ShearFlag.SEARCHING] = wp.where(n.status == RUNS, 1, 0)
         shear.numbers[0] = n
 
@@ -266,7 +266,7 @@ def aim(first_slot: wp.int32, slots: wp.int32, shear: Shear):
         cz = lines[8] - wp.dot(descent, wp.vec2d(lines[12], lines[13]))
         gd = lines[9] - wp.dot(last, of_gradient)
         n.memory = ZERO
-        if n.restarts == 0 and n.last > ZERO:
+        if n.hits == 0 and n.last > ZERO:
             n.memory = wp.max(ZERO, cz / n.last)
         if gz + n.memory * gd <= ZERO:
             n.memory = ZERO

@@ -72,6 +72,17 @@ struct ShearRow {
     }
     CUDA_CALLABLE Mask is_tied(int i) const { return tie[i] >= Lanes(0.0); }
 
+    // How much harder a cell is to move for its multiplier.
+    CUDA_CALLABLE Lanes held(int i, Lanes strength) const
+    {
+        const Lanes zero = 0.0, one = 1.0, l = tie[i];
+        return one + strength * larger(l, zero);
+    }
+
+    // Of a cell among those that together must not move, and squared in the preconditioner.
+    CUDA_CALLABLE Lanes weight(int i, Lanes strength) const
+    { return only(touches(i), Lanes(1.0) / held(i, strength)); }
+
     // Part of a vector that a cell may follow: all of it, or of some cells what lies along the circle.
     CUDA_CALLABLE Pair along(int i, Pair v, Mask tied) const
     {
@@ -139,29 +150,26 @@ template <typename Shear> WARPWEAR_FN void shear_scale(int slot, int slots, Shea
     leave_lines(shear.table, slot, 6, {0.0, 0.0, cells, 0.0, cells, total(sum), most(largest)});
 }
 
-// Sums of e - Aq: cells inside their circles and both components, then of all; what of it all may follow, and
-// the sum of how.
+// Sums over cells in contact: how many, e - Aq, what of it all may follow by their last weights, and the sum of
+// how.
 template <typename Shear> WARPWEAR_FN void shear_levels(int slot, int slots, Shear& shear)
 {
-    const Lanes none = 0.0;
-    Pair of_inner = {none, none}, all = of_inner, of_ways = of_inner;
-    Counts inside = 0, touching = 0;
+    const Lanes strength = shear.numbers.data[0].strength, none = 0.0;
+    Pair all = {none, none}, of_ways = all;
+    Counts touching = 0;
     Ways ways;
     each_pair(shear, slot, slots, [&](const ShearRow& row, int i) {
-        const Lanes zero = 0.0, one = 1.0;
-        const Mask touches = row.touches(i), on = row.on_circle(i), inner = touches & ~on;
+        const Mask touches = row.touches(i), on = row.on_circle(i);
+        const Lanes weight = row.weight(i, strength);
         const Pair left = only(touches, row.start[i] - row.response[i]);
-        of_inner = of_inner + only(inner, left);
         all = all + left;
-        of_ways = of_ways + row.along(i, left, on);
-        inside += one_if(inner);
+        of_ways = of_ways + weight * row.along(i, left, on);
         touching += one_if(touches);
-        ways.add(row, i, touches ? one : zero, on);
+        ways.add(row, i, weight, on);
     });
-    leave_lines(shear.table, slot, 11,
-                {count(inside), total(of_inner.x), total(of_inner.y), count(touching), total(all.x),
-                 total(all.y), total(of_ways.x), total(of_ways.y), total(ways.xx), total(ways.xy),
-                 total(ways.yy)});
+    leave_lines(shear.table, slot, 8,
+                {count(touching), total(all.x), total(all.y), total(of_ways.x), total(of_ways.y),
+                 total(ways.xx), total(ways.xy), total(ways.yy)});
 }
 
 // What the slip asks of each cell: ties, gradient with its change, and what the preconditioner is given. Maxima:
@@ -182,8 +190,7 @@ template <typename Shear> WARPWEAR_FN void shear_slips(int slot, int slots, Shea
         const Pair g = row.along(i, s);
         row.change.put(i, g - row.gradient[i]);
         row.gradient.put(i, g);
-        const Lanes l = row.tie[i];
-        row.trial.put(i, (one / root_of(one + strength * larger(l, zero))) * g);
+        row.trial.put(i, root_of(row.weight(i, strength)) * g);
         aside = larger(aside, dot(across, across));
         against = larger(against, only(on, -outward));
     });
@@ -201,10 +208,9 @@ template <typename Shear> WARPWEAR_FN void shear_descends(int slot, int slots, S
     Lanes gz = 0.0, cz = 0.0, gd = 0.0;
     Ways ways;
     each_pair(shear, slot, slots, [&](const ShearRow& row, int i) {
-        const Lanes zero = 0.0, one = 1.0, l = row.tie[i];
-        const Mask touches = row.touches(i), tied = row.is_tied(i);
-        const Lanes square = only(touches, one / (one + strength * larger(l, zero))), weight = root_of(square);
-        const Pair z = row.along(i, weight * row.trial[i]);
+        const Mask tied = row.is_tied(i);
+        const Lanes square = row.weight(i, strength);
+        const Pair z = row.along(i, root_of(square) * row.trial[i]);
         const Pair d = row.along(i, row.way[i]), g = row.gradient[i], change = row.change[i];
         row.trial.put(i, z);
         row.way.put(i, d);
@@ -230,9 +236,8 @@ template <typename Shear> WARPWEAR_FN void shear_aims(int slot, int slots, Shear
     const Lanes memory = numbers.memory, strength = numbers.strength;
     const Pair shift = {Lanes(numbers.mean[0]), Lanes(numbers.mean[1])};
     each_pair(shear, slot, slots, [&](const ShearRow& row, int i) {
-        const Lanes zero = 0.0, one = 1.0, l = row.tie[i];
-        const Lanes square = only(row.touches(i), one / (one + strength * larger(l, zero)));
-        row.way.put(i, row.trial[i] + memory * row.way[i] - row.along(i, square * shift));
+        const Pair less = row.along(i, row.weight(i, strength) * shift);
+        row.way.put(i, row.trial[i] + memory * row.way[i] - less);
     });
 }
 
@@ -249,18 +254,19 @@ template <typename Shear> WARPWEAR_FN void shear_curves(int slot, int slots, She
 }
 
 // The nearest traction within the circles to a trial, q + length x d, and a shift of all. goes: make the trial
-// first. Sums: traction, and the derivative of that by the shift. Maximum: 1 where a free cell has come to its
+// first, of tied cells so far out that a shift turns them as a step would and few of them come in. Sums: traction, and the derivative of that by the shift. Maximum: 1 where a free cell has come to its
 // circle.
 template <bool goes, typename Shear> WARPWEAR_FN void shear_moves(int slot, int slots, Shear& shear)
 {
     const auto& numbers = shear.numbers.data[0];
-    const Lanes length = numbers.length;
+    const Lanes length = numbers.length, strength = numbers.strength;
     const Pair shift = {Lanes(numbers.shift[0]), Lanes(numbers.shift[1])};
     Lanes x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0, hit = 0.0;
     each_pair(shear, slot, slots, [&](const ShearRow& row, int i) {
         const Lanes zero = 0.0, one = 1.0, c = row.bound[i];
         const Mask touches = row.touches(i), was_on = row.on_circle(i);
-        if (goes) row.trial.put(i, row.traction[i] + length * row.way[i]);
+        const Mask free_cell = ~row.is_tied(i);
+        if (goes) row.trial.put(i, row.held(i, strength) * (row.traction[i] + length * row.way[i]));
         const Pair v = row.trial[i] + only(touches, shift);
         const Lanes square = dot(v, v);
         const Mask beyond = square > c * c;
@@ -273,7 +279,7 @@ template <bool goes, typename Shear> WARPWEAR_FN void shear_moves(int slot, int 
         xx += weight * (one - n.x * n.x);
         xy -= weight * (n.x * n.y);
         yy += weight * (one - n.y * n.y);
-        if (goes) hit = larger(hit, (~row.is_tied(i) & row.on_circle(i) & ~was_on) ? one : zero);
+        if (goes) hit = larger(hit, (free_cell & row.on_circle(i) & ~was_on) ? one : zero);
     });
     leave_lines(shear.table, slot, 5, {total(x), total(y), total(xx), total(xy), total(yy), most(hit)});
 }

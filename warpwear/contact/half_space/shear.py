@@ -205,7 +205,8 @@ class ShearSearch:
         program.decide(kernels.begin, shear)
         self._look(program)
         with program.loop(self._flag(ShearFlag.SEARCHING)):
-            self._operator.say_inverse(program, shear.trial)
+            with program.branch(self._flag(ShearFlag.PRECONDITIONS)):
+                self._operator.say_inverse(program, shear.trial)
             program.launch(kernels.descends, shear)
             program.decide(kernels.aim, shear)
             program.launch(kernels.aims, shear)
