@@ -81,6 +81,8 @@ class PressureSum(IntEnum):
     CAPPED = 3
     TOUCHED = 4  # this and the next: of the whole fields, not of the step
     WEAR_COUNTER = 5  # [mm]
+    SLIP_WORK = 6  # Σ p s, of cells that slip by lengths of their own [MPa mm]
+    STUCK = 7  # cells in contact that do not
 
 
 class PressureMost(IntEnum):
@@ -134,15 +136,6 @@ def lowest_of(v: Cells):
     return wp.min(
         wp.min(wp.min(v[0], v[1]), wp.min(v[2], v[3])),
         wp.min(wp.min(v[4], v[5]), wp.min(v[6], v[7])),
-    )
-
-
-@wp.func
-def largest_of(v: Cells):
-    """Find the largest of the lanes, pair by pair."""
-    return wp.max(
-        wp.max(wp.max(v[0], v[1]), wp.max(v[2], v[3])),
-        wp.max(wp.max(v[4], v[5]), wp.max(v[6], v[7])),
     )
 
 

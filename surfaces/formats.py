@@ -19,14 +19,7 @@ from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.surfaces import container
 from warpwear.surfaces.container import ORIGINAL, Member, check_archive, is_container
-from warpwear.surfaces.files.layouts import (
-    TMD,
-    channel_of_heights,
-    check_wave,
-    gwyddion_header,
-    looked_into,
-    read_tmd,
-)
+from warpwear.surfaces.files import layouts
 from warpwear.surfaces.files.profiles import PRF, read_prf, x3p_profile
 from warpwear.surfaces.point_cloud import gridded, spaced, units_in
 from warpwear.surfaces.text import NoTable, read_table
@@ -217,7 +210,7 @@ def _read_text(source: Source, *, otherwise: InputError | None = None) -> Raw:
         except ValueError as error:
             raise refusal(path, f"holds two columns that are no profile ({error})") from error
         return Raw(heights, "text of two columns", (step,), lateral, height, notes)
-    if sizes := gwyddion_header(table.header):
+    if sizes := layouts.gwyddion_header(table.header):
         (width, lateral), (length, other), unit = sizes
         if lateral == other:
             pixel = (width / values.shape[1], length / values.shape[0])
@@ -243,7 +236,7 @@ def _read_text(source: Source, *, otherwise: InputError | None = None) -> Raw:
 def _read_tmd(source: Source) -> Raw:
     """Read a .tmd, whose comment may have any length."""
     with _refused(source.path, "as .tmd"):
-        heights, pixel = read_tmd(source.path)
+        heights, pixel = layouts.read_tmd(source.path)
     return Raw(heights, "tmd", pixel, "mm", "mm")
 
 
@@ -276,7 +269,7 @@ def _read_packed(source: Source) -> Raw:
 def _check_hdf5(path: Path) -> None:
     """Refuse HDF5 that takes values from other files, and a result of warpwear, which is no measurement."""
     with _refused(path, "as HDF5"):
-        away, is_result = looked_into(path)
+        away, is_result = layouts.looked_into(path)
     if away is not None:
         raise InputError(f"disc.surface '{path}' takes '{away}' from another file, which is not followed")
     if is_result:
@@ -350,7 +343,7 @@ def _open_topography(path: Path, *, plain: bool) -> Any:
             continue
         try:
             if name == "ibw":
-                check_wave(path)
+                layouts.check_wave(path)
             return reader(content)
         except Exception as error:  # the reader is foreign: whatever it raises, another may do
             known = error if fit is io.MagicMatch.YES else known
@@ -379,7 +372,7 @@ def _read_topography(source: Source, *, plain: bool = False) -> Raw:
         with _refused(path, "as an archive"):
             check_archive(path)
     with _refused(path, "as a surface"), _open_topography(path, plain=plain) as reader:
-        name, channel = str(reader.format()), channel_of_heights(reader, source.channel)
+        name, channel = str(reader.format()), layouts.channel_of_heights(reader, source.channel)
         shape, room = channel.nb_grid_pts, path.stat().st_size
         if math.prod(shape) > min(MOST_POINTS, BLOCK + POINTS_A_BYTE * room):
             raise ValueError(f"{math.prod(shape)} points in {room} bytes, which is more than can be there")
@@ -413,7 +406,7 @@ FORMATS = (
         _read_container,
     ),
     Format("a packed one of these", (".gz",), lambda s: s.start.startswith(GZIP), _read_packed),
-    Format("a map of TrueMap", (".tmd",), lambda s: s.start.lower().startswith(TMD), _read_tmd),
+    Format("a map of TrueMap", (".tmd",), lambda s: s.start.lower().startswith(layouts.TMD), _read_tmd),
     Format("a profile", (".prf",), lambda s: s.start.split(b"\n")[0].strip() == PRF, _read_prf),
     Format("an archive of ISO 25178-72", (".x3p",), lambda s: s.ending == ".x3p", _read_x3p),
     Format("text of points x y z or of a matrix", TEXT, lambda s: s.is_text and s.ending in TEXT, _read_text),

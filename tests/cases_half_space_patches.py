@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import pytest
 from cases_half_space import MODULUS, dense_free, dense_periodic, rough
 
 from warpwear import Study
@@ -25,14 +24,6 @@ PATCHES = Patches(DOMAIN, SIDE, SIDE, CORNERS[0], CORNERS[1])
 #: Gaps of all patches, shape (patches, SIDE, SIDE); the mean planes differ by as much as the roughness.
 GAPS = np.array([1.2 * k + rough(ONE, seed=k, shortest=2) for k in range(PATCHES.count)])
 BOUNDARIES = {"periodic": dense_periodic(ONE), "free": dense_free(ONE)}
-
-
-@pytest.fixture
-def device(device: str) -> str:
-    """On a GPU the transforms need their library."""
-    if device != "cpu":
-        pytest.importorskip("cupy")
-    return device
 
 
 class Solved:

@@ -2,7 +2,7 @@
 
 import math
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ from warpwear.errors import InputError
 from warpwear.surfaces.measured import read_measured
 from warpwear.surfaces.sphere import Sphere, places
 from warpwear.surfaces.worn.find_scar import find_scar, mean_profile
+from warpwear.surfaces.worn.patch import extents
 from warpwear.surfaces.worn.registration import difference
 from warpwear.surfaces.worn.track import find_track
 
@@ -205,17 +206,32 @@ class Off:
 
     off: dict
     relative: dict
+    points: list  # by which lengths are off; empty for a scar without an outline of its own
 
 
-def off_by_errors(seed, number, kind, worn):
-    """Measure a case: volumes, area, mean profile at every tenth place. Return the sentence of a refusal."""
-    case = pair(np.random.default_rng([seed, number, list(KINDS).index(kind), SCARS.index(worn)]), kind, worn)
+def lose(rng, heights, *, scattered, clumped, width):
+    """Return heights with parts of their points lost (NaN): any, and in clumps of about a width [points]."""
+    rough = ndimage.gaussian_filter(rng.normal(size=heights.shape), width, mode="wrap")
+    clumps = rough > np.quantile(rough, 1.0 - clumped) if clumped else False
+    return np.where((rng.random(heights.shape) < scattered) | clumps, np.nan, heights)
+
+
+def off_by_errors(seed, number, kind, worn, **lost):
+    """Measure a case: volumes, area, lengths, mean profile at every tenth place.
+
+    lost: of both files, see `lose`. Return the sentence of a refusal.
+    """
+    rng = np.random.default_rng([seed, number, list(KINDS).index(kind), SCARS.index(worn)])
+    case = pair(rng, kind, worn)
+    if lost:
+        case = replace(case, after=lose(rng, case.after, **lost), before=lose(rng, case.before, **lost))
     try:
         both = difference(case.after, case.before, pixel=(PIXEL, PIXEL), earlier_pixel=(PIXEL, PIXEL))
         found = find_scar(both.heights, pixel=(PIXEL, PIXEL))
     except InputError as error:
         return str(error)
     truth = case.truth(both.window)
+    points = []
     off = {
         "worn": (found.volume - truth[0]) / found.volume_error,
         "piled up": (found.piled_up - truth[1]) / found.piled_up_error,
@@ -227,6 +243,11 @@ def off_by_errors(seed, number, kind, worn):
     if worn != "asperities":  # of those the scar has the valleys, too
         off["area"] = (found.area - truth[3]) / found.area_error
         relative["area"] = found.area_error / truth[3]
+        lengths = zip(
+            (found.along, found.across), extents(case.gone[both.window] > 0.0, (PIXEL, PIXEL)), strict=True
+        )
+        points = [(length - true) / PIXEL for length, true in lengths]
+        off["lengths"] = np.array(points) * PIXEL / found.length_errors
     if worn == "groove":
         with suppress(InputError):  # the narrow window beside a wide one is refused
             track, error = find_track(both.heights, pixel=(PIXEL, PIXEL)).volume()
@@ -235,4 +256,4 @@ def off_by_errors(seed, number, kind, worn):
     lost = (case.gone - case.piled)[both.window][profile.rows].mean(axis=0)
     off["profile"] = (profile.depth - lost)[::10] / profile.band
     relative["profile"] = profile.band / lost.max()
-    return Off(off, relative)
+    return Off(off, relative, points)

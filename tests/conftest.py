@@ -33,6 +33,8 @@ def device(request: pytest.FixtureRequest) -> str:
     name: str = request.param
     if name != "cpu" and not wp.is_cuda_available():
         pytest.skip("no CUDA device")
+    if name != "cpu" and request.node.get_closest_marker("transforms"):
+        pytest.importorskip("cupy")
     return name
 
 

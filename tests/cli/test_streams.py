@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[2]
 QUICK = "--set grid.cell=30um --set sliding.distance=0.01mm --no-plots"
 
 
-def shell(command: str, folder: Path) -> "subprocess.CompletedProcess[str]":
+def shell(command: str, folder: Path, *, limit: float | None = None) -> "subprocess.CompletedProcess[str]":
     line = f"{sys.executable} -m warpwear {command}"
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
     return subprocess.run(
@@ -23,6 +23,7 @@ def shell(command: str, folder: Path) -> "subprocess.CompletedProcess[str]":
         capture_output=True,
         text=True,
         check=False,
+        timeout=limit,
     )
 
 
@@ -44,3 +45,18 @@ def test_a_byte_order_mark_is_no_part_of_a_study(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     path.write_text("\ufeff" + Study.load("v3-fine").to_toml(), encoding="utf-8")
     assert Study.load(path) == Study.load("v3-fine")
+
+
+@pytest.mark.parametrize("command", ["show", "run", "sweep --vary contact.load=1N,2N --out out"])
+def test_a_pipe_in_the_place_of_a_study_is_not_waited_for(command: str, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    done = shell(f"{command} pipe", tmp_path, limit=30.0)
+    assert done.returncode == 2
+    assert done.stderr.endswith("warpwear: STUDY = 'pipe' is a pipe or a device; a file is expected.\n")
+    assert shell("show <(echo '[contact]')", tmp_path, limit=30.0).stderr.startswith(
+        "warpwear: counter is missing"
+    )
+
+
+def test_a_folder_without_a_study_is_one_sentence(tmp_path: Path) -> None:
+    assert shell("show .", tmp_path).stderr == "warpwear: STUDY = '.' is a folder without a study.toml.\n"

@@ -19,7 +19,7 @@ from warpwear import Study
 from warpwear.cli.compare import compare
 from warpwear.comparison import figures
 from warpwear.comparison.figures import FIGURES
-from warpwear.comparison.gather import gather, rms_difference, shape_of
+from warpwear.comparison.gather import gather, means_of_parts, rms_difference, shape_of
 from warpwear.comparison.table import to_text, write_csv
 from warpwear.errors import InputError
 from warpwear.figures.describe import Chart, Line
@@ -373,6 +373,18 @@ def test_shape_of_a_noisy_square_root_and_of_too_few_points() -> None:
     late = shape_of(Experiment("late", distance[2000:], np.sqrt(distance[2000:])))
     assert set(late) == {"exponent_m"}
     assert shape_of(Experiment("few", distance[::2000], np.sqrt(distance[::2000]))) == {}
+
+
+def test_means_of_parts_are_over_the_distance() -> None:
+    """Rows that lie ten times as close weighted ten times as much, and hid what came after."""
+    dense, sparse = np.linspace(0.0, 50.0, 501), np.linspace(51.0, 100.0, 50)
+    distance = np.concatenate([dense, sparse, 100.0 + dense[1:], 100.0 + sparse])
+    places, means, same = means_of_parts(2, distance, distance**2, np.full(distance.size, 0.3))
+    assert places == pytest.approx([50.0, 150.0])
+    assert means == pytest.approx([100.0**2 / 3.0, 7.0 * 100.0**2 / 3.0], rel=1e-4)
+    assert same == pytest.approx([0.3, 0.3], rel=1e-12)
+    gap = np.array([0.0, 5.0, 70.0, 80.0, 100.0])  # parts without rows go
+    assert means_of_parts(4, gap, gap)[0] == pytest.approx([12.5, 62.5, 87.5])
 
 
 def test_names_that_a_spreadsheet_would_compute(

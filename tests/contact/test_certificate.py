@@ -23,18 +23,13 @@ from warpwear.kernels.cells import PADDING
 from warpwear.laws.patches import Patches
 from warpwear.models.patches.influence import PatchInfluence
 
+#: On a GPU the transforms need their library.
+pytestmark = pytest.mark.transforms
+
 MODULUS = 2.5
 #: As the product has them; between these factors of what is allowed the digits decide.
 LOAD, BAND = 2e-12, (1.0 - 1e-3, 1.0 + 1e-3)
 QUICK, ALL = 40, 500
-
-
-@pytest.fixture
-def device(device: str) -> str:
-    """On a GPU the transforms need their library."""
-    if device != "cpu":
-        pytest.importorskip("cupy")
-    return device
 
 
 @dataclass

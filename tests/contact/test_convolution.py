@@ -15,6 +15,9 @@ from warpwear.engine.executor import Executor
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, Grid
 
+#: On a GPU the transforms need their library.
+pytestmark = pytest.mark.transforms
+
 #: Error over the largest value; measured were 1e-7 to 6e-7, and 2e-16 to 1e-15.
 ERROR: dict[Any, float] = {np.float32: 1e-6, np.float64: 2e-15}
 SHAPES = [
@@ -44,14 +47,6 @@ ODD = [
 ]
 #: Of larger primes.
 UNFIT = [((150, 257), (150, 257)), ((211, 12), (211, 12)), ((11, 422), (11, 422))]
-
-
-@pytest.fixture
-def device(device: str) -> str:
-    """On a GPU the transforms need their library."""
-    if device != "cpu":
-        pytest.importorskip("cupy")
-    return device
 
 
 class Case:

@@ -12,13 +12,8 @@ from warpwear.grid import FloatArray, Grid
 from warpwear.laws.patches import Patches
 from warpwear.models.patches.influence import PatchInfluence
 
-
-@pytest.fixture
-def device(device: str) -> str:
-    """On a GPU the transforms need their library."""
-    if device != "cpu":
-        pytest.importorskip("cupy")
-    return device
+#: On a GPU the transforms need their library.
+pytestmark = pytest.mark.transforms
 
 
 def pressed(grid: Grid, box: tuple[int, int, int, int]) -> FloatArray:

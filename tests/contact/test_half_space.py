@@ -23,15 +23,10 @@ from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import PADDING
 
+#: On a GPU the transforms need their library.
+pytestmark = pytest.mark.transforms
+
 GRID = Grid(10, 7, 0.5)  # a width that is no multiple of the lanes of a vector
-
-
-@pytest.fixture
-def device(device: str) -> str:
-    """On a GPU the transforms need their library."""
-    if device != "cpu":
-        pytest.importorskip("cupy")
-    return device
 
 
 @cache

@@ -16,16 +16,11 @@ from warpwear.engine.executor import Executor
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
 
+#: On a GPU the transforms need their library.
+pytestmark = pytest.mark.transforms
+
 GRID = Grid(93, 101, 0.01)
 MODULUS, LOAD = 1.0e5, 4.0
-
-
-@pytest.fixture
-def device(device: str) -> str:
-    """On a GPU the transforms need their library."""
-    if device != "cpu":
-        pytest.importorskip("cupy")
-    return device
 
 
 def ball(x: float = 0.0, y: float = 0.0, *, rough: float = 0.0, seed: int = 1) -> FloatArray:

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pytest
 from cases_half_space import MODULUS, bounded, dense_line, rough
-from cases_solve import device
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.special import k0
 
@@ -17,7 +16,9 @@ from warpwear.engine.executor import Executor
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
 
-__all__ = ["device"]  # the fixture
+#: On a GPU the transforms need their library.
+pytestmark = pytest.mark.transforms
+
 
 RADIUS, PER_LENGTH, E_STAR = 6.0, 18.5, 1.1e5
 HALF_WIDTH = math.sqrt(4.0 * PER_LENGTH * RADIUS / (math.pi * E_STAR))

@@ -9,17 +9,12 @@ from numpy.testing import assert_allclose
 import warpwear
 from warpwear import InputError, Study
 
+#: On a GPU the transforms need their library.
+pytestmark = pytest.mark.transforms
+
 RADIUS, PER_LENGTH = 6.0, 18.5
 STEEL = {"young": "200 GPa", "poisson": 0.3}
 K_COUNTER, K_DISC = 1.9e-5, 2.9e-5  # mm³/(N·m)
-
-
-@pytest.fixture
-def device(device: str) -> str:
-    """On a GPU the transforms need their library."""
-    if device != "cpu":
-        pytest.importorskip("cupy")
-    return device
 
 
 def line(**changes: object) -> Study:

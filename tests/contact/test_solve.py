@@ -9,14 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 from cases_half_space import MODULUS, bounded, dense_free, dense_periodic, rough
-from cases_solve import GRID, HEIGHTS, device
+from cases_solve import GRID, HEIGHTS
 from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import solve_contact
 from warpwear.grid import FloatArray, Grid
 
-__all__ = ["device"]  # the fixture
+#: On a GPU the transforms need their library.
+pytestmark = pytest.mark.transforms
+
 
 AREA = GRID.area
 LAWS: dict[str, dict[str, Any]] = {

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cases_half_space import rough
-from cases_solve import HEIGHTS, device
+from cases_solve import HEIGHTS
 from numpy.testing import assert_allclose
 
 from warpwear import solve_contact
@@ -17,7 +17,8 @@ from warpwear.engine import staging
 from warpwear.errors import InputError
 from warpwear.grid import Grid
 
-__all__ = ["device"]  # the fixture
+#: On a GPU the transforms need their library.
+pytestmark = pytest.mark.transforms
 
 
 def test_the_largest_contact_of_a_gpu_needs_little_of_its_host(

@@ -19,20 +19,15 @@ from warpwear.models.rest.local import OneScaleModel
 from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.study.text import to_marked_toml
 
+#: On a GPU the transforms need their library.
+pytestmark = pytest.mark.transforms
+
 LAW = {"contact.law": "half-space", "output.snapshots": []}
 RUNNING_IN = {
     "wear.law": "running-in",
     "wear.running_in": "1 mm",
     "wear.initial_disc": "1e-2 mm^3/N/m",
 }
-
-
-@pytest.fixture
-def device(device: str) -> str:
-    """On a GPU the transforms need their library."""
-    if device != "cpu":
-        pytest.importorskip("cupy")
-    return device
 
 
 def study(**changes: Any) -> Study:

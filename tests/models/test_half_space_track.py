@@ -27,6 +27,9 @@ from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.model import SweptModel
 from warpwear.runs.plan import plan_of
 
+#: On a GPU the transforms need their library.
+pytestmark = pytest.mark.transforms
+
 CELL, ROWS = 0.02, 24
 GRID = Grid(16, 9, CELL)
 SHARE = 0.2
@@ -34,14 +37,6 @@ KEEPS = {"sliding.plastic": "keep"}
 FLAT = {"counter.radius": "inf mm", "contact.hardness": "200 MPa"}
 #: Almost to the last digit, so that it is not the search which differs.
 TIGHT = 1.0e-11
-
-
-@pytest.fixture
-def device(device: str) -> str:
-    """On a GPU the transforms need their library."""
-    if device != "cpu":
-        pytest.importorskip("cupy")
-    return device
 
 
 def study_of(**changes: Any) -> Study:

@@ -13,15 +13,10 @@ import pytest
 import warpwear
 from warpwear import Result, Study
 
+#: On a GPU the transforms need their library.
+pytestmark = pytest.mark.transforms
+
 FILES = Path(__file__).parents[2] / "docs" / "files" / "published"
-
-
-@pytest.fixture
-def device(device: str) -> str:
-    """On a GPU the transforms need their library."""
-    if device != "cpu":
-        pytest.importorskip("cupy")
-    return device
 
 
 class Section(NamedTuple):

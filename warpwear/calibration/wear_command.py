@@ -7,15 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from warpwear.calibration import options as command_options
-from warpwear.calibration.wear import (
-    WearCalibration,
-    WornVolume,
-    cap,
-    circular_track,
-    groove,
-    volume_given,
-    wear_coefficient,
-)
+from warpwear.calibration import wear as volumes
 from warpwear.errors import InputError
 from warpwear.measured.options import optional, quantity
 from warpwear.measured.surface_command import read_surface, track_in
@@ -85,9 +77,9 @@ def calibrate_wear(options: Options, *, preparation: Preparation, as_json: bool)
     load = command_options.load_of(options["--load"])
     distance = command_options.distance_of(options["--distance"], options["--passes"], options["--stroke"])
     lengths = _lengths(source, options)
-    volumes = [_volume(source, value, lengths, options, preparation) for value in options[source]]
+    tests = [_volume(source, value, lengths, options, preparation) for value in options[source]]
     hardness = optional("--hardness", options["--hardness"], "MPa")
-    wear = wear_coefficient(volumes, load=load, distance=distance, hardness=hardness)
+    wear = volumes.wear_coefficient(tests, load=load, distance=distance, hardness=hardness)
     relation = SOURCES[source].relation if standard is None else STANDARDS[standard][1]
     rows = wear_rows(wear, relation=relation, worn=SOURCES[source].worn)
     if as_json:
@@ -109,9 +101,7 @@ def _check(source: str, options: Options, preparation: Preparation) -> None:
     """Raise InputError for options that do not go with the source."""
     standard, kind = options["--standard"], SOURCES[source]
     if standard is not None and source not in STANDARDS[standard][0]:
-        raise InputError(
-            f"--standard {standard} is for {' or '.join(STANDARDS[standard][0])}, not for {source}"
-        )
+        raise InputError(f"--standard {standard} is for {' or '.join(STANDARDS[standard][0])}, not {source}")
     for name in kind.needs:
         if options[name] is None:
             raise InputError(f"{source} needs {name}, a length such as '3 mm'")
@@ -150,7 +140,7 @@ def _lengths(source: str, options: Options) -> dict[str, float | None]:
 
 def _volume(
     source: str, value: Any, lengths: dict[str, float | None], options: Options, preparation: Preparation
-) -> WornVolume:
+) -> volumes.WornVolume:
     """Find the volume of one test. value: of the source's option; lengths [mm]. Raises InputError."""
     radius, length = lengths["--radius"] or 0.0, lengths["--length"] or 0.0
     if source == "--track":
@@ -162,20 +152,22 @@ def _volume(
     sizes = [quantity(source, v, unit) for v in (value if source == "--diagonals" else (value,))]
     match source:
         case "--volume":
-            return volume_given(*sizes, error=error)
+            return volumes.volume_given(*sizes, error=error)
         case "--section":
-            return groove(*sizes, length=length, error=error)
+            return volumes.groove(*sizes, length=length, error=error)
         case "--width":
             track = lengths["--track-radius"] or 0.0
-            return circular_track(*sizes, radius=radius, track_radius=track, error=error)
+            return volumes.circular_track(*sizes, radius=radius, track_radius=track, error=error)
     if max(sizes) > 2.0 * radius:
         raise InputError(
             f"{source} has {max(sizes):g} mm: allowed is up to the ball's diameter, {2 * radius:g} mm"
         )
-    return cap(*sizes, radius=radius, error=error)
+    return volumes.cap(*sizes, radius=radius, error=error)
 
 
-def _of_track(file: Path, preparation: Preparation, *, length: float, width: float | None) -> WornVolume:
+def _of_track(
+    file: Path, preparation: Preparation, *, length: float, width: float | None
+) -> volumes.WornVolume:
     """Find the volume of a track of a length [mm] from a topography of it, or of a piece of it.
 
     width: of the track [mm], None to find it. Raises InputError.
@@ -193,7 +185,7 @@ def _of_track(file: Path, preparation: Preparation, *, length: float, width: flo
     return _of_topography(file, volume, error, depth=track.depth, measured=measured, more=more)
 
 
-def _of_ball(file: Path, preparation: Preparation, *, radius: float | None) -> WornVolume:
+def _of_ball(file: Path, preparation: Preparation, *, radius: float | None) -> volumes.WornVolume:
     """Find what a ball lost, from its topography. radius [mm], None to fit it. Raises InputError."""
     surface = read_surface(file, {**preparation, "level": "none"})
     ball = find_worn_ball(surface.measured, pixel=surface.pixel, radius=radius)
@@ -204,7 +196,7 @@ def _of_ball(file: Path, preparation: Preparation, *, radius: float | None) -> W
 
 def _of_topography(
     file: Path, volume: float, error: float, *, depth: float, measured: str, more: str = ""
-) -> WornVolume:
+) -> volumes.WornVolume:
     """Make a worn volume [mm³] of what a file holds. Raises InputError where nothing was lost.
 
     depth [mm]. more: what else the error is from.
@@ -214,10 +206,10 @@ def _of_topography(
             f"{file} has lost no volume: {volume:.3g} ± {error:.2g} mm³; a wear coefficient needs a loss"
         )
     source, measured = f"what the same sum finds on unworn surface{more}", f"{file}: {measured}"
-    return WornVolume(volume=volume, error=error, error_from=source, depth=depth, measured=measured)
+    return volumes.WornVolume(volume=volume, error=error, error_from=source, depth=depth, measured=measured)
 
 
-def wear_rows(wear: WearCalibration, *, relation: str, worn: str | None) -> list[Row]:
+def wear_rows(wear: volumes.WearCalibration, *, relation: str, worn: str | None) -> list[Row]:
     """Declare a wear coefficient. relation: how the volumes were found; worn: the body, if it is certain."""
     count, deviation, error = len(wear.volumes), wear.deviation, wear.uncertainty
     note, scatter, by_hardness = "; its uncertainty is unknown", "", ""
@@ -247,7 +239,7 @@ def wear_rows(wear: WearCalibration, *, relation: str, worn: str | None) -> list
     ]
 
 
-def _test_rows(wear: WearCalibration, test: int) -> list[Row]:
+def _test_rows(wear: volumes.WearCalibration, test: int) -> list[Row]:
     """Declare one of the tests."""
     worn, note, worn_too = wear.volumes[test], "", ""
     per_work = 1.0 / (wear.load * wear.distance)

@@ -88,6 +88,7 @@ def gather(
         [group.name for group in groups],
         speed=optional("--speed", speed, "mm/s") or _common(run.study.sliding.mean_speed for run in runs),
         stroke=optional("--stroke", stroke, "mm") or _common(run.study.sliding.stroke for run in runs),
+        radius=_common(run.study.sliding.track_radius for run in runs),
         columns=columns,
     )
     beside = None if scar is None else compare_scar(scar, runs)
@@ -158,10 +159,20 @@ def shape_of(experiment: Experiment) -> dict[str, float]:
 
 
 def means_of_parts(parts: int, distance: FloatArray, *columns: FloatArray) -> list[FloatArray]:
-    """Average distances and columns over them, (n,) each, in equal parts of the whole; empty ones go."""
-    part = np.clip((parts * distance / distance[-1]).astype(np.intp), 0, parts - 1)
-    filled = np.flatnonzero(number := np.bincount(part))
-    return [np.bincount(part, weights=v)[filled] / number[filled] for v in (distance, *columns)]
+    """Average distances and columns over them, (n,) each, in equal parts of the whole; empty ones go.
+
+    Between rows a course is a line: each counts by the distance it stands for, however many there are.
+    """
+    edges = np.linspace(0.0, distance[-1], parts + 1)
+    places = np.union1d(distance, edges[edges > distance[0]])
+    gaps, part = np.diff(places), np.searchsorted(edges, places[:-1], side="right") - 1
+    lengths = np.bincount(part, gaps, parts)
+    rows = np.bincount(
+        np.minimum(np.searchsorted(edges, distance, side="right") - 1, parts - 1), minlength=parts
+    )
+    filled = (rows > 0) & (lengths > 0.0)
+    ends = (np.interp(places, distance, values) for values in (distance, *columns))
+    return [np.bincount(part, 0.5 * (e[1:] + e[:-1]) * gaps, parts)[filled] / lengths[filled] for e in ends]
 
 
 def _shape(distance: FloatArray, cof: FloatArray) -> dict[str, float]:

@@ -12,28 +12,9 @@ from pydantic import ValidationError
 from warpwear.errors import InputError
 from warpwear.figures.describe import Figure
 from warpwear.grid import FloatArray
+from warpwear.measured import profile_report, surface_report
 from warpwear.measured.options import optional, quantity, refuse
-from warpwear.measured.profile_report import (
-    groove_figure,
-    groove_rows,
-    line_of,
-    parameter_rows,
-    profile_figure,
-    profile_lines,
-    profile_rows,
-)
 from warpwear.measured.surface_figure import ball_figure, save, scar_figure, surface_figure, track_figure
-from warpwear.measured.surface_report import (
-    LAMBDA_C,
-    LAMBDA_S,
-    ball_rows,
-    before_rows,
-    cap_rows,
-    examine,
-    file_lines,
-    scar_rows,
-    track_rows,
-)
 from warpwear.results.report import Row, lines, record, to_json
 from warpwear.study.bodies import Disc
 from warpwear.study.surface import surface_of
@@ -102,8 +83,8 @@ class Outcome:
     def text(self) -> list[str]:
         """Return the lines for people."""
         if self.profile:
-            return profile_lines([*self.profile], self.rows)
-        return [*file_lines(self.file, *self.done), *lines(self.rows)]
+            return profile_report.profile_lines([*self.profile], self.rows)
+        return [*surface_report.file_lines(self.file, *self.done), *lines(self.rows)]
 
 
 def describe(file: Path | None, options: SurfaceOptions) -> str:
@@ -146,7 +127,7 @@ def _outcome(file: Path, kind: str, options: SurfaceOptions) -> Outcome:
             raise
         return _profile(_profile_in(file, options.preparation), kind, options)
     if options.line is not None:
-        return _profile(line_of(surface, options.line), kind, options)
+        return _profile(profile_report.line_of(surface, options.line), kind, options)
     return {"surface": _roughness, "track": _track, "ball": _ball, "scar": _scar}[kind](surface, options)
 
 
@@ -174,25 +155,32 @@ def _profile(profile: Profile, kind: str, options: SurfaceOptions) -> Outcome:
     )
     degree = _degree(options.preparation.get("level"))
     beside = " through the profile beside the groove" if kind == "track" else ""
-    head = tuple(profile_rows(profile, degree, beside=beside))
+    head = tuple(profile_report.profile_rows(profile, degree, beside=beside))
     if kind == "track":
         width = optional("--track-width", options.track_width, "mm")
         groove = find_groove(profile, degree=degree, width=width)
-        return Outcome({}, groove_rows(groove), lambda: groove_figure(groove), profile=head)
+        return Outcome(
+            {}, profile_report.groove_rows(groove), lambda: profile_report.groove_figure(groove), profile=head
+        )
     level = profile.levelled(degree)
     filters = {
         "cut_off": optional("--lambda-c", options.lambda_c, "mm"),
         "short": optional("--lambda-s", options.lambda_s, "mm"),
     }
     result = parameters(level, **filters)
-    return Outcome({}, parameter_rows(result), lambda: profile_figure(level, result), profile=head)
+    return Outcome(
+        {},
+        profile_report.parameter_rows(result),
+        lambda: profile_report.profile_figure(level, result),
+        profile=head,
+    )
 
 
 def _roughness(surface: Measured, options: SurfaceOptions) -> Outcome:
     """Examine a surface as it is."""
-    cut_off = optional("--lambda-c", options.lambda_c, "mm") or LAMBDA_C
-    short = optional("--lambda-s", options.lambda_s, "mm") or LAMBDA_S
-    report = examine(surface, cut_off=cut_off, short=short)
+    cut_off = optional("--lambda-c", options.lambda_c, "mm") or surface_report.LAMBDA_C
+    short = optional("--lambda-s", options.lambda_s, "mm") or surface_report.LAMBDA_S
+    report = surface_report.examine(surface, cut_off=cut_off, short=short)
     return Outcome(record(report.rows), report.rows, lambda: surface_figure(report))
 
 
@@ -205,7 +193,7 @@ def _track(surface: Measured, options: SurfaceOptions) -> Outcome:
         changed = changed_since(surface, options.before, options.preparation)
     heights = None if changed is None else changed.heights
     track, degree = track_in(surface, level=options.preparation.get("level"), width=width, heights=heights)
-    row = Row("", "track", track_rows(track, length=length))
+    row = Row("", "track", surface_report.track_rows(track, length=length))
     return _worn(surface, options, changed, degree, row, lambda: track_figure(track, filled=track.missing))
 
 
@@ -214,7 +202,7 @@ def _scar(surface: Measured, options: SurfaceOptions) -> Outcome:
     scar, changed, degree = scar_in(surface, options.before, options.preparation)
     assert changed is not None  # --before makes it a scar
     missing = np.isnan(changed.heights)
-    row = Row("", "scar", scar_rows(scar, filled=float(missing[scar.patch].mean())))
+    row = Row("", "scar", surface_report.scar_rows(scar, filled=float(missing[scar.patch].mean())))
     return _worn(surface, options, changed, degree, row, lambda: scar_figure(scar, filled=missing))
 
 
@@ -232,7 +220,7 @@ def _worn(
     rows = [Row("", "surface", file), row]
     if changed is not None:
         done = f"{before} laid over it and taken off, {done}"
-        rows.insert(1, Row("before", "before", before_rows(changed, file=str(before))))
+        rows.insert(1, Row("before", "before", surface_report.before_rows(changed, file=str(before))))
     return Outcome(file, rows, draw, (done,))
 
 
@@ -261,9 +249,7 @@ def _degree(level: str | None) -> int:
     """Return the degree of --level for a worn disc. Raises InputError for a form."""
     degree = degree_of(_level(level) if level is not None else "plane")
     if isinstance(degree, str):
-        raise InputError(
-            f"--level {degree} is for a ball or a roller: allowed here is none, plane or a degree"
-        )
+        raise InputError(f"--level {degree} is for a ball or a roller: allowed is none, plane or a degree")
     return degree
 
 
@@ -288,8 +274,13 @@ def _ball(surface: Measured, options: SurfaceOptions) -> Outcome:
     file = surface.record()
     rows = [
         Row("", "surface", file),
-        Row("", "ball", ball_rows(ball)),
-        Row("by two diagonals", "by_two_diagonals", cap_rows(flat), note=", were the patch flat"),
+        Row("", "ball", surface_report.ball_rows(ball)),
+        Row(
+            "by two diagonals",
+            "by_two_diagonals",
+            surface_report.cap_rows(flat),
+            note=", were the patch flat",
+        ),
     ]
     return Outcome(file, rows, lambda: ball_figure(ball, size=surface.size, filled=surface.filled))
 
@@ -299,7 +290,7 @@ def _by_diagonals(diagonals: tuple[str, str], radius: str | None, *, as_json: bo
     if radius is None:
         raise InputError("--diagonals needs --radius, a length such as '3 mm'")
     first, second = (quantity("--diagonals", diagonal, "mm") for diagonal in diagonals)
-    rows = cap_rows(cap_of_diagonals(first, second, radius=quantity("--radius", radius, "mm")))
+    rows = surface_report.cap_rows(cap_of_diagonals(first, second, radius=quantity("--radius", radius, "mm")))
     if as_json:
         return to_json(record(rows))
     return f"worn ball by two diagonals: {Row('', '', rows).text} (a flat patch)"

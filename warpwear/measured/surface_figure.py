@@ -6,26 +6,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from warpwear.figures.describe import (
-    ACROSS,
-    ALONG,
-    COLUMN,
-    COUNTER,
-    DISC,
-    NEUTRAL,
-    PAGE,
-    Axis,
-    Chart,
-    Empty,
-    Figure,
-    Level,
-    Line,
-    Look,
-    Map,
-    Panel,
-    Scale,
-    Text,
-)
+from warpwear.figures import describe
+from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale
 from warpwear.figures.paint import paint
 from warpwear.figures.style import write_figure
 from warpwear.grid import FloatArray
@@ -50,7 +32,7 @@ ROW, SHEET = 2.4, 2.7
 #: Filters of a profile's roughness: name, key of the record, unit.
 FILTERS = (("λs", "lambda_s_um", "µm"), ("λc", "lambda_c_mm", "mm"))
 #: Lines at zero, and through what is found.
-ZERO, MARK = Look(width=0.6), Look(NEUTRAL, "dash", 0.8)
+ZERO, MARK = Look(width=0.6), Look(describe.NEUTRAL, "dash", 0.8)
 
 
 def save(figure: Figure, path: Path) -> None:
@@ -61,14 +43,14 @@ def save(figure: Figure, path: Path) -> None:
 def surface_figure(report: SurfaceReport) -> Figure:
     """Draw the sheet of a measured surface: map, numbers, bearing curve, spectrum, slope over cut-off."""
     surface = report.surface
-    slopes = Line(1e3 * report.cut_offs, report.slopes, look=Look(DISC))
+    slopes = Line(1e3 * report.cut_offs, report.slopes, look=Look(describe.DISC))
     slope = Chart("Slope", Axis("S-filter, µm", "log"), Axis("rms gradient Sdq, –", low=0.0), [slopes])
-    above: list[Panel] = [
+    above: list[describe.Panel] = [
         _map_of_heights(surface.levelled, surface.size, surface.filled),
-        Text(list(_numbers(record(report.rows)))),
-        Empty(),
+        describe.Text(list(_numbers(record(report.rows)))),
+        describe.Empty(),
     ]
-    return Figure([*above, _bearing(report), _spectrum(report), slope], 3, width=PAGE, height=SHEET)
+    return Figure([*above, _bearing(report), _spectrum(report), slope], 3, width=describe.PAGE, height=SHEET)
 
 
 def _spectrum(report: SurfaceReport) -> Chart:
@@ -76,7 +58,7 @@ def _spectrum(report: SurfaceReport) -> Chart:
     lines: list[Line | Level] = []
     low, high, note = None, None, "a flat: no waves"
     if spectrum.density.size:
-        lines.append(Line(1e3 * spectrum.wavelength, 1e12 * spectrum.density, look=Look(DISC)))
+        lines.append(Line(1e3 * spectrum.wavelength, 1e12 * spectrum.density, look=Look(describe.DISC)))
         # a band-limited surface has nothing but rounding below its shortest wave
         top, bottom = (1e12 * float(v) for v in (spectrum.density.max(), spectrum.density.min()))
         low, high, note = max(bottom / 2, 1e-12 * top), 4 * top, ""
@@ -133,25 +115,29 @@ def track_figure(track: Track, *, filled: BoolArray | None = None) -> Figure:
     profile, y = 1e3 * track.levelled.mean(axis=0), track.y
     parts = []
     for label, inside, colour, hatch in (
-        ("below", profile < 0, COUNTER, ""),
-        ("above", profile > 0, DISC, "////"),
+        ("below", profile < 0, describe.COUNTER, ""),
+        ("above", profile > 0, describe.DISC, "////"),
     ):
         ends = np.where(track.inside & inside, profile, np.nan)
         parts.append(
             Line(y, profile, label, Look(colour, "", alpha=0.35), ends, 0.0 * y + 0.0 * ends, hatch=hatch)
         )
-    across: list[Line | Level] = [Line(y, profile, "mean profile", Look(DISC)), *parts, Level(0.0, look=ZERO)]
+    across: list[Line | Level] = [
+        Line(y, profile, "mean profile", Look(describe.DISC)),
+        *parts,
+        Level(0.0, look=ZERO),
+    ]
     x = (np.arange(nx) + 0.5) * track.length / nx - 0.5 * track.length
     net = 1e6 * track.net
     along: list[Line | Level] = [
-        Line(x, net, "each section", Look(DISC, width=0.6)),
-        Level(float(net.mean()), "mean", Look(NEUTRAL, "dash", 1.0)),
+        Line(x, net, "each section", Look(describe.DISC, width=0.6)),
+        Level(float(net.mean()), "mean", Look(describe.NEUTRAL, "dash", 1.0)),
     ]
     bottom, top = min(0.0, float(net.min())), 1.1 * float(net.max()) if net.max() > 0 else None
     return _stack(
         _map_of_heights(track.levelled, size, filled, levels=edges),
         Chart("Mean profile", Axis("across, y, mm"), Axis("height over the reference, µm"), across),
-        Chart("Section", Axis(ALONG), Axis("section lost, µm²", low=bottom, high=top), along),
+        Chart("Section", Axis(describe.ALONG), Axis("section lost, µm²", low=bottom, high=top), along),
     )
 
 
@@ -165,8 +151,8 @@ def ball_figure(ball: WornBall, *, size: Pair, filled: BoolArray | None = None) 
     rows, columns = np.nonzero(ball.patch)
     i, j = round(float(rows.mean())), round(float(columns.mean()))
     lines: list[Line | Level] = [
-        Line(x, 1e3 * ball.lost[:, j], "along sliding, x", Look(COUNTER)),
-        Line(y, 1e3 * ball.lost[i, :], "across, y", Look(DISC, "dash")),
+        Line(x, 1e3 * ball.lost[:, j], "along sliding, x", Look(describe.COUNTER)),
+        Line(y, 1e3 * ball.lost[i, :], "across, y", Look(describe.DISC, "dash")),
         Level(0.0, look=ZERO),
     ]
     depth = Scale("depth worn, µm", 0.0, 1e3 * ball.depth, colours="depths", beyond="both")
@@ -186,11 +172,13 @@ def scar_figure(scar: Patch, *, filled: BoolArray | None = None) -> Figure:
     high = 1e3 * float(np.quantile(scar.lost[scar.patch], 0.998))
     piled = 1e3 * float(np.quantile(-scar.lost[scar.rim], 0.995)) if scar.rim.any() else 0.0
     scale = Scale("depth lost, µm", -max(piled, 0.05 * high), high, colours="depths", beyond="both")
-    regions = ((scar.patch, Look(width=0.8)), (scar.patch | scar.rim, Look(NEUTRAL, "dash", 0.8)))
+    regions = ((scar.patch, Look(width=0.8)), (scar.patch | scar.rim, Look(describe.NEUTRAL, "dash", 0.8)))
     y, depth, error = profile.y, 1e3 * profile.depth, 1e3 * profile.band
     lines: list[Line | Level] = [
-        Line(y, depth, "± one standard error", Look(DISC, "", alpha=0.3), depth - error, depth + error),
-        Line(y, depth, "mean profile", Look(DISC, width=0.9)),
+        Line(
+            y, depth, "± one standard error", Look(describe.DISC, "", alpha=0.3), depth - error, depth + error
+        ),
+        Line(y, depth, "mean profile", Look(describe.DISC, width=0.9)),
         Level(0.0, look=ZERO),
     ]
     return _stack(
@@ -201,7 +189,7 @@ def scar_figure(scar: Patch, *, filled: BoolArray | None = None) -> Figure:
 
 def _stack(*panels: Map | Chart) -> Figure:
     """Put panels below each other, with one legend."""
-    return Figure(panels, 1, legend=3, width=COLUMN, height=ROW)
+    return Figure(panels, 1, legend=3, width=describe.COLUMN, height=ROW)
 
 
 def _map_of_heights(heights: FloatArray, size: Pair, filled: BoolArray | None, **more: Any) -> Map:
@@ -226,8 +214,8 @@ def _map(values: FloatArray, size: Pair, scale: Scale, filled: BoolArray | None,
         notes=["hatched: not measured, filled in"] if filled is not None else [],
         hatched=None if filled is None else _reduced(filled, steps),
         square=max(size) <= LONG * min(size),  # a long track at its true proportions would be a line
-        x=ALONG,
-        y=ACROSS,
+        x=describe.ALONG,
+        y=describe.ACROSS,
         **more,
     )
 
@@ -244,10 +232,10 @@ def _bearing(report: SurfaceReport) -> Chart:
     ratio, reached = material_ratio_curve(report.surface.measured)
     height, line = 1e3 * reached, np.array([1e3 * b.top, 1e3 * b.bottom])
     lines = [
-        Line(ratio, height, "surface", Look(DISC)),
-        Line(np.array([0.0, 100.0]), line, "equivalent line", Look(NEUTRAL, "dash", 0.9)),
+        Line(ratio, height, "surface", Look(describe.DISC)),
+        Line(np.array([0.0, 100.0]), line, "equivalent line", Look(describe.NEUTRAL, "dash", 0.9)),
         *(
-            Line(np.array([end, core_end]), np.full(2, level), look=Look(NEUTRAL, "dot", 0.6))
+            Line(np.array([end, core_end]), np.full(2, level), look=Look(describe.NEUTRAL, "dot", 0.6))
             for end, level, core_end in zip((0.0, 100.0), line, (b.smr1, b.smr2), strict=True)
         ),
     ]

@@ -8,23 +8,9 @@ import numpy as np
 
 from warpwear.grid import FloatArray
 from warpwear.results.report import Row, lines
+from warpwear.surfaces import roughness
+from warpwear.surfaces import spectrum as spectra
 from warpwear.surfaces.measured import Measured
-from warpwear.surfaces.roughness import (
-    Bearing,
-    ProfileRoughness,
-    bearing_parameters,
-    developed_area,
-    profile_roughness,
-    slope_along,
-)
-from warpwear.surfaces.spectrum import (
-    RollOff,
-    Spectrum,
-    autocorrelation_length,
-    power_spectrum,
-    slope_against_cut_off,
-    suggested_roll_off,
-)
 from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.ball import Cap, WornBall
 from warpwear.surfaces.worn.find_scar import mean_profile, sides_reached
@@ -66,11 +52,11 @@ class SurfaceReport:
     """
 
     surface: Measured
-    bearing: Bearing
-    spectrum: Spectrum
+    bearing: roughness.Bearing
+    spectrum: spectra.Spectrum
     cut_offs: FloatArray
     slopes: FloatArray
-    roll_off: RollOff
+    roll_off: spectra.RollOff
     rows: list[Row]
 
 
@@ -82,16 +68,16 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
     whole, heights, pixel = surface.levelled, surface.measured, surface.pixel
     there = None if surface.filled is None else ~surface.filled
     filters = {"cut_off": cut_off, "short": short}
-    profiles = [profile_roughness(heights, pixel=pixel, axis=axis, **filters) for axis in (0, 1)]
-    bearing = bearing_parameters(heights)
-    spectrum = power_spectrum(whole, pixel=pixel, measured=there)
-    correlation = autocorrelation_length(heights, pixel=pixel)
+    profiles = [roughness.profile_roughness(heights, pixel=pixel, axis=axis, **filters) for axis in (0, 1)]
+    bearing = roughness.bearing_parameters(heights)
+    spectrum = spectra.power_spectrum(whole, pixel=pixel, measured=there)
+    correlation = spectra.autocorrelation_length(heights, pixel=pixel)
     own = surface.record()
     resolved = max(2.0 * max(pixel), own.get("s_filter_um", 0.0) * 1e-3)
-    roll_off = suggested_roll_off(spectrum, correlation=correlation, resolved=resolved)
+    roll_off = spectra.suggested_roll_off(spectrum, correlation=correlation, resolved=resolved)
     cut_offs = np.geomspace(2.0 * max(pixel), max(0.25 * min(surface.size), 4.0 * max(pixel)), CUT_OFFS)
-    slopes = slope_against_cut_off(whole, pixel=pixel, cut_offs=cut_offs, measured=there)
-    lay = _lay(*(slope_along(heights, pixel=pixel, axis=axis) for axis in (0, 1)))
+    slopes = spectra.slope_against_cut_off(whole, pixel=pixel, cut_offs=cut_offs, measured=there)
+    lay = _lay(*(roughness.slope_along(heights, pixel=pixel, axis=axis) for axis in (0, 1)))
     few = list(zip(slopes, 1e3 * cut_offs, strict=True))[::SHOWN_CUT_OFF]
     core = vars(bearing)
     bearing_rows = [
@@ -104,7 +90,9 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
         Row("Hurst exponent", "hurst", roll_off.hurst, digits=2),
     ]
     rough_rows = [Row(label, key, own[key]) for key, label in ROUGHNESS.items()]
-    rough_rows.append(Row("Sdr", "sdr_percent", 100.0 * developed_area(heights, pixel=pixel), digits=3))
+    rough_rows.append(
+        Row("Sdr", "sdr_percent", 100.0 * roughness.developed_area(heights, pixel=pixel), digits=3)
+    )
     ra_rows = [row for axis, profile in zip("xy", profiles, strict=True) for row in _ra(axis, profile, lay)]
     by_cut_off = {"cut_off_um": (1e3 * cut_offs).tolist(), "rms_slope": slopes.tolist()}
     by_wave = {"wavelength_um": 1e3 * spectrum.wavelength, "density_um4": 1e12 * spectrum.density}
@@ -271,7 +259,7 @@ def cap_rows(cap: Cap) -> list[Row]:
     ]
 
 
-def _ra(axis: str, profiles: ProfileRoughness, lay: str) -> list[Row]:
+def _ra(axis: str, profiles: roughness.ProfileRoughness, lay: str) -> list[Row]:
     """Declare Ra of the profiles along an axis, and how they were filtered."""
     way = "" if lay == "none" else "along the lay" if lay == axis else "across the lay"
     mean, number, c, s = ("mean", "profiles", "λc", "λs") if profiles.ra is not None else [""] * 4

@@ -3,19 +3,10 @@
 The sentences stand in templates/limits.toml; here are the conditions under which they apply.
 """
 
-import tomllib
 from collections.abc import Callable
-from importlib.resources import files
-from typing import Any
 
+from warpwear.results.formats.forms import prose
 from warpwear.study.study import Study
-
-
-def prose(name: str) -> dict[str, Any]:
-    """Read the sentences of a file of `templates/`."""
-    text = files("warpwear").joinpath("templates", f"{name}.toml").read_text(encoding="utf-8")
-    return tomllib.loads(text)
-
 
 #: Names of conditions, with commas between them -> the sentences that apply where all hold.
 LIMITS: dict[str, list[str]] = prose("limits")

@@ -47,6 +47,7 @@ def summarise(result: ResultFile) -> list[Row]:
         *summary_models.arrangement(result),
         *_friction(result, end),
         *_energy(result, end),
+        *summary_models.stresses(result),
         *_film(result),
         *_checks(result, end),
     ]
@@ -395,7 +396,8 @@ def course(result: ResultFile, name: str) -> tuple[FloatArray, FloatArray]:
     Of a swept run they are the means of its whole passes, whose ends differ from their middles, at the
     middles.
     """
-    history, stroke = result.history, result.study.lap
+    history = result.history
+    stroke = None if result.study.laps is None else result.study.laps.length
     if stroke is None or history["distance"][-1] == 0.0:  # at rest, or a static contact
         return history["distance"], history[name]
     passes = by_pass(result, *(() if name == "distance" else (name,)))  # whose distances are its own

@@ -19,15 +19,8 @@ import numpy as np
 import psutil
 
 from warpwear.grid import FloatArray
+from warpwear.history import quantities
 from warpwear.history.pieces import PieceBook
-from warpwear.history.quantities import (
-    FIELDS,
-    OF_PIECES,
-    OF_THE_TRACK,
-    PATCH_TABLES,
-    Quantity,
-    columns_of,
-)
 from warpwear.history.recorder_patches import PatchBook
 from warpwear.history.snapshot import Snapshot
 from warpwear.results.file import PATCH
@@ -103,7 +96,9 @@ class ResultWriter:
             chunks = tuple(min(CHUNK, n) for n in values.shape)
             how = {"compression": "gzip", "compression_opts": LEVEL, "shuffle": True}
             dataset = group.create_dataset(name, values.shape, values.dtype, chunks=chunks, **how)
-            dataset.attrs.update(units=FIELDS[name].units, long_name=FIELDS[name].meaning)
+            dataset.attrs.update(
+                units=quantities.FIELDS[name].units, long_name=quantities.FIELDS[name].meaning
+            )
             for place in dataset.iter_chunks():
                 part, start = values[place], tuple(along.start for along in place)
                 if self._pool is not None and plenty:
@@ -137,6 +132,13 @@ class ResultWriter:
         """Keep a measured counter-body's form on the domain's cells [mm], before any wear."""
         self._require_space(heights.nbytes)
         self._file.create_dataset("counter/heights", data=heights).attrs["units"] = "mm"
+
+    def add_stresses(self, tables: Mapping[str, FloatArray]) -> None:
+        """Keep what the stresses below the surface come to, a dataset a quantity, snapshots first."""
+        self._require_space(sum(values.nbytes for values in tables.values()))
+        group = self._file.create_group("stresses")
+        for name, values in tables.items():
+            self._add(group, quantities.BY_NAME[name], values)
 
     @property
     def copied_bytes(self) -> int:
@@ -173,7 +175,7 @@ class ResultWriter:
         """
         self._require_space(sum(values.nbytes for values in history.values()))
         group = self._file.create_group("history")
-        for column in columns_of(self._study):
+        for column in quantities.columns_of(self._study):
             self._add(group, column, history[column.name])
         if book is not None:
             self._add_patches(book)
@@ -193,22 +195,22 @@ class ResultWriter:
             _label(group[name], group, "distance", *([PATCH] if group[name].ndim > 1 else []))
         track = "track" in self._file
         for snapshot in self._file["snapshots"].values():  # only now: checkpoints hold them without labels
-            for name in snapshot.keys() & FIELDS.keys():
-                along = "track_x" if track and name in OF_THE_TRACK else "x"
+            for name in snapshot.keys() & quantities.FIELDS.keys():
+                along = "track_x" if track and name in quantities.OF_THE_TRACK else "x"
                 _label(snapshot[name], self._file["grid"], along, "y")
 
     def _add_patches(self, book: PatchBook) -> None:
         """Keep what each patch did, and where the macro cells lie."""
         self._add_axis(f"history/{PATCH}", np.arange(book.patches.count), units="1")
         history = self._file["history"]
-        for quantity in PATCH_TABLES:
+        for quantity in quantities.PATCH_TABLES:
             table = book.table(quantity.name)
             self._require_space(table.nbytes)
             self._add(history, quantity, table)
         for name, centres in zip(("x", "y"), book.patches.centres, strict=True):
             self._file.create_dataset(f"macro/{name}", data=centres).attrs["units"] = "mm"
 
-    def _add(self, group: h5py.Group, quantity: Quantity, values: FloatArray) -> None:
+    def _add(self, group: h5py.Group, quantity: quantities.Quantity, values: FloatArray) -> None:
         """Keep a quantity, compressed in a file, with its unit and meaning, by which xarray plots."""
         how: dict[str, Any] = {"chunks": True, "compression": "gzip", "shuffle": True}
         dataset = group.create_dataset(quantity.name, data=values, **({} if self._in_memory else how))
@@ -224,7 +226,7 @@ class ResultWriter:
         x = np.where(body == 0.0, x, of_disc[np.where(body == 1.0, row, 0.0).astype(int)])
         values = step, body, x, grid.y[column.astype(int)], volume, diameter
         group = self._file.create_group("pieces")
-        for quantity, column_values in zip(OF_PIECES.values(), values, strict=True):
+        for quantity, column_values in zip(quantities.OF_PIECES.values(), values, strict=True):
             self._add(group, quantity, column_values)
 
     def _add_axis(self, path: str, values: "np.ndarray[Any, Any]", *, units: str = "mm") -> h5py.Dataset:

@@ -16,6 +16,7 @@ from warpwear.history.arrangements import ARRANGEMENTS, name_of
 from warpwear.history.pieces import PieceBook
 from warpwear.history.recorder_patches import PatchBook, bytes_of_book
 from warpwear.laws.bearing_curve import Logistic
+from warpwear.laws.passes import Block
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.laws.track import Track
@@ -34,10 +35,14 @@ width = lazy.module("warpwear.models.patches.width")
 
 #: Fields at the peak of a run on the half-space, by its boundary, and more on a GPU, whose transforms copy.
 HALF_SPACE_FIELDS, GPU_FIELDS = {"periodic": 16.0, "free": 22.0, "line": 22.0}, 12.0
+#: More on the host where stresses below the surface are computed, a depth at a time.
+STRESS_FIELDS = {"periodic": 60.0, "free": 100.0, "line": 100.0}
 #: More where the disc slides: a mean along x, and what it takes to follow the disc.
 SLIDING_FIELDS = 3.0
 #: More with a film: what is bare and its caps; and of each body whose film forms anew.
 FILM_FIELDS, HEALING_FIELDS = 2.0, 3.0
+#: More of fretting: a mean along x, slips, and a contact of its own under P*.
+FRETTING_FIELDS = 28.0
 #: More of each body that wears in pieces: what is pending, its sums, and lists of cells.
 PIECES_FIELDS = 2.5
 
@@ -78,20 +83,31 @@ class Maker:
         fields, bodies = FIELDS_NEEDED + PIECES_FIELDS * study.wear.sheds, self.rows_of_bodies(study)
         if study.contact.law == "half-space":
             fields += HALF_SPACE_FIELDS[study.boundary] + GPU_FIELDS * (device != "cpu") - FIELDS_NEEDED
+        if study.has_stresses:
+            fields += STRESS_FIELDS[study.boundary]
         if study.film is not None:
             fields += FILM_FIELDS + HEALING_FIELDS * bodies * math.isfinite(study.film.regrowth)
         return fields
 
     def needed(self, study: Study, *, device: str) -> float:
-        """Estimate those of a programme: where its load changes a model takes over from another."""
-        return self.fields(study, device=device) * (2.0 if study.same_load is None else 1.0)
+        """Estimate those of a programme: where its load or track changes a model takes over from another."""
+        same_track = not study.is_swept or len(set(study.tracks)) == 1
+        return self.fields(study, device=device) * (
+            1.0 if study.same_load is not None and same_track else 2.0
+        )
 
     def rows_of_bodies(self, study: Study) -> float:
         """Return rows of both bodies over those of the grid."""
         return 2.0
 
     def model(
-        self, study: Study, task: ContactTask, heights: FloatArray, executor: Executor, record: Record
+        self,
+        study: Study,
+        task: ContactTask,
+        heights: FloatArray,
+        executor: Executor,
+        record: Record,
+        block: Block,
     ) -> PreparedModel:
         """Make the model; it may add to the surface's record. Raises InputError for heights it cannot use."""
         raise NotImplementedError
@@ -103,10 +119,17 @@ class AtRest(Maker, name="rest"):
     def fields(self, study: Study, *, device: str) -> float:
         """Estimate more where cells differ: by a track's model, a radial factor, and the stiffness."""
         differs = not study.contact_task.is_uniform or study.wear.law == "bearing-curve"
-        return super().fields(study, device=device) + (SLIDING_FIELDS + 2.0) * differs
+        fields = FRETTING_FIELDS * (study.fretting is not None)
+        return super().fields(study, device=device) + (SLIDING_FIELDS + 2.0) * differs + fields
 
     def model(
-        self, study: Study, task: ContactTask, heights: FloatArray, executor: Executor, record: Record
+        self,
+        study: Study,
+        task: ContactTask,
+        heights: FloatArray,
+        executor: Executor,
+        record: Record,
+        block: Block,
     ) -> PreparedModel:
         """Make a model of one grid."""
         curve = bearing_curve_of(study) if study.wear.law == "bearing-curve" else None
@@ -137,10 +160,17 @@ class OnTrack(Maker, name="track"):
         return study.track.rows / study.cells.nx + 1.0
 
     def model(
-        self, study: Study, task: ContactTask, heights: FloatArray, executor: Executor, record: Record
+        self,
+        study: Study,
+        task: ContactTask,
+        heights: FloatArray,
+        executor: Executor,
+        record: Record,
+        block: Block,
     ) -> PreparedModel:
         """Make a model of the whole track."""
-        model = models_track.SweptModel(task, study.track, heights, executor)
+        track = study.tracks[block.number - 1]
+        model = models_track.SweptModel(task, track, heights, executor)
         return PreparedModel(model, heights, record, pieces=model.pieces)
 
 
@@ -154,7 +184,13 @@ class OfPatches(AtRest, name="patches"):
         return Executor(patches.grid, device=device, threads=threads, fields_needed=fields)
 
     def model(
-        self, study: Study, task: ContactTask, heights: FloatArray, executor: Executor, record: Record
+        self,
+        study: Study,
+        task: ContactTask,
+        heights: FloatArray,
+        executor: Executor,
+        record: Record,
+        block: Block,
     ) -> PreparedModel:
         """Make a model of all patches."""
         patches = study.patch_layout

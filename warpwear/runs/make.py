@@ -62,7 +62,7 @@ def model_in(
 ) -> PreparedModel:
     """The model of a block of the programme, on unworn bodies. heights, record: of the disc as it was."""
     task = replace(order.study.parts[block.number - 1].contact_task, form=order.form)
-    return order.arrangement.model(order.study, task, heights, executor, record)
+    return order.arrangement.model(order.study, task, heights, executor, record, block)
 
 
 class _Sampled(NamedTuple):

@@ -6,6 +6,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from warpwear.errors import InputError
@@ -111,6 +112,8 @@ class RunOrder:
         history = {name: rows.column(name) for name in self.columns}
         cof = self.cof_of(history, finished=finished)
         energy = friction_energy(history["distance"], cof, history["load"])
+        if self.study.fretting is not None:
+            energy = 1.0e-3 * np.cumsum(history["energy"] * history["cycles"])
         return history | {"cof": cof, "friction_energy": energy}
 
     def cof_of(self, history: dict[str, FloatArray], *, finished: bool) -> FloatArray:

@@ -70,8 +70,12 @@ def read_sections(path_or_preset: str | Path) -> dict[str, Any]:
             if not (path / "study.toml").is_file():
                 raise InputError(f"STUDY = '{path}' is a folder without a study.toml.")
             path = path / "study.toml"
+        elif path.exists() and not path.is_file() and path.parts[:2] != ("/", "dev"):
+            raise InputError(f"STUDY = '{path}' is a pipe or a device; a file is expected")  # no endless wait
         with path.open(encoding="utf-8-sig") as file:
             sections = parse_toml(file.read(MOST_CHARACTERS + 1))
+    except InputError:
+        raise
     except FileNotFoundError:
         raise InputError(_no_such_study(str(path_or_preset))) from None
     except OSError as error:

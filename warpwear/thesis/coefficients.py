@@ -3,14 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from warpwear.calibration.wear import (
-    WearCalibration,
-    WornVolume,
-    cap,
-    diameter_of_cap,
-    volume_given,
-    wear_coefficient,
-)
+from warpwear.calibration import wear as volumes
 from warpwear.results.report import Row, lines, record, table, to_json
 from warpwear.thesis import printed as thesis
 from warpwear.thesis.printed import Printed
@@ -34,19 +27,19 @@ class Patch:
     diameter that the printed K needs, by the cap and by π d⁴/(64 R).
     """
 
-    by_cap: WearCalibration
-    by_ellipsoid: WearCalibration
-    by_mean_as_rim: WearCalibration
+    by_cap: volumes.WearCalibration
+    by_ellipsoid: volumes.WearCalibration
+    by_mean_as_rim: volumes.WearCalibration
     needed: float
     needed_small: float
 
 
-def _of_test(worn: WornVolume) -> WearCalibration:
+def _of_test(worn: volumes.WornVolume) -> volumes.WearCalibration:
     """Find K of a worn volume after the printed test."""
-    return wear_coefficient([worn], load=thesis.LOAD.value, distance=thesis.DISTANCE.value)
+    return volumes.wear_coefficient([worn], load=thesis.LOAD.value, distance=thesis.DISTANCE.value)
 
 
-def table_4_1() -> dict[str, tuple[Printed, WearCalibration]]:
+def table_4_1() -> dict[str, tuple[Printed, volumes.WearCalibration]]:
     """List rows of Table 4.1: what is printed, and K of the volume that it implies, rounded to four digits.
 
     The text prints no volume: they are K F L, so that this checks units and arithmetic, not the measurement.
@@ -54,7 +47,7 @@ def table_4_1() -> dict[str, tuple[Printed, WearCalibration]]:
     rows = {}
     for name, printed in thesis.WEAR_COEFFICIENTS.items():
         volume = 1e-3 * printed.value * thesis.LOAD.value * thesis.DISTANCE.value
-        rows[name] = (printed, _of_test(volume_given(float(f"{volume:.{DIGITS}g}"))))
+        rows[name] = (printed, _of_test(volumes.volume_given(float(f"{volume:.{DIGITS}g}"))))
     return rows
 
 
@@ -62,13 +55,13 @@ def patch() -> Patch:
     """Turn the 0.80 mm of figure 4.36 and Table 4.1's K of the ball each into the other."""
     radius, diameter = thesis.COUNTER_RADIUS.value, DIAMETER.value
     volume = K_OF_BALL * thesis.LOAD.value * thesis.DISTANCE.value
-    flat = cap(diameter, radius=radius)
-    ellipsoid = volume_given(4.0 / 3.0 * math.pi * (0.5 * diameter) ** 2 * (flat.depth or 0.0))
+    flat = volumes.cap(diameter, radius=radius)
+    ellipsoid = volumes.volume_given(4.0 / 3.0 * math.pi * (0.5 * diameter) ** 2 * (flat.depth or 0.0))
     return Patch(
         by_cap=_of_test(flat),
         by_ellipsoid=_of_test(ellipsoid),
-        by_mean_as_rim=_of_test(cap(2.0 * diameter, radius=radius)),
-        needed=diameter_of_cap(volume, radius=radius),
+        by_mean_as_rim=_of_test(volumes.cap(2.0 * diameter, radius=radius)),
+        needed=volumes.diameter_of_cap(volume, radius=radius),
         needed_small=(64.0 * radius * volume / math.pi) ** 0.25,
     )
 
@@ -104,7 +97,7 @@ def calibrate_thesis(*, as_json: bool = False) -> str:
     )
 
 
-def _row_of_table(printed: Printed, calibration: WearCalibration) -> list[Row]:
+def _row_of_table(printed: Printed, calibration: volumes.WearCalibration) -> list[Row]:
     """Declare a row of Table 4.1. calibration: of the volume that it implies."""
     volume, again = calibration.volumes[0].volume, 1e3 * calibration.mean
     section = 1e6 * volume / thesis.STROKE.value

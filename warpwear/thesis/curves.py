@@ -6,30 +6,22 @@ import numpy as np
 
 from warpwear.figures import describe
 from warpwear.figures.describe import ACROSS, DISTANCE, Axis, Bars, Figure, Level, Line, Look
-from warpwear.thesis.figures import (
-    EXPERIMENT,
-    LOOKS,
-    PRINTED,
-    chart,
-    course,
-    figure,
-    root_through_end,
-    versions,
-)
+from warpwear.thesis import figures
+from warpwear.thesis.figures import chart, course, figure, versions
 from warpwear.thesis.numbers import Numbers
 from warpwear.thesis.printed import PATCH_DIAMETERS, SLOWS_AFTER
 from warpwear.thesis.runs import VERSIONS, Runs, worn_radius
 
 AREA, COF = "area in contact, mm²", "coefficient of friction, –"
 #: Colour of each version, and then of the experiment.
-COLOURS = [*(look.colour for look in LOOKS.values()), EXPERIMENT]
+COLOURS = [*(look.colour for look in figures.LOOKS.values()), figures.EXPERIMENT]
 
 
 @figure
 def radius_and_pressure(runs: Runs, numbers: Numbers) -> Figure:
     history = runs["v1"].history
     distance, radius = history["distance"], np.sqrt(history["area_contact"] / np.pi)
-    slows = Level(SLOWS_AFTER.value, "0.1 m", Look(PRINTED, "dash", 0.8), axis="x")
+    slows = Level(SLOWS_AFTER.value, "0.1 m", Look(figures.PRINTED, "dash", 0.8), axis="x")
     pressure = course(history, "pressure_mean", "mean pressure", Look(describe.MEAN_PRESSURE, "dot"))
     radii = Line(distance, radius, "radius √(A/π)", Look(describe.CONTACT))
     panels = []
@@ -42,7 +34,9 @@ def radius_and_pressure(runs: Runs, numbers: Numbers) -> Figure:
 @figure
 def cof_of_v1(runs: Runs, numbers: Numbers) -> Figure:
     history = runs["v1"].history
-    root = root_through_end(history["distance"], history["cof"], "square root through the end", PRINTED)
+    root = figures.root_through_end(
+        history["distance"], history["cof"], "square root through the end", figures.PRINTED
+    )
     return Figure([chart([*versions(runs, "cof", "v1"), root], COF, Axis(DISTANCE, low=0.0))], legend=2)
 
 
@@ -127,7 +121,7 @@ def straight_line(runs: Runs, numbers: Numbers) -> Figure:
 
 @figure
 def areas_of_all(runs: Runs, numbers: Numbers) -> Figure:
-    of_load = Level(numbers["v3.load_over_hardness_mm2"], "F/H", Look(PRINTED, "dot", 0.8))
+    of_load = Level(numbers["v3.load_over_hardness_mm2"], "F/H", Look(figures.PRINTED, "dot", 0.8))
     lines: list[Line | Level] = [*versions(runs, "area_contact", "v1", "v3", "fine"), of_load]
     return Figure([chart(lines, AREA), chart(lines, Axis(AREA, "log"), Axis(DISTANCE, "log"))], legend=4)
 
@@ -155,7 +149,7 @@ def rough_patches(runs: Runs, numbers: Numbers) -> Figure:
     seeds = np.arange(len(patches), dtype=np.float64)
     lines: list[Line | Level] = [
         Level(PATCH_DIAMETERS["v3"].value, "printed, 1.37 mm", Look(describe.HARDNESS, width=0.8)),
-        Level(numbers["closed_form_patch_mm"], "smooth, cap of K F L", Look(PRINTED, "dash", 0.8)),
+        Level(numbers["closed_form_patch_mm"], "smooth, cap of K F L", Look(figures.PRINTED, "dash", 0.8)),
     ]
     for name, marker, size, colour, label, shift in (
         ("bound", "_", 12.0, describe.NEUTRAL, "a peak R_p at both ends", 0.0),
@@ -201,7 +195,7 @@ def patch_bars(runs: Runs, numbers: Numbers) -> Figure:
     ours += [numbers[f"{name}.patch_along_mm"] for name in ("v3", "fine")]
     names = ["V1", "V2", "V3", "experiment"]
     printed = [PATCH_DIAMETERS[name].value for name in ("v1", "v2", "v3", "experiment")]
-    label, grey = "diameter of the counter-body's patch, mm", [*[PRINTED] * 3, EXPERIMENT]
+    label, grey = "diameter of the counter-body's patch, mm", [*[figures.PRINTED] * 3, figures.EXPERIMENT]
     panels = [
         replace(_bars(label, names, printed, "{:.2f}"), title="printed", colours=grey),
         replace(_bars(label, [*VERSIONS.values()], ours, "{:.2f}"), title="ours"),

@@ -13,7 +13,6 @@ from cases_half_space_patches import (
     PATCHES,
     Solved,
     Stepped,
-    device,
     quick,
 )
 from numpy.testing import assert_allclose, assert_array_equal
@@ -26,7 +25,9 @@ from warpwear.grid import FloatArray
 from warpwear.models.patches.local import TwoScaleModel
 from warpwear.study.surface import surface_in
 
-__all__ = ["device"]  # the fixture
+#: On a GPU the transforms need their library.
+pytestmark = pytest.mark.transforms
+
 
 OPEN = GAPS.reshape(PATCHES.count, -1)
 #: Mean pressures of the patches, over the hardness or 1 MPa; in turn, so that loads come and go.

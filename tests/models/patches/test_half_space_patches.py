@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from cases_figures import drawn
 from cases_half_space import MODULUS, bounded
-from cases_half_space_patches import BOUNDARIES, GAPS, KINDS, ONE, PATCHES, Solved, Stepped, device, quick
+from cases_half_space_patches import BOUNDARIES, GAPS, KINDS, ONE, PATCHES, Solved, Stepped, quick
 from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
@@ -22,7 +22,8 @@ from warpwear.grid import FloatArray
 from warpwear.models.patches.local import TwoScaleModel
 from warpwear.study.surface import surface_in
 
-__all__ = ["device"]  # the fixture
+#: On a GPU the transforms need their library.
+pytestmark = pytest.mark.transforms
 
 
 @pytest.mark.parametrize("hardness", [math.inf, 1.5, 0.2])

@@ -4,22 +4,7 @@ import numpy as np
 
 from warpwear.figures import describe
 from warpwear.figures.coarse import coarsen
-from warpwear.figures.describe import (
-    Arrow,
-    Axis,
-    Bodies,
-    Box,
-    Chart,
-    Figure,
-    Glass,
-    Line,
-    Look,
-    Map,
-    Scale,
-    Surface,
-    in_time,
-    shade,
-)
+from warpwear.figures.describe import Axis, Chart, Figure, Line, Look, Map, in_time, shade
 from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.view import Profile, or_nan, positive
@@ -62,12 +47,12 @@ def setup(data: FigureData) -> Figure:
         f"heights drawn {{larger}} times as large"
     )
     parts = (
-        Surface(disc, describe.DISC, low, top),
-        Glass(x, y, counter, describe.COUNTER),
-        Arrow(middle - half, middle + half, top + 0.15 * (high - low), "sliding"),
+        describe.Surface(disc, describe.DISC, low, top),
+        describe.Glass(x, y, counter, describe.COUNTER),
+        describe.Arrow(middle - half, middle + half, top + 0.15 * (high - low), "sliding"),
     )
     ends = low, max(high, top) + 0.05 * (high - low)
-    return Figure([Box("Setup", window.extent, "height, µm", *ends, parts, note)])
+    return Figure([describe.Box("Setup", window.extent, "height, µm", *ends, parts, note)])
 
 
 @words.figure(words.TRACK, *words.FIELD, words.UNWORN)
@@ -81,7 +66,7 @@ def wear_map(data: FigureData) -> Figure:
     maps = []
     for body, depth in depths.items():
         high = deepest[body] if unlike else max(deepest.values())
-        scale, name = Scale("wear depth, µm", 0.0, high or 1.0, colours="depths"), data.name_of(body)
+        scale, name = describe.Scale("wear depth, µm", 0.0, high or 1.0, colours="depths"), data.name_of(body)
         maps.append(
             Map(f"Wear of the {name}", [positive(depth)], data.window.extent, scale, [f"{name} {when}{own}"])
         )
@@ -140,7 +125,7 @@ def _maps(data: FigureData, body: str) -> Figure:
     high = max(float(np.nanmax(field)) for field in fields)
     # One scale for all: what changes is the disc, not the colours.
     label, contours = f"height of the {name}, µm", CONTOURS if name in ROUND else 0
-    scale = Scale(label, low, high, colours="heights", beyond="min" if is_ball else "neither")
+    scale = describe.Scale(label, low, high, colours="heights", beyond="min" if is_ball else "neither")
     shape = Map(f"Height of the {name}", fields, data.window.extent, scale, labels, contours=contours)
     return Figure([shape])
 
@@ -160,8 +145,8 @@ def _surfaces(data: FigureData, body: str) -> Figure:
         scar = worn if state != "unworn" else None
         pale = " (pale: worn)" if scar is not None else ""
         note = f"{name}{turned}, {state}{pale}\nheights drawn {{larger}} times as large"
-        surface = Surface(field, describe.BODIES[body], *ends, scar, cap=is_ball)
-        boxes.append(Box(f"{name} {state}", extent, "height, µm", *ends, [surface], note))
+        surface = describe.Surface(field, describe.BODIES[body], *ends, scar, cap=is_ball)
+        boxes.append(describe.Box(f"{name} {state}", extent, "height, µm", *ends, [surface], note))
     return Figure(boxes)
 
 
@@ -256,4 +241,4 @@ def turned_bodies(data: FigureData) -> Figure:
     )
     known = {name: 1e3 * field for name, field in heights.items() if np.isfinite(field).any()}
     still = [name for name in known if name.endswith("worn")]
-    return Figure([Bodies("The bodies", window.extent, known, still, note)])
+    return Figure([describe.Bodies("The bodies", window.extent, known, still, note)])

@@ -4,15 +4,8 @@ from functools import cached_property
 
 import numpy as np
 
+from warpwear.contact.half_space import influence
 from warpwear.contact.half_space.filters import filter_of
-from warpwear.contact.half_space.influence import (
-    Operator,
-    free_quarter,
-    padded_shape,
-    periodic_spectrum,
-    shortest_response,
-    write,
-)
 from warpwear.contact.half_space.transforms import Filter, Grids
 from warpwear.engine.executor import Executor
 from warpwear.errors import InputError
@@ -20,7 +13,7 @@ from warpwear.grid import Grid
 from warpwear.laws.patches import Patches
 
 
-class PatchInfluence(Operator):
+class PatchInfluence(influence.Operator):
     """Applies the operator of patches of which each displaces itself alone, and an approximate inverse.
 
     modulus: E* of both bodies together [MPa]. boundary: "periodic" (each patch repeats itself; the mean
@@ -32,15 +25,17 @@ class PatchInfluence(Operator):
         side, cell = patches.side, patches.domain.cell
         grid = Grid(side, side, cell)
         self._is_free = boundary == "free"
-        super().__init__(executor, padded_shape(grid) if self._is_free else grid.shape, grid.shape)
+        super().__init__(executor, influence.padded_shape(grid) if self._is_free else grid.shape, grid.shape)
         self.cells = patches.count * side**2
-        self.shortest_response = shortest_response(cell, modulus)
+        self.shortest_response = influence.shortest_response(cell, modulus)
         self._grids = Grids.squares(executor, side)
         self.visited = self._grids.visited
-        self._near_table = periodic_spectrum(grid, modulus, rows=side // 2 + 1)
+        self._near_table = influence.periodic_spectrum(grid, modulus, rows=side // 2 + 1)
         self._longest = float(self._near_table.max())
         self._far_table = (
-            free_quarter(grid, modulus, self.far_shape) if self._is_free else self._near_table.copy()
+            influence.free_quarter(grid, modulus, self.far_shape)
+            if self._is_free
+            else self._near_table.copy()
         )
         self._bulk = self._own = 0.0
         self._set_means()
@@ -63,7 +58,7 @@ class PatchInfluence(Operator):
 
     def visit(self, patches: int) -> None:
         """Leave out all but the first `patches`; the pressures of the others stay, which must be 0."""
-        write(self._grids.visited, np.full(1, patches, dtype=np.int32))
+        influence.write(self._grids.visited, np.full(1, patches, dtype=np.int32))
         self.chunks = self._executor.split_rows(np.full(patches, self._executor.grid.ny))
 
     def set_bulk(self, flexibility: float) -> None:
@@ -80,7 +75,7 @@ class PatchInfluence(Operator):
         if own != self._own:
             self._own = own
             for line in (self.line, self.near_line):
-                write(line, np.full(line.size, own))
+                influence.write(line, np.full(line.size, own))
             self._set_means()
 
     def _set_means(self) -> None:

@@ -67,7 +67,7 @@ class SlidingContact:
         "_changes": Field,
         "_recession": Recession,
         "pieces": SlidingPieces,
-        "_ledger": Ledger,
+        "ledger": Ledger,
         "film": BareCells,
     }
 
@@ -119,7 +119,7 @@ class SlidingContact:
         self._totals = {
             name: wp.zeros(n, dtype=wp.float64, device=device) for name, n in zip(names, rows, strict=True)
         }
-        self._ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
+        self.ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
         #: Steps of a replay at most.
         self.longest = int(min(max(CELLS_OF_REPLAY / executor.grid.cells, 1), LONGEST))
         extents = {f"{end}_{line}": NO_INDEX for end in ("first", "last") for line in ("row", "column")}
@@ -131,7 +131,7 @@ class SlidingContact:
             sliding_steps.Steps,
             plan=wp.zeros((self.longest, len(sliding_steps.PLAN)), dtype=wp.float64, device=device),
             history=wp.zeros((self.longest, len(self._columns)), dtype=wp.float64, device=device),
-            within=wp.array(self._ledger.within, dtype=wp.float64, device=device),
+            within=wp.array(self.ledger.within, dtype=wp.float64, device=device),
             changes=self._changes,
             course=self._course.array,
             slides=self._slides.array,
@@ -241,7 +241,7 @@ class SlidingContact:
         self, shifts: Sequence[int], increments: Sequence[float]
     ) -> tuple[list[tuple[float, float]], bool]:
         """Tell the device of the next steps; return K ΔL of both bodies, and whether all are rigid."""
-        task, row = self.task, self._ledger.row
+        task, row = self.task, self.ledger.row
         removals = wear_in_steps(task.wear, row["distance"], increments)
         own, dust, track = task.compliance_at(row["area_contact"]), task.dust, self._track_fraction
         rows = [self.state.row_of(shift, periodic=self.periodic) for shift in shifts[: len(removals)]]
@@ -287,12 +287,12 @@ class SlidingContact:
             one.enter(columns, total, most)
         numbers: list[Any] = [columns[name] for name in BALANCE]
         block = Found(count, Balance(*numbers[:-1]), numbers[-1], total, most)
-        return booked(block, self._ledger, np.array(increments), removals, self._enter)
+        return booked(block, self.ledger, np.array(increments), removals, self._enter)
 
     def _enter(self, *columns: Any) -> Step:
         """Book a step as `Ledger.enter` does."""
-        step = self._ledger.enter(*columns)
-        self.state.columns = self._ledger.columns
+        step = self.ledger.enter(*columns)
+        self.state.columns = self.ledger.columns
         for one in self.attachments:
             self.state.columns = one.beside(self.state.columns)
         return step

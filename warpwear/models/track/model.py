@@ -3,6 +3,8 @@
 from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar
 
+import numpy as np
+
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray
 from warpwear.history.pieces import PieceBook
@@ -59,6 +61,11 @@ class SweptModel(Model):
     def in_blocks(self) -> bool:
         """Whether the device makes the next steps by itself."""
         return self.contact.in_blocks
+
+    def set_out_anew(self, before: Track) -> None:
+        """Begin with the first step of this track, on a disc that has slid over another one before."""
+        self.contact.ledger.rebase(before.track_fraction)
+        self._done = 0
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, slide on by the increment [mm] and wear both bodies."""
@@ -117,5 +124,14 @@ class SweptModel(Model):
             gap=to_numpy(state.counter) - self._track.beneath(disc, row),
             plastic_disc=to_numpy(state.plastic_disc) if self._keeps else None,
             bare=to_numpy(self.contact.film.bare) if self.contact.film else None,
+            slip=self._slip(step.pressure),
             row=row if self._track.moves else None,
         )
+
+    def _slip(self, pressure: FloatArray) -> FloatArray | None:
+        """Return what places under a pressure slip in a cycle [mm]; None where nothing frets."""
+        fretting = getattr(self.contact, "fretting", None)
+        if fretting is None:
+            return None
+        of_cells = self._executor.to_numpy(fretting.slips) if fretting.slips.shape[0] else 0.0
+        return np.where(pressure > 0.0, fretting.rigid + of_cells, 0.0)

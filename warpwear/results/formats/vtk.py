@@ -12,7 +12,7 @@ import numpy as np
 
 from warpwear.grid import FloatArray
 from warpwear.results.formats.bodies import WRITABLE, Files, Job
-from warpwear.results.formats.xml import filled
+from warpwear.results.formats.forms import filled
 from warpwear.version import __version__
 
 #: Bytes that are packed together.
@@ -44,7 +44,7 @@ def _write_film(job: Job, film: dict[int, str], path: Path) -> None:
     """Write the list of a film's files: its time is the sliding distance [mm]."""
     distances = job.result.snapshot_distances
     files = [(float(distances[number]), file) for number, file in film.items()]
-    path.write_bytes(filled("pvd.xml", files=files))
+    path.write_text(filled("pvd.xml", files=files), encoding="utf-8", newline="\n")
 
 
 def _write_image(job: Job, name: str, number: int, path: Path) -> None:
@@ -103,9 +103,9 @@ def _write(path: Path, groups: Mapping[str, Mapping[str, Any]], **about: Any) ->
         entry = {"name": name, "type": TYPES[values.dtype.str[1:]], "offset": sum(map(len, appended))}
         described[group].append(entry | {"components": values.shape[2] if values.ndim == 3 else 1})
         appended.append(_packed(np.ascontiguousarray(values.swapaxes(0, 1))))
-    before, _, after = filled("vtk.xml", groups=described, **about).rpartition(b"\n")
+    before, _, after = filled("vtk.xml", groups=described, **about).rpartition("\n")
     with path.open("wb") as file:
-        file.writelines([before, *appended, b"\n", after])
+        file.writelines([before.encode(), *appended, b"\n", after.encode()])
 
 
 def _labelled(fields: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
