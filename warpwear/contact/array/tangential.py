@@ -210,7 +210,7 @@ class _Shearing:
 
             def sheared(normal: ArrayContact, start: FloatArray) -> Sheared:
                 """Find the traction of a normal contact whose surfaces start from a displacement."""
-                found = search.solve(
+                answer = search.solve(
                     self.friction / pressure * normal.pressure[cells],
                     last=self._last[cells] / pressure,
                     start=start[cells] / length,
@@ -218,8 +218,8 @@ class _Shearing:
                     displacement=(further[0] / length, further[1] / length),
                 )
                 traction, slip = np.zeros_like(self._last), np.zeros_like(self._last)
-                traction[cells], slip[cells] = found.traction * pressure, found.slip * length
-                return replace(found, traction=traction, slip=slip)
+                traction[cells], slip[cells] = answer.traction * pressure, answer.slip * length
+                return replace(answer, traction=traction, slip=slip)
 
             if self.bodies.beta:
                 contact, solution = self._in_turns(sheared)
