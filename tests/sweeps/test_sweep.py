@@ -410,7 +410,7 @@ def test_cluster_that_is_refused(address: str, says: str, monkeypatch: pytest.Mo
     from warpwear.sweeps.cluster import connected
 
     client = distributed.Client
-    monkeypatch.setattr(distributed, "Client", lambda address, timeout: client(address, timeout="1s"))
+    monkeypatch.setattr(distributed, "Client", lambda address, **_: client(address, timeout="1s"))
     with pytest.raises(InputError, match=says), connected(address):
         pass
 
