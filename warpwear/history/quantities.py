@@ -35,6 +35,7 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
     "programme": ("programmes of blocks", lambda study: study.block is not None),
     "film": ("runs with a film", lambda study: study.film is not None),
     "pieces": ("wear in pieces", lambda study: study.wear.sheds),
+    "by area": ("wear of friction energy by a shear strength", lambda study: study.wears_by_area),
     "static area": ("output.static_area_every", lambda study: study.static_area_every > 0),
 }
 
@@ -126,6 +127,7 @@ LOOKS: dict[str, dict[str, Any]] = {
     "load": _look("normal load"),
     "area_contact": _look("area in contact", "CONTACT", short="in contact", **_AREA),
     "area_plastic": _look("area at hardness", "HARDNESS", "dot", short="at hardness", **_AREA),
+    "area_sheared": _look("area that shears and wears", "CONTACT", "dash", short="sheared", **_AREA),
     "area_touched": _look("area ever touched", "TOUCHED", "dash", short="ever touched", **_AREA),
     "area_nominal": _look("nominal area (scar)", "NOMINAL", "dashdot", short="nominal (scar)", **_AREA),
     "area_cumulative": _look("running sum of areas", "SUM", "longdash", short="running sum", **_AREA),
