@@ -172,8 +172,8 @@ WARPWEAR_FN void total_rows(int row, int under, bool presses, const OfTiles& of_
 }
 
 // Wear the listed tiles by one increment: each body loses K p dL. What goes beyond the full depth is
-// displaced from the disc for good, not worn. A cell that shears is worn by a depth, whatever its pressure: it
-// lifts the approach, so cells that stand out less than that were in contact for a part of the step, and
+// displaced from the disc for good, not worn. A cell that shears is worn by a depth, whatever its pressure:
+// it lifts the approach, so cells that stand out less than that were in contact for a part of the step, and
 // bear nothing at its end. Bounds and sums of the tiles and rows are made anew; tiles that
 // do not touch stay as they are, where their lowest gaps are known. Each sum grows lane by lane, in the order
 // of the cells. FACTORED: the sliding distance of the disc's cells has a factor each; RARE: cells have a
@@ -333,9 +333,8 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
     const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
     const auto& step = wp::index(slides, 0);
     const bool rare = keeps_reached || step.full_depth < NO_LIMIT || step.shear_counter > 0.0 ||
-                      step.shear_disc > 0.0 ||
-                      of_cells.stiffness.shape[0] > 0 || of_cells.parts.shape[0] > 0 ||
-                      of_cells.bare.shape[0] > 0;
+                      step.shear_disc > 0.0 || of_cells.stiffness.shape[0] > 0 ||
+                      of_cells.parts.shape[0] > 0 || of_cells.bare.shape[0] > 0;
     const bool factored = of_cells.factored == 1;
     if (rare) by(Is<true>(), Is<true>());
     if (!rare && factored) by(Is<true>(), Is<false>());

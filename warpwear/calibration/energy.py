@@ -141,9 +141,7 @@ def _of_run(folder: Path) -> tuple[Dissipation, str, list[Row]]:
     if slid == 0.0:
         raise InputError(f"{folder} is a static contact: nothing slides, and no energy is dissipated")
     if not np.isfinite(cof).all():
-        raise InputError(
-            f"{folder} has no coefficient of friction: it was interrupted before its τ0 was fixed"
-        )
+        raise InputError(f"{folder} has no coefficient of friction: it was stopped before its τ0 was fixed")
     load = float(history["load"][-1])
     work = Dissipation(
         energy=float(

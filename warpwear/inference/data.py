@@ -246,9 +246,7 @@ def _measured(study: Study, kind: str, text: str) -> Measured:
             "has to hold it"
         )
     if kind == "section" and study.sliding.stroke is None:
-        raise InputError(
-            "section needs sliding.stroke in the study: section × stroke is the volume of the disc"
-        )
+        raise InputError("section needs sliding.stroke in the study: section × stroke is the disc's volume")
     return measured
 
 

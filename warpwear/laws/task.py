@@ -8,6 +8,7 @@ from warpwear.grid import FloatArray
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.elastic import Hertz
 from warpwear.laws.film import Film
+from warpwear.laws.fretting import Fretting
 from warpwear.laws.pieces import Pieces
 
 
@@ -63,6 +64,7 @@ class ContactTask:
     film: Film | None = None  # on the bodies, under which the hardness of a cell may be another
     static_area_every: int = 0  # steps between contacts that are also solved without wear; 0: none are
     pieces: Pieces | None = None  # by which bodies wear; None: all wear leaves at once
+    fretting: Fretting | None = None  # what drives a fretting contact; None where nothing frets
 
     @property
     def dust(self) -> float:

@@ -261,6 +261,11 @@ def _pass_means(
     return sums / number
 
 
+def turning_rows(position: FloatArray) -> Rows:
+    """Return the rows at which a position [mm], shape (rows,), turns, in order."""
+    return _turning_points(position)[0]
+
+
 def _turning_points(position: FloatArray) -> tuple[Rows, FloatArray]:
     """Return the rows at which the position [mm] turns, in order, and the smoothed position [mm].
 

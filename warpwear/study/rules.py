@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from warpwear.laws.archard import CALLED
+from warpwear.laws.elastic import LEAST_TORSION
 from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study import rules_pieces, rules_track
 from warpwear.study.content import Content
@@ -41,12 +42,38 @@ def check(study: Content) -> None:
     _boundary(study)
     _shape(study)
     rules_track.check(study)
+    _fretting(study)
     rules_pieces.check(study)
     _hardness(study)
     _capacity(study)
     _tolerance(study)
     _stability(study)
     _steps(study)
+    _fatigue(study)
+
+
+def _fatigue(study: Content) -> None:
+    """Refuse fatigue limits that no criterion is made for, and a length beyond the domain."""
+    fatigue = study.fatigue
+    if fatigue is None:
+        return
+    if study.is_swept:
+        raise ValueError(
+            "[fatigue] does not go with sliding.kinematics = 'swept', where the contact leaves a place "
+            "before its friction turns round; allowed is a disc that stays under the counter-body"
+        )
+    ratio = fatigue.torsion / fatigue.bending
+    if not LEAST_TORSION <= ratio <= 1.0:
+        raise ValueError(
+            f"fatigue.torsion = {fatigue.torsion:g} MPa is {ratio:.3g} of fatigue.bending; allowed is "
+            f"{LEAST_TORSION:.3g} to 1 of it"
+        )
+    side = min(study.grid.sides[: 1 if study.is_line else 2])
+    if fatigue.length > side:
+        raise ValueError(
+            f"fatigue.length = {1e3 * fatigue.length:g} µm is longer than the domain, {1e3 * side:g} µm; "
+            "allowed is a length within it"
+        )
 
 
 def sliding_of_blocks(study: Content) -> Sliding:
@@ -114,6 +141,30 @@ def _patches(study: Content) -> None:
             "must hold two macro cells or more"
         )
     rules_track.refuse_parts("grid.extent", extent, patches.macro_cell, cells=named)
+
+
+def _fretting(study: Content) -> None:
+    """Refuse forces that make the contact slip as a whole, and means over what is rough."""
+    sliding, limit = study.sliding, study.friction.coefficient * study.contact.load
+    if study.fretting is None:
+        return
+    if limit == 0.0:
+        raise ValueError("friction.coefficient = 0 dissipates nothing: fretting needs more than 0")
+    if sliding.force is not None and sliding.force >= limit:
+        raise ValueError(
+            f"sliding.force = {sliding.force:g} N is not less than friction.coefficient × contact.load = "
+            f"{limit:g} N: the whole contact would slip, without end; allowed are less, or a sliding.stroke"
+        )
+    if sliding.drives_bodies:
+        return
+    stroke, disc = sliding.stroke or 0.0, study.disc.synthetic
+    if stroke > study.grid.cell:
+        rules_track.refuse_parts("sliding.stroke", stroke, study.grid.cell)
+    if disc is None or disc.kind != "flat":
+        raise ValueError(
+            "sliding.positions = 'mean' needs disc.synthetic.kind = 'flat': what is rough changes from place "
+            "to place; allowed is 'cells'"
+        )
 
 
 def _line(study: Content) -> None:
