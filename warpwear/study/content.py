@@ -12,7 +12,7 @@ from warpwear.laws.junctions import critical_junction, junction_strength
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
 from warpwear.study.keys import value_of
-from warpwear.study.sections.programme import Programme
+from warpwear.study.programme import Programme
 from warpwear.study.units import text
 
 
