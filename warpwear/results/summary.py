@@ -44,6 +44,7 @@ def summarise(result: ResultFile) -> list[Row]:
         *([] if result.study.is_swept else _of_one_spot(result)),
         *summary_models.surfaces(result),
         *(summary_models.track(result) if result.study.is_swept else []),
+        *(summary_models.fretting(result) if result.study.sliding.frets else []),
         *summary_models.arrangement(result),
         *_friction(result, end),
         *_energy(result, end),
