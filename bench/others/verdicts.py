@@ -85,18 +85,29 @@ def trib(data: Path) -> Values:
     """Read profiles and courses of c1 and c2."""
     values = {}
     for case in ("c1", "c2"):
-        text = (data / f"{case}.csv").read_bytes().decode("latin-1")
-        table = pd.read_csv(io.StringIO(text), sep=r"\s+", decimal=",")
-        values[case] = groove(data / f"profile_{case.upper()}.csv") | course(
-            table["Distance"].to_numpy(float), table.iloc[:, 3].to_numpy(float)
-        )
+        values[case] = groove(data / f"profile_{case.upper()}.csv")
+        if (data / f"{case}.csv").exists():
+            text = (data / f"{case}.csv").read_bytes().decode("latin-1")
+            table = pd.read_csv(io.StringIO(text), sep=r"\s+", decimal=",")
+            values[case] |= course(table["Distance"].to_numpy(float), table.iloc[:, 3].to_numpy(float))
     return values
+
+
+def below_head(path: Path, head: str, separator: str) -> pd.DataFrame:
+    """Read what stands below the line that begins so, whatever ends the lines, with decimal points."""
+    lines = path.read_text(encoding="latin-1").splitlines()
+    start = next(row for row, line in enumerate(lines) if line.startswith(head))
+    names = [name.strip() for name in lines[start].split(separator)]
+    rows = [line.split(separator) for line in lines[start + 1 :]]
+    if separator != ",":
+        rows = [[cell.replace(",", ".") for cell in row] for row in rows]
+    table = pd.DataFrame([row for row in rows if len(row) == len(names)], columns=names)
+    return table.loc[:, ~table.columns.duplicated()]
 
 
 def steps_of(path: Path) -> list[tuple[float, float]]:
     """Speed [rpm] and mean coefficient, of the second half of each long step of a Rtec record."""
-    table = pd.read_csv(path, skiprows=1, skipinitialspace=True, index_col=False, on_bad_lines="skip")
-    table.columns = [str(name).strip() for name in table.columns]
+    table = below_head(path, "Step, Timestamp", ",")
     numbers = table.apply(pd.to_numeric, errors="coerce").dropna(subset=["DAQ.Fz (N)", "DAQ.Fx (N)", "Step"])
     turning = numbers[(numbers["Rotary.Velocity (rpm)"].abs() > 1.0) & (numbers["DAQ.Fz (N)"].abs() > 0.5)]
     groups = [rows for _, rows in turning.groupby("Step", sort=False)]
@@ -128,7 +139,7 @@ def saint_gobain(data: Path) -> Values:
 
 def pin(path: Path) -> tuple[float, float]:
     """Coefficient and wear depth a metre [µm/m] of the second half of a TE67 record."""
-    table = pd.read_csv(path, sep="\t", decimal=",", skiprows=14, encoding="latin-1", on_bad_lines="skip")
+    table = below_head(path, "\tTime\tThis Step", "\t")
     names = ["Speed", "Distance", "Friction Coefficient", "Displacement"]
     rows = table[names].apply(pd.to_numeric, errors="coerce").dropna()
     moving = rows[rows["Speed"] > 1.0]
@@ -157,7 +168,7 @@ READERS: dict[str, Callable[[Path], Values]] = {"trib": trib, "saint-gobain": sa
 
 def table_rows() -> Iterator[tuple[str, ...]]:
     """Give a row for each quantity of each case: what was predicted, what was measured, the verdict."""
-    for path in sorted(HERE.glob("*/prediction.toml")):
+    for path in sorted(HERE.glob("*/prediction*.toml")):
         prediction = tomllib.loads(path.read_text(encoding="utf-8"))
         other = path.with_name("measured.toml")
         measured = tomllib.loads(other.read_text(encoding="utf-8")) if other.exists() else {}
