@@ -1,5 +1,7 @@
 """Declare figures of the stresses below the disc's surface: in a plane through the middle, and by depth."""
 
+from typing import Any
+
 import numpy as np
 
 from warpwear.figures import describe
@@ -65,7 +67,8 @@ def stress_depths(data: FigureData) -> Figure:
     table, study = data.result.stresses, data.study
     unit, name, note = _unit(data, data.indices[-1])
     over = Axis(f"depth z/{name}, –" if note else f"depth z, {name}", low=0.0)
-    panels, kinds = [], [("Stress", MEASURES, "yield strength", study.yield_strength)]
+    panels: list[Chart] = []
+    kinds: list[Any] = [("Stress", MEASURES, "yield strength", study.yield_strength)]
     if study.fatigue is not None:
         kinds.append(("Cycle", OF_A_CYCLE, "limit in torsion", study.fatigue.torsion))
     for title, measures, name_of_limit, limit in kinds:
