@@ -26,8 +26,8 @@ from warpwear.study.motion import (
 from warpwear.study.sections.fatigue import Fatigue
 from warpwear.study.sections.friction import Friction, Junctions
 from warpwear.study.sections.loads import LineLoad
+from warpwear.study.sections.settings import About, Checks, Output, PatchesSection, Run
 from warpwear.study.sections.wear import Wear
-from warpwear.study.settings import About, Checks, Output, PatchesSection, Run
 
 #: Parts of the sliding distance after which fields are kept of themselves.
 SNAPSHOTS = (0.001, 0.01, 0.1)
@@ -181,7 +181,9 @@ class Programme(Section):
     @property
     def increments(self) -> tuple[float, float, float]:
         """First increment at rest [mm], the factor by which increments grow, and the largest [mm]."""
-        return self.stepping.plan(self.sliding.total, jumps=self.kinematics == "fretting")
+        return self.stepping.plan(
+            self.sliding.total, cycle=2.0 * (self.sliding.lap or 0.0) * (self.kinematics == "fretting")
+        )
 
     @property
     def lap(self) -> float | None:
