@@ -97,13 +97,6 @@ class Steps:
     smallest: wp.float64  # lowest gap before any wear [mm]
 
 
-@wp.kernel
-def begin(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps):
-    """Begins the first step of a plan."""
-    if wp.tid() == 0:
-        begin_step(springs, steps)
-
-
 @wp.func
 def begin_step(springs: Springs, steps: Steps):
     """Begin the search of a step where its balance is expected, and look at what is known of that already."""
@@ -281,22 +274,16 @@ def is_within(before: wp.vec4d, now: wp.vec4d, within: wp.array(dtype=wp.float64
     return grows == 0
 
 
-@wp.kernel
-def record(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps, tables: Tables):
-    """Writes the row of a step, and begins the next one, if there is one.
-
-    Steps end where the contact reaches the edge or the rim, as a run may stop there and be kept as it is, and
-    at a step whose pressures do not carry the load.
-    """
-    if steps.increment[0].is_ready == 0:
-        return
+@wp.func
+def write_row(springs: Springs, steps: Steps, tables: Tables, thread: wp.int32):
+    """Write the row of a step, and end the steps where none may follow. All threads of the slot follow it."""
     row = steps.course[0].step
     history = steps.history
     ahead = total_step(tables, history, row, TOTALS)
     force = ahead[0] * springs.cell_area
     slope = ahead[1] * springs.cell_area
     near = -ahead[2]
-    if wp.tid() == 0:
+    if thread == 0:
         c = steps.course[0]
         enter_balance(history, row, springs, steps.increment[0].reference)
         pressure = history[row, TOTALS + wp.static(int(WearSum.PRESSURE))]
@@ -321,8 +308,24 @@ def record(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps
         if c.failed == 0:
             c.mean = pressure / wp.max(contact, ONE)
             c.step = row + 1
+        if not goes_on:
+            c.steps = c.step
         steps.course[0] = c
-        steps.stepping[0] = 0
         steps.increment[0].is_ready = 0
-        if goes_on and c.step < c.steps:
+
+
+@wp.kernel
+def record(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps, tables: Tables):
+    """Writes the row of a step that was worn, if any, and begins the next one, if there is one.
+
+    It does nothing while a search goes on. Steps end where the contact reaches the edge or the rim, as a run
+    may stop there and be kept as it is, and at a step whose pressures do not carry the load.
+    """
+    if springs.searching[0] == 1:
+        return
+    if steps.increment[0].is_ready == 1:
+        write_row(springs, steps, tables, wp.tid())
+    if wp.tid() == 0:
+        steps.stepping[0] = 0
+        if steps.course[0].step < steps.course[0].steps:
             begin_step(springs, steps)

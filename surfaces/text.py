@@ -141,7 +141,7 @@ def split(line: str, separator: str | None) -> list[str]:
 def _below(body: list[str], separator: str | None) -> int:
     """Count the lines below the rows that are a remark: they begin with a letter and have fewer fields."""
     width, count = len(split(body[0], separator)), 0
-    for line in reversed(body):
+    for line in reversed(body[1:]):
         bare = line.strip()
         if bare and (not bare[0].isalpha() or _is_value(bare) or len(split(bare, separator)) >= width):
             break

@@ -22,6 +22,7 @@ def left_out_for(*reasons: words.Reason) -> set[str]:
 
 OF_TRACKS = left_out_for(words.STILL)
 OF_PATCHES = left_out_for(words.ONE_SCALE)
+OF_STRESSES = left_out_for(words.NO_STRESSES)
 OF_FILMS = left_out_for(words.NO_FILM)
 
 

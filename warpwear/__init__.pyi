@@ -4,6 +4,7 @@ from warpwear.contact.array.contact import ArrayContact as ArrayContact
 from warpwear.contact.array.shear import ShearCertificate as ShearCertificate
 from warpwear.contact.array.shear import ShearedContact as ShearedContact
 from warpwear.contact.array.solve import solve_contact as solve_contact
+from warpwear.contact.array.tangential import solve_tangential as solve_tangential
 from warpwear.contact.certificate import Certificate as Certificate
 from warpwear.contact.stress.stresses import Stresses as Stresses
 from warpwear.contact.stress.stresses import stresses as stresses

@@ -62,6 +62,7 @@ def test_files_of_strokes_are_one_record_and_the_offset_of_the_force_drops_out(t
     assert rows.table["normal force"][0] == -200.0 * 0.00980665
     with pytest.raises(InputError, match=r"--stroke is needed, such as --stroke '10 mm'\.$"):
         read_experiment(tmp_path)
+    assert any("the stroke, 8 mm (as given)" in note for note in found.notes)
     by_speed = read_experiment(tmp_path, speed=10.0)
     np.testing.assert_allclose(by_speed.cof, found.cof)
     np.testing.assert_allclose(np.diff(by_speed.distance), 2 * 10.0 * 0.02 * ROWS, rtol=0.02)

@@ -17,8 +17,9 @@ from warpwear.history.arrangements import ARRANGEMENTS
 from warpwear.laws.archard import CALLED
 from warpwear.study.study import Study
 
-#: What a quantity has one value for: a step; a step and patch; a cell of a snapshot; a snapshot; a piece.
-Per = Literal["step", "patch", "cell", "snapshot", "piece"]
+#: What a quantity has one value for: a step; a step and patch; a cell of a snapshot; a snapshot; a depth at
+#: one; a depth and a place along a plane at one; a piece.
+Per = Literal["step", "patch", "cell", "snapshot", "depth", "plane", "piece"]
 #: Runs that a quantity may be limited to: name -> what they are called, and whether a study makes one.
 ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
     **{name: (one.called, one.serves) for name, one in ARRANGEMENTS.items()},
@@ -39,6 +40,8 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
     "programme": ("programmes of blocks", lambda study: study.block is not None),
     "film": ("runs with a film", lambda study: study.film is not None),
     "pieces": ("wear in pieces", lambda study: study.wear.sheds),
+    "stresses": ("runs with stresses (output.stress_depths)", lambda study: study.has_stresses),
+    "fatigue": ("runs with fatigue limits", lambda study: study.fatigue is not None),
     "static area": ("output.static_area_every", lambda study: study.static_area_every > 0),
 }
 
@@ -122,6 +125,8 @@ def _of_bodies(prefix: str, label: str, **others: Any) -> dict[str, dict[str, An
 
 _AREA: dict[str, Any] = {"family": "area", "log": True}
 _PRESSURE: dict[str, Any] = {"family": "pressure in contact", "log": True}
+_STRESS: dict[str, Any] = {"family": "largest stress of the depth"}
+_OF_CYCLE: dict[str, Any] = {"family": "equivalent shear stress"}
 _MICRONS: dict[str, Any] = {"factor": 1.0e3, "shown_unit": "µm"}
 #: Name of a quantity -> how it is shown, of those that figures and tables for people have.
 LOOKS: dict[str, dict[str, Any]] = {
@@ -150,6 +155,11 @@ LOOKS: dict[str, dict[str, Any]] = {
     "stick_area": _look("stick area", "CONTACT"),
     "slip": _look("slip of a cycle", **_MICRONS),
     "bare_fraction": _look("bare fraction of the area in contact", "DISC"),
+    "mises": _look("von Mises' stress", "COUNTER", short="von Mises", **_STRESS),
+    "max_shear": _look("largest shear stress", "CONTACT", short="shear", **_STRESS),
+    "principal": _look("largest principal stress", "DISC", short="σ₁, tension", **_STRESS),
+    "crossland": _look("Crossland's shear stress", "COUNTER", short="Crossland", **_OF_CYCLE),
+    "dang_van": _look("Dang Van's shear stress", "DISC", short="Dang Van", **_OF_CYCLE),
     "diameter": _look("diameter as cut", **_MICRONS),
 }
 
@@ -199,3 +209,13 @@ UNITS = {quantity.name: quantity.units for quantity in QUANTITIES}
 def columns_of(study: Study) -> tuple[Quantity, ...]:
     """Return the columns of the history that a run of the study has."""
     return tuple(quantity for quantity in per("step") if quantity.applies_to(study))
+
+
+def stress_columns(study: Study) -> list[str]:
+    """Name the quantities of depths and of a plane that a run of the study has, or has with stresses."""
+    return [
+        q.name
+        for what in ("depth", "plane")
+        for q in per(what)
+        if q.only == "stresses" or q.applies_to(study)
+    ]

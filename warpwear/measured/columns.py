@@ -2,6 +2,7 @@
 
 import re
 import unicodedata
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from warpwear.errors import InputError
@@ -134,7 +135,7 @@ def _title(record: Record, index: int) -> tuple[str, str]:
     return name, known if known == "-" else unit or below or known
 
 
-def _known(record: Record, name: str) -> tuple[str, str] | None:
+def _known(record: Record, name: str) -> Sequence[str] | None:
     """Return role and unit of a name in small letters by the make's format: of its last entry, or None."""
     entries = [entry for title, entry in record.format.columns.items() if re.fullmatch(title, name)]
     return entries[-1] if entries else None

@@ -1,12 +1,14 @@
 """Know the make of a record of friction by what is in its file, and cut its tables out of the text.
 
-A make stands in one place, `FORMATS`: its name, the words that it is known by, the line above its rows, what
-its columns are. A file without such words is a plain table, which `warpwear.surfaces.text` reads.
+A make stands in one place, `makes.toml`: its name, the words that it is known by, the line above its rows,
+what its columns are. A file without such words is a plain table, which `warpwear.surfaces.text` reads.
 """
 
 import re
+import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib.resources import files
 
 import numpy as np
 
@@ -33,111 +35,12 @@ class Format:
     name: str
     mark: str = ""
     header: str = ""
-    columns: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    columns: Mapping[str, Sequence[str]] = field(default_factory=dict)
     step: str = ""
 
 
-#: Columns by which no two makes differ, and which are not of interest.
-_STAGE: dict[str, tuple[str, str]] = {r"(?:xyz|rtc)\..*": ("", ""), r"step": ("", "")}
-FORMATS = (
-    Format(
-        name="Rtec",
-        mark=r"(?m)^\s*Step, ?Timestamp, ?RecipeStep",
-        header=r"\s*Step, ?Timestamp, ?RecipeStep",
-        columns=_STAGE
-        | {
-            r"timestamp": ("time", "s"),
-            r"recipestep": ("step", ""),
-            r"daq\.cof.*": ("cof", "-"),
-            r"daq\.f([xz])": ("", ""),
-            r"[a-z]+\.position": ("", ""),
-            r"[a-z]+\.angle": ("", ""),
-        }
-        | {
-            r"daq\.fx": ("friction force", ""),
-            r"daq\.fz": ("normal force", ""),
-            r"rotary\.position": ("laps", "-"),
-            r"rotary\.velocity": ("rpm", ""),
-            r"(?:linear|recip\w*|fretting)\.position": ("position", ""),
-        },
-    ),
-    Format(
-        name="CETR or Bruker UMT",
-        mark=r"CETR|UMT ver|Bruker|TriboLab",
-        header=r"(?=.*\bF[xfz]\b)(?=.*\b(?:T|Time|Timestamp)\b).*[,;\t]",
-        columns={
-            r"t|timestamp": ("time", ""),
-            r"fx|fy": ("friction force", ""),
-            r"ff": ("", ""),
-            r"[xyz]|v\d|ae|torque|tz": ("", ""),
-        },
-        step=r"Step (?:No\.?|#) ?(\d+)",
-    ),
-    Format(
-        name="Phoenix (Compend)",
-        mark=r"(?m)^(?:Data|Test control|Configuration) file\t",
-        header=r"(?=.*\t(?:Test Time|Friction|HSD))\t?Time\t|\t?HSD \w+\t",
-        columns={
-            r"time|step time|mass|displacement": ("", ""),
-            r"test time": ("time", "s"),
-            r"this step": ("step", ""),
-            r"sliding velocity": ("speed", "m/s"),
-            r"speed": ("rpm", "rpm"),
-            r"load": ("normal force", "N"),
-            r"total revolutions": ("laps", ""),
-            r"radius": ("radius", "mm"),
-            r"distance": ("distance", "m"),
-            r"(?:hsd )?friction force|hsd friction": ("friction force", "N"),
-            r"hsd stroke": ("position", "mm"),
-            r"hsd time": ("time", "s"),
-        },
-    ),
-    Format(
-        name="Anton Paar or CSM",
-        mark=r"TRB3|TriboX|CSM Instruments|Anton ?Paar|Nano Tribometer|(?m:^Time \[s\]\tDistance \[m\]\t)",
-        header=r"(?:Sliding )?Time \[s\]\t",
-        columns={
-            r"sequence id": ("step", ""),
-            r"nominal load": ("load", ""),
-            r"linear position": ("position", ""),
-            r"angle|cycle id|max linear speed|sliding time": ("", ""),
-        },
-    ),
-    Format(
-        name="PCS",
-        mark=r"PCS Instruments|(?m:^(?:MTM|EHD|ETM|HFRR|USV|MPR)\d* Test Data File)",
-        header=r"(?=.*(?:Traction|Friction) (?:Coeff|Force)).*\t",
-        columns={
-            r"step time|time|test time": ("time", ""),
-            r"traction (?:coeff|force)|friction (?:coeff|force)": ("", ""),
-            r"(?:traction|friction) coeff(?:icient)?": ("cof", ""),
-            r"(?:traction|friction) force": ("friction force", ""),
-            r"ball load|applied load|load": ("normal force", ""),
-            r"sliding speed": ("speed", ""),
-            r"rolling speed|(?:ball|disc) speed.*": ("", ""),
-        },
-        step=r"Step (\d+) .*started at",
-    ),
-    Format(
-        name="Optimol SRV",
-        mark=r"Optimol|\bSRV\b",
-        columns={r"stroke": ("stroke", ""), r"frequency": ("", "")},
-    ),
-    Format(name="Ducom", mark=r"Ducom", columns={r"wear": ("", ""), r"speed": ("rpm", "rpm")}),
-    Format(name="Nanovea", mark=r"Nanovea|NANOVEA", columns={r"depth": ("", "")}),
-    Format(
-        name="LabVIEW",
-        mark=r"\ALabVIEW Measurement",
-        header=r"X_Value\t",
-        columns={r"x value": ("time", "s"), r"dx": ("position", "")},
-    ),
-    Format(name="Kyowa logger", mark=r"\bPCD-\d", header=r"\"?Time\(sec\)"),
-    Format(
-        name="ITeR T-11",
-        mark=r"(?m)^Time \[s\];Friction force \[N\];",
-        columns={r"displacement": ("", ""), r"number of revolutions": ("laps", "")},
-    ),
-)
+_MAKES = tomllib.loads((files("warpwear.measured") / "makes.toml").read_text(encoding="utf-8"))
+FORMATS = tuple(Format(**make) for make in _MAKES["make"])
 PLAIN = Format(name="plain table")
 
 

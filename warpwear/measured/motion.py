@@ -11,6 +11,8 @@ from warpwear.measured.rows import Rows
 
 #: A speed below this share of the largest is rest.
 REST = 0.01
+#: Part of the rows, and of the distance, by which a counter may slip back.
+SLIPS = 0.01
 #: Turns before the first row that are told.
 BEFORE = 1.0
 #: Relative difference of a distance from that by the laps that is told.
@@ -46,7 +48,8 @@ def sliding_distance(
     table, path = rows.table, rows.path
     track = _radius(rows, radius)
     if "distance" in table:
-        return table["distance"], "distance", ""
+        distance, note = _without_slips(table["distance"], table.get("time"))
+        return distance, "distance", note
     if "laps" in table and track is not None:
         return _by_laps(table["laps"], track, rows)
     rates = {"speed": 1.0, "rpm": None if track is None else 2.0 * np.pi * track / 60.0}
@@ -90,6 +93,18 @@ def sliding_distance(
         f"{path} has a {what} but neither a distance nor a time; a column such as 'Distance [mm]' is "
         "expected, or --columns 'DISTANCE,COF'"
     )
+
+
+def _without_slips(distance: FloatArray, time: FloatArray | None) -> tuple[FloatArray, str]:
+    """Return a distance [mm] that stands still where a counter slips back while time goes on; a note."""
+    falls = np.diff(distance)[np.diff(distance) < 0.0]
+    goes_on = time is not None and bool(np.all(np.diff(time) >= 0.0))
+    if not (goes_on and 0 < falls.size <= SLIPS * distance.size and -falls.sum() <= SLIPS * np.ptp(distance)):
+        return distance, ""
+    note = (
+        f"The distance falls back at {falls.size} rows while time goes on: it is taken to stand still there."
+    )
+    return np.maximum.accumulate(distance), note
 
 
 def doubts(rows: Rows, radius: float | Sequence[float] | None) -> tuple[str, ...]:

@@ -18,6 +18,10 @@ UNITS = frozenset(
 UNITS |= {"1/min", "kg", "gf", "kgf", "mm/sec", "m/sec", "µm", "micrometer", "deg", "rev", "degc", "mm/min"}
 
 
+#: Letters of a column's name; what is longer is no name, and would fill every sentence.
+LONGEST = 80
+
+
 @dataclass(frozen=True, eq=False)
 class Record:
     """A record is the table in a file, with the name and the unit of each column."""
@@ -49,6 +53,7 @@ def read_record(path: Path) -> Record:
         text = text_of(lines_of(path), is_unit)
     table = text.table
     names, units = _names_and_units(table) if text.names is None else (text.names, text.units)
+    names = tuple(name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…" for name in names)
     return Record(path, table, names, units, text.format, text.steps, text.notes)
 
 

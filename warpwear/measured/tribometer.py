@@ -189,6 +189,7 @@ def _by_strokes(
     count = np.diff(turns)
     place = (np.arange(step.size) - np.repeat(turns[:-1], count) + 0.5) / np.repeat(count, count)
     inside = np.abs(place - 0.5) <= 0.5 - CUT
+    source = "as given" if stroke is not None else "of its steps"
     if stroke is None and "distance" not in table:
         raise InputError(
             f"{path} has a stroke a step and does not say how long it is: --stroke is needed, such as "
@@ -196,7 +197,6 @@ def _by_strokes(
         )
     if stroke is None:
         stroke = float((table["distance"][-1] - table["distance"][0]) / (count.size - count.size / step.size))
-    source = "as given" if "distance" not in table else "of its steps"
     return _of_passes(path, table["friction force"], normal, _Passes(turns, inside, stroke, 0.0, source))
 
 

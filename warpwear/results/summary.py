@@ -47,6 +47,7 @@ def summarise(result: ResultFile) -> list[Row]:
         *summary_models.arrangement(result),
         *_friction(result, end),
         *_energy(result, end),
+        *summary_models.stresses(result),
         *_film(result),
         *_checks(result, end),
     ]

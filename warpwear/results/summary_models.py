@@ -5,7 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from warpwear.contact.stress.stresses import deepest
 from warpwear.grid import FloatArray
+from warpwear.history.quantities import BY_NAME
+from warpwear.history.stresses import MEASURES, OF_A_CYCLE
 from warpwear.laws.archard import BODIES, CALLED
 from warpwear.laws.passes import WHEN, mean_over
 from warpwear.results.evolution import growth_of_view, settling, surface_evolution
@@ -304,3 +307,39 @@ def _inner_scar(result: ResultFile, body: str) -> Row:
         text += f"; Sq settles at {level}"
         text += f" ({grown})" if grown else f" over {fit.length:.3g} ± {error:g} mm"
     return Row(f"{body}, inner scar", body, numbers, sentence=text)
+
+
+def stresses(result: ResultFile) -> list[Row]:
+    """Declare the largest stresses below the disc at the last snapshot, and what lies beyond its limits."""
+    study = result.study
+    if not study.has_stresses or not result.snapshot_distances.size:
+        return []
+    table, limit, fatigue = (
+        {name: of[-1] for name, of in result.stresses.items()},
+        study.yield_strength,
+        study.fatigue,
+    )
+    known = np.isfinite(result.history["cof"][-1])
+    rows = []
+    for name in (*MEASURES, *(OF_A_CYCLE if fatigue else ())):
+        at, number = int(table[name].argmax()), {"value_MPa": float(table[name].max())}
+        place = {"x_mm": float(table[f"{name}_x"][at]), "y_mm": float(table[f"{name}_y"][at])}
+        place["z_mm"] = float(table["depth"][at])
+        places = ", ".join(f"{value:.3g}" for value in place.values())
+        text = f"{shown(number['value_MPa'])} MPa at x, y, z = {places} mm"
+        if name in OF_A_CYCLE and fatigue:
+            text += f"; {number['value_MPa'] / fatigue.torsion:.3g} of the limit in torsion"
+            text += f" (means of {1e3 * fatigue.length:g} µm)"
+        elif not known:
+            text += ", without friction, whose coefficient is not known"
+        rows.append(Row(BY_NAME[name].short, name, number | place, sentence=text))
+    if limit is not None:
+        volume = float(np.trapezoid(table["yielding"], table["depth"])) * study.cells.area
+        deep = deepest(table["depth"], table["mises"], limit)
+        source = "as given" if study.disc.yield_strength is not None else "a third of the hardness"
+        text = f"to a depth of {deep:.3g} mm, in {volume:.3g} mm³; yield strength {limit:.4g} MPa, {source}"
+        if not deep:
+            text = f"nowhere; yield strength {limit:.4g} MPa, {source}"
+        beyond = {"yield_strength_MPa": limit, "depth_mm": deep, "volume_mm3": volume}
+        rows.append(Row("beyond yield", "beyond_yield", beyond, sentence=text))
+    return [Row("", "stress_below_disc", rows)]

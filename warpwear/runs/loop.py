@@ -168,7 +168,7 @@ class StepLoop:
         """
         parts = [self._order.plan[len(self._rows) :]] if self._jumps is None else self._jumps.parts()
         for part in parts:
-            for _, group in groupby(part, lambda step: self._task_of(self._order.block_of(step))):
+            for _, group in groupby(part, lambda step: self._tasks[self._order.block_of(step).number]):
                 steps = [*group]
                 self._begin(steps[0])
                 yield from self._steps_of(steps, with_fields=with_fields)
@@ -229,6 +229,11 @@ class StepLoop:
             self._model.set_out_anew(self._order.study.tracks[before.number - 1])
         if self._jumps is not None:
             self._jumps.begin_anew()
+
+    @cached_property
+    def _tasks(self) -> dict[int, tuple[float, Track | None]]:
+        """Map the number of a block to what its model is made for."""
+        return {block.number: self._task_of(block) for block in self._order.blocks}
 
     def _task_of(self, block: Block) -> tuple[float, Track | None]:
         """Return what a block's model is made for: its load [N], and its track."""

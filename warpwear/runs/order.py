@@ -68,6 +68,8 @@ class RunOrder:
     def block_of(self, step: Planned) -> Block:
         """Return the block in which a step of the plan lies."""
         increment, distance, _ = step
+        if len(self.blocks) == 1:
+            return self.blocks[0]
         return next(block for block in self.blocks if distance - 0.5 * increment <= block.end)
 
     @cached_property

@@ -204,6 +204,17 @@ class Content(Programme):
         return junction_strength(self.softer_hardness)
 
     @property
+    def yield_strength(self) -> float | None:
+        """Stress at which the disc yields in tension [MPa]; by default a third of its hardness (Tabor 1951).
+
+        None where neither is known.
+        """
+        if self.disc.yield_strength is not None:
+            return self.disc.yield_strength
+        hardness = self.indentation_hardness if self.disc.hardness is None else self.disc.hardness
+        return hardness / 3.0 if math.isfinite(hardness) else None
+
+    @property
     def shear_limit(self) -> float:
         """Shear strength of the softer body [MPa]; of contact.hardness where no body's is known.
 

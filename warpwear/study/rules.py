@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from warpwear.laws.archard import CALLED
+from warpwear.laws.elastic import LEAST_TORSION
 from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study import rules_pieces, rules_track
 from warpwear.study.content import Content
@@ -47,6 +48,31 @@ def check(study: Content) -> None:
     _tolerance(study)
     _stability(study)
     _steps(study)
+    _fatigue(study)
+
+
+def _fatigue(study: Content) -> None:
+    """Refuse fatigue limits that no criterion is made for, and a length beyond the domain."""
+    fatigue = study.fatigue
+    if fatigue is None:
+        return
+    if study.is_swept:
+        raise ValueError(
+            "[fatigue] does not go with sliding.kinematics = 'swept', where the contact leaves a place "
+            "before its friction turns round; allowed is a disc that stays under the counter-body"
+        )
+    ratio = fatigue.torsion / fatigue.bending
+    if not LEAST_TORSION <= ratio <= 1.0:
+        raise ValueError(
+            f"fatigue.torsion = {fatigue.torsion:g} MPa is {ratio:.3g} of fatigue.bending; allowed is "
+            f"{LEAST_TORSION:.3g} to 1 of it"
+        )
+    side = min(study.grid.sides[: 1 if study.is_line else 2])
+    if fatigue.length > side:
+        raise ValueError(
+            f"fatigue.length = {1e3 * fatigue.length:g} µm is longer than the domain, {1e3 * side:g} µm; "
+            "allowed is a length within it"
+        )
 
 
 def sliding_of_blocks(study: Content) -> Sliding:

@@ -71,7 +71,7 @@ def test_a_cycle_of_a_contact() -> None:
     assert smooth.crossland.max() < value
 
 
-@pytest.mark.parametrize("boundary", ["free", "periodic"])
+@pytest.mark.parametrize("boundary", ["free", "periodic", "line"])
 @pytest.mark.parametrize("cells", [1.0, 1.7, 2.0, 3.0, 4.5])
 def test_an_average_is_over_the_very_square(boundary: str, cells: float) -> None:
     field = np.zeros((9, 11))
@@ -120,7 +120,7 @@ MISUSES: dict[str, tuple[dict[str, Any], str]] = {
     "depths that fall": ({"depths": [0.2, 0.1]}, "must be lengths from 0, rising"),
     "a word": ({"depths": "deep"}, "depths = 'deep' are not possible"),
     "no boundary": ({"boundary": None}, "boundary = None has no stresses"),
-    "a line": ({"boundary": "line"}, "boundary = 'line' has no stresses"),
+    "half a boundary": ({"boundary": "half"}, "boundary = 'half' has no stresses"),
     "rubber and more": ({"poisson": 0.6}, "poisson = 0.6 is not possible; it must be from 0 to 0.5"),
     "one traction": ({"traction": [PRESSURE]}, "traction is not possible; it must be a pair"),
     "a traction of another shape": ({"traction": (None, PRESSURE.T)}, r"traction y of shape \(11, 12\)"),

@@ -283,7 +283,38 @@ def test_a_wide_repeating_domain_is_a_free_one() -> None:
     assert errors[1] < 0.3 * errors[0]
 
 
-@pytest.mark.parametrize("boundary", ["free", "periodic"])
+@pytest.mark.parametrize("ny", [1, 4, 7])
+def test_below_a_line_contact(ny: int) -> None:
+    """Plane strain below a cylinder of half-width and largest pressure 1 (Johnson 1985, eq. 4.45)."""
+    n, width, depths = 401, 3.0, np.array([0.1, 0.4, 0.786, 1.5])
+    line = np.sqrt(np.maximum(0.0, 1.0 - Grid(n, 1, width / n).x ** 2))
+    pressure = np.repeat(line[:, np.newaxis], ny, axis=1)
+    stresses = warpwear.stresses(
+        pressure, depths, cell=width / n, boundary="line", poisson=0.3, traction=(0.2 * pressure, None)
+    )
+    xx, yy, zz, xy, _, yz = stresses.tensor[:, :, n // 2, 0]
+    root = np.sqrt(1.0 + depths**2)
+    assert_allclose(xx, -((1.0 + 2.0 * depths**2) / root - 2.0 * depths), atol=1e-5)
+    assert_allclose(zz, -1.0 / root, atol=1e-5)
+    assert_allclose(yy, 0.3 * (xx + zz), atol=1e-5)
+    assert_allclose([xy, yz], 0.0, atol=1e-14)
+
+
+def test_a_line_contact_is_one_of_many_images() -> None:
+    """Images beyond those that are added here count for little, as the loads have no mean across."""
+    nx, ny, count = 20, 6, 41
+    fields = np.random.default_rng(5).random((3, nx, ny))
+    fields -= fields.mean(axis=2, keepdims=True)
+    options: dict[str, Any] = {"depths": [0.0, 0.5, 3.0], "cell": 1.0, "poisson": 0.3}
+    tensors = []
+    for boundary, times in (("line", 1), ("free", count)):
+        pressure, *traction = np.tile(fields, times)
+        tensors.append(warpwear.stresses(pressure, boundary=boundary, traction=traction, **options).tensor)
+    middle = slice(count // 2 * ny, (count // 2 + 1) * ny)
+    assert_allclose(tensors[0], tensors[1][..., middle], atol=2e-5)
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic", "line"])
 def test_threads_change_no_bit(boundary: str) -> None:
     random = np.random.default_rng(3)
     pressure, *traction = random.random((3, 61, 87))

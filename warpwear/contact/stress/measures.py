@@ -9,9 +9,7 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-
-#: Least torsion limit over bending limit that Crossland's criterion is made for: 1/√3.
-LEAST_TORSION = 1.0 / math.sqrt(3.0)
+from warpwear.laws.elastic import LEAST_TORSION
 
 
 def hydrostatic(stress: FloatArray) -> FloatArray:

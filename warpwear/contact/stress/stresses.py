@@ -22,9 +22,9 @@ from warpwear.grid import FloatArray, Grid
 ndimage = lazy.module("scipy.ndimage")
 
 #: Boundaries of half-spaces below which stresses are computed.
-BOUNDARIES = ("periodic", "free")
+BOUNDARIES = ("periodic", "free", "line")
 #: Fields that are held at a time beside the six of each depth: for each load, and otherwise.
-FIELDS = {"free": (14.0, 20.0), "periodic": (4.0, 14.0)}
+FIELDS = {"free": (14.0, 20.0), "line": (14.0, 20.0), "periodic": (4.0, 14.0)}
 
 
 class Yielding(NamedTuple):
@@ -95,7 +95,7 @@ class Stresses:
         if normal not in ("x", "y"):
             raise InputError(f"normal = {normal!r} is not known; allowed: 'x' and 'y'.")
         axis = -2 if normal == "x" else -1
-        grid = Grid(*self.tensor.shape[2:], self.cell)
+        grid = Grid(self.tensor.shape[2], self.tensor.shape[3], self.cell)
         places = grid.x if normal == "x" else grid.y
         place = number("at", at, any_sign=True, optional=False)
         if not places[0] - 0.5 * self.cell <= place <= places[-1] + 0.5 * self.cell:
@@ -144,10 +144,10 @@ class Stresses:
         if length is None or length <= self.cell:
             return self
         sides = self.tensor.shape[2:]
-        if length > min(sides) * self.cell:
+        most = min(sides[:1] if self.boundary == "line" else sides) * self.cell
+        if length > most:
             raise InputError(
-                f"length = {length:g} is not possible; it must be at most that of the array, "
-                f"{min(sides) * self.cell:g}."
+                f"length = {length:g} is not possible; it must be at most that of the array, {most:g}."
             )
         tensor = averaged(self.tensor, length / self.cell, self.boundary)
         return Stresses(self.depths, tensor, self.cell, self.boundary, self.traction)
@@ -186,7 +186,7 @@ class Cycle:
     def largest(self, field: FloatArray) -> tuple[float, tuple[float, float, float]]:
         """Return the largest value of a field of this cycle, and where it lies: x, y from the middle, z."""
         depth, i, j = np.unravel_index(int(field.argmax()), field.shape)
-        grid = Grid(*field.shape[1:], self.cell)
+        grid = Grid(field.shape[1], field.shape[2], self.cell)
         return float(field[depth, i, j]), (float(grid.x[i]), float(grid.y[j]), float(self.depths[depth]))
 
 
@@ -207,8 +207,8 @@ def averaged(field: FloatArray, cells: float, boundary: str) -> FloatArray:
     reach = math.ceil(0.5 * (cells - 1.0))
     weights = np.ones(2 * reach + 1)
     weights[[0, -1]] = 0.5 * (cells - 2 * reach + 1)
-    mode = "wrap" if boundary == "periodic" else "nearest"
-    for axis in (-1, -2):
+    for axis, repeats in ((-1, boundary != "free"), (-2, boundary == "periodic")):
+        mode = "wrap" if repeats else "nearest"
         field = ndimage.convolve1d(field, weights / cells, axis=axis, mode=mode)
     return field
 
@@ -230,8 +230,8 @@ def stresses(
     the body below. traction: (qx, qy), each an array of the pressure's shape, or None for no traction along
     that axis; or what has such a pair as its `traction`, a solution of friction. It acts on the body below;
     on the other body acts its opposite. cell: width of the cells. boundary: "free", where nothing lies beside
-    the array, or "periodic"; by default the contact's. threads: of the CPU, by default every core; no result
-    depends on it.
+    the array, "periodic", or "line", periodic along axis 1 alone; by default the contact's. threads: of the
+    CPU, by default every core; no result depends on it.
 
     Numbers are in the contact's units. A free surface's loads are uniform over each cell; a periodic one's
     are its waves, and its sides are held. At the surface the tension beside an edge under traction is too
@@ -256,7 +256,7 @@ def stresses(
         pressure, *_ = checked_heights(contact, workers, name="contact")
         cell = number("cell", cell, optional=False)
     if boundary not in BOUNDARIES:
-        raise InputError(f'boundary = {boundary!r} has no stresses; it must be "periodic" or "free".')
+        raise InputError(f'boundary = {boundary!r} has no stresses; it must be "periodic", "free" or "line".')
     ratio = number("poisson", poisson, any_sign=True, optional=False)
     if not 0.0 <= ratio <= 0.5:
         raise InputError(f"poisson = {ratio:g} is not possible; it must be from 0 to 0.5.")
@@ -269,7 +269,7 @@ def stresses(
         f"{places.size} depths below a pressure of shape {pressure.shape}",
         {"the host": 8.0 * pressure.size * (len(COMPONENTS) * places.size + of_load * len(loads) + other)},
     )
-    sources = Loads(loads, cell, poisson=ratio, is_free=boundary == "free", threads=workers)
+    sources = Loads(loads, cell, poisson=ratio, boundary=boundary, threads=workers)
     tensor = np.empty((len(COMPONENTS), places.size, *pressure.shape))
     for place, depth in enumerate(places):
         tensor[:, place] = sources.at(depth)

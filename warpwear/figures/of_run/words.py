@@ -57,6 +57,7 @@ NO_COF = Reason("no_cof", lambda d: not np.isfinite(d.history["cof"]).any())
 NO_FILM = Reason("no_film", lambda d: d.study.film is None)
 NO_TIME = Reason("no_time", lambda d: not np.isfinite(d.history["time"]).any())
 NO_RADIUS = Reason("no_radius", lambda d: not all(d.study.counter.form.rises))
+NO_STRESSES = Reason("no_stresses", lambda d: not d.study.has_stresses)
 NO_SNAPSHOT = Reason("no_snapshot", lambda d: d.result.snapshot_distances.size == 0)
 ONE_SNAPSHOT = Reason("one_snapshot", lambda d: d.result.snapshot_distances.size < 2)
 SMOOTH_DISC = Reason("smooth_disc", _is_smooth)
@@ -122,6 +123,7 @@ class Entry(NamedTuple):
 FIGURES: dict[str, Entry] = {}
 #: Fields of a caption that are filled in where no run is at hand.
 OF_ANY_RUN = {"slider": "counter-body", "when": "at the snapshots", "end": "at the end", "groove": "groove"}
+OF_ANY_RUN["plane"] = "y = 0"
 
 
 def figure(*reasons: Reason, essential: bool = False, **others: Any) -> Callable[[Declare], Declare]:
@@ -251,5 +253,6 @@ FIELDS: dict[str, Callable[[FigureData], str]] = {
     "critical": _critical,
     "smooth": _smooth,
     "groove": lambda d: d.groove,
+    "plane": lambda d: d.study.output.stress_plane,
     "law": law_of,
 }

@@ -19,7 +19,7 @@ from warpwear.version import __version__
 #: What every folder of a record has, its page, and its table.
 MARK, PAGE, TABLE = "record.json", "record.html", "record.csv"
 CAPTION = "Means, with the standard deviation of the points within; the part that the steady value is of."
-SECTIONS = (("Course", "courses", ("course",), CAPTION), ("Friction loops", "loops", ("loops",), ""))
+SECTIONS = (("Course", "course", ("course",), CAPTION), ("Friction loops", "loops", ("loops",), ""))
 
 
 def describe(

@@ -34,7 +34,7 @@ def course_figure(analysis: Analysis) -> Figure:
         lines += _lines(step, first=number == 0, second=number == 1)
     x = Axis("distance slid, m", low=0.0)
     chart = Chart("Coefficient of friction", x, Axis("coefficient of friction, –", low=0.0), lines)
-    return Figure([chart], 1, legend=3, width=PAGE, height=3.0)
+    return Figure([chart], 1, legend=5, width=PAGE, height=3.0)
 
 
 def _lines(step: Step, *, first: bool, second: bool) -> list[Line | Level]:

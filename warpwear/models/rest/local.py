@@ -107,7 +107,7 @@ class OneScaleModel(Model):
         self._add_wear(self._to_wear)
 
     def _begin(self, program: Program) -> None:
-        program.decide(wear.begin, self._search.springs, self._steps)
+        program.decide(wear.record, self._search.springs, self._steps, self._tables)
 
     def _add_search(self, program: Program) -> None:
         """The search of a step, and the list of tiles that its wear needs."""

@@ -51,6 +51,7 @@ class SweptModel(Model):
             self.contact = SlidingContact(task, heights, executor, bearing_curve=bearing_curve, **options)
         self._keeps = self.contact.keeps_dents
         self._done = self._row = 0
+        self._middle = track.place(0)  # of the counter-body, before it moves [mm]
 
     @property
     def pieces(self) -> PieceBook | None:
@@ -102,6 +103,10 @@ class SweptModel(Model):
             yield self._placed(step)
 
     def _placed(self, step: Step) -> Step:
+        if not self._track.moves:
+            step.row["position"] = self._middle
+            self._done += 1
+            return step
         track, turned = self._track, self.turned * self._track.cell
         length = track.rows * track.cell
         place = track.place(self._done)

@@ -13,7 +13,7 @@ from warpwear.laws.patches import Patches
 from warpwear.laws.track import WHOLE, Track
 from warpwear.study.bodies import CounterBody, Disc
 from warpwear.study.contact import Contact
-from warpwear.study.keys import Section, key, when
+from warpwear.study.keys import Section, key, needs, when
 from warpwear.study.motion import (
     FEWEST_CYCLES,
     MOST_SHIFT,
@@ -23,6 +23,7 @@ from warpwear.study.motion import (
     Sliding,
     Stepping,
 )
+from warpwear.study.sections.fatigue import Fatigue
 from warpwear.study.sections.friction import Friction, Junctions
 from warpwear.study.sections.loads import LineLoad
 from warpwear.study.sections.wear import Wear
@@ -30,6 +31,8 @@ from warpwear.study.settings import About, Checks, Output, PatchesSection, Run
 
 #: Parts of the sliding distance after which fields are kept of themselves.
 SNAPSHOTS = (0.001, 0.01, 0.1)
+#: Depths below the surface at which stresses are computed of themselves.
+STRESS_DEPTHS = 20
 #: Blocks of a programme that a sentence names.
 NAMED = 5
 Loaded = TypeVar("Loaded", Contact, BlockSection)
@@ -51,6 +54,11 @@ class Programme(Section):
     stepping: Stepping = Stepping()
     friction: Friction = Friction()
     junctions: Junctions = Junctions()
+    fatigue: Fatigue | None = key(
+        None,
+        "fatigue limits of the disc, for the stress of a cycle",
+        demands=needs("output.stress_depths", what="output.stress_depths = 'auto', or depths"),
+    )
     patches: PatchesSection = key(
         PatchesSection(),
         "patches of the two-scale model",
@@ -119,6 +127,20 @@ class Programme(Section):
             return None
         parts = [f"{block.load:.4g} N over {block.length:.6g} mm" for block in self.blocks]
         return ", ".join(parts[:NAMED]) + (f" and {len(parts) - NAMED} more" if len(parts) > NAMED else "")
+
+    @property
+    def has_stresses(self) -> bool:
+        """True where stresses below the surface are computed."""
+        return self.output.stress_depths is not None
+
+    @property
+    def stress_depths(self) -> tuple[float, ...]:
+        """Depths at which stresses are computed [mm], rising; none where they are not."""
+        depths, cell = self.output.stress_depths, self.grid.cell
+        if depths != "auto":
+            return depths or ()
+        half = 0.5 * min(self.grid.sides[: 1 if self.is_line else 2])
+        return 0.0, *np.geomspace(cell, max(half, 2.0 * cell), STRESS_DEPTHS).tolist()
 
     @property
     def is_swept(self) -> bool:
