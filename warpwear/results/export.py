@@ -20,6 +20,7 @@ from warpwear.results.formats.netcdf import netcdf_files
 from warpwear.results.formats.stl import write_stl
 from warpwear.results.formats.text import csv_files, write_npy, write_xyz
 from warpwear.results.formats.vtk import vti_files
+from warpwear.results.tables import write_tables
 
 #: Points of a solid along a side, unless others are asked for.
 STL_POINTS = 250
@@ -74,7 +75,9 @@ FORMATS: dict[str, Format] = {
     "netcdf": Format(
         netcdf_files, "history and fields, labelled", _FIELDS, ("xarray", "h5netcdf"), every=True
     ),
-    "crate": Format(crate_files, "the run and its inputs, an RO-Crate in a zip", frozenset({"add"})),
+    "crate": Format(
+        partial(crate_files, write_tables), "the run and its inputs, an RO-Crate in a zip", frozenset({"add"})
+    ),
 }
 #: Formats that are written where none is asked for.
 USUAL = ("sdf", "xyz", "npy")

@@ -3,8 +3,10 @@
 import tempfile
 import tomllib
 import zipfile
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import tomli_w
 
@@ -12,7 +14,6 @@ from warpwear.errors import InputError
 from warpwear.results.file import ResultFile
 from warpwear.results.formats.bodies import Files, Job
 from warpwear.results.formats.metadata import FILES, NAME, metadata
-from warpwear.results.tables import write_tables
 from warpwear.study.loading import FILES as KEYS
 from warpwear.study.loading import insert, value_of
 from warpwear.surfaces.reading import digest_of
@@ -21,12 +22,12 @@ from warpwear.surfaces.reading import digest_of
 CRATE_NAME, INPUTS, ADDED = "crate.zip", "inputs", "added"
 
 
-def crate_files(job: Job) -> Files:
-    """Name the one file of a result."""
-    yield CRATE_NAME, partial(write_crate, job)
+def crate_files(write_tables: Callable[[Path, ResultFile], Any], job: Job) -> Files:
+    """Name the one file of a result. write_tables: writes those of a run that has no folder."""
+    yield CRATE_NAME, partial(write_crate, job, write_tables)
 
 
-def write_crate(job: Job, path: Path) -> None:
+def write_crate(job: Job, write_tables: Callable[[Path, ResultFile], Any], path: Path) -> None:
     """Write the run, the surfaces and profiles that its study names, and added files, under relative names.
 
     Raises InputError for a surface that is gone or has changed since the run, and for added files of a name.
