@@ -60,6 +60,11 @@ def infer(
     """
     study = study if isinstance(study, Study) else Study.load(study)
     study.refuse_blocks("warpwear calibrate bayes")
+    if study.wears_by_area:
+        raise InputError(
+            "warpwear calibrate bayes knows volumes by load and distance: wear.law = 'energy' needs "
+            "friction.law = 'coulomb' there"
+        )
     data = measured if isinstance(measured, Data) else data_of(study, experiments, measured or {})
     priors = dict(unknown) if isinstance(unknown, Mapping) else dict.fromkeys(unknown)
     unknowns, noise = unknowns_of(study, priors), noise_for(data, priors)

@@ -26,8 +26,8 @@ LOG = "log.txt"
 #: Name of a folder in a run folder in which a run makes its files.
 WORK = re.compile(r"\.work-[0-9a-f]{12}")
 #: What every run writes, beside figures; its result and checkpoint say themselves what they are.
-NAMES = ("study.toml", "history.csv", "surface.csv", "summary.json", METADATA, LOG, manifest.NAME)
-NAMES += (manifest.PAGE,)
+TABLES = ("study.toml", "history.csv", "surface.csv", "summary.json")
+NAMES = (*TABLES, METADATA, LOG, manifest.NAME, manifest.PAGE)
 
 
 def check(folder: Path, *, overwrite: bool, resume: bool) -> None:

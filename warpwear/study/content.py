@@ -12,7 +12,7 @@ from warpwear.laws.junctions import critical_junction, junction_strength
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
 from warpwear.study.keys import value_of
-from warpwear.study.sections.programme import Programme
+from warpwear.study.programme import Programme
 from warpwear.study.units import text
 
 
@@ -327,7 +327,12 @@ class Content(Programme):
     @property
     def wear_laws(self) -> tuple[WearLaw, WearLaw]:
         """The laws by which counter-body and disc wear."""
-        return self.wear.laws(self.wear_hardness, self.friction.coefficient)
+        return self.wear.laws(self.wear_hardness, self.friction)
+
+    @property
+    def wears_by_area(self) -> bool:
+        """True where cells in contact wear by their shear strength, whatever their pressure."""
+        return self.wear.law == "energy" and self.friction.law == "shear-strength"
 
     @property
     def wear_hardness(self) -> float:

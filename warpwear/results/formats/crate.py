@@ -21,13 +21,16 @@ from warpwear.surfaces.reading import digest_of
 #: Name of the file; folders in it: of what the study names, of what was added.
 CRATE_NAME, INPUTS, ADDED = "crate.zip", "inputs", "added"
 
-
-def crate_files(write_tables: Callable[[Path, ResultFile], Any], job: Job) -> Files:
-    """Name the one file of a result. write_tables: writes those of a run that has no folder."""
-    yield CRATE_NAME, partial(write_crate, job, write_tables)
+#: Writes the tables of a run into a folder.
+WriteTables = Callable[[Path, ResultFile], Any]
 
 
-def write_crate(job: Job, write_tables: Callable[[Path, ResultFile], Any], path: Path) -> None:
+def crate_files(write_tables: WriteTables, job: Job) -> Files:
+    """Name the one file of a result."""
+    yield CRATE_NAME, partial(write_crate, write_tables, job)
+
+
+def write_crate(write_tables: WriteTables, job: Job, path: Path) -> None:
     """Write the run, the surfaces and profiles that its study names, and added files, under relative names.
 
     Raises InputError for a surface that is gone or has changed since the run, and for added files of a name.

@@ -26,8 +26,8 @@ from warpwear.study.motion import (
 from warpwear.study.sections.fatigue import Fatigue
 from warpwear.study.sections.friction import Friction, Junctions
 from warpwear.study.sections.loads import LineLoad
+from warpwear.study.sections.settings import About, Checks, Output, PatchesSection, Run
 from warpwear.study.sections.wear import Wear
-from warpwear.study.settings import About, Checks, Output, PatchesSection, Run
 
 #: Parts of the sliding distance after which fields are kept of themselves.
 SNAPSHOTS = (0.001, 0.01, 0.1)
