@@ -181,7 +181,9 @@ class Programme(Section):
     @property
     def increments(self) -> tuple[float, float, float]:
         """First increment at rest [mm], the factor by which increments grow, and the largest [mm]."""
-        return self.stepping.plan(self.sliding.total, jumps=self.kinematics == "fretting")
+        return self.stepping.plan(
+            self.sliding.total, cycle=2.0 * (self.sliding.lap or 0.0) * (self.kinematics == "fretting")
+        )
 
     @property
     def lap(self) -> float | None:

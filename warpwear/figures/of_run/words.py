@@ -74,6 +74,10 @@ NO_HERTZ = Reason("no_hertz", lambda d: d.study.hertz is None)
 NO_FACTOR = Reason("no_factor", lambda d: d.study.wear.distance_factor == "none")
 NO_JUNCTIONS = Reason("no_junctions", lambda d: d.study.critical_junction is None)
 NO_PIECES = Reason("no_pieces", lambda d: not d.study.wear.sheds or d.result.pieces["step"].size < 2)
+NO_FRETTING = Reason("no_fretting", lambda d: d.study.fretting is None)
+NO_DISPLACEMENT = Reason(
+    "no_displacement", lambda d: d.study.fretting is None or not d.study.fretting.has_displacement
+)
 STILL = Reason("still", lambda d: not d.study.is_swept)
 TRACK = Reason("track", lambda d: d.study.is_swept)
 TRACK_FACTOR = Reason("track_factor", lambda d: d.study.is_swept)
