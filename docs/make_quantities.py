@@ -10,7 +10,7 @@ from warpwear.history.quantities import ONLY, QUANTITIES
 def markdown_table() -> str:
     """The table of all quantities for the documentation, in Markdown."""
     values = {"step": "step", "patch": "step and patch", "cell": "snapshot and cell", "snapshot": "snapshot"}
-    values |= {"piece": "piece"}
+    values |= {"piece": "piece", "depth": "snapshot and depth", "plane": "snapshot, depth and cell of a line"}
     rows = ["| name | unit | one value for each | only in | meaning |", "|---|---|---|---|---|"]
     for q in QUANTITIES:
         limit = "" if q.only is None else ONLY[q.only][0]

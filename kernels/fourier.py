@@ -93,6 +93,18 @@ def across(
     """Multiply the modes of all columns by the table and the line of each row, in place."""
 
 
+@of_both("across_pairs")
+def across_pair(
+    plan: Plan,
+    turns_in: wp.array(dtype=Any),
+    table_in: wp.array4d(dtype=Any),
+    signs_in: wp.array(dtype=wp.float64),
+    scratch_out: wp.array2d(dtype=Any),
+    spectrum_out: wp.array3d(dtype=Any),
+):
+    """Multiply the modes of all columns of two fields by a symmetric matrix of tables, in place."""
+
+
 @of_both("back_rows")
 def back(
     plan: Plan,
@@ -148,3 +160,8 @@ def multiply(
     modes: wp.array3d(dtype=Any),
 ):
     """Multiply, or divide, modes by the table and the line of their row, in place."""
+
+
+@of_both("multiply_pairs")
+def multiply_pair(grids: Around, table_in: wp.array3d(dtype=wp.float64), modes: wp.array3d(dtype=Any)):
+    """Multiply modes of two grids by a symmetric matrix of tables, in place."""

@@ -21,9 +21,15 @@ class Slide:
     of_disc: wp.float64
     pending_counter: wp.float64  # K ΔL of what leaves in pieces [mm³/N]
     pending_disc: wp.float64
+    shear_counter: wp.float64  # depth that a cell in contact all the step loses by its shear [mm]
+    shear_disc: wp.float64
     own: wp.float64  # compliance that is not wear [mm³/N]
     full_depth: wp.float64  # overlap of a cell at the hardness [mm]; NONE: the disc springs back
     approach: wp.float64  # [mm]
+    slip_of_gap: wp.float64  # of a cycle [mm], over a gap [mm]
+    slipping_counter: wp.float64  # K ΔL over the distance of a cycle, of what slips by cells [mm²/N]
+    slipping_disc: wp.float64
+    counter_moves: wp.int32  # 1 where pressures move with the counter-body, so that the disc sees their mean
     reference: wp.float64  # squares are those of the deviation from it [MPa]
 
 

@@ -9,18 +9,8 @@ it grew with what a unit of pressure removes: that is the mean pressure where we
 
 import warp as wp
 
-from warpwear.kernels import native_code
-from warpwear.kernels.balance import (
-    STEPS_AHEAD,
-    Search,
-    Springs,
-    ask_for,
-    conclude,
-    judged,
-    judged_pass,
-    search_from,
-    search_from_lowest,
-)
+from warpwear.kernels import balance, native_code
+from warpwear.kernels.balance import Search, Springs
 from warpwear.kernels.bearing import area_between, conclude_area, judged_area
 from warpwear.kernels.cells import NONE, ONE, ZERO, Cells, TileSums, WearMost, WearSum
 from warpwear.kernels.contact import Law
@@ -52,6 +42,7 @@ class Increment:
     stiffness_next: wp.float64
     first_column: wp.int32  # columns between which cells are known to be touched
     last_column: wp.int32
+    is_ready: wp.int32  # 1 between a search that has ended and the row of its step
 
 
 @wp.struct
@@ -106,13 +97,6 @@ class Steps:
     smallest: wp.float64  # lowest gap before any wear [mm]
 
 
-@wp.kernel
-def begin(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps):
-    """Begins the first step of a plan."""
-    if wp.tid() == 0:
-        begin_step(springs, steps)
-
-
 @wp.func
 def begin_step(springs: Springs, steps: Steps):
     """Begin the search of a step where its balance is expected, and look at what is known of that already."""
@@ -124,22 +108,22 @@ def begin_step(springs: Springs, steps: Steps):
         lists = list_from(lists, steps.smallest)
     steps.stepping[0] = 1
     if steps.is_rigid == 1:
-        ask_for(springs, lists)
+        balance.ask_for(springs, lists)
         start = wp.where(c.is_begun == 1, c.approach, steps.smallest)
-        springs.search[0] = area_between(springs, start, STEPS_AHEAD * removal * springs.cap)
+        springs.search[0] = area_between(springs, start, balance.STEPS_AHEAD * removal * springs.cap)
         springs.searching[0] = 1
     elif c.is_begun == 0:
-        ask_for(springs, lists)
-        springs.search[0] = search_from_lowest(springs, steps.smallest, stiffness, stiffness)
+        balance.ask_for(springs, lists)
+        springs.search[0] = balance.search_from_lowest(springs, steps.smallest, stiffness, stiffness)
         springs.searching[0] = 1
     else:
         is_known = c.is_ahead == 1 and c.stiffness_ahead == stiffness
         # A worn contact recedes by K p ΔL: where the last mean pressure puts it is a close first guess.
         step = wp.where(is_known, c.ahead, removal * c.mean)
-        s = search_from(c.approach, step, ZERO, stiffness)
+        s = balance.search_from(c.approach, step, ZERO, stiffness)
         lists = reached(lists, c.approach + step, s.margin)
         if is_known:
-            s, lists = judged(springs, s, lists, c.force, c.slope, c.near)
+            s, lists = balance.judged(springs, s, lists, c.force, c.slope, c.near)
         conclude_step(springs, steps, s, lists)
 
 
@@ -147,9 +131,9 @@ def begin_step(springs: Springs, steps: Steps):
 def conclude_step(springs: Springs, steps: Steps, s: Search, lists: Listing):
     """Keep a search on springs, and at its end tell the pass that wears what to do."""
     if s.bracket.state == LOOKS:
-        conclude(springs, s, lists)
+        balance.conclude(springs, s, lists)
     else:
-        conclude(springs, s, expect(steps, s, lists, s.base + s.bracket.offset, springs.cap))
+        balance.conclude(springs, s, expect(steps, s, lists, s.base + s.bracket.offset, springs.cap))
 
 
 @wp.func
@@ -159,6 +143,7 @@ def expect(steps: Steps, s: Search, lists_before: Listing, approach: wp.float64,
     c = steps.course[0]
     removal = steps.plan[c.step, 0]
     now = Increment()
+    now.is_ready = 1
     now.wear_per_pressure = removal
     now.stiffness = steps.plan[c.step, 1]
     now.reference = wp.where(c.mean > ZERO, c.mean, wp.where(cap < NONE, cap, ZERO))
@@ -202,7 +187,7 @@ def expect(steps: Steps, s: Search, lists_before: Listing, approach: wp.float64,
                     c.rate_0 * ((there - c.where_1) / (c.where_0 - c.where_1))
                     + c.rate_1 * ((there - c.where_0) / (c.where_1 - c.where_0))
                 )
-            lists = reached(lists, approach + wp.max(c.ahead, ZERO), STEPS_AHEAD * wp.abs(c.ahead))
+            lists = reached(lists, approach + wp.max(c.ahead, ZERO), balance.STEPS_AHEAD * wp.abs(c.ahead))
         now.offset_next = c.ahead
         c.stiffness_ahead = now.stiffness_next
     steps.increment[0] = now
@@ -220,7 +205,7 @@ def judge(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps)
                 lists = expect(steps, s, lists, law.base, law.cap)
             conclude_area(springs, s, lists, law)
     else:
-        s, lists = judged_pass(springs)
+        s, lists = balance.judged_pass(springs)
         if wp.tid() == 0:
             conclude_step(springs, steps, s, lists)
 
@@ -289,20 +274,16 @@ def is_within(before: wp.vec4d, now: wp.vec4d, within: wp.array(dtype=wp.float64
     return grows == 0
 
 
-@wp.kernel
-def record(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps, tables: Tables):
-    """Writes the row of a step, and begins the next one, if there is one.
-
-    Steps end where the contact reaches the edge or the rim, as a run may stop there and be kept as it is, and
-    at a step whose pressures do not carry the load.
-    """
+@wp.func
+def write_row(springs: Springs, steps: Steps, tables: Tables, thread: wp.int32):
+    """Write the row of a step, and end the steps where none may follow. All threads of the slot follow it."""
     row = steps.course[0].step
     history = steps.history
     ahead = total_step(tables, history, row, TOTALS)
     force = ahead[0] * springs.cell_area
     slope = ahead[1] * springs.cell_area
     near = -ahead[2]
-    if wp.tid() == 0:
+    if thread == 0:
         c = steps.course[0]
         enter_balance(history, row, springs, steps.increment[0].reference)
         pressure = history[row, TOTALS + wp.static(int(WearSum.PRESSURE))]
@@ -327,7 +308,24 @@ def record(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps
         if c.failed == 0:
             c.mean = pressure / wp.max(contact, ONE)
             c.step = row + 1
+        if not goes_on:
+            c.steps = c.step
         steps.course[0] = c
+        steps.increment[0].is_ready = 0
+
+
+@wp.kernel
+def record(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps, tables: Tables):
+    """Writes the row of a step that was worn, if any, and begins the next one, if there is one.
+
+    It does nothing while a search goes on. Steps end where the contact reaches the edge or the rim, as a run
+    may stop there and be kept as it is, and at a step whose pressures do not carry the load.
+    """
+    if springs.searching[0] == 1:
+        return
+    if steps.increment[0].is_ready == 1:
+        write_row(springs, steps, tables, wp.tid())
+    if wp.tid() == 0:
         steps.stepping[0] = 0
-        if goes_on and c.step < c.steps:
+        if steps.course[0].step < steps.course[0].steps:
             begin_step(springs, steps)

@@ -24,7 +24,10 @@ class Pressed:
     pressure: wp.array2d(dtype=Cells)  # [MPa]
     means: wp.array2d(dtype=Cells)  # of the pressure along x, see `means`; one row where no disc moves
     gradient: wp.array2d(dtype=Cells)  # gap after the step, from the mean planes [mm]
+    slips: wp.array2d(dtype=Cells)  # of a cycle, by cells [mm]; no rows where all slide alike
     parts: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear it
+    rubbed: wp.array2d(dtype=Cells)  # part of the step in contact, and its means; no rows without shear
+    rubbed_means: wp.array2d(dtype=Cells)
     cap: wp.float64  # largest pressure [MPa]
 
 
@@ -52,6 +55,15 @@ def gaps(
     ...
 
 
+@native_code.native_pass("part_of_step")
+def part_of_step(slides: wp.array(dtype=Slide), pressed: Pressed):
+    """Find which part of a step each cell was in contact, where its shear wears it.
+
+    Cells that bear were so all of it; those whose gap at its end is less than what shear wears, for a part.
+    """
+    ...
+
+
 @native_code.native_pass("wear_by_pressure")
 def wear(
     slides: wp.array(dtype=Slide),
@@ -64,8 +76,32 @@ def wear(
 ):
     """Wear an increment in place: the disc loses K ΔL p, the counter-body K ΔL times the mean that passes it.
 
+    Where the pressure moves with the counter-body it is the other way round. Cells with slips of their own
+    lose more by them, and slip by as much more as they have lost.
+
     Without a disc all wear is the ball's, whose height is then the gap. A disc that keeps its dents is
     displaced for good by what is beyond the gap after the step. Sums are lines of `PressureSum`, maxima of
     `PressureMost`, over what is visited; those of the disc are left in `of_rows`, a sum a row.
     """
+    ...
+
+
+@native_code.native_pass("slip_of_gaps")
+def slip(
+    slides: wp.array(dtype=Slide),
+    gap_in: wp.array2d(dtype=Cells),
+    pressure_in: wp.array2d(dtype=Cells),
+    slips_out: wp.array2d(dtype=Cells),
+):
+    """Return what cells slip in a cycle [mm]: by their gap beyond the approach, where nothing presses."""
+    ...
+
+
+@native_code.native_pass("yields_of_slips")
+def yields(
+    slides: wp.array(dtype=Slide),
+    slips_in: wp.array2d(dtype=Cells),
+    yields_out: wp.array2d(dtype=Cells),
+):
+    """Return the compliance that the wear of a step lends cells by their slips [mm/MPa]."""
     ...

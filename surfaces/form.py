@@ -21,9 +21,7 @@ def sag(x: FloatArray, y: FloatArray, *, radius: float) -> FloatArray:
     that is not positive.
     """
     if not radius > 0:
-        raise InputError(
-            f"counter.radius is {radius:g} mm: allowed is any positive length, or inf for a flat"
-        )
+        raise InputError(f"counter.radius is {radius:g} mm: allowed is any positive length, inf for a flat")
     if math.isinf(radius):
         return np.zeros((x.size, y.size))
     squared = np.add.outer(np.square(x), np.square(y)).astype(np.float64, copy=False)

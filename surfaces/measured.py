@@ -274,9 +274,7 @@ def _alike_across(reading: Reading, preparation: Preparation) -> Reading:
     for name in ("crop", "sliding_axis", "outliers", "s_filter", "l_filter", "level"):
         value = getattr(preparation, name)
         if value in ("sphere", "cylinder") if name == "level" else value != getattr(DEFAULT, name):
-            raise InputError(
-                f"disc.{name} = {value!r} is for a map, and disc.surface is a profile: leave it out"
-            )
+            raise InputError(f"disc.{name} = {value!r} is for a map, disc.surface is a profile: leave it out")
     return replace(
         reading, heights=np.repeat(reading.heights[:, None], COLUMNS, axis=1), pixel=(reading.pixel[0], WIDE)
     )

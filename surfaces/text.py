@@ -101,9 +101,15 @@ def read_table(path: Path, *, words: bool = False) -> Table:
     holds no row of numbers; ValueError, naming the line where there is one, for what is damaged or could be
     read in two ways; and OSError.
     """
-    lines = _lines(path)
+    return table_of(lines_of(path), words=words)
+
+
+def table_of(lines: list[str], *, words: bool = False) -> Table:
+    """Find the table of numbers in the lines of a text, see `read_table`. In records a text may follow it."""
     start, separator = _first_row(lines, words=words)
     body = lines[start:]
+    if words:
+        body = body[: len(body) - _below(body, separator)]
     is_row = [bool(bare := line.strip()) and not bare.startswith(COMMENTS) for line in body]
     rows = list(compress(body, is_row))
     places = np.flatnonzero(is_row) + start + 1
@@ -132,12 +138,26 @@ def split(line: str, separator: str | None) -> list[str]:
     return [field.strip() for field in fields]
 
 
-def _lines(path: Path) -> list[str]:
+def _below(body: list[str], separator: str | None) -> int:
+    """Count the lines below the rows that are a remark: they begin with a letter and have fewer fields."""
+    width, count = len(split(body[0], separator)), 0
+    for line in reversed(body[1:]):
+        bare = line.strip()
+        if bare and (not bare[0].isalpha() or _is_value(bare) or len(split(bare, separator)) >= width):
+            break
+        count += 1
+    return count if any(line.strip() for line in body[len(body) - count :]) else 0
+
+
+def lines_of(path: Path) -> list[str]:
+    """Return the lines of a text file of any encoding. Raises NoTable for what is no text, and OSError."""
     if not S_ISREG(path.stat().st_mode):  # a pipe would be waited for without end
         raise OSError(errno.EINVAL, "it is not a file")
     raw = path.read_bytes()
     if raw[:2] in (b"\xff\xfe", b"\xfe\xff"):
         text = raw.decode("utf-16", errors="replace")
+    elif raw[1:200:2].count(0) > 0.8 * len(raw[1:200:2]):  # the same without a mark
+        text = raw.decode("utf-16-le", errors="replace")
     else:
         if b"\x00" in raw:
             _refuse_zeros(raw)

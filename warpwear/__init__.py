@@ -1,77 +1,23 @@
 """warpwear: fine-mesh contact, wear and friction of rough surfaces.
 
-The public names are listed in `__all__`; they are imported on first use, so that `import warpwear` and
-`warpwear --help` stay quick. Everything else may change from release to release.
+The public names stand in `__init__.pyi`, for type checkers too; they are imported on first use, so that
+`import warpwear` and `warpwear --help` stay quick. Everything else may change from release to release.
 """
 
+import re
 import sys
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from warpwear.lazy import resolve
-from warpwear.version import __version__
+from warpwear.version import __version__ as __version__
 
-if TYPE_CHECKING:
-    from warpwear.contact.array.contact import ArrayContact
-    from warpwear.contact.array.shear import ShearCertificate, ShearedContact
-    from warpwear.contact.array.solve import solve_contact
-    from warpwear.contact.certificate import Certificate
-    from warpwear.errors import ConvergenceError, InputError, InvariantError, StudyWarning
-    from warpwear.history.snapshot import Snapshot
-    from warpwear.inference.infer import infer
-    from warpwear.inference.result import Inference
-    from warpwear.result import Result
-    from warpwear.runs.run import run, steps
-    from warpwear.runs.step import RunStep
-    from warpwear.study.study import Study
-    from warpwear.sweeps.sweep import sweep
-    from warpwear.sweeps.table import SweepResult
+_STUB = Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
+#: Public name -> place of what it stands for.
+_PUBLIC = {name: f"{module}:{name}" for module, name in re.findall(r"^from (\S+) import (\w+)", _STUB, re.M)}
 
-_PUBLIC = {
-    "ArrayContact": "warpwear.contact.array.contact:ArrayContact",
-    "Certificate": "warpwear.contact.certificate:Certificate",
-    "ConvergenceError": "warpwear.errors:ConvergenceError",
-    "Inference": "warpwear.inference.result:Inference",
-    "InputError": "warpwear.errors:InputError",
-    "InvariantError": "warpwear.errors:InvariantError",
-    "Result": "warpwear.result:Result",
-    "RunStep": "warpwear.runs.step:RunStep",
-    "ShearCertificate": "warpwear.contact.array.shear:ShearCertificate",
-    "ShearedContact": "warpwear.contact.array.shear:ShearedContact",
-    "Snapshot": "warpwear.history.snapshot:Snapshot",
-    "Study": "warpwear.study.study:Study",
-    "StudyWarning": "warpwear.errors:StudyWarning",
-    "SweepResult": "warpwear.sweeps.table:SweepResult",
-    "infer": "warpwear.inference.infer:infer",
-    "run": "warpwear.runs.run:run",
-    "solve_contact": "warpwear.contact.array.solve:solve_contact",
-    "steps": "warpwear.runs.run:steps",
-    "sweep": "warpwear.sweeps.sweep:sweep",
-}
-
-__all__ = [
-    "ArrayContact",
-    "Certificate",
-    "ConvergenceError",
-    "Inference",
-    "InputError",
-    "InvariantError",
-    "Result",
-    "RunStep",
-    "ShearCertificate",
-    "ShearedContact",
-    "Snapshot",
-    "Study",
-    "StudyWarning",
-    "SweepResult",
-    "__version__",
-    "infer",
-    "run",
-    "solve_contact",
-    "steps",
-    "sweep",
-]
+__all__ = sorted(_PUBLIC)
 
 
 def _register(wing: str) -> None:
@@ -92,12 +38,10 @@ for _wing in ("kernels", "surfaces"):
         _register(_wing)
 
 
-if not TYPE_CHECKING:  # a type checker would let every name pass
-
-    def __getattr__(name: str) -> Any:
-        if name in _PUBLIC:
-            return resolve(_PUBLIC[name])
-        raise AttributeError(f"module 'warpwear' has no attribute {name!r}")
+def __getattr__(name: str) -> Any:
+    if name in _PUBLIC:
+        return resolve(_PUBLIC[name])
+    raise AttributeError(f"module 'warpwear' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

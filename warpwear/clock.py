@@ -10,7 +10,7 @@ from contextvars import ContextVar
 REPORTED = {
     "load": ("imports", "kernels", "surface"),
     "compile": ("compile",),
-    "solve": ("steps",),
+    "solve": ("steps", "stresses"),
     "write": ("snapshots", "evolution", "write"),
     "draw": ("draw",),
 }

@@ -56,6 +56,28 @@ def record() -> str:
     return "\n".join(lines) + "\n"
 
 
+def rotary() -> str:
+    """Return a record as a Rtec writes it: a ball on a disc, 250 laps of 5 mm radius at 3 N.
+
+    It is low for 40 laps, jumps in 3, overshoots by a tenth, comes to 0.6; noise of laps goes together.
+    """
+    dice, laps, points = np.random.default_rng(7), 250, 4
+    lap = np.arange(laps * points) / points
+    noise = np.zeros(laps)
+    for number in range(1, laps):
+        noise[number] = 0.7 * noise[number - 1] + dice.normal(scale=0.008)
+    rise = np.clip(0.1 + 0.8 * (lap - 40.0) / 3.0, 0.0, 1.0)
+    level = 0.6 + 0.06 * np.exp(-np.clip(lap - 43.0, 0.0, None) / 20.0)
+    cof = 0.18 + rise * (level - 0.18) + np.repeat(noise, points) * (0.3 + 0.7 * rise)
+    cof += 0.02 * np.sin(2.0 * np.pi * lap) * (0.3 + 0.7 * rise) + dice.normal(scale=0.004, size=lap.size)
+    normal = 3.0 + dice.normal(scale=0.01, size=lap.size)
+    lines = ["Recipe, UpperSample, LowerSample, OtherInfo, Type", "made_by_warpwear.Rx,ball,disc,,Rotary"]
+    lines.append("Step, Timestamp, RecipeStep, DAQ.Fz (N),DAQ.COF (),Rotary.Position (rev),")
+    rows = zip(lap, normal, cof, strict=True)
+    lines += [f"2,{a:g},2,{n:.2f},{c:.3f},{a:g}," for a, n, c in rows]
+    return "\n".join([*lines, "", "TotalTime", "00:04:10.00", ""])
+
+
 def packed(path: Path) -> None:
     """Compress the parts of an .x3p, which is a zip."""
     with zipfile.ZipFile(path) as file:
@@ -75,3 +97,4 @@ if __name__ == "__main__":
     )
     packed(HERE / "ground-disc.x3p")
     (HERE / "reciprocating-test.csv").write_text(record(), encoding="utf-8")
+    (HERE / "ball-on-disc.csv").write_text(rotary(), encoding="utf-8")

@@ -6,15 +6,7 @@
 import warp as wp
 
 from warpwear.kernels.cells import NONE, ONE, ZERO, Cells
-from warpwear.kernels.half_space.solve import (
-    first_group,
-    groups_of,
-    lane,
-    lines_of,
-    over_groups,
-    stride,
-    writes,
-)
+from warpwear.kernels.half_space import solve as search
 from warpwear.kernels.native_code import native_pass, options
 
 wp.set_module_options(options("half_space/certificate.h"))
@@ -98,9 +90,9 @@ def bracket(first_slot: wp.int32, slots: wp.int32, proof: Proof):
     where p > 0 bears anything.
     """
     has_cap = proof.fields.cap < NONE
-    i = first_group(proof)
-    while i < groups_of(proof):
-        lines = lines_of(proof, i, 2, 6)
+    i = search.first_group(proof)
+    while i < search.groups_of(proof):
+        lines = search.lines_of(proof, i, 2, 6)
         group = proof.groups[i]
         nothing = ZERO / (ONE - wp.min(lines[1], ONE))  # 0, or not a number
         group.total = lines[0] + nothing
@@ -116,10 +108,10 @@ def bracket(first_slot: wp.int32, slots: wp.int32, proof: Proof):
             group.low = group.high
         group.low = group.low - ROUNDING * wp.abs(group.low)
         group.level = wp.where(has_cap, group.high, group.lowest)
-        if writes(proof):
+        if search.writes(proof):
             proof.groups[i] = group
-        i += stride(proof)
-    if lane() == 0:
+        i += search.stride(proof)
+    if search.lane() == 0:
         proof.passes[0] = 0
         proof.searching[0] = wp.where(has_cap, 1, 0)
 
@@ -132,9 +124,9 @@ def narrow(first_slot: wp.int32, slots: wp.int32, proof: Proof):
     the upper end exceeds the least one by less than the width of the bracket times that slope.
     """
     wide = ZERO
-    i = first_group(proof)
-    while i < groups_of(proof):
-        lines = lines_of(proof, i, LEVELS + 1, LEVELS + 3)
+    i = search.first_group(proof)
+    while i < search.groups_of(proof):
+        lines = search.lines_of(proof, i, LEVELS + 1, LEVELS + 3)
         group = proof.groups[i]
         step = (group.high - group.low) / wp.float64(LEVELS + 1)
         low = group.low
@@ -157,11 +149,11 @@ def narrow(first_slot: wp.int32, slots: wp.int32, proof: Proof):
         group.low = low
         group.high = high
         group.level = high
-        if writes(proof):
+        if search.writes(proof):
             proof.groups[i] = group
-        i += stride(proof)
-    wide = over_groups(proof, wide, True)
-    if lane() == 0:
+        i += search.stride(proof)
+    wide = search.over_groups(proof, wide, True)
+    if search.lane() == 0:
         proof.passes[0] = proof.passes[0] + 1
         proof.searching[0] = wp.where(wide > ZERO and proof.passes[0] < PASSES, 1, 0)
 
@@ -169,11 +161,11 @@ def narrow(first_slot: wp.int32, slots: wp.int32, proof: Proof):
 @wp.kernel
 def conclude(first_slot: wp.int32, slots: wp.int32, proof: Proof):
     """Note the bound of every group."""
-    i = first_group(proof)
-    while i < groups_of(proof):
-        lines = lines_of(proof, i, 1, 1)
-        if writes(proof):
+    i = search.first_group(proof)
+    while i < search.groups_of(proof):
+        lines = search.lines_of(proof, i, 1, 1)
+        if search.writes(proof):
             group = proof.groups[i]
             group.gap = lines[0]
             proof.groups[i] = group
-        i += stride(proof)
+        i += search.stride(proof)

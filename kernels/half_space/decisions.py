@@ -7,37 +7,16 @@ slot. Symbols as in `native/half_space/search.h`.
 import warp as wp
 
 from warpwear.kernels.cells import ABSENT, NONE, ONE, ZERO
+from warpwear.kernels.half_space import solve as search
 from warpwear.kernels.half_space.certificate import Proof, Proven
-from warpwear.kernels.half_space.solve import (
-    CONVERGED,
-    LED_NOWHERE,
-    NEEDS_COEFFICIENTS,
-    RUNS,
-    TOGETHER,
-    UNBALANCED,
-    Flag,
-    Group,
-    Numbers,
-    Request,
-    Rules,
-    Solve,
-    all_lines,
-    first_group,
-    groups_of,
-    lane,
-    lines_of,
-    over_groups,
-    stride,
-    width,
-    writes,
-)
+from warpwear.kernels.half_space.solve import TOGETHER, Flag, Request, Solve
 from warpwear.kernels.newton import HALF, LOOKS, STUCK, bracket_at, next_trial
 
 
 @wp.kernel(module=TOGETHER)
 def begin(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Begin to search, as often as it takes until a pressure is certified."""
-    if lane() == 0:
+    if search.lane() == 0:
         solve.flags[Flag.SOLVING] = 1
 
 
@@ -49,18 +28,18 @@ def start(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     anew = solve.request[Request.ANEW] > ZERO
     rough = solve.request[Request.ROUGH] > ZERO and solve.rules[0].single_rounding > ZERO
     if not resumes:
-        for i in range(lane(), groups_of(solve), width()):
-            group = Group()
+        for i in range(search.lane(), search.groups_of(solve), search.width()):
+            group = search.Group()
             group.load = solve.loads[i]
             group.level = wp.where(at_load, ZERO, group.load)
             solve.groups[i] = group
-    if lane() == 0:
+    if search.lane() == 0:
         if resumes:
             n = solve.numbers[0]
-            n.status = RUNS
+            n.status = search.RUNS
             solve.numbers[0] = n
         else:
-            n = Numbers()
+            n = search.Numbers()
             if solve.request[Request.RENEWED] > ZERO:
                 last = solve.numbers[0]
                 n.before = last.before + last.iteration
@@ -87,13 +66,13 @@ def start(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 def measure(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Measure the gap: its mean, its rms height and its lowest point, about 0, then about the mean."""
     n = solve.numbers[0]
-    i = first_group(solve)
-    while i < groups_of(solve):
-        lines = lines_of(solve, i, 3, 4)
+    i = search.first_group(solve)
+    while i < search.groups_of(solve):
+        lines = search.lines_of(solve, i, 3, 4)
         first = lines[1] / lines[0]
         second = lines[2] / lines[0]
         lowest = -lines[3]
-        if writes(solve):
+        if search.writes(solve):
             group = solve.groups[i]
             group.mean = group.mean + first
             group.rms = wp.sqrt(wp.max(second - first * first, ZERO))
@@ -102,11 +81,11 @@ def measure(first_slot: wp.int32, slots: wp.int32, solve: Solve):
                 group.level = group.mean
             group.unit = n.stiffness * (group.mean - lowest)
             solve.groups[i] = group
-        i += stride(solve)
+        i += search.stride(solve)
 
 
 @wp.func
-def begun(rules: Rules, before: Group, total: wp.float64, between: wp.float64):
+def begun(rules: search.Rules, before: search.Group, total: wp.float64, between: wp.float64):
     """Begin to balance a group whose trial carries a total without a shift, with so many cells between."""
     group = before
     group.unit = wp.max(group.unit, wp.where(between > ZERO, total / wp.max(between, ONE), ZERO))
@@ -122,9 +101,9 @@ def balanced(solve: Solve, begins: wp.bool):
     many = solve.groups.shape[0] > 1
     looking = ZERO
     stuck = ZERO
-    i = first_group(solve)
-    while i < groups_of(solve):
-        lines = lines_of(solve, i, 2, 2)
+    i = search.first_group(solve)
+    while i < search.groups_of(solve):
+        lines = search.lines_of(solve, i, 2, 2)
         total = lines[0]
         between = lines[1]
         group = solve.groups[i]
@@ -140,15 +119,15 @@ def balanced(solve: Solve, begins: wp.bool):
             looking += wp.where(group.bracket.state == LOOKS, ONE, ZERO)
             misses = not (wp.abs(total - group.load) <= solve.rules[0].rough_balance * group.load)
             stuck += wp.where(group.bracket.state == STUCK and misses, ONE, ZERO)
-        if writes(solve):
+        if search.writes(solve):
             solve.groups[i] = group
-        i += stride(solve)
-    looking = over_groups(solve, looking, True)
-    stuck = over_groups(solve, stuck, True)
-    if lane() == 0:
+        i += search.stride(solve)
+    looking = search.over_groups(solve, looking, True)
+    stuck = search.over_groups(solve, stuck, True)
+    if search.lane() == 0:
         solve.flags[Flag.BALANCING] = wp.where(looking > ZERO and stuck == ZERO, 1, 0)
         if stuck > ZERO:
-            n.status = UNBALANCED
+            n.status = search.UNBALANCED
             solve.numbers[0] = n
             solve.flags[Flag.SEARCHING] = 0
 
@@ -168,8 +147,8 @@ def balance(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 @wp.kernel(module=TOGETHER)
 def renew(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Note how far off the gradient may be that was made anew."""
-    largest = all_lines(solve, 0, 1)
-    if lane() == 0:
+    largest = search.all_lines(solve, 0, 1)
+    if search.lane() == 0:
         n = solve.numbers[0]
         n.drift = wp.where(
             solve.flags[Flag.RENEWS_ROUGHLY] == 1, solve.rules[0].single_rounding * largest[0], ZERO
@@ -184,7 +163,7 @@ def renew(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 
 @wp.func
 def level_of(
-    group: Group,
+    group: search.Group,
     between: wp.float64,
     level: wp.float64,
     high: wp.float64,
@@ -218,9 +197,9 @@ def judge(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     reach = -NONE
     least_violation = -NONE
     least_allowed = -NONE
-    i = first_group(solve)
-    while i < groups_of(solve):
-        lines = lines_of(solve, i, 4, 6)
+    i = search.first_group(solve)
+    while i < search.groups_of(solve):
+        lines = search.lines_of(solve, i, 4, 6)
         group = solve.groups[i]
         group.total = lines[0]
         group.touching = lines[1]
@@ -236,7 +215,7 @@ def judge(first_slot: wp.int32, slots: wp.int32, solve: Solve):
         yielded = wp.abs(group.level) + n.response * group.total / rules.group_cells
         group.scale = wp.where(group.rms > ZERO, group.rms, yielded)
         group.allowed = wp.max(rules.tolerance * group.scale, rules.rounding * yielded)
-        if writes(solve):
+        if search.writes(solve):
             solve.groups[i] = group
         all_between += between
         all_touching += group.touching
@@ -246,28 +225,30 @@ def judge(first_slot: wp.int32, slots: wp.int32, solve: Solve):
         reach = wp.max(reach, off)
         least_violation = wp.max(least_violation, -group.violation)
         least_allowed = wp.max(least_allowed, -group.allowed)
-        i += stride(solve)
-    all_between = over_groups(solve, all_between, True)
-    all_touching = over_groups(solve, all_touching, True)
-    off_load = over_groups(solve, off_load, True)
-    off_bounds = over_groups(solve, off_bounds, True)
-    reach = over_groups(solve, reach, False)
-    least = wp.max(-over_groups(solve, least_violation, False), -over_groups(solve, least_allowed, False))
-    if lane() == 0:
+        i += search.stride(solve)
+    all_between = search.over_groups(solve, all_between, True)
+    all_touching = search.over_groups(solve, all_touching, True)
+    off_load = search.over_groups(solve, off_load, True)
+    off_bounds = search.over_groups(solve, off_bounds, True)
+    reach = search.over_groups(solve, reach, False)
+    least = wp.max(
+        -search.over_groups(solve, least_violation, False), -search.over_groups(solve, least_allowed, False)
+    )
+    if search.lane() == 0:
         n.iteration = n.iteration + n.moved
         n.moved = 0
         n.loaded = wp.where(off_load == ZERO, 1, 0)
         drifts = n.drift > rules.drift * least
-        if not drifts and n.status == RUNS:
+        if not drifts and n.status == search.RUNS:
             if n.loaded == 1 and off_bounds == ZERO:
-                n.status = CONVERGED
+                n.status = search.CONVERGED
             elif n.iteration >= rules.iterations:
-                n.status = LED_NOWHERE
+                n.status = search.LED_NOWHERE
         solve.flags[Flag.RENEWS] = wp.where(drifts, 1, 0)
         if drifts:
             solve.flags[Flag.RENEWS_ROUGHLY] = 0
             solve.flags[Flag.RENEWS_EXACTLY] = 1
-        goes_on = not drifts and n.status == RUNS
+        goes_on = not drifts and n.status == search.RUNS
         solve.flags[Flag.MOVES] = wp.where(goes_on, 1, 0)
         solve.flags[Flag.MOVES_FEW] = 0
         solve.flags[Flag.STEPS] = 1
@@ -281,11 +262,11 @@ def judge(first_slot: wp.int32, slots: wp.int32, solve: Solve):
             few = (n.plain == 1 or capped) and n.loaded == 1 and n.at_load == 1
             if few and all_between <= wp.float64(rules.few) and reach <= n.few_below and rules.few > 0:
                 if solve.rules[0].has_coefficients == 0:
-                    n.status = NEEDS_COEFFICIENTS
+                    n.status = search.NEEDS_COEFFICIENTS
                 n.few_below = HALF * reach
                 n.near = rules.near * reach
                 solve.flags[Flag.MOVES_FEW] = 1
-        solve.flags[Flag.SEARCHING] = wp.where(n.status == RUNS, 1, 0)
+        solve.flags[Flag.SEARCHING] = wp.where(n.status == search.RUNS, 1, 0)
         solve.numbers[0] = n
 
 
@@ -293,7 +274,7 @@ def judge(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 def conclude(first_slot: wp.int32, slots: wp.int32, solve: Solve, proof: Proof):
     """End a search: what has been found is certified, where that is asked for."""
     at_load = solve.numbers[0].at_load == 1
-    for i in range(lane(), groups_of(solve), width()):
+    for i in range(search.lane(), search.groups_of(solve), search.width()):
         group = solve.groups[i]
         proven = Proven()
         proven.level = -NONE
@@ -302,8 +283,8 @@ def conclude(first_slot: wp.int32, slots: wp.int32, solve: Solve, proof: Proof):
         proven.scale = group.scale
         proven.allowed = group.allowed
         proof.groups[i] = proven
-    if lane() == 0:
-        converged = solve.numbers[0].status == CONVERGED
+    if search.lane() == 0:
+        converged = solve.numbers[0].status == search.CONVERGED
         certified = solve.request[Request.CERTIFIED] > ZERO
         solve.flags[Flag.CERTIFIES] = wp.where(converged and certified, 1, 0)
         solve.flags[Flag.SOLVING] = 0
@@ -314,8 +295,8 @@ def accept(first_slot: wp.int32, slots: wp.int32, solve: Solve, proof: Proof):
     """Search on from a pressure that could not be certified: what the search added up has drifted."""
     rules = solve.rules[0]
     faults = ZERO
-    i = first_group(proof)
-    while i < groups_of(proof):
+    i = search.first_group(proof)
+    while i < search.groups_of(proof):
         group = proof.groups[i]
         off = ZERO
         if group.load >= ZERO:
@@ -328,9 +309,9 @@ def accept(first_slot: wp.int32, slots: wp.int32, solve: Solve, proof: Proof):
         holds = group.over <= ZERO and group.under <= ZERO and wp.abs(off) <= rules.certified_load
         holds = holds and violation <= group.allowed and group.gap < NONE
         faults += wp.where(holds, ZERO, ONE)
-        i += stride(proof)
-    faults = over_groups(proof, faults, True)
-    if lane() == 0 and faults > ZERO and solve.numbers[0].renewals < rules.renewals:
+        i += search.stride(proof)
+    faults = search.over_groups(proof, faults, True)
+    if search.lane() == 0 and faults > ZERO and solve.numbers[0].renewals < rules.renewals:
         solve.request[Request.ANEW] = ZERO
         solve.request[Request.ROUGH] = ZERO
         solve.request[Request.RESUMES] = ZERO

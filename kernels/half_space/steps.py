@@ -7,22 +7,8 @@ These are rules of `contact.half_space.search`; `decisions` has the others. Symb
 import warp as wp
 
 from warpwear.kernels.cells import ONE, ZERO
-from warpwear.kernels.half_space.solve import (
-    LED_NOWHERE,
-    TOGETHER,
-    Flag,
-    Numbers,
-    Rules,
-    Solve,
-    all_lines,
-    first_group,
-    groups_of,
-    lane,
-    lines_of,
-    over_groups,
-    stride,
-    writes,
-)
+from warpwear.kernels.half_space import solve as search
+from warpwear.kernels.half_space.solve import TOGETHER, Flag, Solve
 from warpwear.kernels.newton import HALF
 
 TWO = wp.constant(wp.float64(2.0))
@@ -31,8 +17,8 @@ TWO = wp.constant(wp.float64(2.0))
 @wp.kernel(module=TOGETHER)
 def judge_scatter(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Decide whether extending the gradient pays: cells between the bounds lie in small spots then."""
-    lines = all_lines(solve, 2, 2)
-    if lane() == 0:
+    lines = search.all_lines(solve, 2, 2)
+    if search.lane() == 0:
         n = solve.numbers[0]
         extends = wp.where(lines[1] > solve.rules[0].scattered * lines[0], 1, 0)
         n.extended = extends * solve.rules[0].tiled
@@ -50,9 +36,9 @@ def aim(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     sr = ZERO
     largest_z = ZERO
     largest_r = ZERO
-    i = first_group(solve)
-    while i < groups_of(solve):
-        lines = lines_of(solve, i, 7, 9)
+    i = search.first_group(solve)
+    while i < search.groups_of(solve):
+        lines = search.lines_of(solve, i, 7, 9)
         group = solve.groups[i]
         group.descent_mean = wp.where(n.at_load == 1, lines[1] / wp.max(lines[0], ONE), ZERO)
         zy += lines[4] - group.descent_mean * lines[3]
@@ -60,14 +46,14 @@ def aim(first_slot: wp.int32, slots: wp.int32, solve: Solve):
         sr += lines[6]
         largest_z = wp.max(largest_z, lines[7])
         largest_r = wp.max(largest_r, lines[8])
-        if writes(solve):
+        if search.writes(solve):
             solve.groups[i] = group
-        i += stride(solve)
-    zy = over_groups(solve, zy, True)
-    downhill = over_groups(solve, zr, True)
-    sr = over_groups(solve, sr, True)
-    largest_z = over_groups(solve, largest_z, False)
-    largest_r = over_groups(solve, largest_r, False)
+        i += search.stride(solve)
+    zy = search.over_groups(solve, zy, True)
+    downhill = search.over_groups(solve, zr, True)
+    sr = search.over_groups(solve, sr, True)
+    largest_z = search.over_groups(solve, largest_z, False)
+    largest_r = search.over_groups(solve, largest_r, False)
     n.memory = ZERO
     if n.last == n.plain:
         n.memory = wp.max(ZERO, zy / n.curvature)
@@ -80,16 +66,16 @@ def aim(first_slot: wp.int32, slots: wp.int32, solve: Solve):
         n.trial_length = n.near_length
         n.transforms = n.transforms + 1
     leads_down = n.plain == 1 or downhill > ZERO
-    i = first_group(solve)
-    while i < groups_of(solve):
-        lines = lines_of(solve, i, 7, 9)
+    i = search.first_group(solve)
+    while i < search.groups_of(solve):
+        lines = search.lines_of(solve, i, 7, 9)
         group = solve.groups[i]
         reach = wp.max(lines[7], lines[8] * n.outward)
         group.unit = n.trial_length * reach
-        if writes(solve):
+        if search.writes(solve):
             solve.groups[i] = group
-        i += stride(solve)
-    if lane() == 0:
+        i += search.stride(solve)
+    if search.lane() == 0:
         if not leads_down:
             n = without_memory(solve.rules[0], n)
         solve.flags[Flag.DESCENDS] = wp.where(leads_down, 1, 0)
@@ -97,7 +83,7 @@ def aim(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 
 
 @wp.func
-def without_memory(rules: Rules, before: Numbers):
+def without_memory(rules: search.Rules, before: search.Numbers):
     """Stay where the pressure is, and follow the plain gradient next, without memory."""
     n = before
     n.last = -1
@@ -108,7 +94,7 @@ def without_memory(rules: Rules, before: Numbers):
 
 
 @wp.func
-def gone(rules: Rules, before: Numbers, best: wp.float64, used: wp.float64):
+def gone(rules: search.Rules, before: search.Numbers, best: wp.float64, used: wp.float64):
     """Go along a step as far as is best, which is where the minimum along it lies.
 
     best: in steps. used: largest fraction of its room to a bound that a cell uses in a whole step.
@@ -136,7 +122,7 @@ def gone(rules: Rules, before: Numbers, best: wp.float64, used: wp.float64):
 
 
 @wp.func
-def drifted(before: Numbers):
+def drifted(before: search.Numbers):
     """Note how far off the gradient may be once the step is gone."""
     n = before
     n.drift = n.drift + n.length * n.step_drift
@@ -146,8 +132,8 @@ def drifted(before: Numbers):
 @wp.kernel(module=TOGETHER)
 def go(first_slot: wp.int32, slots: wp.int32, solve: Solve):
     """Decide how far to go along the step."""
-    lines = all_lines(solve, 2, 4)
-    if lane() == 0:
+    lines = search.all_lines(solve, 2, 4)
+    if search.lane() == 0:
         n = solve.numbers[0]
         slope = lines[0]
         curvature = lines[1]
@@ -164,7 +150,7 @@ def go(first_slot: wp.int32, slots: wp.int32, solve: Solve):
             # The step leads up, which without memory and preconditioner it cannot, but for rounding: a
             # pressure off its bound by the last digit of the load hides where the others want to go.
             if used < ONE:
-                n.status = LED_NOWHERE
+                n.status = search.LED_NOWHERE
                 n = without_memory(solve.rules[0], n)
                 solve.flags[Flag.SEARCHING] = 0
             else:

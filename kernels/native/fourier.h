@@ -184,6 +184,30 @@ WARPWEAR_FN void back_batch(const Plan& plan, const Real* turns, Real* spectrum,
         give_rows<Real, true>(x, n, cells, rows, plan.stride, plan.columns);
 }
 
+// Modes of a group of columns, in place, or in the scratch memory where these have more rows than cells.
+template <typename Real, typename Plan>
+WARPWEAR_FN Real* columns_forward(const Plan& plan, const Real* turns, Real* place, Real* scratch)
+{
+    const int lines = VectorOf<Real>::LINES, n = plan.folded.shape[0], nx = plan.rows;
+    Real* const x = n == nx ? place : scratch;
+    if (n > nx) {
+        __builtin_memcpy(x, place, sizeof(Real) * 2 * lines * nx);
+        const int filled = filled_of(plan.across, n);
+        __builtin_memset(x + 2 * lines * nx, 0, sizeof(Real) * 2 * lines * (filled - nx));
+    }
+    transform<Real, false>(plan.across, x, n, turns + plan.turns_across);
+    return x;
+}
+
+// The way back.
+template <typename Real, typename Plan>
+WARPWEAR_FN void columns_back(const Plan& plan, const Real* turns, Real* x, Real* place)
+{
+    const int n = plan.folded.shape[0];
+    transform<Real, true>(plan.across, x, n, turns + plan.turns_across);
+    if (n > plan.rows) __builtin_memcpy(place, x, sizeof(Real) * 2 * VectorOf<Real>::LINES * plan.rows);
+}
+
 // Multiply, or divide, the modes of a group of columns by the table and the line of each row, in place; where
 // that is 0, a division makes 0. The table is even: mode k of the rows is that of `folded`.
 template <typename Real, typename Plan>
@@ -191,17 +215,10 @@ WARPWEAR_FN void across_group(const Plan& plan, const Real* turns, const Real* t
                               Real* place, Real* scratch)
 {
     typedef LinesOf<Real> Lines;
-    const int lines = VectorOf<Real>::LINES, n = plan.folded.shape[0], nx = plan.rows;
+    const int lines = VectorOf<Real>::LINES, n = plan.folded.shape[0];
     const Real scale = plan.scale;
     const bool divides = plan.divides;
-    Real* const x = n == nx ? place : scratch;
-    turns += plan.turns_across;
-    if (n > nx) {
-        __builtin_memcpy(x, place, sizeof(Real) * 2 * lines * nx);
-        const int filled = filled_of(plan.across, n);
-        __builtin_memset(x + 2 * lines * nx, 0, sizeof(Real) * 2 * lines * (filled - nx));
-    }
-    transform<Real, false>(plan.across, x, n, turns);
+    Real* const x = columns_forward(plan, turns, place, scratch);
     for (int k = 0; k < n; ++k) {
         const int mode = plan.folded.data[k];
         const Lines response = lines_at(const_cast<Real*>(table) + lines * mode) + Real(line[mode]);
@@ -210,8 +227,33 @@ WARPWEAR_FN void across_group(const Plan& plan, const Real* turns, const Real* t
         lines_at(x + 2 * lines * k) *= factor;
         lines_at(x + 2 * lines * k + lines) *= factor;
     }
-    transform<Real, true>(plan.across, x, n, turns);
-    if (n > nx) __builtin_memcpy(place, x, sizeof(Real) * 2 * lines * nx);
+    columns_back(plan, turns, x, place);
+}
+
+// Multiply the modes of a group of columns of two fields by a symmetric matrix of tables, in place. The one
+// off the diagonal is odd in both directions: beyond the middle of the rows its sign is the other one.
+template <typename Real, typename Plan>
+WARPWEAR_FN void across_both(const Plan& plan, const Real* turns, const Real* const (&tables)[3],
+                             const double* signs, Real* first, Real* second, Real* scratch)
+{
+    typedef LinesOf<Real> Lines;
+    const int lines = VectorOf<Real>::LINES, n = plan.folded.shape[0];
+    const Real scale = plan.scale;
+    Real* const x = columns_forward(plan, turns, first, scratch);
+    Real* const y = columns_forward(plan, turns, second, scratch + 2 * lines * n);
+    for (int k = 0; k < n; ++k) {
+        const int at = lines * plan.folded.data[k];
+        const Lines xx = scale * lines_at(const_cast<Real*>(tables[0]) + at);
+        const Lines xy = (scale * Real(signs[k])) * lines_at(const_cast<Real*>(tables[1]) + at);
+        const Lines yy = scale * lines_at(const_cast<Real*>(tables[2]) + at);
+        for (int i = 2 * lines * k; i < 2 * lines * (k + 1); i += lines) {
+            const Lines a = lines_at(x + i), b = lines_at(y + i);
+            lines_at(x + i) = xx * a + xy * b;
+            lines_at(y + i) = xy * a + yy * b;
+        }
+    }
+    columns_back(plan, turns, x, first);
+    columns_back(plan, turns, y, second);
 }
 
 // The part of `count` things that a slot does, from first_of(slot) to first_of(slot + 1).
@@ -245,6 +287,23 @@ WARPWEAR_FN void across_columns(int slot, int slots, const Plan& plan, const wp:
     for (int g = first_of(slot, slots, groups); g < first_of(slot + 1, slots, groups); ++g)
         across_group(plan, turns.data, &wp::index(table, g, 0, 0), line.data, &wp::index(spectrum, g, 0, 0),
                      &wp::index(scratch, slot, 0));
+#endif
+}
+
+// The same of the columns of two fields together, whose modes lie one after another, by a matrix of tables.
+template <typename Real, typename Plan>
+WARPWEAR_FN void across_pairs(int slot, int slots, const Plan& plan, const wp::array_t<Real>& turns,
+                              const wp::array_t<Real>& table, const wp::array_t<double>& signs,
+                              wp::array_t<Real>& scratch, wp::array_t<Real>& spectrum)
+{
+#if !defined(__CUDA_ARCH__)
+    const int groups = plan.groups;
+    for (int g = first_of(slot, slots, groups); g < first_of(slot + 1, slots, groups); ++g) {
+        const Real* const tables[] = {&wp::index(table, 0, g, 0, 0), &wp::index(table, 1, g, 0, 0),
+                                      &wp::index(table, 2, g, 0, 0)};
+        across_both(plan, turns.data, tables, signs.data, &wp::index(spectrum, g, 0, 0),
+                    &wp::index(spectrum, groups + g, 0, 0), &wp::index(scratch, slot, 0));
+    }
 #endif
 }
 
@@ -323,6 +382,25 @@ WARPWEAR_FN void multiply_modes(int slot, int slots, const Grids& grids, const w
             const double response = responses[j / 2] + line.data[mode];
             const double divided = response > 0.0 ? grids.scale / response : 0.0;
             numbers[j] *= Real(grids.divides ? divided : grids.scale * response);
+        }
+    }
+}
+
+// Multiply modes of two grids, one after the other, by a symmetric matrix of tables, in place. The one off
+// the diagonal is odd in both directions.
+template <typename Grids, typename Real>
+WARPWEAR_FN void multiply_pairs(int slot, int slots, const Grids& grids, const wp::array_t<double>& table,
+                                wp::array_t<Real>& modes)
+{
+    const int n = modes.shape[1];
+    for (int row = slot; row < n; row += slots) {
+        const int mode = row < n - row ? row : n - row;
+        const double sign = row > n - row ? -grids.scale : grids.scale;
+        Real *const x = &wp::index(modes, 0, row, 0), *const y = &wp::index(modes, 1, row, 0);
+        for (int j = lane_of_slot(); j < modes.shape[2]; j += width_of_slot()) {
+            const double a = x[j], b = y[j], xy = sign * wp::index(table, 1, mode, j / 2);
+            x[j] = Real(grids.scale * wp::index(table, 0, mode, j / 2) * a + xy * b);
+            y[j] = Real(xy * a + grids.scale * wp::index(table, 2, mode, j / 2) * b);
         }
     }
 }

@@ -12,7 +12,7 @@ typedef double Lanes;
 typedef double Stored;
 typedef float SingleLanes;
 typedef float StoredSingle;
-typedef long long Counts;
+typedef int Counts; // of one thread
 #else
 typedef double Lanes __attribute__((ext_vector_type(8)));
 typedef double Stored __attribute__((ext_vector_type(8), aligned(8)));

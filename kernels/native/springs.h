@@ -17,12 +17,14 @@ template <typename Visit>
 WARPWEAR_FN void visit_listed(const int* tiles, int listed, int of_row, const Visit& visit)
 {
 #if defined(__CUDA_ARCH__)
+    const bool is_whole = listed * OF_TILE >= of_row; // then no place waits for a number of the list
     for (int first = threadIdx.x; first < listed * OF_TILE; first += AT_ONCE * blockDim.x) {
         int at[AT_ONCE];
 #pragma unroll
         for (int j = 0; j < AT_ONCE; ++j) {
             const int n = first + j * blockDim.x;
-            at[j] = n < listed * OF_TILE ? tiles[n / OF_TILE] * OF_TILE + n % OF_TILE : -1;
+            at[j] = n;
+            if (!is_whole) at[j] = n < listed * OF_TILE ? tiles[n / OF_TILE] * OF_TILE + n % OF_TILE : -1;
             at[j] = at[j] < of_row ? at[j] : -1;
         }
         visit(at);

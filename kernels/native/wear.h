@@ -116,6 +116,7 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
 {
     const auto& law = wp::index(laws, 0);
     const auto& step = wp::index(steps, 0);
+    if (!step.is_ready) return;
     const WearBy by = {law.base,
                        law.offset,
                        law.cap,
@@ -143,6 +144,8 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
     WearSums sums;
     Extents extents;
     double rest_touched = 0.0, rest_worn = 0.0;
+    // On a GPU whole numbers, of a thread: they take half the registers.
+    int first_row = gap_out.shape[0], last_row = -1, first_column = of_row, last_column = -1;
     for (int row = slot; row < gap_out.shape[0]; row += slots) {
         if (first_thread) {
             rest_touched += wp::index(rest, row)[0];
@@ -174,10 +177,10 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
 #else
                 if (after != g[j]) gap[at[j]] = after; // most cells of an early contact stay
                 if (touches) {
-                    extents.first_row = wp::max(extents.first_row, -double(row));
-                    extents.last_row = row;
-                    extents.first_column = wp::max(extents.first_column, -double(at[j]));
-                    extents.last_column = wp::max(extents.last_column, double(at[j]));
+                    first_row = wp::min(first_row, row);
+                    last_row = row;
+                    first_column = wp::min(first_column, at[j]);
+                    last_column = wp::max(last_column, at[j]);
                 }
 #endif
             }
@@ -190,6 +193,8 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
         }
 #endif
     }
+    if (last_row >= 0)
+        extents = {-double(first_row), double(last_row), -double(first_column), double(last_column)};
     leave_wear(tables, slot, sums, extents, by.stiffness_next, rest_touched, rest_worn, NO_LIMIT);
 }
 

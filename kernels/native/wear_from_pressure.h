@@ -1,7 +1,7 @@
 #pragma once
 // Wear of a ball and a disc by a stored pressure, and the gap that the disc's asperities meet on their way.
 
-#include "bodies.h"
+#include "fretting.h"
 
 // Means of a field over `window` rows around each; of an even number the row at either end counts half. At
 // the first and the last row the field is mirrored, so that its sum is kept there too. Over as many rows as
@@ -46,7 +46,8 @@ WARPWEAR_FN Stored* mean_of(const Field& field, const Field& means, int row, int
 }
 
 // The gap that a cell of the disc meets on its way through a step: that of the bodies, with the mean of the
-// counter-body's wear along the way instead of the wear at its middle.
+// counter-body's wear along the way instead of the wear at its middle. Where pressures move with the
+// counter-body it is the mean of the disc's wear.
 template <typename Slides, typename Bodies, typename Field>
 WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& bodies, const Field& means,
                       const Field& gaps)
@@ -57,13 +58,32 @@ WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& b
     const auto& slide = wp::index(slides, 0);
     const int of_row = gaps.shape[1] * OF_VECTOR, window = slide.window;
     for (int row = slot; row < gaps.shape[0]; row += slots) {
-        const Stored *const counter = row_of(bodies.counter, row), *const wear =
-                                                                       row_of(bodies.wear_counter, row);
+        const auto& worn = slide.counter_moves == 1 ? bodies.wear_disc : bodies.wear_counter;
+        const Stored *const counter = row_of(bodies.counter, row), *const wear = row_of(worn, row);
         const Stored* const disc = row_of(bodies.disc, under_row(row, slide.shift, bodies.disc.shape[0]));
-        const Stored* const met = mean_of(bodies.wear_counter, means, row, window);
+        const Stored* const met = mean_of(worn, means, row, window);
         Stored* const gap = row_of(gaps, row);
         for (int i = lane_of_slot(); i < of_row; i += width_of_slot())
             gap[i] = (counter[i] + (met[i] - wear[i])) - disc[i];
+    }
+}
+
+// The part of a step that each cell was in contact: where it bears, all of it; else what is left of the depth
+// that shear wears when its gap at the end is taken off.
+template <typename Slides, typename Pressed>
+WARPWEAR_FN void part_of_step(int slot, int slots, const Slides& slides, const Pressed& pressed)
+{
+    const auto& slide = wp::index(slides, 0);
+    const double lift = slide.shear_counter + slide.shear_disc, approach = slide.approach;
+    const int of_row = pressed.pressure.shape[1] * OF_VECTOR;
+    const Lanes zero = 0.0, one = 1.0;
+    for (int row = slot; row < slide.rows; row += slots) {
+        const Stored *const p = row_of(pressed.pressure, row), *const target = row_of(pressed.gradient, row);
+        Stored* const rubbed = row_of(pressed.rubbed, row);
+        for (int i = lane_of_slot(); i < of_row; i += width_of_slot()) {
+            const Lanes part = smaller_of(larger_of((approach + lift - target[i]) / lift, zero), one);
+            rubbed[i] = p[i] > zero ? one : part;
+        }
     }
 }
 
@@ -71,6 +91,10 @@ WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& b
 // passes it. Without a disc all wear is the counter-body's, whose height is then the gap. Where the gap after
 // the step is below the approach at the cap, a disc that keeps its dents is displaced for good by the
 // difference. Sums of the disc are left by its rows.
+//
+// Where the pressure moves with the counter-body, that sees p, and the disc the mean. Cells with slips of
+// their own lose more by them, K dL over the distance of a cycle times p times the slip, and slip by more
+// then.
 template <typename Slides, typename Layout, typename Pressed, typename Bodies, typename OfRows,
           typename Table>
 WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, const Layout& layout,
@@ -85,20 +109,34 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
     const double approach = slide.approach, reference = slide.reference;
     const int of_line = layout.vectors * OF_VECTOR, lines = bodies.counter.shape[1] / layout.vectors;
     const bool parted = pressed.parts.shape[0] > 0, has_disc = bodies.disc.shape[0] > 0;
+    const bool shears = pressed.rubbed.shape[0] > 0;
     const bool keeps = has_disc && bodies.plastic_disc.shape[0] == bodies.disc.shape[0];
+    const bool slips = pressed.slips.shape[0] > 0;
+    const double more_counter = slide.slipping_counter, more_disc = slide.slipping_disc;
+    const double slip_of_gap = slide.slip_of_gap;
     const bool shows = bodies.reached.shape[0] != bodies.counter.shape[0];
     const Lanes zero = 0.0, one = 1.0, none = NO_INDEX;
     const Counts no = 0, yes = 1;
     Lanes pressure = 0.0, deviation = 0.0, worn_counter = 0.0, highest = 0.0, deepest_counter = 0.0;
     Lanes deepest_disc = 0.0, first = NO_INDEX, last = NO_INDEX;
-    Counts contact = 0, capped = 0, touched = 0;
+    Lanes work = 0.0, rubbed = 0.0;
+    Counts contact = 0, capped = 0, touched = 0, stuck = 0;
     double first_row = NO_INDEX, last_row = NO_INDEX;
     for (int row = slot; row < slide.rows; row += slots) {
         const int under = has_disc ? under_row(row, slide.shift, bodies.disc.shape[0]) : 0;
         const Stored *const p_of = row_of(pressed.pressure, row), *const target =
                                                                       row_of(pressed.gradient, row);
         const Stored* const passing = mean_of(pressed.pressure, pressed.means, row, slide.window);
+        const bool turned = slide.counter_moves == 1;
+        const Stored *const over_counter = turned ? p_of : passing, *const over_disc =
+                                                                        turned ? passing : p_of;
+        Stored* const slip = slips ? row_of(pressed.slips, row) : nullptr;
         const Stored* const parts = parted ? row_of(pressed.parts, row) : nullptr;
+        const Stored* const rubs = shears ? row_of(pressed.rubbed, row) : nullptr;
+        const Stored* const rubs_passing =
+            shears ? mean_of(pressed.rubbed, pressed.rubbed_means, row, slide.window) : nullptr;
+        const Stored *const rubs_counter = turned ? rubs : rubs_passing, *const rubs_disc =
+                                                                             turned ? rubs_passing : rubs;
         Stored *const counter = row_of(bodies.counter, row), *const wear_counter =
                                                                  row_of(bodies.wear_counter, row);
         Stored* const reached = shows ? nullptr : row_of(bodies.reached, row);
@@ -112,9 +150,22 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
             Mask in_line = zero > one;
             for (int v = lane_of_slot(); v < of_line; v += width_of_slot()) {
                 const int i = line * of_line + v;
-                const Lanes p = p_of[i], m = passing[i], removed = of_counter * m;
-                const Lanes s = counter[i] + removed, was = shows ? wear_counter[i] : reached[i];
-                const Lanes a = wear_counter[i] + removed, most_here = parted ? cap * parts[i] : cap * one;
+                const Lanes p = p_of[i], m = over_counter[i];
+                const Lanes by_shear = shears ? slide.shear_counter * rubs_counter[i] : zero;
+                const Lanes removed = of_counter * m + by_shear;
+                Lanes s = counter[i] + removed, a = wear_counter[i] + removed, by_slip = zero;
+                const Lanes was = shows ? wear_counter[i] : reached[i];
+                const Lanes most_here = parted ? cap * parts[i] : cap * one;
+                if (slips) {
+                    const Lanes own = slip[i];
+                    by_slip = p * own;
+                    s += more_counter * by_slip;
+                    a += more_counter * by_slip;
+                    work += by_slip;
+                    const Mask sticks = (p > zero) & (own <= zero);
+                    stuck += sticks ? yes : no;
+                    slip[i] = own + slip_of_gap * (more_counter + more_disc) * by_slip;
+                }
                 counter[i] = s;
                 wear_counter[i] = a;
                 pressure += p;
@@ -125,7 +176,8 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                 worn_counter += a;
                 highest = larger_of(highest, p);
                 deepest_counter = larger_of(deepest_counter, a);
-                const Mask ever = m + was > zero;
+                if (shears) rubbed += (Lanes)rubs[i];
+                const Mask ever = m + was + by_shear > zero;
                 const Lanes column = columns_from(domain_column + v * LANES);
                 touched += ever ? yes : no;
                 in_line = in_line | ever;
@@ -142,8 +194,14 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                     plastic[i] = x;
                     pressed_disc += x;
                 }
-                const Lanes removed_disc = of_disc * p, b = wear_disc[i] + removed_disc;
-                disc[i] = d - removed_disc;
+                const Lanes sheared = shears ? slide.shear_disc * rubs_disc[i] : zero;
+                const Lanes removed_disc = of_disc * over_disc[i] + sheared;
+                Lanes b = wear_disc[i] + removed_disc, e = d - removed_disc;
+                if (slips) {
+                    b += more_disc * by_slip;
+                    e -= more_disc * by_slip;
+                }
+                disc[i] = e;
                 wear_disc[i] = b;
                 worn_disc += b;
                 deepest_disc = larger_of(deepest_disc, b);
@@ -162,9 +220,9 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
             if (lane_of_slot() == 0) wp::index(of_rows.pressed_disc, under) = dents;
         }
     }
-    leave_lines(sums, slot, 6,
+    leave_lines(sums, slot, 9,
                 {total(pressure), total(deviation), count(contact), count(capped), count(touched),
-                 total(worn_counter)});
+                 total(worn_counter), total(work), count(stuck), total(rubbed)});
     leave_lines(maxima, slot, 0,
                 {most(highest), most(deepest_counter), most(deepest_disc), first_row, last_row, most(first),
                  most(last)});

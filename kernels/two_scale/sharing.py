@@ -12,21 +12,10 @@ the solution, which together hold more digits than their sum.
 
 import warp as wp
 
+from warpwear.kernels import newton as roots
 from warpwear.kernels.balance import most_of, sum_of
 from warpwear.kernels.cells import NONE, ONE, ZERO
-from warpwear.kernels.newton import (
-    DIGITS,
-    HALF,
-    HOPELESS,
-    LOOKS,
-    MET,
-    STUCK,
-    SURELY,
-    Bracket,
-    bracket_at,
-    is_closed,
-    stepped,
-)
+from warpwear.kernels.newton import HALF, Bracket
 from warpwear.kernels.two_scale.curves import (
     PRESSURE,
     SLOPE,
@@ -89,10 +78,10 @@ class Flags:
 @wp.func
 def set_flags(flags: Flags, state: wp.int32):
     """Say how far a search is, and end the steps where it has failed."""
-    flags.searching[0] = wp.where(state == LOOKS, 1, 0)
+    flags.searching[0] = wp.where(state == roots.LOOKS, 1, 0)
     flags.unanswered[0] = 1
-    flags.balanced[0] = wp.where(state == MET, 1, 0)
-    if state == STUCK:
+    flags.balanced[0] = wp.where(state == roots.MET, 1, 0)
+    if state == roots.STUCK:
         flags.stepping[0] = 0
 
 
@@ -121,7 +110,7 @@ def search_from(
     """Begin a search at bases, with trial offsets that stand already. guess, low: of the bodies' offset."""
     s = before
     s.common_base = common_base
-    b = bracket_at(guess, wp.abs(guess))
+    b = roots.bracket_at(guess, wp.abs(guess))
     b.low = low
     s.bracket = b
     s.bracketed = wp.int32(0)
@@ -147,8 +136,8 @@ def search_again(curves: Curves, load: Load, before: Search, common: wp.float64)
     """Begin the next search: from bases at the last approaches the offsets have digits again."""
     s = before
     s.number += 1
-    if s.number >= SEARCHES or not (wp.abs(common) < HOPELESS):
-        return ended(s, common, STUCK)
+    if s.number >= SEARCHES or not (wp.abs(common) < roots.HOPELESS):
+        return ended(s, common, roots.STUCK)
     for k in range(lane(), curves.base.shape[0], width()):
         curves.base[k] = curves.base[k] + curves.offset[k]
         curves.offset[k] = ZERO
@@ -166,7 +155,7 @@ def take_sure_step(curves: Curves, load: Load, before: Search, newton: wp.float6
         shift = s.common_base - curves.base[k]
         point = (curves.offset[k] - shift) + s.flexibility * p
         move = (newton - point) / (ONE + s.flexibility * slope)
-        leaves = wp.abs(move) >= SURELY * curves.answer[STRAIGHT, k] and not (free and move <= ZERO)
+        leaves = wp.abs(move) >= roots.SURELY * curves.answer[STRAIGHT, k] and not (free and move <= ZERO)
         after = curves.offset[k] + move
         carries = p + slope * move
         curves.room[0, k] = wp.where(leaves, ONE, ZERO)
@@ -179,7 +168,7 @@ def take_sure_step(curves: Curves, load: Load, before: Search, newton: wp.float6
     residual = load.area * sum_of(curves.room, 3) - load.load
     apart = most_of(curves.room, 4)
     allowed = load.tolerance * s.flexibility * most_of(curves.room, 3)
-    if leaving or digits > DIGITS * load.load:
+    if leaving or digits > roots.DIGITS * load.load:
         return s
     if wp.abs(residual) > load.tolerance * load.load or apart > allowed:
         return s
@@ -189,7 +178,7 @@ def take_sure_step(curves: Curves, load: Load, before: Search, newton: wp.float6
     s.residual = residual
     s.spring_residual = apart
     s.spring_allowed = allowed
-    return ended(s, newton, MET)
+    return ended(s, newton, roots.MET)
 
 
 @wp.func
@@ -295,12 +284,12 @@ def evaluated(curves: Curves, load: Load, before: Search):
     furthest = most_of(curves.room, 2)
     solved = s.spring_residual <= s.spring_allowed
     if solved and wp.abs(residual) <= load.tolerance * load.load:
-        return ended(s, common, MET)
+        return ended(s, common, roots.MET)
     if rises:
         s = take_sure_step(curves, load, s, newton)
-    if s.bracket.state == MET:
+    if s.bracket.state == roots.MET:
         return s
-    if not (wp.abs(x) < HOPELESS) or b.evaluation >= load.evaluations:
+    if not (wp.abs(x) < roots.HOPELESS) or b.evaluation >= load.evaluations:
         return search_again(curves, load, s, x)
     if held and not solved:
         total = total_at(curves, load, s, x)
@@ -315,11 +304,11 @@ def evaluated(curves: Curves, load: Load, before: Search):
     s.waited += 1
     if not held or solved:
         s.waited = 0
-        if is_closed(b):
+        if roots.is_closed(b):
             s.bracketed += 1
         # While patches move as well the bracket is wide, and what halves it no measure.
-        b = stepped(b, residual, newton, rises, s.bracketed % 2 == 0, rigid or held)
-        if (rigid or held) and is_closed(b) and not (b.offset > b.low and b.offset < b.high):
+        b = roots.stepped(b, residual, newton, rises, s.bracketed % 2 == 0, rigid or held)
+        if (rigid or held) and roots.is_closed(b) and not (b.offset > b.low and b.offset < b.high):
             return search_again(curves, load, s, x)  # down to neighbouring numbers
     s.bracket = b
     bisects = held and s.waited % BISECT_EVERY == BISECT_EVERY - 1

@@ -166,6 +166,9 @@ def test_a_large_contact_says_what_memory_it_needs(
     memory.check_memory((1024, 1024), "cpu", "periodic")
     assert not capsys.readouterr().err
     memory.check_memory((8192, 8192), "cpu", "periodic")
-    assert "8192 × 8192 cells need up to 5.5 GiB of the host (100.0 GiB free)" in capsys.readouterr().err
+    assert (
+        "heights of shape (8192, 8192) need up to 5.5 GiB of the host (100.0 GiB free)"
+        in capsys.readouterr().err
+    )
     with pytest.raises(InputError, match=r"112\.0 GiB of memory; the host has 100\.0 GiB free"):
         memory.check_memory((32768, 32768), "cpu", "free")

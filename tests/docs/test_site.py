@@ -73,7 +73,10 @@ def test_links_to_other_places_are_these() -> None:
     }
     assert found == {
         "https://contact.engineering",
+        "https://github.com/nick-garabedian/TriboDataFAIR-Ontology",
+        "https://w3id.org/ro/crate/1.1",
         "https://distributed.dask.org",
+        "https://centre-borelli.github.io/ruptures-docs/",
         "https://emcee.readthedocs.io",
         "https://github.com/ContactEngineering/SurfaceTopography",
         "https://github.com/NVIDIA/warp",

@@ -30,7 +30,7 @@ SENTENCES = [
     ("docs/validation/ball-on-plate.md", "but not where along a section", "It says nothing of where"),
     ("docs/how-to/before-and-after.md", "so do single worn asperities", "that have worn alone"),
     (
-        "warpwear/page/words.py",
+        "warpwear/templates/trust.txt",
         "Run again with half the cell to see the error of the mesh.",
         "How much the mesh",
     ),

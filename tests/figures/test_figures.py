@@ -11,7 +11,9 @@ import pytest
 from cases_drawn import RUNS, SMALL
 from cases_figures import (
     OF_FILMS,
+    OF_FRETTING,
     OF_PATCHES,
+    OF_STRESSES,
     OF_TRACKS,
     axes_lines,
     drawn,
@@ -76,6 +78,8 @@ def test_what_makes_no_sense_is_left_out_with_its_reason(
         *OF_TRACKS,
         *OF_PATCHES,
         *OF_FILMS,
+        *OF_FRETTING,
+        *OF_STRESSES,
         *left_out_for(words.ROUGH, words.NO_FACTOR, words.NO_PIECES),
     }
     static = set(plot.NAMES) - NOT_STATIC - of_others
@@ -92,7 +96,13 @@ def test_what_makes_no_sense_is_left_out_with_its_reason(
         == "a rigid flat, or a cylinder, has no radius of contact"
     )
     of_rough = left_out_for(words.SMOOTH_DISC, words.SMOOTH, words.NO_PIECES)
-    assert set(results["smooth"].plot.left_out) == of_rough | {*OF_TRACKS, *OF_PATCHES, *OF_FILMS}
+    assert set(results["smooth"].plot.left_out) == of_rough | {
+        *OF_TRACKS,
+        *OF_PATCHES,
+        *OF_FILMS,
+        *OF_FRETTING,
+        *OF_STRESSES,
+    }
     no_speed = warpwear.run(
         Study.load("v3").replace({"grid.cell": "20 um", "sliding.speed": None, "sliding.distance": "3 mm"})
     )
@@ -252,7 +262,10 @@ def test_what_goes_into_a_paper_is_drawn_by_default(
     assert set(results["smooth"].plot.names("essential")) == essential - {"roughness"} | {"hertz"}
     with quick_pictures(blank=True):
         assert {path.stem for path in plot.save_all(tmp_path, plots="essential")} == essential
-    assert set(ESSENTIAL) - {*OF_TRACKS, *OF_PATCHES, *OF_FILMS} == essential | {"hertz", "pieces"}
+    assert set(ESSENTIAL) - {*OF_TRACKS, *OF_PATCHES, *OF_FILMS, *OF_FRETTING, *OF_STRESSES} == essential | {
+        "hertz",
+        "pieces",
+    }
 
 
 def test_formats_and_names(results: dict[str, Result], tmp_path: Path) -> None:

@@ -90,6 +90,14 @@ def test_rows_out_of_order_are_sorted(tmp_path: Path) -> None:
     assert "Rows were out of order and were sorted by distance." in found.notes
 
 
+def test_a_counter_that_slips_back_stands_still(tmp_path: Path) -> None:
+    rows = "".join(f"{k},{10 * (k - 2 * (k == 100))},{0.3 + k / 1000}\n" for k in range(200))
+    found = read(tmp_path, "Time (s),Distance (mm),COF\n" + rows)
+    assert any("falls back at 1 rows while time goes on" in note for note in found.notes)
+    assert found.distance.size == 199
+    assert found.cof[99] == pytest.approx(0.3995)  # of both rows
+
+
 def test_a_distance_that_starts_again_is_refused(tmp_path: Path) -> None:
     steps = np.arange(200)
     for distance in (steps % 50 + 0.01 * (steps // 50), np.abs(steps % 40 - 20) + 0.001 * steps):

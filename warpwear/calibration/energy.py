@@ -141,12 +141,12 @@ def _of_run(folder: Path) -> tuple[Dissipation, str, list[Row]]:
     if slid == 0.0:
         raise InputError(f"{folder} is a static contact: nothing slides, and no energy is dissipated")
     if not np.isfinite(cof).all():
-        raise InputError(
-            f"{folder} has no coefficient of friction: it was interrupted before its τ0 was fixed"
-        )
+        raise InputError(f"{folder} has no coefficient of friction: it was stopped before its τ0 was fixed")
     load = float(history["load"][-1])
     work = Dissipation(
-        energy=float(friction_energy(history["distance"], cof, history["load"])[-1]),
+        energy=float(
+            friction_energy(history["distance"], cof, history["load"], of_steps="area_sheared" in history)[-1]
+        ),
         distance=slid,
         load=load,
         cof_end=float(cof[-1]),

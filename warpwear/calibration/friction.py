@@ -107,9 +107,7 @@ def fit_friction(
         )
     bad = int((~(np.isfinite(distance) & np.isfinite(cof))).sum())
     if bad:
-        raise InputError(
-            f"the measured curve holds {bad} points that are no finite numbers: allowed are none"
-        )
+        raise InputError(f"the measured curve has {bad} points that are no finite numbers: allowed are none")
     if not 0.0 < load < math.inf:
         raise InputError(f"load is {load:g} N: allowed is any positive number")
     used = (distance >= run_distance[0]) & (distance <= run_distance[-1])

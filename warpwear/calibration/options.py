@@ -17,9 +17,7 @@ def check_positive(unit: str, **values: float) -> None:
     for name, value in values.items():
         if not 0.0 < value <= LARGEST:
             called = name.replace("_", " ")
-            raise InputError(
-                f"{called} is {value:g} {unit}: allowed is any positive number up to {LARGEST:g}"
-            )
+            raise InputError(f"{called} is {value:g} {unit}: allowed is a positive number up to {LARGEST:g}")
 
 
 def number(option: str, value: float, allowed: Range) -> float:

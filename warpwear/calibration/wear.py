@@ -167,9 +167,7 @@ def circular_track(
     """
     check_positive("mm", width=width, radius=radius, track_radius=track_radius)
     if width >= 2.0 * radius:
-        raise InputError(
-            f"width is {width:g} mm: allowed is less than the ball's diameter, {2 * radius:g} mm"
-        )
+        raise InputError(f"width is {width:g} mm: allowed is below the ball's diameter, {2 * radius:g} mm")
     if width > 2.0 * track_radius:
         raise InputError(
             f"width is {width:g} mm: allowed is up to twice the track's radius, {2 * track_radius:g} mm"

@@ -101,9 +101,7 @@ def _check(source: str, options: Options, preparation: Preparation) -> None:
     """Raise InputError for options that do not go with the source."""
     standard, kind = options["--standard"], SOURCES[source]
     if standard is not None and source not in STANDARDS[standard][0]:
-        raise InputError(
-            f"--standard {standard} is for {' or '.join(STANDARDS[standard][0])}, not for {source}"
-        )
+        raise InputError(f"--standard {standard} is for {' or '.join(STANDARDS[standard][0])}, not {source}")
     for name in kind.needs:
         if options[name] is None:
             raise InputError(f"{source} needs {name}, a length such as '3 mm'")

@@ -24,7 +24,7 @@ from warpwear.cli.surface import prepared, with_preparation
 @click.option(
     "--columns",
     metavar="NAMES",
-    help="Columns of the experiments, 'DISTANCE,COF' or 'TIME,FX,FZ,POSITION', by name or number.",
+    help="Columns of experiments, 'DISTANCE,COF', 'TIME,FX,FZ' or 'TIME,FX,FZ,POSITION'; by name or number.",
 )
 @click.option("--scar", type=PATH, help="The worn disc, a measured surface, to lay over the computed scars.")
 @click.option("--before", type=PATH, help="The same place of --scar before it was worn.")

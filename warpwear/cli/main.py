@@ -14,6 +14,7 @@ import click
 from warpwear.cli.calibrate import calibrate
 from warpwear.cli.compare import compare
 from warpwear.cli.new import new
+from warpwear.cli.record import record
 from warpwear.cli.report import report
 from warpwear.cli.result import animate, export_command, plot
 from warpwear.cli.run import run
@@ -124,5 +125,5 @@ def commands() -> None:
 
 
 _OF_RUNS = (run, new, studies, show, plot, animate, export_command, list_materials)
-for command in (*_OF_RUNS, surface, compare, sweep, calibrate, report):
+for command in (*_OF_RUNS, surface, record, compare, sweep, calibrate, report):
     commands.add_command(command)

@@ -28,7 +28,11 @@ AS_JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 DEVICE = click.option("--device", default="cpu", show_default=True, help="cpu, or cuda:0 for the first GPU.")
 FORMAT = click.option("--format", "file_format", default="png", show_default=True, help="png, pdf or svg.")
 EXPERIMENTS = repeated(
-    "--experiment", "FILE", "A measured course of friction, .csv or other text.", "experiments", type=PATH
+    "--experiment",
+    "FILE",
+    "A tribometer's record of friction, or a folder of its files.",
+    "experiments",
+    type=PATH,
 )
 BAND_OVER = repeated(
     "--band-over", "KEY", "Key whose scatter a band shows: runs that differ in it alone are one line."

@@ -65,8 +65,10 @@ def animate(folder: Path, out: Path | None, fps: float, overwrite: bool) -> None
     "--points", type=int, help="Most points along a side, means of blocks. [default: 250 for stl, else all]"
 )
 @click.option("--exaggeration", type=float, help="Factor on the heights of stl and vti. [default: 1]")
+@click.option("--crate", is_flag=True, help="The same as --format crate.")
+@repeated("--add", "FILE", "A record, a surface or another file that goes into the crate.", "add")
 @click.option("--overwrite", is_flag=True, help="Replace files that are there.")
-def export_command(folder: Path, out: Path | None, overwrite: bool, **options: Any) -> None:
+def export_command(folder: Path, out: Path | None, overwrite: bool, crate: bool, **options: Any) -> None:
     """Write the worn bodies and the fields of the run in DIR for other software.
 
     \b
@@ -76,9 +78,12 @@ def export_command(folder: Path, out: Path | None, overwrite: bool, **options: A
     netcdf     history and fields for xarray and MATLAB, with units
     csv        fields, a row a cell, and profiles for MATLAB and Excel
     xyz, npy   points and arrays of heights, in mm
+    crate      the run with all that it was made of, as an RO-Crate in a zip, to pass on
     """
     with results.Result.open(folder) as result:
         where = out if out is not None else (result.folder or folder) / "export"
+        if crate:
+            options["formats"] = (*(options["formats"] or ()), "crate")
         settings = {name: value for name, value in options.items() if value not in (None, ())}
         for path in exported.export(result, where, overwrite=overwrite, **settings):
             click.echo(path)

@@ -53,6 +53,7 @@ def run(
     summary.json   the numbers at the end, every assumption and warning, the seconds it took
     figures/       what goes into a paper; with --plots all, all that can be drawn of the run
     log.txt        what was computed, where and how long it took
+    ro-crate-metadata.json  what stands in these files and in which unit, for other programs
     manifest.json  which files the run wrote; no other is ever replaced
 
     A checkpoint for --resume is written every 2 minutes (key run.checkpoint) and on Ctrl-C.

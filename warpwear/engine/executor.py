@@ -103,9 +103,12 @@ class Executor:
         """Tell whether passes over many cells are shared among threads."""
         return self._pool is not None
 
-    def slots_of(self, rows: int) -> int:
-        """Return the slots of a pass over rows: on a CPU one each, on a GPU of equally many rows each."""
-        return rows if self.device.is_cpu else -(-rows // -(-rows // MOST_SLOTS_CUDA))
+    def slots_of(self, rows: int, *, most: int = MOST_SLOTS_CUDA) -> int:
+        """Return the slots of a pass over rows: on a CPU one each, on a GPU of equally many rows each.
+
+        most: slots of a GPU at most.
+        """
+        return rows if self.device.is_cpu else -(-rows // -(-rows // most))
 
     def equal_chunks(self, slots: int) -> list[tuple[int, int]]:
         """Return ranges of slots for the threads, of passes over whole rows."""

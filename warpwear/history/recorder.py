@@ -12,10 +12,13 @@ from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.quantities import per
 from warpwear.kernels.cells import EXTENTS, MAXIMA
+from warpwear.laws.archard import BODIES
 from warpwear.laws.task import ContactTask
 
 #: Columns that grow from step to step.
 RUNNING = ("distance", "area_cumulative", "archard_volume_counter", "archard_volume_disc")
+#: Columns that count a part of the stroke's disc for the whole, summed over the disc as it is.
+OF_THE_DISC = ("wear_volume_disc", "pending_volume_disc", "plastic_volume_disc")
 #: First and last of what was touched, along and across; first ones are negated.
 PAIRS = (EXTENTS[:2], EXTENTS[2:])
 #: One of a step, or an array of those of many.
@@ -46,7 +49,7 @@ class Ledger:
     track_fraction: of the stroke, that a disc that slides covers; the disc's volumes are those of the stroke.
     """
 
-    STATE: ClassVar = {"most": dict, "row": dict}
+    STATE: ClassVar = {"most": dict, "row": dict, "before": dict}
 
     def __init__(
         self,
@@ -70,6 +73,15 @@ class Ledger:
         self._outline = 1.0 if task.form.is_line else math.pi / 4.0
         self.most = dict.fromkeys(MAXIMA, -math.inf)
         self.row = {column.name: 0.0 for column in per("step")}
+        #: What the disc of a stroke lost on other strokes, over what this one makes of the same depths.
+        self.before: dict[str, float] = {}
+
+    def rebase(self, track_fraction: float) -> None:
+        """Go on with the volumes of a disc that stood for another stroke, as a part of it, before."""
+        ratio = track_fraction / self._track_fraction
+        for name in OF_THE_DISC if ratio != 1.0 else ():
+            total, before = self.row.get(name, 0.0), self.before.get(name, 0.0)
+            self.before[name] = total - (total - before) * ratio
 
     def restored(self) -> None:
         """Raise ValueError for books that no step has left."""
@@ -88,7 +100,7 @@ class Ledger:
         self,
         balance: Balance,
         increment: float,
-        removal: tuple[float, float],
+        removal: tuple[float, ...],
         reference: float,
         total: Mapping[str, float],
         most: Mapping[str, float],
@@ -96,6 +108,8 @@ class Ledger:
         pressure: FloatArray | None = None,
     ) -> Step:
         """Book a step of an increment [mm] that wore counter-body and disc by K ΔL = removal [mm³/N].
+
+        Of bodies that wear by their shear the depths of cells in contact [mm] follow in `removal`.
 
         total, most: what the kernels found, by the names of `SUMS` and `MAXIMA`. reference: pressure from
         which the squares count [MPa]. The totals have "bearing", how many cells' area bears, where not all
@@ -121,7 +135,7 @@ class Ledger:
         self,
         balance: Any,
         increment: FloatArray,
-        removal: tuple[FloatArray, FloatArray],
+        removal: tuple[FloatArray, ...],
         reference: FloatArray,
         total: Mapping[str, FloatArray],
         most: Mapping[str, FloatArray],
@@ -152,7 +166,7 @@ class Ledger:
         self,
         balance: Balance,
         increment: Number,
-        removal: tuple[Number, Number],
+        removal: tuple[Number, ...],
         reference: Number,
         total: Mapping[str, Number],
         most: Mapping[str, Number],
@@ -199,9 +213,13 @@ class Ledger:
             }
         if "pressed_disc" in total:
             row["plastic_volume_disc"] = total["pressed_disc"] / self._track_fraction * area
+        if "rubbed" in total:
+            row["area_sheared"] = sheared = total["rubbed"] * area
+            for body, depth in zip(BODIES, removal[2:], strict=True):
+                row[f"archard_volume_{body}"] = row[f"archard_volume_{body}"] + depth * sheared
         if "bare" in total:
             row["bare_fraction"] = total["bare"] / count
-        return row
+        return row | {name: row[name] + lost for name, lost in self.before.items() if name in row}
 
     def _inside(self, rows: int, columns: int) -> tuple[float, ...]:
         """Return the extents of what leaves so many rows and columns along each edge."""

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -14,10 +13,9 @@ from warpwear.calibration.friction import effective_points
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import printed
-from warpwear.measured.columns import NAMES, split_unit
-from warpwear.measured.course import LARGEST_COF, read_experiment
+from warpwear.measured.course import LARGEST_COF, experiment_of
 from warpwear.measured.experiment import Experiment
-from warpwear.measured.record import read_record
+from warpwear.measured.rows import Rows, read_rows
 from warpwear.study.study import Study
 from warpwear.study.units import parse
 
@@ -31,8 +29,6 @@ KINDS = {
     "sq_disc": ("um", "Sq in the scar of the disc"),
     "cof": ("", "coefficient of friction"),
 }
-#: Units as people read them.
-SHOWN = {unit: printed(unit) for unit in ("mm^3", "mm^2", "um", "mm^3/N/m")}
 #: Points that a course is thinned to, by means of neighbours.
 POINTS = 100
 #: Fewest points of a course.
@@ -48,8 +44,7 @@ _WRITTEN = re.compile(rf"\s*{_NUMBER}\s*(?:\+-|±)\s*{_NUMBER}\s*(.*?)\s*(?:\bat
 
 def unit_of(kind: str) -> str:
     """Return the unit of a measured value as people write it; empty for a coefficient."""
-    unit = KINDS[kind][0]
-    return SHOWN.get(unit, unit)
+    return printed(KINDS[kind][0])
 
 
 #: Old names of kinds, before the counter-body was called so.
@@ -248,19 +243,17 @@ def _measured(study: Study, kind: str, text: str) -> Measured:
             "has to hold it"
         )
     if kind == "section" and study.sliding.stroke is None:
-        raise InputError(
-            "section needs sliding.stroke in the study: section × stroke is the volume of the disc"
-        )
+        raise InputError("section needs sliding.stroke in the study: section × stroke is the disc's volume")
     return measured
 
 
 def _course(study: Study, experiment: Experiment | str | Path, columns: str | None) -> MeasuredCourse:
     """Read a course, check it against the study and thin it. Raises InputError."""
     if not isinstance(experiment, Experiment):
-        _check_load(Path(experiment), study.contact.load)
-        sliding, load = study.sliding, study.contact.load
-        experiment = read_experiment(
-            experiment, stroke=sliding.stroke, load=load, speed=sliding.speed, columns=columns
+        sliding, load, rows = study.sliding, study.contact.load, read_rows(experiment, columns)
+        _check_load(rows, load)
+        experiment = experiment_of(
+            rows, stroke=sliding.stroke, load=load, speed=sliding.speed, radius=sliding.track_radius
         )
     name, distance, cof = experiment.name, np.asarray(experiment.distance), np.asarray(experiment.cof)
     _check_cof(name, cof)
@@ -298,24 +291,16 @@ def _check_cof(name: str, cof: FloatArray) -> None:
         )
 
 
-def _check_load(path: Path, load: float) -> None:
-    """Raise InputError for a course in percent, and for a normal force that is not that of the study."""
-    record = read_record(path)
-    for place, title in enumerate(record.names):
-        name, unit = split_unit(title)
-        unit = unit or (record.units[place].strip("[]() ") if record.units else "")
-        if re.fullmatch(NAMES["cof"], name):
-            cof = record.columns([place])[:, 0]
-            cof = cof[np.isfinite(cof)]
-            if cof.size:
-                _check_cof(str(path), cof)
-        if not re.fullmatch(NAMES["normal force"], name) or unit.lower() not in ("n", "mn", "kn"):
-            continue
-        force = np.abs(record.columns([place])[:, 0]) * {"n": 1.0, "mn": 1e-3, "kn": 1e3}[unit.lower()]
-        force = force[np.isfinite(force)]
-        typical: Any = np.median(force) if force.size else load
-        if abs(typical - load) > LOAD_OFF * load:
-            raise InputError(
-                f"{path}: the normal force is {typical:.3g} N in the middle, the study has contact.load = "
-                f"{load:g} N: they have to agree"
-            )
+def _check_load(rows: Rows, load: float) -> None:
+    """Raise InputError for a course in percent, and for a normal force that is not that of the study [N]."""
+    cof, force = rows.table.get("cof"), rows.table.get("normal force")
+    if cof is not None and (cof := cof[np.isfinite(cof)]).size:
+        _check_cof(str(rows.path), cof)
+    if force is None or not (force := np.abs(force[np.isfinite(force)])).size:
+        return
+    typical = float(np.median(force))
+    if abs(typical - load) > LOAD_OFF * load:
+        raise InputError(
+            f"{rows.path}: the normal force is {typical:.3g} N in the middle, the study has contact.load = "
+            f"{load:g} N: they have to agree"
+        )

@@ -10,8 +10,8 @@ from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Chart, Cloud, Empty, Figure, Line, Look, Panel
 from warpwear.figures.wording import power_of_ten
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import BY_NAME
-from warpwear.inference.data import SHOWN, Data
+from warpwear.history.quantities import BY_NAME, printed
+from warpwear.inference.data import Data
 from warpwear.inference.unknowns import Unknown
 from warpwear.results.ensemble import in_legend
 
@@ -85,7 +85,7 @@ def _power(column: FloatArray) -> int:
 
 
 def _label(unknown: Unknown, column: FloatArray) -> str:
-    unit, power = SHOWN.get(unknown.unit, unknown.unit), _power(column)
+    unit, power = printed(unknown.unit), _power(column)
     what = " ".join(part for part in (power_of_ten(power) if power else "", unit) if part)
     section, _, name = unknown.key.rpartition(".")
     key = unknown.key if len(unknown.key) < 14 else f"{section}.\n{name}"

@@ -126,9 +126,7 @@ def place_of(posterior: Posterior, target: str) -> int:
     """Return the place of an unknown among those of the model. Raises InputError."""
     keys = [unknown.key for unknown in posterior.model.unknowns]
     if target not in keys:
-        raise InputError(
-            f"'{target}' is no unknown, so that no test is sought for it; there are {', '.join(keys)}"
-        )
+        raise InputError(f"'{target}' is no unknown, so no test is sought for it; allowed: {', '.join(keys)}")
     return keys.index(target)
 
 

@@ -13,8 +13,8 @@ from warpwear.figures import describe
 from warpwear.figures.paint import paint
 from warpwear.figures.wording import counted
 from warpwear.grid import FloatArray
+from warpwear.history.quantities import printed
 from warpwear.inference import figures
-from warpwear.inference.data import SHOWN
 from warpwear.inference.identify import ALL_APART, CONFLICT, DRAWS, Identified, computed
 from warpwear.inference.likelihood import Posterior
 from warpwear.inference.next_test import MOST_REPEATS, REACHED, NextTest
@@ -74,7 +74,7 @@ class Inference:
         for place, unknown in enumerate(self.posterior.unknowns):
             column = self.values[unknown.key]
             low, median, high = map(float, np.percentile(column, (BAND[0], 50.0, BAND[1])))
-            unit = SHOWN.get(unknown.unit, unknown.unit)
+            unit = printed(unknown.unit)
             row: dict[str, Any] = {
                 "key": unknown.key,
                 "unit": unit,

@@ -270,7 +270,7 @@ def _wearing(study: Study, unknowns: Sequence[Unknown], part: float) -> Study:
         return study
     ends = [unknown.values(np.array([-REACH, REACH])) for unknown in wear]
     corners = [dict(zip((u.key for u in wear), corner, strict=True)) for corner in itertools.product(*ends)]
-    numbers = study.wear_hardness, study.friction.coefficient
+    numbers = study.wear_hardness, study.friction
     laws = [study.wear_laws, *(study.wear.laws(*numbers, corner) for corner in corners)]
     fastest = [float(max(pair[body].fastest for pair in laws)) for body in range(len(BODIES))]
     counter, disc = (f"{1e3 * part * k!r} mm^3/N/m" for k in fastest)

@@ -100,9 +100,7 @@ def _ensemble(
     density = np.concatenate([log_density(part) for part in np.array_split(drawn, 20)])
     best = np.argsort(-density)[:walkers]
     if not np.isfinite(density[best]).all():
-        raise InputError(
-            "the priors hardly allow what the study can compute: narrower or other priors are needed"
-        )
+        raise InputError("the priors hardly allow what the study computes: narrower or other ones are needed")
     moves = [(emcee.moves.KDEMove(), 0.6), (emcee.moves.DEMove(), 0.3), (emcee.moves.DESnookerMove(), 0.1)]
     ensemble = emcee.EnsembleSampler(walkers, unknowns, log_density, vectorize=True, moves=moves)
     legacy = np.random.MT19937(int(random.integers(2**31))).state

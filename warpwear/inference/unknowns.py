@@ -206,9 +206,7 @@ def _in_unit(prior: Distribution, unit: str, key: str) -> Distribution:
     """Return a prior in the unit of its key. Raises InputError for another kind of unit."""
     if not unit:
         if prior.unit:
-            raise InputError(
-                f"the prior of '{key}' has the unit {prior.unit}: allowed is a number without one"
-            )
+            raise InputError(f"the prior of '{key}' is in {prior.unit}: allowed is a number without a unit")
         return prior
     if not prior.unit:
         raise InputError(f"the prior of '{key}' needs its unit, such as {unit}")

@@ -16,6 +16,9 @@ special = lazy.module("scipy.special")
 #: constant cannot match all three.
 MATCHES = {"area": 16.0 / (3.0 * math.pi), "pressure": 3.0 / math.pi, "approach": 4.0 / (3.0 * math.pi)}
 
+#: Least fatigue limit in torsion over that in bending which Crossland's criterion is made for.
+LEAST_TORSION = 1.0 / math.sqrt(3.0)
+
 
 def effective_modulus(first: tuple[float, float], second: tuple[float, float]) -> float:
     """Return E* [MPa], 1/E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂.

@@ -22,15 +22,17 @@ Steps = np.ndarray[tuple[int], np.dtype[np.bool_]]
 class Laps(NamedTuple):
     """Tell how a test repeats itself: what is slid in a pass [mm], and whether the next one slides back."""
 
-    length: float
+    length: float  # of its last blocks
     reverses: bool
+    start: float = 0.0  # distance from which passes are that long [mm]
+    first: float | None = None  # length of the first ones, where that is another [mm]
 
     def last(self, distance: float) -> float:
         """Return what is slid in the last whole cycle of a distance [mm]; a pass within the first cycle."""
         return self.length * (2.0 if self.reverses and self._turned(distance) else 1.0)
 
     def _turned(self, distance: float) -> bool:
-        return distance >= 2.0 * self.length * (1.0 - 1.0e-9)
+        return distance - self.start >= 2.0 * self.length * (1.0 - 1.0e-9)
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,7 @@ class Block:
     end: float  # and at which it ends [mm]
     load: float  # F [N]
     speed: float | None  # mean sliding speed [mm/s]; None where it is not known
+    lap: float | None  # what it slides in a pass [mm]
     since: tuple[float, float]  # distance [mm] and time [s] from which its speed has held; NaN: not known
 
     @property
@@ -55,14 +58,16 @@ class Block:
         return begins + (distance - start) / self.speed if self.speed else math.nan
 
     @classmethod
-    def in_a_row(cls, blocks: Iterable[tuple[float, float, float | None]]) -> "tuple[Block, ...]":
-        """Return blocks one after another, each of a load [N], a length [mm] and a mean speed [mm/s]."""
+    def in_a_row(
+        cls, blocks: Iterable[tuple[float, float, float | None, float | None]]
+    ) -> "tuple[Block, ...]":
+        """Return blocks in a row, each of a load [N], a length [mm], a mean speed [mm/s] and a pass [mm]."""
         row: list[Block] = []
         start, since = 0.0, (0.0, 0.0)
-        for number, (load, length, speed) in enumerate(blocks, 1):
+        for number, (load, length, speed, lap) in enumerate(blocks, 1):
             if row and speed != row[-1].speed:
                 since = start, row[-1].time(start)
-            row.append(cls(number, start, start + length, load, speed, since))
+            row.append(cls(number, start, start + length, load, speed, lap, since))
             start += length
         return tuple(row)
 
@@ -98,12 +103,12 @@ def within(history: Mapping[str, FloatArray], when: When, laps: Laps | None) -> 
         inside = np.zeros(distance.size, dtype=bool)
         inside[-1 if when == "end" else 0] = True
         return inside
-    increment, last = history["increment"], laps.last(distance[-1])
+    increment, last = history["increment"], laps.last(float(distance[-1]))
     if "cycles" in history:  # a step that stands for many is one of a pass
         increment = increment / history["cycles"]
         distance = np.cumsum(increment)
     middle = distance - 0.5 * increment
-    return middle > distance[-1] - last if when == "end" else middle < laps.length
+    return middle > distance[-1] - last if when == "end" else middle < (laps.first or laps.length)
 
 
 def mean_over(history: Mapping[str, FloatArray], values: FloatArray, when: When, laps: Laps | None) -> float:
@@ -126,7 +131,7 @@ def directions(
         return None
     inside = within(history, "end", laps)
     weights, values = history["increment"][inside], values[inside]
-    slid = (history["distance"][inside] - 0.5 * weights) % (2.0 * laps.length)
+    slid = (history["distance"][inside] - 0.5 * weights - laps.start) % (2.0 * laps.length)
     back = slid > laps.length
     place = np.where(back, 2.0 * laps.length - slid, slid)
 

@@ -8,6 +8,7 @@ from warpwear.grid import FloatArray
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.elastic import Hertz
 from warpwear.laws.film import Film
+from warpwear.laws.fretting import Fretting
 from warpwear.laws.pieces import Pieces
 
 
@@ -63,6 +64,7 @@ class ContactTask:
     film: Film | None = None  # on the bodies, under which the hardness of a cell may be another
     static_area_every: int = 0  # steps between contacts that are also solved without wear; 0: none are
     pieces: Pieces | None = None  # by which bodies wear; None: all wear leaves at once
+    fretting: Fretting | None = None  # what drives a fretting contact; None where nothing frets
 
     @property
     def dust(self) -> float:
@@ -87,10 +89,20 @@ class ContactTask:
         counter, disc = (law.wear_per_pressure(start, increment) for law in self.wear)
         return counter, disc
 
+    def wear_per_contact(self, increment: float) -> tuple[float, float]:
+        """Return the depths [mm] that an increment [mm] wears off cells in contact by their shear."""
+        counter, disc = (law.wear_per_contact(increment) for law in self.wear)
+        return counter, disc
+
+    @property
+    def shears(self) -> bool:
+        """Tell whether cells in contact wear by their shear, whatever their pressure."""
+        return sum(self.wear_per_contact(1.0)) > 0.0
+
     @property
     def is_uniform(self) -> bool:
         """Tell whether, at rest, every cell has the same law: one stiffness, and wear in one proportion."""
-        return self.distance_factor == "none" and self.in_proportion and self.film is None
+        return self.distance_factor == "none" and self.in_proportion and self.film is None and not self.shears
 
     @property
     def least_hardness(self) -> float:

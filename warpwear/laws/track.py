@@ -46,6 +46,7 @@ class Track:
     stroke: float  # slid in a pass of the test [mm]
     periodic: bool  # whether the disc's rows close on themselves
     reverses: bool  # whether the counter-body turns at the end of a pass
+    spare: int = 0  # rows of the disc that a longer stroke has, half of them at either end
 
     @classmethod
     def at_rest(cls, grid: Grid) -> Self:
@@ -60,7 +61,7 @@ class Track:
     @property
     def rows(self) -> int:
         """Return the number of rows of the disc."""
-        return self.cells if self.periodic else self.cells + self.window
+        return self.cells if self.periodic else self.cells + self.window + self.spare
 
     @property
     def track_fraction(self) -> float:
@@ -123,7 +124,7 @@ class Track:
         cells = covered if cells is None else cells
         back = self._back(step)
         middle = start + (covered - done - cells // 2 if back else done + cells // 2)
-        return middle - self.window // 2 if self.periodic else middle
+        return middle - self.window // 2 if self.periodic else middle + self.spare // 2
 
     def _covered(self, step: int) -> tuple[int, int]:
         """Return the first cell of the pass that a step covers, and the number of cells."""

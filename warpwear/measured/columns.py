@@ -2,9 +2,11 @@
 
 import re
 import unicodedata
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from warpwear.errors import InputError
+from warpwear.grid import FloatArray
 from warpwear.measured.record import Record, is_unit
 from warpwear.study.units import parse
 
@@ -20,22 +22,36 @@ NAMES = {
     r"gleitweg|reibweg|gesamtweg|weg|gleitstrecke|strecke",
     "time": r"(?:total |elapsed |test |sliding |run )?time|t|(?:test|mess|versuchs|lauf|gleit)?zeit",
     "cycle": r"cycles?(?: (?:number|no\.?|count))?|zykl(?:us|en)(?:zahl)?",
-    "cof": rf"{_MEAN}(?:{_COEFFICIENT})(?: (?:mean|avg|average|abs|absolute|filtered))?",
+    "cof": rf"(?:daq\.)?{_MEAN}(?:{_COEFFICIENT})(?: (?:mean|avg|average|abs|absolute|filtered))?",
     "friction force": r"fx|ff|ft|fr|f[ _]?x|(?:friction|tangential|lateral)(?: force)?|"
     r"reib(?:ungs)?kraft|tangentialkraft",
     "normal force": r"fz|fn|f[ _]?z|normal (?:force|load)|load|down ?force|normalkraft|anpresskraft|last",
     "position": r"(?:x[ -]?|stage |stroke |linear )?pos(?:ition|\.)?|x|displacement|auslenkung|hub",
+    "laps": r"(?:total |number of |no\.? of )?(?:laps?|revolutions?|turns?|revs?)|runden|umdrehungen",
+    "rpm": r"(?:rotational |rotation |disc |disk )?(?:speed|velocity)|rpm|drehzahl",
+    "speed": r"(?:linear |sliding |mean )*(?:speed|velocity)|(?:gleit)?geschwindigkeit",
+    "radius": r"(?:wear |disc |disk )?(?:track )?radius",
+    "load": r"(?:nominal|set) (?:load|force)",
+    "step": r"(?:recipe ?)?step(?: (?:no\.?|number|id))?",
 }
+#: Roles that serve where they are clear, and are left where they are not.
+HELPERS = ("laps", "rpm", "speed", "radius", "load", "step")
 #: Role -> unit that its numbers are converted to; the other roles have numbers without a unit.
 TARGETS = {"distance": "mm", "time": "s", "friction force": "N", "normal force": "N", "position": "mm"}
+TARGETS |= {"speed": "mm/s", "radius": "mm", "load": "N", "rpm": "rpm"}
 #: What a unit of each target measures.
-KINDS = {"mm": "length", "s": "time", "N": "force"}
+KINDS = {"mm": "length", "s": "time", "N": "force", "mm/s": "speed", "rpm": "turns a minute"}
+#: Turns a minute in what turns are counted in, in small letters.
+TURNS = {"rpm": 1.0, "1/min": 1.0, "min-1": 1.0, "u/min": 1.0, "hz": 60.0, "1/s": 60.0, "rps": 60.0}
 #: What stands for a unit of a plain number.
-WITHOUT_UNIT = frozenset(("", "-", "–", "—", "1", "/", "none"))
+WITHOUT_UNIT = frozenset(("", "-", "–", "—", "1", "/", "none", "rev", "laps", "cycles"))
 #: Units in small letters that are spelt otherwise in a study.
-LOCAL = {"sek": "s", "std": "h", "μm": "um"}
+LOCAL = {"sek": "s", "std": "h", "μm": "um", "micrometer": "um", "mm/sec": "mm/s", "m/sec": "m/s"}
+#: Units of mass that stand for the weight of one.
+WEIGHTS = {"g": "gf", "kg": "kgf"}
 #: What a number of columns picked by hand stands for.
-PICKED = {2: ("distance", "cof"), 4: ("time", "friction force", "normal force", "position")}
+PICKED = {2: ("distance", "cof"), 3: ("time", "friction force", "normal force")}
+PICKED[4] = (*PICKED[3], "position")
 
 
 @dataclass(frozen=True)
@@ -50,9 +66,10 @@ class Column:
 def choose(record: Record, picks: str | None = None) -> dict[str, Column]:
     """Return the columns to take, role -> column.
 
-    picks: titles or numbers (from 1) of two columns, distance or time and CoF, or of four: time, friction
-    force, normal force and position; a unit may follow in brackets where the file has none. Without picks
-    the names in the header tell. Raises InputError for what is missing or could be two things.
+    picks: titles or numbers (from 1) of two columns, distance or time and CoF; of three, time, friction force
+    and normal force; or of four, a position behind these; a unit may follow in brackets where the file has
+    none. Without picks the names in the header tell. Raises InputError for what is missing or could be two
+    things; what is not needed beside a coefficient is left out where it could.
     """
     titles = [_title(record, index) for index in range(record.table.width)]
     if picks is not None:
@@ -62,26 +79,50 @@ def choose(record: Record, picks: str | None = None) -> dict[str, Column]:
             f"{record.path} has no header with a name for each of its {record.table.width} columns: such as "
             "'Distance [mm]' and 'CoF' are expected, or --columns '1 [mm],2'"
         )
-    roles = {role: [i for i, title in enumerate(titles) if _role(*title) == role] for role in NAMES}
+    roles = {
+        role: _different(record, [i for i, title in enumerate(titles) if _role(record, *title) == role])
+        for role in NAMES
+    }
     if not roles["cof"] and not roles["friction force"]:
         raise InputError(
-            f"{record.path} has no column for the coefficient of friction among {_listed(record.names)}; a "
-            "name such as 'CoF' is expected, or --columns 'DISTANCE,COF' picks two of these"
+            f"{record.path} has no column for the coefficient of friction among "
+            f"{_listed([name for name in record.names if name])}; a "
+            "name such as 'CoF' is expected, or --columns 'DISTANCE,COF' picks two of these, --columns "
+            "'TIME,FRICTION,LOAD' three"
         )
-    needed = ("distance", "time", "cycle", "cof") if roles["cof"] else tuple(NAMES)
+    needed = {"distance", "time", "cycle", "cof"} if roles["cof"] else set(NAMES) - set(HELPERS)
     columns = {}
-    for role in needed:
-        if len(roles[role]) > 1:
+    for role in NAMES:
+        if len(roles[role]) > 1 and role in needed:
             rivals = [record.names[i] for i in roles[role]]
             how = "by name" if len(set(rivals)) == len(rivals) else "by number, counted from 1"
             raise InputError(
                 f"{record.path} has {len(rivals)} columns that could be the {_spoken(role)}: "
                 f"{_listed(rivals)}; --columns 'DISTANCE,COF' picks {how}"
             )
-        for index in roles[role]:
-            title = record.names[index]
-            columns[role] = Column(index, title, _factor(record, role, title, titles[index][1]))
+        if len(roles[role]) != 1:
+            continue
+        title = record.names[roles[role][0]]
+        try:
+            factor = _factor(record, role, title, titles[roles[role][0]][1])
+        except InputError:
+            if role in needed:
+                raise
+            continue
+        columns[role] = Column(roles[role][0], title, factor)
     return columns
+
+
+def _different(record: Record, indices: list[int]) -> list[int]:
+    """Return the columns of one role without those that say the same as the first."""
+    if len(indices) < 2 or record.names[indices[0]] == "":
+        return indices
+    try:
+        values: FloatArray = record.columns(indices)
+    except InputError:
+        return indices
+    same = [bool((values[:, 0] == values[:, k]).all()) for k in range(len(indices))]
+    return [index for index, equal in zip(indices, same, strict=True) if not equal or index == indices[0]]
 
 
 def _title(record: Record, index: int) -> tuple[str, str]:
@@ -90,7 +131,14 @@ def _title(record: Record, index: int) -> tuple[str, str]:
         return "", ""
     name, unit = split_unit(record.names[index])
     below = record.units[index].strip("[]() ") if record.units else ""
-    return name, unit or below
+    _, known = _known(record, name) or ("", "")
+    return name, known if known == "-" else unit or below or known
+
+
+def _known(record: Record, name: str) -> Sequence[str] | None:
+    """Return role and unit of a name in small letters by the make's format: of its last entry, or None."""
+    entries = [entry for title, entry in record.format.columns.items() if re.fullmatch(title, name)]
+    return entries[-1] if entries else None
 
 
 def split_unit(title: str) -> tuple[str, str]:
@@ -108,11 +156,15 @@ def split_unit(title: str) -> tuple[str, str]:
     return " ".join(title.lower().split()), ""
 
 
-def _role(name: str, unit: str) -> str | None:
+def _role(record: Record, name: str, unit: str) -> str | None:
     """Return the role that a name in small letters and a unit stand for, None for none."""
+    known = _known(record, name)
+    if known is not None:
+        return known[0] or None
     if name in ("friction", "reibung"):  # a force or a coefficient, which the unit tells
         return {"n": "friction force", "-": "cof", "1": "cof"}.get(unit.lower())
-    return next((role for role, pattern in NAMES.items() if re.fullmatch(pattern, name)), None)
+    role = next((role for role, pattern in NAMES.items() if re.fullmatch(pattern, name)), None)
+    return "speed" if role == "rpm" and unit.lower() not in TURNS else role
 
 
 def _factor(record: Record, role: str, name: str, unit: str) -> float:
@@ -134,8 +186,11 @@ def _factor(record: Record, role: str, name: str, unit: str) -> float:
 
 def _converted(unit: str, target: str) -> float | None:
     """Return one of a unit in the target's, None where it is of another kind."""
+    if target == "rpm":
+        return TURNS.get(unit.lower())
+    unit = WEIGHTS.get(unit, unit) if target == "N" else LOCAL.get(unit.lower(), unit)
     try:
-        return parse(f"1 {LOCAL.get(unit.lower(), unit)}", target)
+        return parse(f"1 {unit}", target)
     except ValueError:
         return None
 
@@ -147,13 +202,13 @@ def _picked(record: Record, titles: list[tuple[str, str]], picks: str) -> dict[s
     known = _listed(record.names) or f"1 to {record.table.width}"
     if chosen is None or len(chosen) not in PICKED:
         raise InputError(
-            f"--columns '{picks}': two columns (distance or time, CoF) or four (time, friction force, normal "
-            f"force, position) of {record.path} are expected: {known}"
+            f"--columns '{picks}': two columns (distance or time, CoF), three (time, friction force, normal "
+            f"force) or four (these and a position) of {record.path} are expected: {known}"
         )
     columns = {}
     for role, (index, unit_picked) in zip(PICKED[len(chosen)], chosen, strict=True):
         name, unit = titles[index][0], titles[index][1] or unit_picked
-        meant, named = role, _role(name, unit)
+        meant, named = role, _role(record, name, unit)
         if role == "distance" and named == "cycle":
             meant = "cycle"
         elif role == "distance" and (named == "time" or _converted(unit, "s") is not None):

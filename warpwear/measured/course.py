@@ -1,6 +1,6 @@
 """Read the coefficient of friction over the distance slid from a file, and look for its gaps."""
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,10 +8,11 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.measured.columns import Column, choose
 from warpwear.measured.experiment import Experiment
-from warpwear.measured.record import read_record
-from warpwear.measured.tribometer import averaged, from_forces
+from warpwear.measured.formats import PLAIN
+from warpwear.measured.motion import doubts, moving, sliding_distance
+from warpwear.measured.rows import Paths, Rows, read_rows
+from warpwear.measured.tribometer import alternates, averaged, from_forces, one_sign
 
 #: A coefficient of friction beyond this is a mistake: a force, percent, or a load that is not yet on.
 LARGEST_COF = 3.0
@@ -30,83 +31,98 @@ MOST_IN_GAPS = 0.5
 
 
 def read_experiment(
-    path: str | Path,
+    path: Paths,
     *,
     stroke: float | None = None,
     load: float | None = None,
     speed: float | None = None,
     columns: str | None = None,
+    radius: float | Sequence[float] | None = None,
 ) -> Experiment:
-    """Read a record of friction from text (.csv, .tsv, .txt, …).
+    """Read a record of friction as a machine wrote it, see `warpwear.measured.formats`, or a table of text.
 
-    Two kinds are told apart by the names of the columns: distance (or time, or the number of the cycle) with
-    the coefficient of friction; and the raw record of a reciprocating tribometer, friction force, normal
-    force and position, see `warpwear.measured.tribometer`.
+    Two kinds are told apart by the names of the columns: a coefficient of friction over distance, laps, speed
+    and time, time or cycles; and forces with the position, or stroke by stroke, see
+    `warpwear.measured.tribometer`.
 
-    stroke: length of one pass [mm], for cycles and for the raw record. load: normal load [N], where the raw
-    record has none. speed: sliding speed [mm/s], which makes distance of time. columns: which columns to
-    take, see `warpwear.measured.columns.choose`. Raises InputError for whatever could be read in two ways.
+    path: a file, or a folder or several files that make one record. stroke: length of one pass [mm], for
+    cycles and forces. load: normal load [N], where the record has none. speed: sliding speed [mm/s], which
+    makes distance of time. radius: of the track [mm], which makes distance of laps, one or one for each step.
+    columns: which columns to take, see `warpwear.measured.columns.choose`. Raises InputError for whatever
+    could be read in two ways.
     """
-    path = Path(path)
-    record = read_record(path)
-    chosen = choose(record, columns)
-    values = record.columns([column.index for column in chosen.values()])
-    table = {role: column.factor * values[:, place] for place, (role, column) in enumerate(chosen.items())}
-    table, notes = _without_gaps(path, table)
-    origin = []
-    if "cof" not in table:
-        course = from_forces(path, table, stroke=stroke, load=load, speed=speed)
-    else:
-        distance, role = _sliding_distance(path, table, chosen, stroke=stroke, speed=speed)
-        chosen = {one: column for one, column in chosen.items() if one in ("cof", role)}
-        course = _in_order(path, distance, table["cof"])
-        if role != "distance":
-            factor = f"speed, {speed:g} mm/s" if role == "time" else f"two strokes of {stroke:g} mm"
-            origin.append(f"Distance is {role} times {factor}.")
-    taken = ", ".join(f"{role} from {column.title!r}" for role, column in chosen.items())
-    notes += [f"Columns: {taken}.", *origin, *course.notes, *_check_cof(path, course.distance, course.cof)]
-    return replace(course, notes=tuple(notes))
+    rows = read_rows(path, columns)
+    return experiment_of(rows, stroke=stroke, load=load, speed=speed, radius=radius)
 
 
-def _sliding_distance(
-    path: Path,
-    table: Mapping[str, FloatArray],
-    chosen: Mapping[str, Column],
+def experiment_of(
+    rows: Rows,
     *,
-    stroke: float | None,
-    speed: float | None,
-) -> tuple[FloatArray, str]:
-    """Return the distance slid [mm], shape (rows,), and the role of the column it is from.
+    stroke: float | None = None,
+    load: float | None = None,
+    speed: float | None = None,
+    radius: float | Sequence[float] | None = None,
+) -> Experiment:
+    """Return the course of friction in the rows of a record, see `read_experiment`. Raises InputError."""
+    path, notes, steps = rows.path, [], rows.steps
+    warnings = [*rows.warnings, *doubts(rows, radius)]
+    if _signed(rows):
+        title = rows.chosen["cof"].title
+        notes.append(f"The column {title!r} goes with the direction: the forces are taken.")
+        rows = replace(rows, table={role: v for role, v in rows.table.items() if role != "cof"})
+    forces = "cof" not in rows.table
+    taken, origin = {"friction force", "normal force"} if forces else {"cof"}, ""
+    if "position" in rows.table and forces:
+        taken.add("position")
+    else:
+        rows, left_out = moving(rows)
+        strokes = forces and alternates(rows)
+        if forces and not strokes:
+            one_sign(path, rows.table["friction force"])
+        what = "friction force" if forces else "coefficient of friction"
+        try:
+            distance, role, origin = sliding_distance(
+                rows, stroke=stroke, speed=speed, radius=radius, what=what
+            )
+            rows, taken = (
+                replace(rows, table={**rows.table, "distance": distance}),
+                {*taken, role, "distance"},
+            )
+            notes += left_out
+        except InputError:
+            if not strokes:
+                raise
+    table = {role: values for role, values in rows.table.items() if role in taken}
+    columns = {role: rows.chosen[role] for role in rows.chosen if role in taken}
+    table, left_out = _without_gaps(path, {**table, "step": rows.step.astype(np.float64)})
+    step = table.pop("step").astype(np.intp)
+    if forces:
+        course = from_forces(path, table, step=step, stroke=stroke, load=load)
+    else:
+        course = _in_order(path, table["distance"], table["cof"])
+    titles = ", ".join(f"{role} from {column.title!r}" for role, column in columns.items())
+    notes = [
+        *rows.notes,
+        *left_out,
+        f"Columns: {titles}.",
+        *([origin] if origin else []),
+        *notes,
+        *course.notes,
+    ]
+    if rows.format != PLAIN.name:
+        notes.insert(0, f"Format: {rows.format}" + (f", {len(steps)} steps." if len(steps) > 1 else "."))
+    notes += _check_cof(path, course.distance, course.cof)
+    return replace(course, notes=tuple(notes), warnings=(*warnings, *course.warnings))
 
-    table: role -> values [mm, s]; stroke [mm] makes distance of cycles, speed [mm/s] of time. Raises
-    InputError where the table does not say how far the sliding went.
-    """
-    if "distance" in table:
-        return table["distance"], "distance"
-    if "cycle" in table and stroke is not None:
-        return 2.0 * stroke * table["cycle"], "cycle"
-    if "time" in table:
-        time = table["time"]
-        if speed is None:
-            raise InputError(
-                f"{path} gives the time '{chosen['time'].title}' and no distance: a speed is needed, such as "
-                "--speed '20 mm/min'"
-            )
-        if time.min() > np.ptp(time) > 0.0:
-            raise InputError(
-                f"{path}: the time starts at {time.min():g} s, later than the record is long; time since the "
-                "start of sliding is expected"
-            )
-        return speed * time, "time"
-    if "cycle" in table:
-        raise InputError(
-            f"{path} gives the cycle '{chosen['cycle'].title}' and no distance: the length of a stroke is "
-            "needed, from a run's sliding.stroke"
-        )
-    raise InputError(
-        f"{path} has a coefficient of friction but neither a distance nor a time; a column such as "
-        "'Distance [mm]' is expected, or --columns 'DISTANCE,COF'"
-    )
+
+def _signed(rows: Rows) -> bool:
+    """Return whether coefficients are better taken from forces: they, or the forces below them, alternate."""
+    if not {"cof", "friction force"} <= rows.table.keys():
+        return False
+    cof = rows.table["cof"]
+    cof = cof[np.isfinite(cof)]
+    turning = cof.size > 0 and NEGATIVE_SHARE < (cof < 0.0).mean() < 1.0 - NEGATIVE_SHARE
+    return (turning and "position" in rows.table) or ("position" not in rows.table and alternates(rows))
 
 
 def _without_gaps(path: Path, table: dict[str, FloatArray]) -> tuple[dict[str, FloatArray], list[str]]:

@@ -8,12 +8,18 @@ from pathlib import Path
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.surfaces.text import COMMENTS, NoTable, Table, read_table, split
+from warpwear.measured.formats import PLAIN, Format, text_of
+from warpwear.surfaces.text import COMMENTS, NoTable, Table, lines_of, split
 
 #: What stands for a unit in the header of a record, in small letters, µ as u.
 UNITS = frozenset(
     ("-", "–", "1", "%", "nm", "um", "mm", "cm", "m", "km", "ms", "s", "sec", "sek", "min", "h", "hr", "std")
 ) | {"n", "mn", "kn", "°c", "c", "rpm", "mm/s", "m/s", "hz", "v", "g"}
+UNITS |= {"1/min", "kg", "gf", "kgf", "mm/sec", "m/sec", "µm", "micrometer", "deg", "rev", "degc", "mm/min"}
+
+
+#: Letters of a column's name; what is longer is no name, and would fill every sentence.
+LONGEST = 80
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +30,9 @@ class Record:
     table: Table
     names: tuple[str, ...]  # shape (columns,); empty without a header
     units: tuple[str, ...]  # from a row of their own below the names, shape (columns,); empty without
+    format: Format = PLAIN
+    steps: tuple[str, ...] = ()  # name of each row's step by the lines between them, shape (rows,); or none
+    notes: tuple[str, ...] = ()  # what was left out of the file, each a sentence
 
     def columns(self, wanted: Sequence[int]) -> FloatArray:
         """Return columns as numbers, shape (rows, len(wanted)), NaN where missing.
@@ -41,8 +50,11 @@ def read_record(path: Path) -> Record:
     A unit may also be a field of its own behind its name. Raises InputError for what is no table of text.
     """
     with _refusals(path):
-        table = read_table(path, words=True)
-    return Record(path, table, *_names_and_units(table))
+        text = text_of(lines_of(path), is_unit)
+    table = text.table
+    names, units = _names_and_units(table) if text.names is None else (text.names, text.units)
+    names = tuple(name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…" for name in names)
+    return Record(path, table, names, units, text.format, text.steps, text.notes)
 
 
 @contextmanager

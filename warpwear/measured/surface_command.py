@@ -249,9 +249,7 @@ def _degree(level: str | None) -> int:
     """Return the degree of --level for a worn disc. Raises InputError for a form."""
     degree = degree_of(_level(level) if level is not None else "plane")
     if isinstance(degree, str):
-        raise InputError(
-            f"--level {degree} is for a ball or a roller: allowed here is none, plane or a degree"
-        )
+        raise InputError(f"--level {degree} is for a ball or a roller: allowed is none, plane or a degree")
     return degree
 
 

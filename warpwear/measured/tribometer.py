@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeAlias
 
@@ -11,6 +11,7 @@ import numpy as np
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.experiment import Experiment
+from warpwear.measured.rows import Rows as Record
 
 Rows: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.intp]]"
 #: Share of the stroke at each end whose samples are cut: the stage slows down, stands and turns there.
@@ -35,32 +36,37 @@ OTHER_STROKE = 0.1
 OTHER_SIGN = 0.1
 #: Half the difference of the directions over their mean; below it the sign does not follow the direction.
 RECTIFIED = 0.2
+#: Share of the steps whose friction has the other sign than the step before, where steps are strokes.
+ALTERNATING = 0.9
 
 
 def from_forces(
     path: Path,
     table: Mapping[str, FloatArray],
     *,
+    step: Rows,
     stroke: float | None,
     load: float | None,
-    speed: float | None,
 ) -> Experiment:
     """Return the course of friction from 'friction force' and 'normal force' [N] over 'position' [mm].
 
-    table: role -> values, all of shape (rows,); stroke: length of a pass [mm], None to find it; load: normal
-    load [N], for a record without a normal force and to compare with; speed [mm/s]. A cycle is a pass and the
-    one back. With F̄x and F̄z the means of a pass without the outer tenth of the stroke at both ends, its
-    coefficient is |F̄x(forth) − F̄x(back)| / (F̄z(forth) + F̄z(back)): an offset of the force, half the sum
-    of the directions, drops out and is told. The distance is the number of passes times the stroke, given or
-    from the turning points; noise of the position does not add up. Without a position, 'distance', or 'time'
-    and a speed, serve where the force keeps its sign. Raises InputError for a record that says too little.
+    table: role -> values, all of shape (rows,); step: number of each row's step, shape (rows,); stroke:
+    length of a pass [mm], None to find it; load: normal load [N], for a record without a normal force and to
+    compare with. A cycle is a pass and the one back. With F̄x and F̄z the means of a pass without the outer
+    tenth of the stroke at both ends, its coefficient is |F̄x(forth) − F̄x(back)| / (F̄z(forth) + F̄z(back)): an
+    offset of the force, half the sum of the directions, drops out and is told. The distance is the number of
+    passes times the stroke, given or from the turning points; noise of the position does not add up.
+    Without a position the steps are passes where the force changes its sign from step to step, and 'distance'
+    serves where it keeps it. Raises InputError for a record that says too little.
     """
     friction = table["friction force"]
     normal, notes, warnings = _normal(path, table, load)
     if "position" in table:
         course = _by_cycles(path, table["position"], friction, normal, stroke)
+    elif _alternating(friction, step):
+        course = _by_strokes(path, table, normal, step, stroke)
     else:
-        course = _one_way(path, table, normal, speed)
+        course = _one_way(path, table, normal)
     return replace(course, notes=(*notes, *course.notes), warnings=warnings)
 
 
@@ -96,27 +102,10 @@ def _normal(
     return normal, notes, (f"Warning: {doubt}.",)
 
 
-def _one_way(
-    path: Path, table: Mapping[str, FloatArray], normal: FloatArray, speed: float | None
-) -> Experiment:
+def _one_way(path: Path, table: Mapping[str, FloatArray], normal: FloatArray) -> Experiment:
     """Return the course sample by sample, for sliding in one direction."""
-    friction, notes = table["friction force"], []
-    sign = np.sign(np.median(friction))
-    if sign == 0.0 or (sign * friction < 0.0).mean() > OTHER_SIGN:
-        raise InputError(
-            f"{path}: the friction force changes its sign and there is no position to tell the direction; a "
-            "column such as 'Position [mm]' is expected"
-        )
-    if "distance" in table:
-        distance = table["distance"]
-    elif "time" in table and speed is not None:
-        distance = speed * table["time"]
-        notes.append(f"Distance is time times speed, {speed:g} mm/s.")
-    else:
-        raise InputError(
-            f"{path} has forces but neither a position nor a distance; a column such as 'Position [mm]' is "
-            "expected, or a time and --speed"
-        )
+    friction, distance, notes = table["friction force"], table["distance"], []
+    sign = one_sign(path, friction)
     loaded = normal > UNLOADED * np.median(normal)
     if np.any(np.diff(distance[loaded]) < 0.0):
         raise InputError(f"{path}: the distance falls; an accumulated distance is expected")
@@ -125,6 +114,18 @@ def _one_way(
     distance, cof = averaged(path, distance[loaded], sign * friction[loaded] / normal[loaded])
     notes.append("The coefficient is Fx/Fz of every row: sliding in one way.")
     return Experiment(path.stem, distance, cof, tuple(notes))
+
+
+def one_sign(path: Path, friction: FloatArray) -> float:
+    """Return the sign that a friction force [N], shape (rows,), has. Raises InputError where it has both."""
+    friction = friction[np.isfinite(friction)]
+    sign = float(np.sign(np.median(friction))) if friction.size else 0.0
+    if sign == 0.0 or (sign * friction < 0.0).mean() > OTHER_SIGN:
+        raise InputError(
+            f"{path}: the friction force changes its sign and there is no position to tell the direction; a "
+            "column such as 'Position [mm]' is expected"
+        )
+    return sign
 
 
 def averaged(path: Path, distance: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -150,7 +151,6 @@ def _by_cycles(
         )
     ends = [float(np.median(smooth[turns[side::2]])) for side in (0, 1)]
     measured, middle = abs(ends[1] - ends[0]), 0.5 * (ends[0] + ends[1])
-    notes = []
     if stroke is not None and abs(measured - stroke) > OTHER_STROKE * stroke:
         raise InputError(
             f"{path}: the stroke is {measured:.3g} mm by the position where {stroke:g} mm was given; they "
@@ -158,11 +158,65 @@ def _by_cycles(
         )
     used = measured if stroke is None else stroke
     inside = np.abs(position - middle) <= (0.5 - CUT) * measured
+    start = abs(float(smooth[turns[0]] - smooth[0]))
+    source = "as given" if stroke is not None else "from its turning points"
+    passes = _Passes(turns, inside, used, min(start, used), source)
+    return _of_passes(path, friction, normal, passes)
+
+
+def alternates(rows: Record) -> bool:
+    """Return whether the friction force of a record changes its sign from step to step."""
+    return "friction force" in rows.table and _alternating(rows.table["friction force"], rows.step)
+
+
+def _alternating(friction: FloatArray, step: Rows) -> bool:
+    count = int(step[-1]) + 1 if step.size else 0
+    if count < LEAST_TURNS - 1:
+        return False
+    sums = np.bincount(step, weights=np.nan_to_num(friction), minlength=count)
+    return bool((sums[1:] * sums[:-1] < 0.0).mean() >= ALTERNATING)
+
+
+def _by_strokes(
+    path: Path,
+    table: Mapping[str, FloatArray],
+    normal: FloatArray,
+    step: Rows,
+    stroke: float | None,
+) -> Experiment:
+    """Return the course of a record whose steps are passes forth and back, cycle by cycle."""
+    turns = np.flatnonzero(np.diff(step, prepend=-1, append=step[-1] + 1))
+    count = np.diff(turns)
+    place = (np.arange(step.size) - np.repeat(turns[:-1], count) + 0.5) / np.repeat(count, count)
+    inside = np.abs(place - 0.5) <= 0.5 - CUT
+    source = "as given" if stroke is not None else "of its steps"
+    if stroke is None and "distance" not in table:
+        raise InputError(
+            f"{path} has a stroke a step and does not say how long it is: --stroke is needed, such as "
+            "--stroke '10 mm'"
+        )
+    if stroke is None:
+        stroke = float((table["distance"][-1] - table["distance"][0]) / (count.size - count.size / step.size))
+    return _of_passes(path, table["friction force"], normal, _Passes(turns, inside, stroke, 0.0, source))
+
+
+@dataclass(frozen=True)
+class _Passes:
+    """Passes forth and back lie between rows at which the sliding turns."""
+
+    turns: Rows  # shape (passes + 1,)
+    inside: "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]"  # rows away from the ends, shape (rows,)
+    stroke: float  # length of a pass [mm]
+    start: float  # distance slid before the first turn [mm]
+    source: str  # of the stroke, for a sentence
+
+
+def _of_passes(path: Path, friction: FloatArray, normal: FloatArray, passes: _Passes) -> Experiment:
+    """Return the course cycle by cycle. friction, normal: forces [N], shape (rows,)."""
+    turns, inside, used = passes.turns, passes.inside, passes.stroke
     inside[: turns[0]] = inside[turns[-1] :] = False
     between = int(turns[-1] - turns[0])
-    notes.append(
-        f"Samples within a tenth of the stroke of its ends, cut: {between - inside.sum()} of {between}."
-    )
+    notes = [f"Samples within a tenth of the stroke of its ends, cut: {between - inside.sum()} of {between}."]
     forces, loads = (_pass_means(path, values, inside, turns) for values in (friction, normal))
     pairs = forces.size // 2
     forth, back = (forces[start : 2 * pairs : 2] for start in (0, 1))
@@ -180,12 +234,10 @@ def _by_cycles(
             "without sign, is nothing, or has a large offset; a signed force, or a column of coefficients, "
             "is expected"
         )
-    start = abs(float(smooth[turns[0]] - smooth[0]))
-    distance = min(start, used) + used * (1.0 + 2.0 * np.arange(pairs, dtype=np.float64))
+    distance = passes.start + used * (1.0 + 2.0 * np.arange(pairs, dtype=np.float64))
     if not loaded.all():
         notes.append(f"Cycles with less than half of the median normal force, left out: {(~loaded).sum()}.")
-    source = "as given" if stroke is not None else "from its turning points"
-    notes.append(f"{pairs} cycles; the distance is passes times the stroke, {used:.4g} mm ({source}).")
+    notes.append(f"{pairs} cycles; the distance is passes times the stroke, {used:.4g} mm ({passes.source}).")
     notes.append(
         f"Half the difference of the directions is the friction; their offset is {offset:.3g} N, "
         f"{100.0 * abs(offset) / typical:.2g} % of the friction (medians)."
@@ -207,6 +259,11 @@ def _pass_means(
         raise InputError(f"{path}: a pass has no sample between its ends; a higher sampling rate is expected")
     sums: FloatArray = np.bincount(passes, weights=values[inside], minlength=count).astype(np.float64)
     return sums / number
+
+
+def turning_rows(position: FloatArray) -> Rows:
+    """Return the rows at which a position [mm], shape (rows,), turns, in order."""
+    return _turning_points(position)[0]
 
 
 def _turning_points(position: FloatArray) -> tuple[Rows, FloatArray]:

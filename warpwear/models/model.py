@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.history.snapshot import Snapshot
+from warpwear.laws.track import Track
 
 
 class Model(ABC):
@@ -42,6 +43,10 @@ class Model(ABC):
     @abstractmethod
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """Return the fields after the last step, which was asked for its pressure, at its distance [mm]."""
+
+    def set_out_anew(self, before: Track) -> None:
+        """Begin with the first step of this track, on a disc that has slid over another one before."""
+        raise NotImplementedError
 
     def worn_depths(self) -> tuple[FloatArray, FloatArray]:
         """Return the depths worn off counter-body and disc [mm]; a CPU's are views."""

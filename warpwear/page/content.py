@@ -72,7 +72,6 @@ def words_of(study: Study, rows: Sequence[Row]) -> dict[str, Any]:
         "methods": methods,
         "table": table,
         "latex": paper.latex_of(study, methods, table),
-        "citation": paper.citation_of(summary["version"]),
         "commands": COMMANDS,
         "version": summary["version"],
         "made_with": summary.get("made_with", {}),

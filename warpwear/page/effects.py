@@ -9,7 +9,7 @@ from enum import IntEnum
 from typing import Any
 
 from warpwear.laws.archard import BODIES
-from warpwear.page.limits import prose
+from warpwear.results.formats.forms import prose
 from warpwear.results.report import shown
 from warpwear.study.study import Study
 

@@ -13,13 +13,11 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import Colormap, to_hex
 
-from warpwear import lazy
 from warpwear.figures import describe, style
 from warpwear.figures.describe import Bodies, Figure, Section
 from warpwear.figures.paint import paint
 from warpwear.page.plots import plots_of
-
-jinja2 = lazy.module("jinja2")
+from warpwear.results.formats.forms import filled
 
 #: Dots per inch of embedded pictures: a page's width of 7 inches then has 1120.
 DPI = 160
@@ -41,19 +39,8 @@ STROKES = {
 
 
 def render(template: str, filters: Mapping[str, Callable[..., Any]], **content: Any) -> str:
-    """Fill a page of `templates/`; what is put in is escaped. A name that is missing is an error.
-
-    filters: name in the template -> function. content: name in the template -> value.
-    """
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("warpwear", "templates"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters.update(filters)
-    return environment.get_template(template).render(**{"policy": policy(), **content})
+    """Fill a page of `templates/`, see `filled`, which may run no script unless `content` has a policy."""
+    return filled(template, filters, **{"policy": policy(), **content})
 
 
 def policy(*scripts: str) -> str:

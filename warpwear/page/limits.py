@@ -3,26 +3,19 @@
 The sentences stand in templates/limits.toml; here are the conditions under which they apply.
 """
 
-import tomllib
 from collections.abc import Callable
-from importlib.resources import files
-from typing import Any
 
+from warpwear.results.formats.forms import prose
 from warpwear.study.study import Study
-
-
-def prose(name: str) -> dict[str, Any]:
-    """Read the sentences of a file of `templates/`."""
-    text = files("warpwear").joinpath("templates", f"{name}.toml").read_text(encoding="utf-8")
-    return tomllib.loads(text)
-
 
 #: Names of conditions, with commas between them -> the sentences that apply where all hold.
 LIMITS: dict[str, list[str]] = prose("limits")
 CONDITIONS: dict[str, Callable[[Study], bool]] = {
     "static": lambda study: not study.sliding.total,
     "slides": lambda study: study.sliding.total > 0.0,
-    "at rest": lambda study: not study.is_swept,
+    "at rest": lambda study: not study.is_swept and study.fretting is None,
+    "frets": lambda study: study.sliding.frets,
+    "may stick": lambda study: study.sliding.drives_bodies,
     "over a track": lambda study: study.is_swept,
     "part of the stroke": lambda study: study.track.track_fraction < 1.0,
     "local law": lambda study: study.contact.law == "local",

@@ -1,4 +1,4 @@
-"""What a run's page offers for a paper: a paragraph on methods, a table, both as LaTeX, how to cite."""
+"""What a run's page offers for a paper: a paragraph on methods, a table, both as LaTeX."""
 
 import re
 from collections.abc import Iterable
@@ -7,6 +7,7 @@ from typing import Any, TypeAlias
 from warpwear.history.quantities import printed
 from warpwear.laws.archard import said
 from warpwear.page.words import disc_of, motion_of, slider_of, source_of
+from warpwear.results.formats.forms import filled
 from warpwear.results.report import shown
 from warpwear.study.bodies import CounterBody
 from warpwear.study.study import Study
@@ -21,61 +22,13 @@ RAISED, POWER = re.compile("[⁺⁻⁰¹²³⁴-⁹]+"), re.compile(r"(?<![\w.])
 LOWERED = str.maketrans("⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "+-0123456789")
 
 
-def _law(study: Study, s: dict[str, Any]) -> str:
-    if study.contact.law == "half-space":
-        modulus = s["half_space"]["effective_modulus_MPa"]
-        return f"as elastic half-spaces (E* = {1e-3 * modulus:.4g} GPa, {study.boundary} boundary)"
-    return "cell by cell by a local law, without elastic coupling between cells"
-
-
 def methods_of(study: Study, s: dict[str, Any]) -> str:
     """Write the paragraph that a paper's section on methods may begin with."""
-    counter, disc = (s["wear_coefficient_mm3_per_Nm"][body] for body in ("counter", "disc"))
-    cap, motion = s["hardness_MPa"], motion_of(study, s["distance_mm"])
-    load = f"{study.loads}" + (f", in blocks of {study.programme}" if study.block else "")
-    hardness = f", with the pressure of a cell limited to {cap:.4g} MPa" if cap else ""
-    sentences = [
-        f"Contact and wear were computed with warpwear {s['version']} ({study.study.model} model).",
-        f"{slider_of(study)} on {disc_of(study)} {motion} under {load}.",
-        f"The contact was solved {_law(study, s)}{hardness}, on {study.cells.nx} × {study.cells.ny} square "
-        f"cells of {s['cell_um']:.4g} µm, in {s['steps']} step{'s' * (s['steps'] != 1)}.",
-    ]
-    if study.sliding.total:
-        sentences.append(
-            f"Wear followed Archard's law in every cell, with {counter:.3g} mm³/(N·m) for the "
-            f"counter-body and {disc:.3g} mm³/(N·m) for the disc{_wear_law(study)}."
-        )
-    if film := s.get("film"):
-        sentences.append(
-            "Friction is the sum over the cells in contact of an interfacial shear strength times their "
-            f"area, over the load: {film['shear_strength_MPa']['film']:.3g} MPa under a film of "
-            f"{film['thickness_nm']:.3g} nm, {s['shear_strength_MPa']:.3g} MPa where wear has broken it, "
-            f"{source_of(s)}{_friction_law(study)}."
-        )
-    elif s["cof_input"] == "coulomb":
-        source = "assumed" if "friction.coefficient" in s["assumptions"] else "given by the study"
-        sentences.append(f"The coefficient of friction is constant, {s['cof_reference']:g}, {source}.")
-    elif s["shear_strength_MPa"] is not None:
-        sentences.append(
-            f"Friction is the area ({s['cof_area']}) times an interfacial shear strength of "
-            f"{s['shear_strength_MPa']:.3g} MPa, {source_of(s)}, over the load{_friction_law(study)}."
-        )
-    sentences.append(f"The load was balanced to {s['load_residual_N']['largest']:.1g} N in every step.")
-    return " ".join(sentences)
-
-
-def _wear_law(study: Study) -> str:
-    sentence = said(study.wear_laws)
-    law = f", by the law '{study.wear.law}': {sentence}" if sentence else ""
-    if (pieces := study.pieces) is None:
-        return law
-    size = f"{1e3 * pieces.diameter:.3g} µm wide and {1e3 * pieces.thickness:.3g} µm thick"
-    return f"{law}; worn volume gathered until it left in pieces {size}"
-
-
-def _friction_law(study: Study) -> str:
-    sentence = study.friction.law_with().said
-    return f"; {sentence}" if sentence else ""
+    said_of: Any = {"slider": slider_of(study), "disc": disc_of(study), "source": source_of(s)}
+    said_of |= {"wear": said(study.wear_laws), "friction": study.friction.law_with().said}
+    motion = motion_of(study, s["distance_mm"])
+    text = filled("methods.txt", escape=False, study=study, s=s, motion=motion, **said_of)
+    return " ".join(text.split())
 
 
 def table_of(counter: CounterBody, s: dict[str, Any], answers: Iterable[dict[str, str]]) -> list[Line]:
@@ -105,27 +58,6 @@ def to_latex(text: str) -> str:
 
 def latex_of(study: Study, methods: str, table: Iterable[Line]) -> str:
     """Write methods and table as LaTeX, with the laws of wear and friction between them."""
-    rows = ["  " + " & ".join(map(to_latex, row)) + r" \\" for row in table]
-    lines = [
-        to_latex(methods),
-        rf"\[ \mathrm{{d}}V / \mathrm{{d}}L = F \left({study.wear_laws[0].formula}\right), \quad "
-        rf"\mu = {study.friction.law_with().formula} \]",
-        "",
-        r"\begin{table}",
-        rf"  \caption{{{to_latex(study.study.name)}}}",
-        r"  \begin{tabular}{lrl}",
-        "  \\hline\n  Quantity & Value & Unit \\\\\n  \\hline",
-        *rows,
-        "  \\hline\n  \\end{tabular}\n\\end{table}",
-    ]
-    return "\n".join(lines)
-
-
-def citation_of(version: str) -> str:
-    fields = {
-        "author": "{The warpwear developers}",
-        "title": "warpwear: fine-mesh contact, wear and friction of rough surfaces",
-        "version": version,
-    }
-    entries = ",\n".join(f"  {name} = {{{value}}}" for name, value in fields.items())
-    return f"@software{{warpwear,\n{entries}\n}}"
+    laws: Any = {"wear": study.wear_laws[0].formula, "friction": study.friction.law_with().formula}
+    laws |= {"name": study.study.name, "methods": methods, "table": table}
+    return filled("paper.tex", {"tex": to_latex}, escape=False, **laws)

@@ -17,6 +17,8 @@ IN_SECTION = (
     "Through the middle, at the end, in contact, without elastic deformation: where the bodies overlap, they "
     "are pressed in. Unworn: without the wear of the run."
 )
+#: What is said of the cycles of a fretting run.
+IN_CYCLES = "Loops, energies and slips of single cycles, of many that jumps stand for."
 #: Most snapshots under a slider, and points along a side of a map.
 SNAPSHOTS, SIDE = 12, 500
 #: Snapshots whose maps may have the full number of points: more of them get coarser.
@@ -78,6 +80,16 @@ def pieces(plot: Plotter, data: FigureData) -> Section:
     return Section("Pieces that have left", figures, "pieces", text)
 
 
+def stresses(plot: Plotter, data: FigureData) -> Section:
+    """Show what lies below the disc's surface."""
+    text = (
+        "Elastic, of the pressure and of friction towards greater x: nothing has yielded in it, and what a "
+        "yield strength would take off is not taken off. At the edge behind, tension grows as cells shrink."
+    )
+    figures = _figures(plot, data, "stress_map", "stress_depths")
+    return Section("Stress below the surface", figures, "stresses", text)
+
+
 def roughness(plot: Plotter, data: FigureData) -> Section:
     """Show the disc's height parameters in the scar, or in the groove of a track."""
     place, name = data.groove, "track_roughness" if data.study.is_swept else "roughness"
@@ -101,7 +113,11 @@ SECTIONS: tuple[Callable[[Plotter, FigureData], Section], ...] = (
     maps,
     courses,
     pieces,
+    lambda plot, data: Section(
+        "Fretting", _figures(plot, data, *_of_section("fretting")), "fretting", IN_CYCLES
+    ),
     _of_one("profiles", "The scar in section", IN_SECTION),
+    stresses,
     roughness,
     lambda plot, data: _of_one("groove", f"The {data.groove} of the disc")(plot, data),
     _of_one("load_share", "Load shares of the patches", "Load over the area of each macro cell."),

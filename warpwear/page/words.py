@@ -9,6 +9,7 @@ from warpwear.history.end_values import ENDS, value_in
 from warpwear.history.quantities import BY_NAME
 from warpwear.laws.archard import BODIES, CALLED
 from warpwear.page.effects import Weight, effect_of, numbers_of
+from warpwear.results.formats.forms import filled
 from warpwear.results.report import shown
 from warpwear.study.keys import declarations, value_of
 from warpwear.study.study import Study
@@ -157,49 +158,14 @@ def source_of(s: dict[str, Any]) -> str:
 
 def trust_of(study: Study, s: dict[str, Any], assumptions: Lines, checks: Lines) -> list[str]:
     """Say what speaks for the numbers and what against them, in a few sentences."""
-    good = all(row["good"] for row in checks)
-    cells = s["area_mm2"]["contact"] / study.cells.cell_area
-    noted = sum(warning in s["notes"] for warning in s["warnings"])
-    warned, assumed = (
-        _count(len(s["warnings"]) - noted, "warning"),
-        _count(len(s["assumptions"]), "assumption"),
-    )
-    decisive = [row["key"] for row in assumptions if row["weight"] is Weight.DECIDES]
-    sentences = [
-        "As a solution of its equations, yes: all checks below hold."
-        if good
-        else "Not as a solution of its equations: not all checks below hold, see residuals and conservation.",
-        f"The contact covers {cells:,.0f} cells of {s['cell_um']:g} µm. "
-        "Run again with half the cell to see the error of the mesh.",
-    ]
-    if decisive:
-        which = f"{', '.join(decisive)} {'decides' if len(decisive) == 1 else 'decide'} a number above."
-        sentences.append(
-            f"As a prediction of a test, no better than what is assumed: {assumed}, of which {which}"
-        )
-    elif assumptions:
-        sentences.append(
-            f"As a prediction of a test, no better than what the study gives: {_in_proportion(study, s)}. "
-            f"{assumed} besides, none of which decides a number above."
-        )
-    sentences.append(
-        f"{warned}, {_count(noted, 'note').lower()}. Nothing on this page was compared with a measurement."
-    )
-    if filled := s.get("load_on_filled_percent"):
-        most = f"{filled['largest']:.2g} %"
-        sentences.append(f"At most {most} of the load rests on points that were not measured but filled in.")
-    return sentences
-
-
-def _in_proportion(study: Study, s: dict[str, Any]) -> str:
-    """Name the numbers of a study that the answers are in proportion to."""
-    strength = "the coefficient of friction" if s["cof_input"] else "the shear strength, to which friction is"
-    worn = ["the wear coefficients, to which the volumes are in proportion"] if study.sliding.total else []
-    return ", and ".join([*worn, strength + ("" if s["cof_input"] else " in proportion")])
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number or 'No'} {what}{'s' * (number != 1)}"
+    numbers = {
+        "good": all(row["good"] for row in checks),
+        "cells": s["area_mm2"]["contact"] / study.cells.cell_area,
+        "noted": sum(warning in s["notes"] for warning in s["warnings"]),
+        "decisive": [row["key"] for row in assumptions if row["weight"] is Weight.DECIDES],
+        "slides": study.sliding.total > 0.0,
+    }
+    return filled("trust.txt", escape=False, s=s, assumptions=assumptions, **numbers).splitlines()
 
 
 def assumptions_of(study: Study, s: dict[str, Any]) -> Lines:

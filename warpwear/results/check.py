@@ -7,7 +7,14 @@ import h5py
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import FIELDS, OF_PIECES, OF_THE_TRACK, PATCH_TABLES, columns_of
+from warpwear.history.quantities import (
+    FIELDS,
+    OF_PIECES,
+    OF_THE_TRACK,
+    PATCH_TABLES,
+    columns_of,
+    stress_columns,
+)
 from warpwear.study.study import Study
 
 #: Deflate makes data smaller by no more than this factor: what claims more than a file can hold was never
@@ -92,6 +99,11 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
         left = _numbers(file, "pieces/step").size
         for name in OF_PIECES:
             _numbers(file, f"pieces/{name}", (left,))
+    if "stresses" in file:
+        shape = len(_group(file, "snapshots")), len(study.stress_depths)
+        along = {"y": nx, "x": ny}[study.output.stress_plane[0]]
+        for name in stress_columns(study):
+            _numbers(file, f"stresses/{name}", (*shape, along) if name.endswith("_plane") else shape)
     check_snapshots(file, study)
 
 

@@ -14,11 +14,13 @@ from warpwear.errors import InputError, explained
 from warpwear.laws.archard import BODIES
 from warpwear.results.file import ResultFile
 from warpwear.results.formats.bodies import TRACK, WRITABLE, Files, Job
+from warpwear.results.formats.crate import crate_files
 from warpwear.results.formats.metrology import write_sdf, write_x3p
 from warpwear.results.formats.netcdf import netcdf_files
 from warpwear.results.formats.stl import write_stl
 from warpwear.results.formats.text import csv_files, write_npy, write_xyz
 from warpwear.results.formats.vtk import vti_files
+from warpwear.results.tables import write_tables
 
 #: Points of a solid along a side, unless others are asked for.
 STL_POINTS = 250
@@ -73,6 +75,9 @@ FORMATS: dict[str, Format] = {
     "netcdf": Format(
         netcdf_files, "history and fields, labelled", _FIELDS, ("xarray", "h5netcdf"), every=True
     ),
+    "crate": Format(
+        partial(crate_files, write_tables), "the run and its inputs, an RO-Crate in a zip", frozenset({"add"})
+    ),
 }
 #: Formats that are written where none is asked for.
 USUAL = ("sdf", "xyz", "npy")
@@ -88,6 +93,7 @@ def export(
     fields: Sequence[str] | None = None,
     points: int | None = None,
     exaggeration: float | None = None,
+    add: Sequence[str | Path] | None = None,
     overwrite: bool = False,
 ) -> list[Path]:
     """Write a result into a folder, in formats of `FORMATS`; returns the paths, all of them or none written.
@@ -95,10 +101,11 @@ def export(
     snapshot: a number (-1 is the end), a distance with its unit, "all", or several of these; by default all
     for netcdf and vti, and the end for others. bodies: counter and disc, or of a swept run track. fields: of
     netcdf, vti and csv, by default all. points: most along a side (250 for stl, else every cell), each the
-    mean of a block. exaggeration: of the heights of stl and vti in space. Raises InputError for what is
-    unknown, for an option that no format takes, for a package that is missing and for files that are there.
+    mean of a block. exaggeration: of the heights of stl and vti in space. add: files beside the run in a
+    crate, such as a record. Raises InputError for what is unknown, for an option that no format takes, for a
+    package that is missing and for files that are there.
     """
-    options = {"bodies": bodies, "fields": fields, "points": points, "exaggeration": exaggeration}
+    options = {"bodies": bodies, "fields": fields, "points": points, "exaggeration": exaggeration, "add": add}
     _check_known("format", formats, FORMATS)
     known_bodies = (*BODIES, TRACK) if result.study.is_swept else BODIES
     known_fields = [name for name, quantity in WRITABLE.items() if quantity.applies_to(result.study)]
@@ -106,6 +113,10 @@ def export(
     _check_known("field", fields or (), known_fields)
     _check_taken({name for name, value in options.items() if value is not None}, formats)
     _check_sizes(points, exaggeration)
+    added = tuple(Path(path) for path in add or ())
+    for path in added:
+        if not path.is_file():
+            raise InputError(f"add = {path} is no file; a record or a surface is expected")
     numbers, folder = numbers_of(result, snapshot), Path(folder)
     writers: dict[str, Callable[[Path], None]] = {}
     for name in dict.fromkeys(formats):
@@ -113,7 +124,13 @@ def export(
         chosen = numbers if numbers is not None else numbers_of(result, usual) or ()
         most = points or (STL_POINTS if name == "stl" else None)
         job = Job(
-            result, chosen, tuple(bodies or BODIES), tuple(fields or known_fields), most, exaggeration or 1.0
+            result,
+            chosen,
+            tuple(bodies or BODIES),
+            tuple(fields or known_fields),
+            most,
+            exaggeration or 1.0,
+            added,
         )
         writers |= dict(FORMATS[name].files(job))
     taken = [name for name in writers if (folder / name).exists()]

@@ -16,7 +16,7 @@ import numpy as np
 
 from warpwear.errors import OVERWRITE_IT, InputError, explained
 from warpwear.grid import FloatArray, IntArray
-from warpwear.history.quantities import FIELDS, OF_PIECES, UNITS
+from warpwear.history.quantities import FIELDS, OF_PIECES, UNITS, stress_columns
 from warpwear.history.rows import History, Named
 from warpwear.history.snapshot import Snapshot
 from warpwear.results.check import ATTRIBUTES, check_content, check_fields, current, stored
@@ -191,6 +191,19 @@ class ResultFile:
         """
         lacks = "has no pieces: wear.particle is not given"
         return Named((name, self._array(f"pieces/{name}", lacks)) for name in OF_PIECES)
+
+    @cached_property
+    def stresses(self) -> dict[str, FloatArray]:
+        """What the stresses below the disc come to at the snapshots, by the names of `units`.
+
+        depth, yielding, mises, max_shear, principal, and of fatigue crossland, dang_van, with the places _x
+        and _y of the largest: shape (snapshots, depths). mises_plane and so on, in the plane of
+        output.stress_plane: shape (snapshots, depths, cells).
+
+        Raises InputError for a run without stresses.
+        """
+        lacks = "has no stresses: output.stress_depths is not given"
+        return Named((name, self._array(f"stresses/{name}", lacks)) for name in stress_columns(self.study))
 
     def _of_patches(self, name: str) -> FloatArray:
         model = self.study.study.model

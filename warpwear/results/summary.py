@@ -41,12 +41,14 @@ def summarise(result: ResultFile) -> list[Row]:
         *_run(result, end),
         *_blocks(result),
         *_contact(result, end),
-        *([] if result.study.is_swept else _of_one_spot(result)),
+        *([] if result.study.is_swept or result.study.fretting else _of_one_spot(result)),
         *summary_models.surfaces(result),
         *(summary_models.track(result) if result.study.is_swept else []),
+        *(summary_models.fretting(result) if result.study.sliding.frets else []),
         *summary_models.arrangement(result),
         *_friction(result, end),
         *_energy(result, end),
+        *summary_models.stresses(result),
         *_film(result),
         *_checks(result, end),
     ]
@@ -395,7 +397,8 @@ def course(result: ResultFile, name: str) -> tuple[FloatArray, FloatArray]:
     Of a swept run they are the means of its whole passes, whose ends differ from their middles, at the
     middles.
     """
-    history, stroke = result.history, result.study.lap
+    history = result.history
+    stroke = None if result.study.laps is None else result.study.laps.length
     if stroke is None or history["distance"][-1] == 0.0:  # at rest, or a static contact
         return history["distance"], history[name]
     passes = by_pass(result, *(() if name == "distance" else (name,)))  # whose distances are its own

@@ -5,8 +5,12 @@ from typing import Any
 
 import numpy as np
 
+from warpwear.contact.stress.stresses import deepest
 from warpwear.grid import FloatArray
+from warpwear.history.quantities import BY_NAME
+from warpwear.history.stresses import MEASURES, OF_A_CYCLE
 from warpwear.laws.archard import BODIES, CALLED
+from warpwear.laws.fretting import HONEST_MEAN, regime_of
 from warpwear.laws.passes import WHEN, mean_over
 from warpwear.results.evolution import growth_of_view, settling, surface_evolution
 from warpwear.results.file import ResultFile
@@ -38,7 +42,7 @@ def track(result: ResultFile) -> list[Row]:
     """Declare groove, passes and what was displaced, of a swept run."""
     study, history, layout = result.study, result.history, result.study.track
     first, last = (mean_over(history, history["area_contact"], when, study.laps) for when in WHEN)
-    passes, displaced = float(history["distance"][-1]) / layout.stroke, history["plastic_volume_disc"][-1]
+    passes, displaced = study.passes_at(history["distance"][-1]), history["plastic_volume_disc"][-1]
     rows = [
         Row("", "length_mm", layout.cells * layout.cell),
         Row("", "pass_mm", layout.stroke),
@@ -55,6 +59,61 @@ def track(result: ResultFile) -> list[Row]:
         *_jumps(result),
     ]
     return [Row("", "track", rows)]
+
+
+def fretting(result: ResultFile) -> list[Row]:
+    """Declare which places of a stroke had a contact, and the regime, force, energy and slip of cycles."""
+    study, history = result.study, result.history
+    rows = []
+    if not study.sliding.drives_bodies:
+        text = (
+            "one contact for all places of a stroke" if study.positions == "mean" else "each cell of a stroke"
+        )
+        text += f", which is {study.stroke_ratio:.2g} of the scar's width (mean: up to {HONEST_MEAN:g})"
+        rows += [Row("positions", "positions", study.positions, sentence=text)]
+        rows += [Row("", "stroke_over_width", study.stroke_ratio)]
+    if study.fretting is None:
+        return [Row("", "fretting", rows)]
+    end = {name: finite(float(values[-1])) for name, values in history.items()}
+    regime = regime_of(history["stick_area"], history["area_contact"])
+    energy = float(history["friction_energy"][-1])
+    volumes = {body: float(history[f"wear_volume_{body}"][-1]) for body in BODIES}
+    alpha = {body: volume / energy if energy else None for body, volume in volumes.items()}
+    force = f"Q {shown(end['tangential_force'])} N"
+    if study.fretting.has_displacement:
+        micron = {name: 1.0e3 * history[name][-1] for name in ("displacement", "displacement_border")}
+        force += (
+            f", Δ {micron['displacement']:.4g} µm; all slips from {micron['displacement_border']:.4g} µm on"
+        )
+    return [
+        Row(
+            "",
+            "fretting",
+            [
+                *rows,
+                Row(
+                    "regime",
+                    "regime",
+                    regime,
+                    note=f"({shown(100.0 * sticks(history))} % of the area sticks)",
+                ),
+                Row("last cycle", "tangential_force_N", end["tangential_force"], sentence=force),
+                Row("", "displacement_mm", end["displacement"]),
+                Row("", "displacement_border_mm", end["displacement_border"]),
+                Row("", "stick_area_mm2", end["stick_area"]),
+                Row("energy of it", "energy_mJ", end["energy"], unit="mJ"),
+                Row("", "energy_ratio", end["energy_ratio"]),
+                Row("mean slip of it", "slip_mean_um", 1.0e3 * history["slip_mean"][-1]),
+                Row("energy in all", "energy_total_J", energy),
+                Row("wear by energy", "alpha_mm3_per_J", alpha, unit="mm³/J"),
+            ],
+        )
+    ]
+
+
+def sticks(history: Mapping[str, FloatArray]) -> float:
+    """Return the part of the area in contact that does not slip in the last cycle."""
+    return float(history["stick_area"][-1] / history["area_contact"][-1])
 
 
 def _jumps(result: ResultFile) -> list[Row]:
@@ -304,3 +363,39 @@ def _inner_scar(result: ResultFile, body: str) -> Row:
         text += f"; Sq settles at {level}"
         text += f" ({grown})" if grown else f" over {fit.length:.3g} ± {error:g} mm"
     return Row(f"{body}, inner scar", body, numbers, sentence=text)
+
+
+def stresses(result: ResultFile) -> list[Row]:
+    """Declare the largest stresses below the disc at the last snapshot, and what lies beyond its limits."""
+    study = result.study
+    if not study.has_stresses or not result.snapshot_distances.size:
+        return []
+    table, limit, fatigue = (
+        {name: of[-1] for name, of in result.stresses.items()},
+        study.yield_strength,
+        study.fatigue,
+    )
+    known = np.isfinite(result.history["cof"][-1])
+    rows = []
+    for name in (*MEASURES, *(OF_A_CYCLE if fatigue else ())):
+        at, number = int(table[name].argmax()), {"value_MPa": float(table[name].max())}
+        place = {"x_mm": float(table[f"{name}_x"][at]), "y_mm": float(table[f"{name}_y"][at])}
+        place["z_mm"] = float(table["depth"][at])
+        places = ", ".join(f"{value:.3g}" for value in place.values())
+        text = f"{shown(number['value_MPa'])} MPa at x, y, z = {places} mm"
+        if name in OF_A_CYCLE and fatigue:
+            text += f"; {number['value_MPa'] / fatigue.torsion:.3g} of the limit in torsion"
+            text += f" (means of {1e3 * fatigue.length:g} µm)"
+        elif not known:
+            text += ", without friction, whose coefficient is not known"
+        rows.append(Row(BY_NAME[name].short, name, number | place, sentence=text))
+    if limit is not None:
+        volume = float(np.trapezoid(table["yielding"], table["depth"])) * study.cells.area
+        deep = deepest(table["depth"], table["mises"], limit)
+        source = "as given" if study.disc.yield_strength is not None else "a third of the hardness"
+        text = f"to a depth of {deep:.3g} mm, in {volume:.3g} mm³; yield strength {limit:.4g} MPa, {source}"
+        if not deep:
+            text = f"nowhere; yield strength {limit:.4g} MPa, {source}"
+        beyond = {"yield_strength_MPa": limit, "depth_mm": deep, "volume_mm3": volume}
+        rows.append(Row("beyond yield", "beyond_yield", beyond, sentence=text))
+    return [Row("", "stress_below_disc", rows)]

@@ -12,6 +12,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import EVOLUTION, Quantity, columns_of
 from warpwear.results.evolution import surface_evolution
 from warpwear.results.file import SURFACE_FILE, ResultFile
+from warpwear.results.formats.metadata import write_metadata
 from warpwear.results.report import Row, record, to_json
 from warpwear.results.summary import summarise
 
@@ -24,7 +25,7 @@ def _write_table(path: Path, columns: Sequence[Quantity], table: Mapping[str, Fl
 
 
 def write_tables(folder: Path, result: ResultFile) -> list[Row]:
-    """Write study.toml, history.csv, surface.csv and summary.json into a folder; return the last's rows."""
+    """Write study.toml, history.csv, surface.csv, summary.json, metadata; return the summary's rows."""
     sections = result.study.to_toml()
     if result.owns_surface:  # beside it, wherever the folder is moved
         content = tomllib.loads(sections)
@@ -37,6 +38,7 @@ def write_tables(folder: Path, result: ResultFile) -> list[Row]:
     _write_table(folder / "surface.csv", EVOLUTION, evolution.table)
     rows = summarise(result)
     write_summary(folder, rows)
+    write_metadata(folder, result)
     return rows
 
 

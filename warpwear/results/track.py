@@ -1,12 +1,13 @@
 """What a swept run leaves on its track: groove, roughness, wear of each pass. Tracks are read in parts."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from warpwear.grid import FloatArray
 from warpwear.laws.passes import Directions, directions
+from warpwear.laws.track import Track
 from warpwear.results.file import ResultFile
 from warpwear.study.study import Study
 from warpwear.surfaces.worn.scar import LENGTHS, roughness_without_form
@@ -57,8 +58,12 @@ class Groove:
 
 def is_short(result: ResultFile) -> bool:
     """Tell whether the stroke is shorter than the contact, whose middle never leaves the disc's scar."""
-    track = result.study.track
+    track = _shortest(result)
     return not track.periodic and track.stroke < float(result.history["patch_along"][-1])
+
+
+def _shortest(result: ResultFile) -> Track:
+    return min(result.study.tracks, key=lambda track: track.stroke)
 
 
 def scar_length(result: ResultFile, index: int) -> float:
@@ -72,7 +77,7 @@ def whole_rows(result: ResultFile) -> slice:
 
     Of a stroke shorter than the contact those in the middle of the scar.
     """
-    track = result.study.track
+    track = _shortest(result)
     if track.periodic:
         return slice(0, track.rows)
     half = 0.5 * (track.stroke - float(result.history["patch_along"][-1]))
@@ -166,7 +171,7 @@ def roughness_in_track(result: ResultFile) -> dict[str, FloatArray]:
     for index in range(result.snapshot_distances.size):
         worn = unworn - np.add(*result.track_loss(index, part))[:, columns]
         rows.append(roughness_without_form(worn, everywhere))
-    passes = np.append(0.0, result.snapshot_distances) / result.study.track.stroke
+    passes = result.study.passes_at(np.append(0.0, result.snapshot_distances))
     return {"passes": passes} | {name: np.array([row[name] for row in rows]) for name in LENGTHS}
 
 
@@ -174,7 +179,7 @@ def both_directions(study: Study, history: Mapping[str, FloatArray], name: str) 
     """Return a column's means in both directions of the last cycle; None where there is no such cycle."""
     if not study.is_swept:
         return None
-    margin = 0.5 * float(history["patch_along"][-1]) / study.track.track_fraction
+    margin = 0.5 * float(history["patch_along"][-1]) / study.tracks[-1].track_fraction
     return directions(history, history[name], study.laps, margin=margin)
 
 
@@ -199,7 +204,14 @@ def doubt_of_directions(study: Study, history: Mapping[str, FloatArray]) -> str 
 
 def pass_numbers(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.int_]]":
     """Return the number of the computed pass that each step belongs to, from 0."""
-    return np.arange(result.history["distance"].size) // result.study.track.steps_of_pass
+    parts = _of_blocks(result, [1.0 / track.steps_of_pass for track in result.study.tracks])
+    return np.floor(np.cumsum(parts) - 0.5 * parts).astype(int)
+
+
+def _of_blocks(result: ResultFile, values: Sequence[float]) -> FloatArray:
+    """Return for every step the value of its block."""
+    number = result.history.get("block", np.ones(result.history["distance"].size))
+    return np.asarray(values)[number.astype(int) - 1]
 
 
 def whole_steps(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
@@ -211,21 +223,24 @@ def whole_steps(result: ResultFile) -> "np.ndarray[tuple[int], np.dtype[np.bool_
     increment = result.history["increment"] / result.history.get("cycles", 1.0)
     if not result.study.is_swept:
         return np.ones(increment.size, dtype=bool)
+    tracks = [track.stroke * min(track.shift / track.cells, 1.0) for track in result.study.tracks]
+    increment = increment / (longest := _of_blocks(result, tracks)) * longest.max()
     return increment > (1.0 - SHORT) * increment.max() if increment.any() else increment == 0.0
 
 
 def by_pass(result: ResultFile, *means: str) -> dict[str, FloatArray]:
     """Return one value a computed pass, of which the last may be short.
 
-    `number` (from 1; of a jump its last), `distance` slid in it [mm], volumes lost in it [mm³], and means
-    over its distance of the columns of the history that are asked for.
+    `number` (from 1; of a jump its last), `distance` slid in it [mm], its `stroke` [mm], volumes lost in it
+    [mm³], and means over its distance of the columns of the history that are asked for.
     """
     history, number, increment = result.history, pass_numbers(result), result.history["increment"]
     last = np.append(np.flatnonzero(np.diff(number)), number.size - 1)
     slid = np.bincount(number, increment).astype(np.float64)
     lost = ("wear_volume_counter", "wear_volume_disc", "plastic_volume_disc")
-    ends = np.ceil(history["distance"][last] / result.study.track.stroke - 1.0e-9)
+    ends = np.ceil(result.study.passes_at(history["distance"][last]) - 1.0e-9)
     table: dict[str, FloatArray] = {"number": np.maximum(ends, 1.0), "distance": slid}
+    table["stroke"] = _of_blocks(result, [track.stroke for track in result.study.tracks])[last]
     table |= {name: np.diff(history[name][last], prepend=0.0) for name in lost}
     for name in means:
         table[name] = np.bincount(number, increment * history[name]) / slid

@@ -133,6 +133,13 @@ class ResultWriter:
         self._require_space(heights.nbytes)
         self._file.create_dataset("counter/heights", data=heights).attrs["units"] = "mm"
 
+    def add_stresses(self, tables: Mapping[str, FloatArray]) -> None:
+        """Keep what the stresses below the surface come to, a dataset a quantity, snapshots first."""
+        self._require_space(sum(values.nbytes for values in tables.values()))
+        group = self._file.create_group("stresses")
+        for name, values in tables.items():
+            self._add(group, quantities.BY_NAME[name], values)
+
     @property
     def copied_bytes(self) -> int:
         """Return the size of what `copy_to` copies [B]."""

@@ -16,6 +16,7 @@ from warpwear.history.arrangements import ARRANGEMENTS, name_of
 from warpwear.history.pieces import PieceBook
 from warpwear.history.recorder_patches import PatchBook, bytes_of_book
 from warpwear.laws.bearing_curve import Logistic
+from warpwear.laws.passes import Block
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.laws.track import Track
@@ -34,10 +35,14 @@ width = lazy.module("warpwear.models.patches.width")
 
 #: Fields at the peak of a run on the half-space, by its boundary, and more on a GPU, whose transforms copy.
 HALF_SPACE_FIELDS, GPU_FIELDS = {"periodic": 16.0, "free": 22.0, "line": 22.0}, 12.0
+#: More on the host where stresses below the surface are computed, a depth at a time.
+STRESS_FIELDS = {"periodic": 60.0, "free": 100.0, "line": 100.0}
 #: More where the disc slides: a mean along x, and what it takes to follow the disc.
 SLIDING_FIELDS = 3.0
 #: More with a film: what is bare and its caps; and of each body whose film forms anew.
 FILM_FIELDS, HEALING_FIELDS = 2.0, 3.0
+#: More of fretting: a mean along x, slips, and a contact of its own under P*.
+FRETTING_FIELDS = 28.0
 #: More of each body that wears in pieces: what is pending, its sums, and lists of cells.
 PIECES_FIELDS = 2.5
 
@@ -46,11 +51,23 @@ Record: TypeAlias = dict[str, Any]  # of the surface, for the result
 
 
 @dataclass(frozen=True)
+class Parts:
+    """What a model of a block is made of."""
+
+    study: Study
+    task: ContactTask
+    block: Block
+    heights: FloatArray  # of the unworn disc [mm], shape (nx, ny), or of the track, (rows, ny)
+    executor: Executor
+    record: Record  # of the surface, to which who makes the model may add
+
+
+@dataclass(frozen=True)
 class PreparedModel:
     """A model, and what it was made of."""
 
     model: Model
-    heights: FloatArray  # of the unworn disc [mm], shape (nx, ny), or of the track, (rows, ny)
+    heights: FloatArray  # as those of `Parts`
     record: Record
     book: PatchBook | None = None  # of the patches that the model has
     pieces: PieceBook | None = None  # in which its bodies have worn
@@ -78,23 +95,30 @@ class Maker:
         fields, bodies = FIELDS_NEEDED + PIECES_FIELDS * study.wear.sheds, self.rows_of_bodies(study)
         if study.contact.law == "half-space":
             fields += HALF_SPACE_FIELDS[study.boundary] + GPU_FIELDS * (device != "cpu") - FIELDS_NEEDED
+        if study.has_stresses:
+            fields += STRESS_FIELDS[study.boundary]
         if study.film is not None:
             fields += FILM_FIELDS + HEALING_FIELDS * bodies * math.isfinite(study.film.regrowth)
         return fields
 
     def needed(self, study: Study, *, device: str) -> float:
-        """Estimate those of a programme: where its load changes a model takes over from another."""
-        return self.fields(study, device=device) * (2.0 if study.same_load is None else 1.0)
+        """Estimate those of a programme: where its load or track changes a model takes over from another."""
+        same_track = not study.is_swept or len(set(study.tracks)) == 1
+        return self.fields(study, device=device) * (
+            1.0 if study.same_load is not None and same_track else 2.0
+        )
 
     def rows_of_bodies(self, study: Study) -> float:
         """Return rows of both bodies over those of the grid."""
         return 2.0
 
-    def model(
-        self, study: Study, task: ContactTask, heights: FloatArray, executor: Executor, record: Record
-    ) -> PreparedModel:
-        """Make the model; it may add to the surface's record. Raises InputError for heights it cannot use."""
-        raise NotImplementedError
+    def model(self, parts: Parts) -> PreparedModel:
+        """Make the model, here of one grid at rest. Raises InputError for heights that it cannot use."""
+        curve = bearing_curve_of(parts.study) if parts.study.wear.law == "bearing-curve" else None
+        if curve is not None:
+            parts.record["bearing_curve"] = asdict(curve)
+        model = model_at_rest(parts.task, parts.heights, parts.executor, bearing_curve=curve)
+        return PreparedModel(model, parts.heights, parts.record, pieces=getattr(model, "pieces", None))
 
 
 class AtRest(Maker, name="rest"):
@@ -103,17 +127,8 @@ class AtRest(Maker, name="rest"):
     def fields(self, study: Study, *, device: str) -> float:
         """Estimate more where cells differ: by a track's model, a radial factor, and the stiffness."""
         differs = not study.contact_task.is_uniform or study.wear.law == "bearing-curve"
-        return super().fields(study, device=device) + (SLIDING_FIELDS + 2.0) * differs
-
-    def model(
-        self, study: Study, task: ContactTask, heights: FloatArray, executor: Executor, record: Record
-    ) -> PreparedModel:
-        """Make a model of one grid."""
-        curve = bearing_curve_of(study) if study.wear.law == "bearing-curve" else None
-        if curve is not None:
-            record["bearing_curve"] = asdict(curve)
-        model = model_at_rest(task, heights, executor, bearing_curve=curve)
-        return PreparedModel(model, heights, record, pieces=getattr(model, "pieces", None))
+        fields = FRETTING_FIELDS * (study.fretting is not None)
+        return super().fields(study, device=device) + (SLIDING_FIELDS + 2.0) * differs + fields
 
 
 class OnTrack(Maker, name="track"):
@@ -136,12 +151,11 @@ class OnTrack(Maker, name="track"):
         """Count the disc's rows."""
         return study.track.rows / study.cells.nx + 1.0
 
-    def model(
-        self, study: Study, task: ContactTask, heights: FloatArray, executor: Executor, record: Record
-    ) -> PreparedModel:
+    def model(self, parts: Parts) -> PreparedModel:
         """Make a model of the whole track."""
-        model = models_track.SweptModel(task, study.track, heights, executor)
-        return PreparedModel(model, heights, record, pieces=model.pieces)
+        track = parts.study.tracks[parts.block.number - 1]
+        model = models_track.SweptModel(parts.task, track, parts.heights, parts.executor)
+        return PreparedModel(model, parts.heights, parts.record, pieces=model.pieces)
 
 
 class OfPatches(AtRest, name="patches"):
@@ -153,15 +167,13 @@ class OfPatches(AtRest, name="patches"):
         _check_memory_of_book(study, patches, device)
         return Executor(patches.grid, device=device, threads=threads, fields_needed=fields)
 
-    def model(
-        self, study: Study, task: ContactTask, heights: FloatArray, executor: Executor, record: Record
-    ) -> PreparedModel:
+    def model(self, parts: Parts) -> PreparedModel:
         """Make a model of all patches."""
-        patches = study.patch_layout
-        width.refuse_unsuitable(study, patches, heights)
-        of_law = models_patches.HalfSpacePatches if task.half_space else models_two_scale.TwoScaleModel
-        model = of_law(task, patches, heights, executor)
-        return PreparedModel(model, heights, record, book=model.book)
+        patches, half_space = parts.study.patch_layout, parts.task.half_space
+        width.refuse_unsuitable(parts.study, patches, parts.heights)
+        of_law = models_patches.HalfSpacePatches if half_space else models_two_scale.TwoScaleModel
+        model = of_law(parts.task, patches, parts.heights, parts.executor)
+        return PreparedModel(model, parts.heights, parts.record, book=model.book)
 
 
 def arrangement_of(study: Study) -> Maker:

@@ -51,6 +51,8 @@ class Progress:
 
     def step(self, row: dict[str, float]) -> None:
         """One step is done."""
+        if self._quiet:
+            return
         steps = int(row.get("cycles", 1))
         self._done += steps
         self._tell_early()

@@ -15,6 +15,7 @@ from warpwear.results import file as results
 from warpwear.results import manifest
 from warpwear.results.file import FILE_NAME, SURFACE_FILE
 from warpwear.results.folder import LOCK, check_writable, held, refuse_if_held
+from warpwear.results.formats.metadata import NAME as METADATA
 from warpwear.runs import checkpoint
 from warpwear.runs.order import RunOrder
 from warpwear.surfaces.reading import digest_of
@@ -25,7 +26,8 @@ LOG = "log.txt"
 #: Name of a folder in a run folder in which a run makes its files.
 WORK = re.compile(r"\.work-[0-9a-f]{12}")
 #: What every run writes, beside figures; its result and checkpoint say themselves what they are.
-NAMES = ("study.toml", "history.csv", "surface.csv", "summary.json", LOG, manifest.NAME, manifest.PAGE)
+TABLES = ("study.toml", "history.csv", "surface.csv", "summary.json")
+NAMES = (*TABLES, METADATA, LOG, manifest.NAME, manifest.PAGE)
 
 
 def check(folder: Path, *, overwrite: bool, resume: bool) -> None:

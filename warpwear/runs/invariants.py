@@ -24,7 +24,11 @@ ROUNDING = 1.0e-15
 #: Share of the load that may rest on points of the disc that were not measured.
 ON_FILLED = 0.05
 #: Columns that may be no number: without a speed, before the shear strength is calibrated, between solves.
-OPEN = frozenset(("time", "cof", "area_static", "violation", "energy_gap", "energy_gap_relative"))
+OPEN = frozenset(("time", "cof", "area_static", "violation", "energy_gap", "energy_gap_relative")) | {
+    "displacement",
+    "displacement_border",
+    "energy_ratio",
+}
 BODIES = (
     ("wear_volume_counter", "archard_volume_counter", "pending_volume_counter"),
     ("wear_volume_disc", "archard_volume_disc", "pending_volume_disc"),

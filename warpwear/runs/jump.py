@@ -19,9 +19,10 @@ from warpwear.engine import state
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.laws.archard import BODIES
+from warpwear.laws.track import Track
 from warpwear.models.model import Model
 from warpwear.runs.order import RunOrder
-from warpwear.runs.plan import Planned, kept_after
+from warpwear.runs.plan import Leg, Planned, kept_after, legs_of
 
 #: Part of what is allowed that a jump is made for, as the next ones differ from the last.
 SAFETY = 0.8
@@ -53,6 +54,7 @@ class CycleJumps:
         "model": Model,
         "stands_for": int,
         "contacts": int,
+        "_number": int,
         "_cycle": int,
         "_step": int,
         "_size": int,
@@ -71,16 +73,14 @@ class CycleJumps:
     def __init__(self, order: RunOrder, model: Model, begin: Callable[[Planned], None]) -> None:
         study = order.study
         self.model, self._begin = model, begin
-        self._track, self._total = study.track, study.sliding.total
+        self._legs, self._total = legs_of(study), study.sliding.total
         self._stops = study.snapshot_distances
+        self._ends = [block.end for block in order.blocks]
         jump = study.stepping.jump
         self._fixed = jump if isinstance(jump, int) else None
         self._tolerance = study.stepping.jump_error
-        cycle = self._track.cycle
-        #: Cycles that stand for themselves: those with a stop, and all from the last whole one on.
-        stops = {*self._stops, *(block.end for block in order.blocks)}
-        self._alone = {max(math.ceil(stop / cycle - 1.0e-9) - 1, 0) for stop in stops}
-        self._last = max(math.floor(self._total / cycle - 1.0 + 1.0e-9), 0)
+        #: Number of the leg that the run is in, whose cycles are counted anew.
+        self._number = 0
         #: Cycles that the one being made stands for; contacts computed, the coarse state's included.
         self.stands_for, self.contacts = 1, 0
         self._cycle = self._step = self._left = self._age = self._again = 0
@@ -96,6 +96,10 @@ class CycleJumps:
     def parts(self) -> Iterator[list[Planned]]:
         """Yield the steps that are left of the cycle at hand, then those of each cycle to be computed."""
         while True:
+            if self._cycle * self._track.cycle >= self._leg.length * (1.0 - 1.0e-12):
+                if self._number + 1 == len(self._legs):
+                    return
+                self._number, self._cycle = self._number + 1, 0
             if self._step == 0:
                 self._begin(self._planned(self._cycle, 1)[0])
                 self._choose()
@@ -104,8 +108,6 @@ class CycleJumps:
             if not part:  # the last cycle was cut
                 return
             yield part
-            if self._cycle * self._track.cycle >= self._total * (1.0 - 1.0e-12):
-                return
 
     def begin_anew(self) -> None:
         """Begin a coarse state anew, as the model is another block's; what was told stays."""
@@ -125,10 +127,28 @@ class CycleJumps:
         """Return what a result says of its jumps: errors relative to the rms depth of the whole run."""
         return {
             "contacts": self.contacts,
-            "contacts_of_every_cycle": int(self._track.steps(self._total)),
-            "cycles": self._total / self._track.cycle,
+            "contacts_of_every_cycle": sum(int(leg.track.steps(leg.length)) for leg in self._legs),
+            "cycles": sum(leg.length / leg.track.cycle for leg in self._legs),
             "depth_error": self._relative(self._told),
         }
+
+    @property
+    def _leg(self) -> Leg:
+        return self._legs[self._number]
+
+    @property
+    def _track(self) -> Track:
+        return self._leg.track
+
+    @property
+    def _alone(self) -> set[int]:
+        """Return the cycles that stand for themselves: those with a stop, and all from the last whole one."""
+        stops = (stop - self._leg.start for stop in (*self._stops, *self._ends))
+        return {max(math.ceil(stop / self._track.cycle - 1.0e-9) - 1, 0) for stop in stops if stop >= 0.0}
+
+    @property
+    def _last(self) -> int:
+        return max(math.floor(self._leg.length / self._track.cycle - 1.0 + 1.0e-9), 0)
 
     @property
     def _told(self) -> dict[str, float]:
@@ -141,13 +161,13 @@ class CycleJumps:
 
     def _planned(self, cycle: int, stands_for: int) -> list[Planned]:
         """Plan the steps of a cycle that stands for so many."""
-        begin = cycle * self._track.cycle
-        steps = list(islice(self._track.increments(self._total, cycle=cycle), self._steps))
+        begin = self._leg.start + cycle * self._track.cycle
+        steps = list(islice(self._leg.steps(cycle), self._steps))
         if stands_for == 1:
             ahead = [stop for stop in self._stops if stop > begin + 1.0e-6 * steps[0][0]]
             return kept_after(ahead, steps, self._total)
         ends = [begin + stands_for * (end - begin) for _, end in steps[:-1]]
-        ends.append((cycle + stands_for) * self._track.cycle)
+        ends.append(self._leg.start + (cycle + stands_for) * self._track.cycle)
         return [(stands_for * step, end, False) for (step, _), end in zip(steps, ends, strict=True)]
 
     def _set_out(self, cycle: int, stands_for: int) -> None:

@@ -18,6 +18,7 @@ from warpwear.errors import RESUME_IT, ConvergenceError, InvariantError
 from warpwear.history.rows import Rows
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.passes import Block
+from warpwear.laws.track import Track
 from warpwear.results.seal import versions
 from warpwear.results.writer import ResultWriter
 from warpwear.runs import doubts
@@ -28,7 +29,7 @@ from warpwear.runs.invariants import Violation
 from warpwear.runs.jump import CycleJumps
 from warpwear.runs.make import model_in, model_of
 from warpwear.runs.order import RunOrder
-from warpwear.runs.plan import Planned
+from warpwear.runs.plan import Planned, legs_of
 from warpwear.runs.step import RunStep
 from warpwear.surfaces.form import Given
 
@@ -167,7 +168,7 @@ class StepLoop:
         """
         parts = [self._order.plan[len(self._rows) :]] if self._jumps is None else self._jumps.parts()
         for part in parts:
-            for _, group in groupby(part, lambda step: self._order.block_of(step).load):
+            for _, group in groupby(part, lambda step: self._tasks[self._order.block_of(step).number]):
                 steps = [*group]
                 self._begin(steps[0])
                 yield from self._steps_of(steps, with_fields=with_fields)
@@ -175,8 +176,9 @@ class StepLoop:
     @cached_property
     def _count(self) -> int:
         """Steps of the whole run, those of cycles that are jumped over included."""
-        study = self._order.study
-        return len(self._order.plan) if self._jumps is None else int(study.track.steps(study.sliding.total))
+        if self._jumps is None:
+            return len(self._order.plan)
+        return sum(int(leg.track.steps(leg.length)) for leg in legs_of(self._order.study))
 
     def _steps_of(
         self, left: list[Planned], *, with_fields: bool
@@ -220,13 +222,28 @@ class StepLoop:
 
     def _begin(self, step: Planned) -> None:
         """Make the model ready for a step: under another load a new one takes over the bodies as they are."""
-        if self._go_on(self._order.block_of(step)) and self._jumps is not None:
+        before = self._block
+        if not self._go_on(self._order.block_of(step)):
+            return
+        if self._task_of(before)[1] != self._task_of(self._block)[1]:
+            self._model.set_out_anew(self._order.study.tracks[before.number - 1])
+        if self._jumps is not None:
             self._jumps.begin_anew()
+
+    @cached_property
+    def _tasks(self) -> dict[int, tuple[float, Track | None]]:
+        """Map the number of a block to what its model is made for."""
+        return {block.number: self._task_of(block) for block in self._order.blocks}
+
+    def _task_of(self, block: Block) -> tuple[float, Track | None]:
+        """Return what a block's model is made for: its load [N], and its track."""
+        study = self._order.study
+        return block.load, study.tracks[block.number - 1] if study.is_swept else None
 
     def _go_on(self, block: Block) -> bool:
         """Let the model of a block take over the bodies as they are; tell whether that is another one."""
         before, self._block = self._block, block
-        if block.load == before.load:
+        if self._task_of(block) == self._task_of(before):
             return False
         prepared, model = model_in(self._order, block, self._heights, self._executor, {}), self._model
         state.restore(prepared.model, *state.save(model))

@@ -11,7 +11,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.laws.passes import Block
 from warpwear.laws.track import WHOLE, Track
-from warpwear.runs.arrangements import PreparedModel
+from warpwear.runs.arrangements import Parts, PreparedModel
 from warpwear.runs.order import RunOrder
 from warpwear.study.study import Study
 from warpwear.surfaces.base import Surface
@@ -62,7 +62,7 @@ def model_in(
 ) -> PreparedModel:
     """The model of a block of the programme, on unworn bodies. heights, record: of the disc as it was."""
     task = replace(order.study.parts[block.number - 1].contact_task, form=order.form)
-    return order.arrangement.model(order.study, task, heights, executor, record)
+    return order.arrangement.model(Parts(order.study, task, block, heights, executor, record))
 
 
 class _Sampled(NamedTuple):

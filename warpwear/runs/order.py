@@ -6,6 +6,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from warpwear.errors import InputError
@@ -67,6 +68,8 @@ class RunOrder:
     def block_of(self, step: Planned) -> Block:
         """Return the block in which a step of the plan lies."""
         increment, distance, _ = step
+        if len(self.blocks) == 1:
+            return self.blocks[0]
         return next(block for block in self.blocks if distance - 0.5 * increment <= block.end)
 
     @cached_property
@@ -110,7 +113,11 @@ class RunOrder:
         """Make the history of its rows, with the coefficient of friction and its energy."""
         history = {name: rows.column(name) for name in self.columns}
         cof = self.cof_of(history, finished=finished)
-        energy = friction_energy(history["distance"], cof, history["load"])
+        energy = friction_energy(
+            history["distance"], cof, history["load"], of_steps="area_sheared" in history
+        )
+        if self.study.fretting is not None:
+            energy = 1.0e-3 * np.cumsum(history["energy"] * history["cycles"])
         return history | {"cof": cof, "friction_energy": energy}
 
     def cof_of(self, history: dict[str, FloatArray], *, finished: bool) -> FloatArray:

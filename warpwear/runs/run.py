@@ -16,6 +16,7 @@ from warpwear.clock import Clock, phase
 from warpwear.engine.device import check_threads, find_device, report_out_of_memory
 from warpwear.engine.executor import Executor
 from warpwear.errors import InputError
+from warpwear.history import stresses
 from warpwear.history.snapshot import Snapshot
 from warpwear.result import Result
 from warpwear.results import manifest
@@ -217,6 +218,12 @@ def _compute(
             result = Result(file)
             result.study = study  # as it is in the file
             result.at_hand = writer.at_hand
+            if study.has_stresses and len(result.snapshots):
+                with phase("stresses"):
+                    writer.flush()
+                    writer.add_stresses(
+                        stresses.of_run(study, result.snapshots, result.history, executor.threads)
+                    )
             if painter is not None and loop.finished:
                 painter.order(result.plot, but=process.LATE)
             with phase("write"):

@@ -255,6 +255,12 @@ class Disc(MeasuredBody, Body):
         "disc.synthetic", None, otherwise="does not apply to a synthetic surface"
     )
 
+    yield_strength: Pressure | None = key(
+        None,
+        "stress at which the disc yields in tension, for the stresses below its surface; by default a third "
+        "of its hardness",
+        applies=when("has_stresses", otherwise="does not apply without output.stress_depths"),
+    )
     surface: str | None = key(
         None,
         "file of a measured surface, relative to the study",

@@ -7,11 +7,12 @@ from warpwear.laws.archard import WearLaw
 from warpwear.laws.elastic import Hertz, effective_modulus
 from warpwear.laws.film import Film, grown_cap
 from warpwear.laws.foundation import CappedFoundation
+from warpwear.laws.fretting import HONEST_MEAN, Fretting, displacement, softness_ratio
 from warpwear.laws.junctions import critical_junction, junction_strength
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
 from warpwear.study.keys import value_of
-from warpwear.study.sections.programme import Programme
+from warpwear.study.programme import Programme
 from warpwear.study.units import text
 
 
@@ -24,6 +25,79 @@ class Content(Programme):
     def volume(self, law: WearLaw, distance: float) -> float:
         """Return what a law wears off a body over the test's first distance [mm]: Σ K F ΔL [mm³]."""
         return sum(b.load * law.wear_per_pressure(b.start, b.slides(distance)) for b in self.blocks)
+
+    def _check(self) -> None:
+        """Give a force the stroke of the unworn bodies, by which distances count."""
+        super()._check()
+        elastic = self.effective_modulus is not None and self.counter.has_hertz
+        if self.sliding.force is not None and elastic:
+            self.sliding._travel = 2.0 * self._displacement(self.sliding.force)
+
+    def _displacement(self, force: float = math.inf) -> float:
+        """Return the amplitude of unworn bodies under a force [N], by default that which slips [mm]."""
+        assert self.hertz is not None  # checked with the study
+        friction = self.friction.coefficient
+        ratio = force / (friction * self.contact.load)
+        return displacement(self.hertz, self.softness_ratio, friction, ratio)
+
+    @property
+    def slides_by(self) -> float:
+        """Return by how much a drive slides unworn bodies as a whole [mm]; below 0 a part sticks."""
+        sliding, limit = self.sliding, self.friction.coefficient * self.contact.load
+        if sliding.force is not None:
+            return -math.inf
+        return 0.5 * (sliding.stroke or 0.0) - sliding.rig_compliance * limit - self._displacement()
+
+    @property
+    def softness_ratio(self) -> float:
+        """Return κ, the tangential over the normal compliance of the contact; 1 where it is unknown."""
+        counter, disc = self.counter.elastic, self.disc.elastic
+        if counter is None or disc is None:
+            return 1.0
+        return softness_ratio(counter, disc, line=self.is_line)
+
+    @property
+    def kinematics(self) -> str:
+        """How the bodies move: "fretting" where one contact stands for all places of a stroke."""
+        if not self.sliding.frets:
+            return super().kinematics
+        return "fretting" if self.positions == "mean" else "swept"
+
+    @property
+    def positions(self) -> str:
+        """Places of a fretting stroke that have a contact: "mean" or "cells", as named or as is honest."""
+        sliding = self.sliding
+        if sliding.drives_bodies:
+            return "mean"
+        if self.block is not None:
+            return sliding.positions or "cells"
+        smooth = self.disc.synthetic is not None and self.disc.synthetic.kind == "flat"
+        return sliding.positions or ("mean" if smooth and self.stroke_ratio <= HONEST_MEAN else "cells")
+
+    @property
+    def stroke_ratio(self) -> float:
+        """Return the stroke over the width of smooth bodies' scar along sliding, or of their contact."""
+        worn = sum(self.volume(law, self.sliding.total) for law in self.wear_laws)
+        width = self.counter.form.worn(worn, self.grid.sides)[0]
+        if self.hertz is not None:
+            width = max(width, 2.0 * self.hertz.semi_axes[0])
+        return (self.sliding.stroke or 0.0) / width
+
+    @property
+    def fretting(self) -> Fretting | None:
+        """Return what drives a fretting contact; None where nothing frets."""
+        sliding = self.sliding
+        if self.kinematics != "fretting" or sliding.lap is None:
+            return None
+        return Fretting(
+            friction=self.friction.coefficient,
+            kappa=self.softness_ratio,
+            stroke=sliding.lap,
+            force=sliding.force,
+            of_body=sliding.stroke_of == "body",
+            rig=sliding.rig_compliance,
+            has_displacement=self.boundary == "free",
+        )
 
     @property
     def is_rough(self) -> bool:
@@ -94,12 +168,16 @@ class Content(Programme):
         resolved: dict[str, Any] = {
             "contact.hardness": text(self.indentation_hardness, "MPa"),
             "contact.boundary": self.boundary,
-            "sliding.kinematics": self.kinematics,
+            "sliding.kinematics": "fretting" if self.sliding.frets else self.kinematics,
+            "stepping.first": text(self.increments[0], "mm"),
+            "stepping.growth": self.increments[1],
             "stepping.largest": text(self.increments[2], "mm"),
             "patches.width": text(self.patches.patch_width, "mm"),
         }
         if self.is_swept:
             resolved["sliding.shift"] = self.shift
+        if self.sliding.frets:
+            resolved["sliding.positions"] = self.positions
         values = self.model_dump()
         return {name: value for name, value in resolved.items() if value_of(values, name) is None}
 
@@ -125,6 +203,17 @@ class Content(Programme):
         if self.junctions.strength is not None or self.softer_hardness is None:
             return self.junctions.strength
         return junction_strength(self.softer_hardness)
+
+    @property
+    def yield_strength(self) -> float | None:
+        """Stress at which the disc yields in tension [MPa]; by default a third of its hardness (Tabor 1951).
+
+        None where neither is known.
+        """
+        if self.disc.yield_strength is not None:
+            return self.disc.yield_strength
+        hardness = self.indentation_hardness if self.disc.hardness is None else self.disc.hardness
+        return hardness / 3.0 if math.isfinite(hardness) else None
 
     @property
     def shear_limit(self) -> float:
@@ -194,6 +283,7 @@ class Content(Programme):
             film=self.film,
             pieces=self.pieces,
             static_area_every=self.static_area_every,
+            fretting=self.fretting,
         )
 
     @property
@@ -238,7 +328,12 @@ class Content(Programme):
     @property
     def wear_laws(self) -> tuple[WearLaw, WearLaw]:
         """The laws by which counter-body and disc wear."""
-        return self.wear.laws(self.wear_hardness, self.friction.coefficient)
+        return self.wear.laws(self.wear_hardness, self.friction)
+
+    @property
+    def wears_by_area(self) -> bool:
+        """True where cells in contact wear by their shear strength, whatever their pressure."""
+        return self.wear.law == "energy" and self.friction.law == "shear-strength"
 
     @property
     def wear_hardness(self) -> float:

@@ -92,7 +92,8 @@ def attribute_of(study: BaseModel, name: str) -> Any:
 def _is_given(study: BaseModel, name: str) -> bool:
     """Tell whether a key or section was given, and not left to its default."""
     section, _, last = name.rpartition(".")
-    return last in attribute_of(study, section).model_fields_set and attribute_of(study, name) is not None
+    owner = attribute_of(study, section) if section else study
+    return last in owner.model_fields_set and attribute_of(study, name) is not None
 
 
 def _named(study: BaseModel, name: str) -> str:
@@ -106,7 +107,10 @@ def _shown(study: BaseModel, name: str) -> str:
     value = attribute_of(study, name)
     if isinstance(value, str):
         return f"'{value}'"
-    number, _, unit = str(value_of(study.model_dump(), name)).partition(" ")
+    written = value_of(study.model_dump(), name)
+    if isinstance(written, list | tuple):
+        return ", ".join(map(str, written))
+    number, _, unit = str(written).partition(" ")
     return f"{float(number):g} {unit}".rstrip()
 
 

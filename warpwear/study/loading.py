@@ -71,9 +71,7 @@ def read_sections(path_or_preset: str | Path) -> dict[str, Any]:
                 raise InputError(f"STUDY = '{path}' is a folder without a study.toml.")
             path = path / "study.toml"
         elif path.exists() and not path.is_file() and path.parts[:2] != ("/", "dev"):
-            raise InputError(
-                f"STUDY = '{path}' is a pipe or a device; a file is expected."
-            )  # no endless wait
+            raise InputError(f"STUDY = '{path}' is a pipe or a device; a file is expected")  # no endless wait
         with path.open(encoding="utf-8-sig") as file:
             sections = parse_toml(file.read(MOST_CHARACTERS + 1))
     except InputError:

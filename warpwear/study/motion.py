@@ -1,19 +1,24 @@
 """[grid], [sliding], [[block]] and [stepping] set the cells, the way of the counter-body, and its steps."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, PrivateAttr
 
-from warpwear.study.keys import Length, LengthOrZero, Section, key, needs, needs_compliance, when
+from warpwear.laws.fretting import HONEST_MEAN
+from warpwear.study.keys import Length, LengthOrZero, Section, excludes, key, needs, needs_compliance, when
 from warpwear.study.sections.loads import Load
-from warpwear.study.units import Number, Quantity, Range, is_pair, one_by_one
+from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, Range, is_pair, one_by_one
 
 #: Parts of a distance at rest that no increment exceeds, unless given.
 LARGEST_PARTS = 800
+#: First of growing increments [mm].
+FIRST = 3.0e-3
+#: Growth of increments, and of jumps over cycles of fretting: twelve a decade.
+GROWTH, GROWTH_OF_JUMPS = 1.02, 1.2
 #: Most cells along a side: a million squared is more than any memory holds.
 MOST_CELLS = 1_000_000
 
@@ -33,17 +38,28 @@ CAPPED = when("caps_pressure", otherwise="does not apply without a contact.hardn
 STEPS = when(
     "kinematics",
     "stationary",
+    "fretting",
     otherwise="does not apply to sliding.kinematics = '{}', whose steps are sliding.shift cells long",
 )
 FIXED = when("stepping.increment", None, otherwise="does not apply to a fixed stepping.increment")
 NO_COMPLIANCE = when(
     "uses_bearing_area", otherwise="does not apply: with compliance the balance holds to 1e-12"
 )
-STROKE = needs("sliding.stroke")
+STROKE = needs("sliding.turns", what="sliding.stroke, such as '10 mm', or a sliding.force")
+#: What fretting is computed of.
+FRETS = (
+    needs("study.model", "micro")
+    + needs("contact.law", "half-space")
+    + needs("friction.law", "coulomb", why=": friction.coefficient is its local coefficient")
+    + excludes("wear.particle", why=", whose pieces have no stroke")
+    + excludes("sliding.track_radius")
+)
+DRIVES = FRETS + excludes("sliding.kinematics", "stationary", "swept") + excludes("block")
+MEANS = when("sliding.frets", otherwise="does not apply without sliding.kinematics = 'fretting'")
 #: Keys of [sliding] and of a block that say one thing.
 LENGTHS = ("distance", "passes", "cycles", "revolutions", "duration")
 PACES = ("speed", "frequency")
-WAYS = ("stroke", "track_radius")
+WAYS = ("stroke", "track_radius", "force")
 A_DISC_OF_CELLS = ": patches lie still, and a smooth disc is one of cells with disc.synthetic.kind = 'flat'"
 #: A programme says lengths in its blocks.
 ALONE = when("block", None, otherwise="does not apply beside [[block]], whose lengths add up")
@@ -146,13 +162,52 @@ class Sliding(Section):
     speed: Annotated[float, Quantity("mm/s")] | None = key(
         None, "sliding speed, for the time axis only; by default the mean of the frequency"
     )
-    kinematics: Literal["stationary", "swept"] | None = key(
+    kinematics: Literal["stationary", "swept", "fretting"] | None = key(
         None,
         "swept: the counter-body slides along a track on the disc, as it does by itself with a stroke or "
-        "track_radius; stationary: the same disc cells stay under it",
+        "track_radius; stationary: the same disc cells stay under it; fretting: it moves to and fro by less "
+        "than its contact is long, as it does by itself with a force or stroke_of = 'body'",
         demands=needs("study.model", "micro", of="swept", why=A_DISC_OF_CELLS)
-        + needs("sliding.lap", of="swept", what="sliding.stroke, or sliding.track_radius of a rotating disc"),
+        + needs("sliding.lap", of="swept", what="sliding.stroke, or sliding.track_radius of a rotating disc")
+        + tuple(replace(demand, of=("fretting",)) for demand in FRETS)
+        + needs("sliding.turns", of="fretting", what="a sliding.stroke or a sliding.force"),
     )
+    positions: Literal["mean", "cells"] | None = key(
+        None,
+        "fretting: one contact for all places of a stroke, at their mean pressure, or one at each cell; "
+        f"if not given the mean where the disc is smooth and the stroke at most {HONEST_MEAN:g} of the "
+        "width of the scar",
+        applies=MEANS,
+        demands=excludes("block", of="mean"),
+    )
+    stroke_of: Literal["slip", "body"] = key(
+        "slip",
+        "fretting: whether the stroke is slipped, or what the drive moves the bodies by: what they and the "
+        "rig yield is taken off, so that they may slip in part, or not",
+        assumed="gross slip, as read off the width of a friction loop",
+        applies=MEANS,
+        demands=tuple(replace(demand, of=("body",)) for demand in DRIVES)
+        + needs("sliding.stroke", of="body")
+        + needs("effective_modulus", of="body", what="the elastic constants of both bodies")
+        + excludes("contact.boundary", "line", of="body", why=", whose displacement has no absolute value")
+        + excludes("sliding.positions", "cells", of="body"),
+    )
+    force: Annotated[float, Quantity("N")] | None = key(
+        None,
+        "instead of stroke: amplitude of a tangential force that turns, below the coefficient times the load",
+        one_of="lap",
+        demands=DRIVES
+        + excludes("sliding.positions", "cells")
+        + needs("effective_modulus", what="the elastic constants of both bodies")
+        + needs("counter.has_hertz", what="a ball, a crowned body or a cylinder"),
+    )
+    rig_compliance: Annotated[float, Quantity("mm/N", NOT_NEGATIVE)] = key(
+        "0 mm/N",
+        "fretting: what the rig yields beside the bodies; of a stroke_of = 'body' it is taken off",
+        applies=MEANS,
+    )
+    #: Stroke that a force gives unworn bodies [mm].
+    _travel: float | None = PrivateAttr(None)
     track: Annotated[float | Literal["full"], Quantity("mm", words=("full",))] = key(
         "full",
         "swept: the whole stroke, or the length of a periodic disc on which one lap stands for one pass",
@@ -180,8 +235,25 @@ class Sliding(Section):
 
     @property
     def lap(self) -> float | None:
-        """Distance of one pass [mm]: the stroke, or one revolution."""
-        return self.stroke if self.track_radius is None else 2.0 * math.pi * self.track_radius
+        """Distance of one pass [mm]: the stroke, or one revolution; of a force that of unworn bodies."""
+        return (
+            (self.stroke or self._travel) if self.track_radius is None else 2.0 * math.pi * self.track_radius
+        )
+
+    @property
+    def turns(self) -> bool:
+        """True where the bodies turn after a pass."""
+        return self.stroke is not None or self.force is not None
+
+    @property
+    def frets(self) -> bool:
+        """True where a stroke is short, or need not slip at all."""
+        return self.kinematics == "fretting" or self.force is not None or self.stroke_of == "body"
+
+    @property
+    def drives_bodies(self) -> bool:
+        """True where a force, or a stroke of the bodies, decides how much slips."""
+        return self.force is not None or self.stroke_of == "body"
 
     @property
     def pace(self) -> float | None:
@@ -205,15 +277,17 @@ class Sliding(Section):
             return self.revolutions * self.lap
         if self.duration is not None and self.pace is not None:
             return self.pace * self.duration
-        return (self.stroke or 0.0) * (self.passes or 2 * (self.cycles or 0))
+        return (self.stroke or self._travel or 0.0) * (self.passes or 2 * (self.cycles or 0))
 
 
 class BlockSection(Section):
     """A table [[block]] says what differs in it from [contact] and [sliding], and how far it slides."""
 
     load: Annotated[float, Load("N")] | None = key(None, "normal load in the block")
-    stroke: Length | None = key(None, "length of one pass; over a track all blocks have one")
-    track_radius: Length | None = key(None, "instead of stroke: radius of the track on a rotating disc")
+    stroke: Length | None = key(None, "length of one pass; over a track in the middle of the longest")
+    track_radius: Length | None = key(
+        None, "instead of stroke: radius of the track on a rotating disc; over a track all blocks have one"
+    )
     speed: Annotated[float, Quantity("mm/s")] | None = key(None, "sliding speed, for the time axis only")
     frequency: Annotated[float, Quantity("Hz")] | None = key(
         None, "cycles, or with a track_radius revolutions, in a second"
@@ -237,13 +311,20 @@ class Stepping(Section):
 
     scheme: Literal["explicit", "implicit"] = key("implicit", "pressure of the step's start, or of its end")
     increment: Length | None = key(None, "fixed sliding increment", applies=STEPS, one_of="plan")
-    first: Length = growing_key("3 um", "growing increments: the first", assumed="nanometres of wear")
-    growth: Annotated[float, Number(Range(least=1.0, or_equal=True, most=10.0))] = growing_key(
-        1.02, "ratio of an increment to the last", assumed="grow with the distance slid"
+    first: Length | None = growing_key(
+        None,
+        "growing increments: the first; if not given 3 µm, and of fretting a cycle",
+        assumed="nanometres of wear",
+    )
+    growth: Annotated[float, Number(Range(least=1.0, or_equal=True, most=10.0))] | None = growing_key(
+        None,
+        f"ratio of an increment to the last; if not given {GROWTH:g}, and of fretting {GROWTH_OF_JUMPS:g}",
+        assumed="grow with the distance slid",
     )
     largest: Length | None = growing_key(
         None,
-        f"growing increments: the largest; 3 mm, or of a longer implicit run its {LARGEST_PARTS}th part",
+        f"growing increments: the largest; 3 mm, or of a longer implicit run its {LARGEST_PARTS}th part; "
+        "fretting has none",
         assumed="a tenth of a usual stroke, small beside the distance",
     )
     load_tolerance: Annotated[float | Literal["one cell"], Quantity("N", words=("one cell",))] = key(
@@ -263,14 +344,20 @@ class Stepping(Section):
     force: bool = key(False, "go on beyond the explicit stability limit")
 
     def _check(self) -> None:
-        if self.largest is not None and self.first > self.largest:
+        first = self.first or FIRST
+        if self.largest is not None and first > self.largest:
             raise ValueError(
-                f"stepping.first = {self.first:g} mm must not exceed stepping.largest = {self.largest:g} mm"
+                f"stepping.first = {first:g} mm must not exceed stepping.largest = {self.largest:g} mm"
             )
 
-    def plan(self, distance: float) -> tuple[float, float, float]:
-        """First increment over a distance [mm], the factor by which increments grow, and the largest [mm]."""
+    def plan(self, distance: float, *, cycle: float | None = None) -> tuple[float, float, float]:
+        """First increment over a distance [mm], the factor by which increments grow, and the largest [mm].
+
+        cycle: of fretting [mm], where increments jump over cycles.
+        """
         if self.increment is not None:
             return self.increment, 1.0, self.increment
-        part = distance / LARGEST_PARTS if self.scheme == "implicit" else 0.0  # stable at any length
-        return self.first, self.growth, self.largest or max(3.0, part, self.first)
+        parts = 1 if cycle else LARGEST_PARTS
+        part = distance / parts if self.scheme == "implicit" else 0.0  # stable at any length
+        growth, first = GROWTH_OF_JUMPS if cycle else GROWTH, self.first or cycle or FIRST
+        return first, self.growth or growth, self.largest or max(3.0, part, first)

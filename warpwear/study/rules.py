@@ -3,8 +3,10 @@
 import math
 import re
 from collections.abc import Iterator
+from itertools import pairwise
 
 from warpwear.laws.archard import CALLED
+from warpwear.laws.elastic import LEAST_TORSION
 from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study import rules_pieces, rules_track
 from warpwear.study.content import Content
@@ -33,18 +35,45 @@ def check(study: Content) -> None:
         _steps(study)
         return
     _junction_growth(study)
+    _by_area(study)
     if study.study.model == "two-scale":
         _patches(study)
     _line(study)
     _boundary(study)
     _shape(study)
     rules_track.check(study)
+    _fretting(study)
     rules_pieces.check(study)
     _hardness(study)
     _capacity(study)
     _tolerance(study)
     _stability(study)
     _steps(study)
+    _fatigue(study)
+
+
+def _fatigue(study: Content) -> None:
+    """Refuse fatigue limits that no criterion is made for, and a length beyond the domain."""
+    fatigue = study.fatigue
+    if fatigue is None:
+        return
+    if study.is_swept:
+        raise ValueError(
+            "[fatigue] does not go with sliding.kinematics = 'swept', where the contact leaves a place "
+            "before its friction turns round; allowed is a disc that stays under the counter-body"
+        )
+    ratio = fatigue.torsion / fatigue.bending
+    if not LEAST_TORSION <= ratio <= 1.0:
+        raise ValueError(
+            f"fatigue.torsion = {fatigue.torsion:g} MPa is {ratio:.3g} of fatigue.bending; allowed is "
+            f"{LEAST_TORSION:.3g} to 1 of it"
+        )
+    side = min(study.grid.sides[: 1 if study.is_line else 2])
+    if fatigue.length > side:
+        raise ValueError(
+            f"fatigue.length = {1e3 * fatigue.length:g} µm is longer than the domain, {1e3 * side:g} µm; "
+            "allowed is a length within it"
+        )
 
 
 def sliding_of_blocks(study: Content) -> Sliding:
@@ -64,20 +93,24 @@ def sliding_of_blocks(study: Content) -> Sliding:
             raise ValueError(f"block {number}: {here}") from error
     first = study.parts[0]
     for number, part in enumerate(study.parts, 1):
-        if part.sliding.lap != first.sliding.lap and (part.is_swept or first.is_swept):
+        other = part.sliding.lap != first.sliding.lap and (part.is_swept or first.is_swept)
+        if other and (part.sliding.track_radius or first.sliding.track_radius or not part.is_swept):
             raise ValueError(
                 f"block {number}: a pass of {part.sliding.lap or 0.0:.6g} mm is not that of block 1, "
-                f"{first.sliding.lap or 0.0:.6g} mm; over a track all blocks have one stroke or track_radius"
+                f"{first.sliding.lap or 0.0:.6g} mm; on a track only the stroke may change: another "
+                "track_radius is another circle of the disc, unworn, so that blocks of it are another test"
             )
-    lap = first.lap
-    for block in study.blocks[:-1]:
-        if lap is not None and not is_whole(block.length / lap):
+    laps = {block.lap for block in study.blocks}
+    for block, after in pairwise(study.blocks):
+        turns = block.lap != after.lap  # which the counter-body does where it began
+        if first.is_swept and not is_whole(block.length / (block.lap or 1.0) / (2 if turns else 1)):
             raise ValueError(
                 f"block {block.number}: its length, {block.length:g} mm, is not a whole number of "
-                f"passes of {lap:g} mm, after which alone another block may follow on a track"
+                f"{'pairs of ' if turns else ''}passes of {block.lap:g} mm, after which alone another "
+                f"{'stroke' if turns else 'block'} may follow on a track"
             )
     follows = {"distance": study.blocks[-1].end}
-    if first.is_swept or study.sliding.lap is None:  # what all blocks say instead
+    if study.sliding.lap is None or (first.is_swept and len(laps) == 1):  # what all blocks say instead
         ways = {name: getattr(first.sliding, name) for name in WAYS}
         follows |= {name: value for name, value in ways.items() if value != getattr(study.sliding, name)}
     sliding = study.sliding.model_copy(update=follows)
@@ -108,6 +141,30 @@ def _patches(study: Content) -> None:
             "must hold two macro cells or more"
         )
     rules_track.refuse_parts("grid.extent", extent, patches.macro_cell, cells=named)
+
+
+def _fretting(study: Content) -> None:
+    """Refuse forces that make the contact slip as a whole, and means over what is rough."""
+    sliding, limit = study.sliding, study.friction.coefficient * study.contact.load
+    if study.fretting is None:
+        return
+    if limit == 0.0:
+        raise ValueError("friction.coefficient = 0 dissipates nothing: fretting needs more than 0")
+    if sliding.force is not None and sliding.force >= limit:
+        raise ValueError(
+            f"sliding.force = {sliding.force:g} N is not less than friction.coefficient × contact.load = "
+            f"{limit:g} N: the whole contact would slip, without end; allowed are less, or a sliding.stroke"
+        )
+    if sliding.drives_bodies:
+        return
+    stroke, disc = sliding.stroke or 0.0, study.disc.synthetic
+    if stroke > study.grid.cell:
+        rules_track.refuse_parts("sliding.stroke", stroke, study.grid.cell)
+    if disc is None or disc.kind != "flat":
+        raise ValueError(
+            "sliding.positions = 'mean' needs disc.synthetic.kind = 'flat': what is rough changes from place "
+            "to place; allowed is 'cells'"
+        )
 
 
 def _line(study: Content) -> None:
@@ -157,6 +214,31 @@ def _shape(study: Content) -> None:
             f"{counter.edge_radius:g} mm makes a pin {width:g} mm wide, and grid.extent = {study.grid.size} "
             "must hold it with a cell on each side; allowed are a smaller pin and a larger grid.extent"
         )
+
+
+def _by_area(study: Content) -> None:
+    """Refuse what wear by the shear strength of cells in contact cannot be computed with."""
+    if not study.wears_by_area:
+        return
+    friction, alone = study.friction, "wear.law = 'energy' by a shear strength wears cells in contact alike"
+    if friction.shear_strength is None:
+        raise ValueError(
+            "wear.law = 'energy' needs friction.shear_strength, as a measured coefficient gives it at the "
+            "end alone, or friction.law = 'coulomb'"
+        )
+    refused = {
+        "study.model = 'two-scale'": study.study.model == "two-scale" and ": patches share the load",
+        "[friction.film]": friction.film is not None and ", whose cells differ in strength",
+        "friction.initial_ratio": friction.initial_ratio is not None and ", by which the strength changes",
+        f"friction.area = '{friction.area}'": friction.area != "contact" and ": 'contact' is allowed",
+        "wear.particle": study.wear.sheds and ": what is pending would bear",
+        f"wear.distance_factor = '{study.wear.distance_factor}'": study.wear.distance_factor != "none"
+        and ", by which cells differ",
+        "stepping.scheme = 'explicit'": study.stepping.scheme == "explicit" and ": 'implicit' is allowed",
+    }
+    for key, why in refused.items():
+        if why:
+            raise ValueError(f"{alone}: it does not go with {key}{why}; friction.law = 'coulomb' does")
 
 
 def _junction_growth(study: Content) -> None:
@@ -298,7 +380,7 @@ def _of_film(study: Content) -> Iterator[str]:
     """Yield a sentence about a film on a body that does not wear: no cell ever loses it."""
     film = study.friction.film
     for body, law in zip(("counter", "disc"), study.wear_laws, strict=True):
-        if film is not None and film.bodies in ("both", body) and law.fastest == 0.0:
+        if film is not None and film.bodies in ("both", body) and not law.wears:
             yield (
                 f"wear.{body} = 0: the {CALLED[body]} keeps its film, so no cell becomes bare by "
                 f"friction.film.bodies = '{film.bodies}'."
@@ -424,7 +506,8 @@ def _steps(study: Content) -> None:
         jump = study.stepping.jump
         # How far cycles may be jumped shows on the way.
         longest = MOST_JUMP if jump == "auto" else jump
-        steps = study.track.steps(total) / (longest if study.jumps else 1)
+        steps = sum(t.steps(b.length) for t, b in zip(study.tracks, study.blocks, strict=True))
+        steps = steps / (longest if study.jumps else 1)
         by, larger = f"sliding.shift = {study.shift} cells", "sliding.shift or grid.cell"
     elif growth > 1.0:
         # Growing steps cover first growth^n/(growth − 1); at most the whole distance is left for the largest.

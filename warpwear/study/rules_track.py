@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 
+from warpwear.laws.fretting import HONEST_MEAN
 from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study.bodies import Synthetic
 from warpwear.study.content import Content
@@ -22,7 +23,7 @@ def check(study: Content) -> None:
     if sliding.track_radius is not None:
         named = f"sliding.track_radius = {sliding.track_radius:g} mm (a track of {lap:.4g} mm)"
     if not study.is_swept:
-        if sliding.kinematics is None:
+        if sliding.kinematics is None and study.fretting is None:
             raise ValueError(
                 f"{named}: in the {study.study.model} model the disc lies still; allowed are study.model = "
                 "'micro', in which the counter-body slides, and sliding.kinematics = 'stationary'"
@@ -101,6 +102,8 @@ def worn_widths(study: Content, distance: float | None = None) -> tuple[float, f
     counter, disc = (study.volume(law, total) for law in study.wear_laws)
     lap = study.sliding.lap
     at_rest = _held(form, form.worn(counter + disc, domain))
+    if study.fretting is not None:
+        return _of_fretting(study, at_rest)
     if not study.is_swept or lap is None:
         return at_rest
     of_groove = Form(across=form.across)
@@ -110,6 +113,17 @@ def worn_widths(study: Content, distance: float | None = None) -> tuple[float, f
         for moving, still in zip(_held(form, form.worn(counter, domain)), at_rest, strict=True)
     )
     return along, across
+
+
+def _of_fretting(study: Content, at_rest: tuple[float, float]) -> tuple[float, float]:
+    """Return the widths of scars [mm] that a stroke makes longer; of what may stick, of the contact alone."""
+    lap, hertz = study.sliding.lap or 0.0, study.hertz
+    if not study.sliding.drives_bodies:
+        return at_rest[0] + lap * (at_rest[0] > 0.0), at_rest[1]
+    if hertz is None or study.slides_by > 0.0:
+        return at_rest
+    along, across = hertz.semi_axes
+    return _held(study.counter.form, (2.0 * along, 2.0 * across))
 
 
 def _held(form: Form, widths: tuple[float, float]) -> tuple[float, float]:
@@ -145,6 +159,8 @@ def unstable(study: Content) -> str | None:
 
 def doubts(study: Content) -> Iterator[str]:
     """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
+    if study.fretting is not None:
+        yield from _of_mean(study)
     if not study.is_swept:
         return
     sliding = study.sliding
@@ -176,6 +192,22 @@ def doubts(study: Content) -> Iterator[str]:
             "seam where the lap closes."
         )
     yield from _of_sticking(study)
+
+
+def _of_mean(study: Content) -> Iterator[str]:
+    """Yield a sentence about a stroke too long for one pressure, or about bodies that yield unalike."""
+    ratio, drives = study.stroke_ratio, study.sliding.drives_bodies
+    if ratio > HONEST_MEAN and not drives:
+        yield (
+            f"sliding.positions = 'mean': the stroke is {ratio:.2g} of the scar's width, and depths of the "
+            f"bodies are off by some per cent beyond {HONEST_MEAN:g}; 'cells' solves each place."
+        )
+    first, second = study.counter.elastic, study.disc.elastic
+    if drives and first and second and first != second:
+        yield (
+            "sliding.force or sliding.stroke_of = 'body': the bodies' elastic constants differ, and what "
+            "that adds (friction changes the pressure) is left out."
+        )
 
 
 def _of_sticking(study: Content) -> Iterator[str]:

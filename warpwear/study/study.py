@@ -65,9 +65,7 @@ class Study(Content):
     def refuse_blocks(self, what: str) -> None:
         """Raise InputError for a programme of blocks, in the name of what goes by one load alone."""
         if self.block is not None:
-            raise InputError(
-                f"{what} goes by one load, and the study is a programme: [[block]] is not allowed."
-            )
+            raise InputError(f"{what} goes by one load: [[block]], a programme, is not allowed")
 
     def notices(self) -> list[str]:
         """Return a sentence about each old name, each unused key, and each number that misleads."""

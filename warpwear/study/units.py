@@ -29,6 +29,7 @@ EXAMPLES = {
     "mm^3/N/m": "a wear coefficient such as '9.4e-4 mm^3/N/m'",
     "mm^3/J": "a wear volume of an energy such as '2e-5 mm^3/J'",
     "1/mm": "an inverse length such as '0.1 1/m'",
+    "mm/N": "a compliance such as '0.05 um/N'",
     "N/mm": "an energy of an area such as '2 J/m^2'",
 }
 
@@ -45,6 +46,7 @@ FACTORS = {
     "mm": {"mm": 1.0, "um": 1.0e-3, "µm": 1.0e-3, "m": 1.0e3},
     "N": {"N": 1.0, "mN": 1.0e-3},
     "MPa": {"MPa": 1.0, "GPa": 1.0e3},
+    "mm/N": {"mm/N": 1.0, "um/N": 1.0e-3, "µm/N": 1.0e-3},
     "N/mm^3": {"N/mm^3": 1.0},
     "mm/s": {"mm/s": 1.0, "mm/min": 1.0 / 60.0},
     "s": {"s": 1.0, "min": 60.0},

@@ -31,9 +31,7 @@ def connected(address: str, *, insecure: bool = False, device: str = "cpu") -> I
     try:
         client = distributed.Client(address, timeout="20s")
     except ImportError:
-        raise InputError(
-            "--cluster needs the package distributed: pip install 'warpwear[cluster]'."
-        ) from None
+        raise InputError("--cluster needs the package distributed: pip install 'warpwear[cluster]'") from None
     except (OSError, ValueError, TimeoutError) as error:
         raise InputError(f"--cluster {address} cannot be reached: {error}.") from error
     with client:

@@ -54,13 +54,9 @@ class Design:
         if self.kind not in DESIGNS:
             raise InputError(f"sweep.design = '{self.kind}' is not known; allowed: {', '.join(DESIGNS)}.")
         if self.kind in SAMPLED and self.samples is None:
-            raise InputError(
-                f"sweep.design = '{self.kind}' needs a number of samples, such as samples = 256."
-            )
+            raise InputError(f"sweep.design = '{self.kind}' needs a number of samples, such as samples = 256")
         if self.kind in LISTED and self.samples is not None:
-            raise InputError(
-                f"sweep.samples does not apply to the design '{self.kind}', which takes every value."
-            )
+            raise InputError(f"sweep.samples does not apply to design '{self.kind}', which takes every value")
         if self.samples is not None and self.samples < 2:
             raise InputError(f"sweep.samples = {self.samples}: at least 2 are needed.")
 

@@ -46,9 +46,7 @@ class Plan:
         band_over = [section.band_over] if isinstance(section.band_over, str) else list(section.band_over)
         for key in band_over:
             if key not in self.keys:
-                raise InputError(
-                    f"sweep.band_over = '{key}' is not varied; varied are {', '.join(self.keys)}."
-                )
+                raise InputError(f"sweep.band_over = '{key}' is not varied; {', '.join(self.keys)} are")
         self.band_over = band_over or (self.keys if self.design.kind in SAMPLED else [])
         self.points: list[Point] = points_of(study, self.design.points(self.factors), device=device)
 

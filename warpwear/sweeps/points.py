@@ -97,9 +97,7 @@ def with_positions(study: Study, vary: Mapping[str, Any]) -> dict[str, Any]:
         )
     disc = study.disc
     if disc.surface is None:
-        raise InputError(
-            f"sweep.vary '{CROP}' needs a measured disc (disc.surface); vary disc.synthetic.seed."
-        )
+        raise InputError(f"sweep.vary '{CROP}' needs a measured disc, disc.surface; vary disc.synthetic.seed")
     reading = read(disc.surface, pixel=disc.pixel, height_unit=disc.height_unit, array=disc.array)
     rows = study.track.rows if study.is_swept else study.cells.nx
     needed = np.array([rows, study.cells.ny]) * study.grid.cell

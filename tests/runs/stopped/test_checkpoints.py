@@ -65,8 +65,8 @@ def test_what_cannot_be_resumed_is_refused_and_kept(alone: Path, tmp_path: Path)
     for size in (0, HEADER, len(good) // 2):
         path.write_bytes(good[:size])
         refused("damaged")
-    path.write_bytes(good.replace(b"checkpoint %d " % checkpoint.FORMAT, b"checkpoint 9 ", 1))
-    refused(rf"another version of warpwear \(format 9, this one reads {checkpoint.FORMAT}\)")
+    path.write_bytes(good.replace(b"checkpoint %d " % checkpoint.FORMAT, b"checkpoint 99 ", 1))
+    refused(rf"another version of warpwear \(format 99, this one reads {checkpoint.FORMAT}\)")
     path.write_bytes(good)
     # What no step depends on may change.
     renamed = short(study__name="other", friction__shear_strength="2 MPa", run__checkpoint="1 min")

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cases_stopped import differences, run_stopped, study_of
-from cases_track import small
+from cases_track import CELL, small
 from click.testing import CliRunner
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -231,12 +231,105 @@ def test_what_goes_by_one_load_refuses_a_programme(tmp_path: Path) -> None:
     assert "goes by one load" in str(fitted.exception)
 
 
-def test_strokes_may_differ_at_rest_alone() -> None:
+STROKES: list[dict[str, Any]] = [{"stroke": "0.9 mm", "load": "4 N", "cycles": 2}]
+STROKES += [
+    {"stroke": "0.5 mm", "load": "4 N", "cycles": 3},
+    {"stroke": "1.2 mm", "load": "9 N", "passes": 3},
+]
+SOFT = {"contact.stiffness": "2e5 N/mm^3"}
+ON_STROKES = {
+    "full": (small("full"), {}),
+    "full, half-space": (small("full"), HALF_SPACE),
+    "representative": (
+        small("representative"),
+        {"sliding.track": "0.8 mm", "sliding.plastic": "keep"} | SOFT,
+    ),
+    "representative, half-space": (small("representative"), HALF_SPACE),
+}
+
+
+def of_strokes(case: str) -> Study:
+    """A programme whose blocks differ in stroke, which on a representative track is three times as long."""
+    study, changes = ON_STROKES[case]
+    times = 1.0 if case.startswith("full") else 3.0
+    blocks = [{**block, "stroke": f"{times * float(block['stroke'][:3]):g} mm"} for block in STROKES]
+    return study.replace(changes).replace(block=blocks)
+
+
+@pytest.mark.parametrize("case", ON_STROKES)
+def test_blocks_of_other_strokes_wear_one_disc(case: str, tmp_path: Path, device: str) -> None:
+    """Volumes are Σ K F L, places those of each stroke, and a run that was stopped goes on."""
+    study = of_strokes(case)
+    assert Study.stored(study.to_toml()) == study
+    one, other = tmp_path / "alone", tmp_path / "stopped"
+    with warpwear.run(study, out=one, plots=False, threads=1, device=device) as result:
+        history, number = result.history, result.history["block"]
+        summary = result.summary
+    for body, law in zip(("counter", "disc"), study.wear_laws, strict=True):
+        for block in study.blocks:
+            volume = sum(
+                b.load * law.wear_per_pressure(b.start, b.length) for b in study.blocks[: block.number]
+            )
+            assert_allclose(history[f"wear_volume_{body}"][number == block.number][-1], volume, rtol=1e-12)
+    for block, track in zip(study.blocks, study.tracks, strict=True):
+        places = history["position"][number == block.number]
+        assert np.abs(places).max() <= 0.5 * track.cells * CELL
+        assert_allclose(history["distance"][number == block.number][-1], block.end, rtol=1e-14)
+    assert summary["track"]["passes"] == pytest.approx(4 + 6 + 3)
+    inside = int(np.flatnonzero(number == 2.0)[0])
+    run_stopped(study, other, inside, threads=2, device=device)
+    run_stopped(study, other, 2, resume=True, threads=1, device=device)
+    warpwear.run(study, out=other, plots=False, resume=True, threads=1, device=device).close()
+    assert differences(one, other) == []
+
+
+def test_a_second_stroke_meets_what_the_first_has_left(device: str) -> None:
+    """A disc alone that wears, in its middle, is what a run of that stroke begins with."""
+    alone = {"wear.counter": 0.0, "counter.radius": "3 mm", "friction.shear_strength": "4 MPa"}
+    study = small("full").replace(alone)
+    first, second = {"stroke": "0.9 mm", "cycles": 2}, {"stroke": "0.5 mm", "cycles": 2}
+    both = warpwear.run(study.replace(block=[first, second]), device=device)
+    before = warpwear.run(study.replace({"sliding.cycles": 2}), device=device)
+    whole = slice(0, before.track_x.size)
+    worn = before.track_heights(whole) - np.add(*before.track_loss(before.snapshot_distances.size - 1, whole))
+    spare = round((0.9 - 0.5) / CELL)
+    middle = worn[spare // 2 : worn.shape[0] - spare // 2]
+    later = study.replace({"sliding.stroke": "0.5 mm", "sliding.cycles": 2, "sliding.shift": 7})
+    after = warpwear.run(later, surface=middle, device=device)
+    mine = both.history["block"] == 2.0
+    for name in ("area_contact", "pressure_max", "position"):
+        assert_allclose(both.history[name][mine], after.history[name], rtol=1e-9, atol=1e-12, err_msg=name)
+
+
+def test_cycles_of_a_stroke_stand_for_its_own(tmp_path: Path, device: str) -> None:
+    """Jumps of two strokes wear as much as every cycle would, and go on where they were stopped."""
+    study = of_strokes("full").replace({"stepping.jump": 4, "counter.radius": "3 mm"})
+    study = study.replace({f"block.{number}.load": "1 N" for number in (1, 2, 3)})
+    study = study.replace({"block.1.cycles": 12, "block.2.cycles": 18, "block.3.passes": 16})
+    one, other = tmp_path / "alone", tmp_path / "stopped"
+    with warpwear.run(study, out=one, plots=False, threads=1, device=device) as result:
+        history, jumps = result.history, result.summary["track"]["jumps"]
+    assert history["cycles"].max() > 1.0
+    assert jumps["cycles"] == pytest.approx(12 + 18 + 8)
+    volume = study.wear_coefficients[1] * sum(block.load * block.length for block in study.blocks)
+    assert_allclose(history["wear_volume_disc"][-1], volume, rtol=1e-12)
+    inside = int(np.flatnonzero(history["block"] == 2.0)[0]) + 9
+    run_stopped(study, other, inside, threads=1, device=device)
+    warpwear.run(study, out=other, plots=False, resume=True, threads=1, device=device).close()
+    assert differences(one, other) == []
+
+
+def test_strokes_that_do_not_follow_each_other_are_refused() -> None:
     still = Study.load("v3-fine").replace({"grid.cell": "20 um", "output.snapshots": []})
     blocks: list[dict[str, Any]] = [{"cycles": 2, "stroke": "3 mm"}, {"cycles": 2, "stroke": "1 mm"}]
     assert [block.length for block in still.replace(block=blocks).blocks] == [12.0, 4.0]
-    with pytest.raises(InputError, match="block 2: a pass of 1 mm is not that of block 1, 3 mm"):
-        small("full").replace(block=blocks)
+    with pytest.raises(
+        InputError, match=r"block 1: its length, 0\.9 mm, is not a whole number of pairs of pass"
+    ):
+        small("full").replace(block=[{"passes": 1}, {"cycles": 2, "stroke": "0.5 mm"}])
+    radii = [{"revolutions": 2, "track_radius": f"{radius} mm"} for radius in (0.161, 0.2)]
+    with pytest.raises(InputError, match=r"block 2: .* another track_radius is another circle of the disc"):
+        small("rotating").replace(block=radii)
     track = small("full").replace(block=[{"passes": 2, "stroke": "1.8 mm"}] * 2)
     assert track.track.stroke == 1.8
     assert Study.stored(track.to_toml()) == track

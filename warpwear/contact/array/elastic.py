@@ -55,7 +55,7 @@ def _solve_free(task: Task, executor: Executor, options: dict[str, Any]) -> Solu
     """Solve on a window, then displace all cells; on a larger one where that shows it to be too small."""
     grid, evaluations = executor.grid, 0
     everything = Window.close_to((0, grid.nx - 1, 0, grid.ny - 1), grid)
-    reached = everything.box if task.approach is None else _box(task.gap < task.approach)
+    reached = everything.box if task.approach is None else box_of(task.gap < task.approach)
     if reached is None:
         return Solution(np.zeros(task.shape), np.zeros(task.shape), task.approach or 0.0, evaluations)
     boxes = [reached, _guess(task, executor, options) or reached]
@@ -72,7 +72,7 @@ def _solve_free(task: Task, executor: Executor, options: dict[str, Any]) -> Solu
         if _clears(task.gap, displaced, window, approach - allowed):
             break
         # Too few cells give too large an approach: what lies below it holds the contact of them all.
-        reached = None if again else _box(task.gap <= approach)
+        reached = None if again else box_of(task.gap <= approach)
         window = everything if reached is None else Window.close_to(reached, grid)
     return Solution(
         executor.to_numpy(pressure), displaced, approach, evaluations, allowed=(1.0 + SLACK) * allowed
@@ -130,7 +130,7 @@ def _guess(task: Task, executor: Executor, options: dict[str, Any]) -> Box | Non
         except (ConvergenceError, InputError):
             return None
         lifted = np.where(gap < PADDING, wide.to_numpy(contact.gradient_field) - gap, 0.0)
-        box = _box((lowest + lifted < contact.approach) | (contact.pressure > 0.0))
+        box = box_of((lowest + lifted < contact.approach) | (contact.pressure > 0.0))
     if box is None:
         return None
     # one wide cell more on each side
@@ -151,7 +151,7 @@ def _executor_like(executor: Executor, grid: Grid) -> Executor:
     return Executor(grid, device=str(executor.device), threads=executor.threads, fields_needed=0.0)
 
 
-def _box(cells: npt.NDArray[np.bool_]) -> Box | None:
+def box_of(cells: npt.NDArray[np.bool_]) -> Box | None:
     """Return the first and last row and column of the cells that are true; None where none is."""
     rows, columns = (np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0))
     if not rows.size:

@@ -38,18 +38,21 @@ def check_memory(shape: tuple[int, ...], device: str, edge: str | None) -> None:
     """Say what memory a large contact needs; InputError where there is less."""
     if math.prod(shape) >= LARGE:
         release(find_device(device))  # what is kept of earlier solves counts as free
-    host, *gpu = free_memory(device).items()
-    fields = [(FIELDS_BESIDE_GPU if gpu else FIELDS)[edge], *(FIELDS_ON_GPU[edge] for _ in gpu)]
+    host, *gpu = free_memory(device)
+    fields = {host: (FIELDS_BESIDE_GPU if gpu else FIELDS)[edge]} | dict.fromkeys(gpu, FIELDS_ON_GPU[edge])
+    needs = {place: count * 8.0 * math.prod(shape) for place, count in fields.items()}
+    claim("solve_contact", f"heights of shape {shape}", needs, device)
+
+
+def claim(caller: str, work: str, needs: dict[str, float], device: str = "cpu") -> None:
+    """Say what memory [B] a call needs of each place where it is much; InputError where there is less."""
     plan = []
-    for (place, there), count in zip([host, *gpu], fields, strict=True):
-        needed = count * 8.0 * math.prod(shape)
-        if needed > there:
+    for place, there in free_memory(device).items():
+        if needs[place] > there:
             raise InputError(
-                f"heights of shape {shape} need {needed / 2**30:.1f} GiB of memory; {place} has "
+                f"{work} need {needs[place] / 2**30:.1f} GiB of memory; {place} has "
                 f"{there / 2**30:.1f} GiB free."
             )
-        plan.append(f"{needed / 2**30:.1f} GiB of {place} ({there / 2**30:.1f} GiB free)")
-    if max(fields) * 8.0 * math.prod(shape) >= SAID:
-        print(
-            f"solve_contact: {shape[0]} × {shape[1]} cells need up to {' and '.join(plan)}", file=sys.stderr
-        )
+        plan.append(f"{needs[place] / 2**30:.1f} GiB of {place} ({there / 2**30:.1f} GiB free)")
+    if max(needs.values()) >= SAID:
+        print(f"{caller}: {work} need up to {' and '.join(plan)}", file=sys.stderr)

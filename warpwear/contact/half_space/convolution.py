@@ -77,9 +77,17 @@ class Convolution(Filter):
             "folded": _array(np.minimum(order_across, shape[0] - order_across), np.int32),
             "turns_across": turns[0].size + turns[1].size,
         }
-        self._table = _in_groups(table, np.resize(columns, groups * lines), lines, kind)
-        longest = max(groups * lines, shape[0] if shape[0] > grids.rows else 0)
-        own = groups if grids.count == 1 else groups * self._slots
+        tables = table if table.ndim == 3 else [table]
+        grouped = [_in_groups(one, np.resize(columns, groups * lines), lines, kind) for one in tables]
+        self._is_pair = len(grouped) > 1
+        if self._is_pair and is_odd:  # then modes beyond the middle are there, too
+            grouped[1] *= np.where(2 * np.resize(order, groups * lines) > numbers, -1, 1).reshape(
+                -1, 1, lines
+            )
+        self._table = _array(grouped if self._is_pair else grouped[0], kind)
+        self._signs = _array(np.where(2 * order_across > shape[0], -1.0, 1.0), np.float64)
+        longest = max(groups * lines, (1 + self._is_pair) * shape[0] if shape[0] > grids.rows else 0)
+        own = groups * (2 if self._is_pair else self._slots if grids.count > 1 else 1)
         real = wp.dtype_from_numpy(kind)
         places = within.memory if isinstance(within, Convolution) else (None, None)
         self.memory: tuple[Field, Field] = (
@@ -100,6 +108,15 @@ class Convolution(Filter):
             chunks = [(slot, slot + 1) for slot in range(self._slots)]
             program.launch(kernel[self._kind], plan, self._turns, *arrays, slots=self._slots, chunks=chunks)
 
+        if self._is_pair:
+            rows, groups = self._grids.rows, modes.shape[0] // 2
+            halves = [(slice(0, rows), modes[:groups]), (slice(rows, None), modes[groups:])]
+            for half, part in halves:
+                launch(fourier.forward, field_in[half], scratch, part)
+            launch(fourier.across_pair, self._table, self._signs, scratch, modes)
+            for half, part in halves:
+                launch(fourier.back, scratch, part, field_out[half])
+            return
         if self._grids.count > 1:
             launch(fourier.convolve, self._table, line, field_in, scratch, modes, field_out)
             return
@@ -151,14 +168,14 @@ def _pairs(angle: Any) -> FloatArray:
     return np.stack([np.cos(angle), np.sin(angle)], axis=-1).ravel()
 
 
-def _in_groups(table: FloatArray, columns: IntArray, lines: int, kind: Any) -> Any:
+def _in_groups(table: FloatArray, columns: IntArray, lines: int, kind: Any) -> FloatArray:
     """Return rows 0 … n//2 of an even table, by groups of columns."""
     rows = table.shape[0]
     grouped = np.empty((columns.size // lines, rows, lines), dtype=kind)
     for first in range(0, rows, TOGETHER):
         part = table[first : first + TOGETHER, columns]
         grouped[:, first : first + TOGETHER] = part.reshape(len(part), -1, lines).swapaxes(0, 1)
-    return _array(grouped, kind)
+    return grouped
 
 
 def _array(values: Any, kind: Any) -> Any:

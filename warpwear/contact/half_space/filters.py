@@ -83,7 +83,11 @@ class PaddedFilter(Filter):
         if not self._is_plain:
             launch(fourier.pad, grids.rows, field_in, place_in)
         program.call(self.forward(place_in))
-        launch(fourier.multiply, self.shape[0], self._table, line, self.waves)
+        if self._table.ndim == 3:
+            slots = executor.slots_of(self.shape[0])
+            program.launch(fourier.multiply_pair[self._kind], around, self._table, self.waves, slots=slots)
+        else:
+            launch(fourier.multiply, self.shape[0], self._table, line, self.waves)
         program.call(self.back(place_out))
         if not self._is_plain:
             launch(fourier.crop, grids.rows, place_out, field_out)
@@ -238,8 +242,9 @@ def filter_of(
 ) -> Filter:
     """Return a filter where the executor's fields are.
 
-    table: rows 0 … n//2 and columns 0 … m//2 of an even one. kind: of number. grids: the executor's grid by
-    default. within: of double precision and no smaller a shape, whose memory serves one of single precision.
+    table: rows 0 … n//2 and columns 0 … m//2 of an even one, or three as `Filter` says. kind: of number.
+    grids: the executor's grid by default. within: of double precision and no smaller a shape, whose memory
+    serves one of single precision.
     """
     kinds: type[Any] = CupyFilter
     if executor.device.is_cpu:

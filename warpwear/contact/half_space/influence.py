@@ -362,10 +362,13 @@ def free_quarter(grid: Grid, modulus: float, shape: tuple[int, int]) -> FloatArr
     return np.asarray(fft.dctn(coefficients, type=1, overwrite_x=True))
 
 
-def free_coefficients(cell: float, modulus: float, rows: int, columns: int) -> FloatArray:
+def free_coefficients(
+    cell: float, modulus: float, rows: int, columns: int, *, parts: tuple[float, float] = (1.0, 1.0)
+) -> FloatArray:
     """Return displacements at a cell's centre under unit pressures on others [mm/MPa], by distance in cells.
 
-    Four corner terms, x ln(y + r) + y ln(x + r), over π E* (Johnson eq 3.25). Shape (rows, columns).
+    Four corner terms, x ln(y + r) + y ln(x + r), over π E* (Johnson eq 3.25). Shape (rows, columns). parts:
+    what the two count by, which are integrals of y²/r³ and of x²/r³, whose sum is 1/r.
     """
     corners_x, corners_y = ((np.arange(n + 1) - 0.5)[:, np.newaxis] * cell for n in (rows, columns))
     x, y = corners_x, corners_y.T
@@ -377,8 +380,9 @@ def free_coefficients(cell: float, modulus: float, rows: int, columns: int) -> F
         term *= factor
         return np.asarray(term)
 
-    corner = by_hyperbolic_sine(x, y, x)
-    corner += corner.T if rows == columns else by_hyperbolic_sine(y, x, y)
+    corner = by_hyperbolic_sine(parts[0] * x, y, x)
+    is_even = rows == columns and parts[0] == parts[1]
+    corner += corner.T if is_even else by_hyperbolic_sine(parts[1] * y, x, y)
     total = corner[1:, 1:] - corner[1:, :-1]
     total -= corner[:-1, 1:]
     total += corner[:-1, :-1]

@@ -43,6 +43,12 @@ class Grids:
         return cls(1, grid.nx, grid.ny, executor.vectors * LANES, _visited(executor, 1))
 
     @classmethod
+    def pair(cls, executor: Executor) -> Self:
+        """Return two grids of an executor, of a field with twice as many rows."""
+        grid = executor.grid
+        return cls(2, grid.nx, grid.ny, executor.vectors * LANES, _visited(executor, 2))
+
+    @classmethod
     def squares(cls, executor: Executor, side: int) -> Self:
         """Return squares of which each is a row of the executor's fields."""
         count = executor.grid.nx
@@ -54,6 +60,9 @@ class Filter(ABC):
 
     The table is even in both directions, as all responses are: rows 0 … n//2 and columns 0 … m//2 tell the
     others. To each of its rows a number of a line adds, an array that may change.
+
+    Of the two grids of `Grids.pair` a filter with three tables multiplies the modes by a symmetric matrix of
+    them, and heeds no line: even ones on the diagonal, first and last, one odd in both directions off it.
     """
 
     @abstractmethod

@@ -63,9 +63,7 @@ def animate(
 
 def _check(result: ResultFile, out: str | Path | None, *, frames_per_second: float, overwrite: bool) -> Path:
     if result.study.samples_area:
-        raise InputError(
-            "a film needs whole fields, and the patches of this run cover a part of the area only"
-        )
+        raise InputError("a film needs whole fields, and this run's patches cover a part of the area only")
     count = result.snapshot_distances.size
     if count < 2:
         raise InputError(

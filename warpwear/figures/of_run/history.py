@@ -76,14 +76,15 @@ def _course(
 
     What comes before the middle of the first pass stays as it is. power: of the values that is shown.
     """
-    quantity, distance, lap = BY_NAME[name], data.course["distance"], data.study.lap
+    quantity, distance, lap = BY_NAME[name], data.course["distance"], data.study.blocks[0].lap
     values, look = quantity.scaled(data.course[name]) ** power, look_of(quantity)
-    passes = int(distance[-1] / lap + 1e-9) if lap is not None else 0
-    if lap is None or passes < PASSES:
+    slides = data.study.is_swept and data.study.passes_at(distance[-1]) + 1e-9 >= PASSES
+    if lap is None or not slides:
         return [Line(distance, values, label, look)]
     # Computed passes: one that stands for many is one, however far it slides.
     of_steps = pass_numbers(data.result)
-    number, passes = of_steps[whole_steps(data.result)], of_steps.size // data.study.track.steps_of_pass
+    number, passes = of_steps[whole_steps(data.result)], int(of_steps[-1])
+    passes += np.count_nonzero(of_steps == passes) == data.study.tracks[-1].steps_of_pass
     slid = np.bincount(of_steps, data.history["increment"])[:passes]
     whole, starts = number < passes, np.searchsorted(number, np.arange(passes))
     if largest:

@@ -74,8 +74,8 @@ def track_map(data: FigureData) -> Figure:
 @words.figure(words.STILL, words.NO_COURSE, words.NO_GROOVE, essential=True)
 def wear_per_pass(data: FigureData) -> Figure:
     """Mean depth that each pass adds to the {groove}, over the width of the contact."""
-    table, stroke = results.by_pass(data.result, "patch_across", "patch_along"), data.study.lap
-    assert stroke is not None  # or the figure is left out
+    table = results.by_pass(data.result, "patch_across", "patch_along")
+    stroke = table["stroke"]
     whole = table["distance"] > 0.99 * stroke
     if not whole.any():
         whole[:] = True
@@ -100,9 +100,8 @@ def wear_per_pass(data: FigureData) -> Figure:
 @words.figure(words.STILL, words.NO_COURSE, words.NO_COF)
 def cof_stroke(data: FigureData) -> Figure:
     """Coefficient of friction over the position in the stroke, of some passes. {friction}"""
-    course, stroke = data.course, data.study.lap
-    assert stroke is not None  # or the figure is left out
-    number = np.maximum(np.ceil(course["distance"] / stroke - 1e-9).astype(int), 1)
+    course = data.course
+    number = np.maximum(np.ceil(data.study.passes_at(course["distance"]) - 1e-9).astype(int), 1)
     number[course.get("cycles", np.ones(number.size)) > 1.0] = 0  # a jump is no pass
     passes = np.unique(number[number > 0])
     lines = []

@@ -1,7 +1,7 @@
 """What is said of figures: when a run has no such figure, and why; and what their captions say of a run.
 
-Each reason is a test of the run and a sentence for people. Captions are templates, the starts of the
-docstrings of functions that declare figures; their fields are filled in here.
+Each reason is a test of the run; its sentence for people stands in templates/reasons.toml. Captions are
+templates, the starts of the docstrings of functions that declare figures; their fields are filled in here.
 """
 
 import inspect
@@ -14,19 +14,27 @@ import numpy as np
 from warpwear.figures.describe import Figure
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.view import PASSES, last_at_hardness
+from warpwear.results.formats.forms import prose
 from warpwear.study.rules import FEWEST_ACROSS
 
 #: What declares a figure of a run.
 Declare = Callable[[FigureData], Figure]
+#: Name of a reason -> what is said of it.
+SENTENCES = prose("reasons")
 #: Pressures whose largest is less than this many times the mean are nearly the same.
 EVEN = 1.1
 
 
 class Reason(NamedTuple):
-    """Why a figure is left out of the runs that the test picks."""
+    """Why a figure is left out of the runs that the test picks. name: of its sentence."""
 
+    name: str
     applies: Callable[[FigureData], bool]
-    sentence: str
+
+    @property
+    def sentence(self) -> str:
+        """Say it for people."""
+        return SENTENCES[self.name]
 
 
 def first_of(reasons: Iterable[Reason], data: FigureData) -> str | None:
@@ -44,81 +52,42 @@ def _lost_nothing(*columns: str) -> Callable[[FigureData], bool]:
     return lambda data: not any(data.history[name][-1] > 0.0 for name in columns)
 
 
-NO_COURSE = Reason(lambda d: d.steps < 2, "the run has one step, so nothing changes over the distance")
-NO_COF = Reason(
-    lambda d: not np.isfinite(d.history["cof"]).any(),
-    "the coefficient of friction is calibrated at the end, which the run did not reach",
-)
-NO_FILM = Reason(lambda d: d.study.film is None, "the bodies carry no film: see friction.film")
-NO_TIME = Reason(
-    lambda d: not np.isfinite(d.history["time"]).any(), "sliding.speed is not given, so there is no time"
-)
-NO_RADIUS = Reason(
-    lambda d: not all(d.study.counter.form.rises), "a rigid flat, or a cylinder, has no radius of contact"
-)
-NO_SNAPSHOT = Reason(
-    lambda d: d.result.snapshot_distances.size == 0, "the run was interrupted before its first snapshot"
-)
-ONE_SNAPSHOT = Reason(
-    lambda d: d.result.snapshot_distances.size < 2,
-    "one snapshot shows no course; ask for more with output.snapshots",
-)
-SMOOTH_DISC = Reason(_is_smooth, "a smooth disc has neither roughness nor islands")
-SMOOTH = Reason(
-    lambda d: _is_smooth(d) and not d.study.wear.sheds, "smooth bodies that lose no pieces have no roughness"
-)
+NO_COURSE = Reason("no_course", lambda d: d.steps < 2)
+NO_COF = Reason("no_cof", lambda d: not np.isfinite(d.history["cof"]).any())
+NO_FILM = Reason("no_film", lambda d: d.study.film is None)
+NO_TIME = Reason("no_time", lambda d: not np.isfinite(d.history["time"]).any())
+NO_RADIUS = Reason("no_radius", lambda d: not all(d.study.counter.form.rises))
+NO_STRESSES = Reason("no_stresses", lambda d: not d.study.has_stresses)
+NO_SNAPSHOT = Reason("no_snapshot", lambda d: d.result.snapshot_distances.size == 0)
+ONE_SNAPSHOT = Reason("one_snapshot", lambda d: d.result.snapshot_distances.size < 2)
+SMOOTH_DISC = Reason("smooth_disc", _is_smooth)
+SMOOTH = Reason("smooth", lambda d: _is_smooth(d) and not d.study.wear.sheds)
 NO_TEXTURE = Reason(
+    "no_texture",
     lambda d: not any(np.isfinite(d.evolution.table[f"sq_{body}"]).any() for body in ("counter", "disc")),
-    "the scar has too few cells to tell its roughness",
 )
-NO_SPECTRUM = Reason(
-    lambda d: not all(d.spectra.values()),
-    "the scar has too few cells for a spectrum, or patches cover a part",
+NO_SPECTRUM = Reason("no_spectrum", lambda d: not all(d.spectra.values()))
+ONLY_SAMPLES = Reason("only_samples", lambda d: d.study.samples_area)
+ONE_SCALE = Reason("one_scale", lambda d: d.study.study.model != "two-scale")
+ROUGH = Reason("rough", lambda d: d.study.study.model != "macro")
+NO_HERTZ = Reason("no_hertz", lambda d: d.study.hertz is None)
+NO_FACTOR = Reason("no_factor", lambda d: d.study.wear.distance_factor == "none")
+NO_JUNCTIONS = Reason("no_junctions", lambda d: d.study.critical_junction is None)
+NO_PIECES = Reason("no_pieces", lambda d: not d.study.wear.sheds or d.result.pieces["step"].size < 2)
+NO_FRETTING = Reason("no_fretting", lambda d: d.study.fretting is None)
+NO_DISPLACEMENT = Reason(
+    "no_displacement", lambda d: d.study.fretting is None or not d.study.fretting.has_displacement
 )
-ONLY_SAMPLES = Reason(
-    lambda d: d.study.samples_area, "the patches cover a part of the area only: see load_share and patch_zoom"
-)
-ONE_SCALE = Reason(
-    lambda d: d.study.study.model != "two-scale", "the run has one scale: no patches share the load"
-)
-ROUGH = Reason(
-    lambda d: d.study.study.model != "macro", "a rough contact has no profile that Hertz's could stand beside"
-)
-NO_HERTZ = Reason(
-    lambda d: d.study.hertz is None,
-    "the elastic constants of counter-body and disc are not all known, or there is no counter-body",
-)
-NO_FACTOR = Reason(
-    lambda d: d.study.wear.distance_factor == "none", "wear.distance_factor is none: all cells slide as far"
-)
-NO_JUNCTIONS = Reason(
-    lambda d: d.study.critical_junction is None,
-    "the critical size of junctions needs junctions.surface_energy and the softer body's constants",
-)
-NO_PIECES = Reason(
-    lambda d: not d.study.wear.sheds or d.result.pieces["step"].size < 2,
-    "wear leaves at once, or fewer than two pieces have left: see wear.particle",
-)
-STILL = Reason(
-    lambda d: not d.study.is_swept, "the disc lies still: sliding.kinematics = 'swept' makes a track"
-)
-TRACK = Reason(
-    lambda d: d.study.is_swept, "the disc's wear covers a track: see groove, track_map and track_roughness"
-)
-TRACK_FACTOR = Reason(
-    lambda d: d.study.is_swept, "a ball that slides over its track has no factor of the distance"
-)
-UNWORN = Reason(
-    _lost_nothing("wear_depth_counter", "wear_depth_disc"), "nothing is worn off the counter-body or the disc"
-)
-UNWORN_COUNTER = Reason(_lost_nothing("wear_depth_counter"), "nothing is worn off the counter-body")
-UNWORN_DISC = Reason(_lost_nothing("wear_depth_disc"), "nothing is worn off the disc")
-NO_GROOVE = Reason(
-    _lost_nothing("wear_depth_disc", "plastic_volume_disc"), "nothing is worn or pressed off the disc"
-)
+STILL = Reason("still", lambda d: not d.study.is_swept)
+TRACK = Reason("track", lambda d: d.study.is_swept)
+TRACK_FACTOR = Reason("track_factor", lambda d: d.study.is_swept)
+UNWORN = Reason("unworn", _lost_nothing("wear_depth_counter", "wear_depth_disc"))
+UNWORN_COUNTER = Reason("unworn_counter", _lost_nothing("wear_depth_counter"))
+UNWORN_DISC = Reason("unworn_disc", _lost_nothing("wear_depth_disc"))
+NO_GROOVE = Reason("no_groove", _lost_nothing("wear_depth_disc", "plastic_volume_disc"))
 #: Reasons of several figures.
 FIELD = (NO_SNAPSHOT, ONLY_SAMPLES)
-NARROW = Reason(lambda d: d.study.cells.ny < FEWEST_ACROSS, "the domain is too narrow to be seen in relief")
+NARROW = Reason("narrow", lambda d: d.study.cells.ny < FEWEST_ACROSS)
 COUNTER_WORN = (*FIELD, UNWORN_COUNTER)
 DISC_WORN = (TRACK, *FIELD, UNWORN_DISC)
 GROOVE = (STILL, NO_SNAPSHOT, NO_GROOVE)
@@ -158,6 +127,7 @@ class Entry(NamedTuple):
 FIGURES: dict[str, Entry] = {}
 #: Fields of a caption that are filled in where no run is at hand.
 OF_ANY_RUN = {"slider": "counter-body", "when": "at the snapshots", "end": "at the end", "groove": "groove"}
+OF_ANY_RUN["plane"] = "y = 0"
 
 
 def figure(*reasons: Reason, essential: bool = False, **others: Any) -> Callable[[Declare], Declare]:
@@ -226,8 +196,7 @@ def _friction(data: FigureData) -> str:
 
 def _passes(data: FigureData) -> str:
     """Say what thin and bold lines are, where there are both."""
-    lap, slid = data.study.lap, float(data.course["distance"][-1])
-    if lap is None or int(slid / lap + 1e-9) < PASSES:
+    if data.study.lap is None or data.study.passes_at(data.course["distance"][-1]) + 1e-9 < PASSES:
         return ""
     return " Thin: steps; bold: from the middle of the first pass on the mean of each pass."
 
@@ -288,5 +257,6 @@ FIELDS: dict[str, Callable[[FigureData], str]] = {
     "critical": _critical,
     "smooth": _smooth,
     "groove": lambda d: d.groove,
+    "plane": lambda d: d.study.output.stress_plane,
     "law": law_of,
 }

@@ -33,6 +33,11 @@ SPARE = 2.0
 #: Steps of a replay at most, of a GPU, and cells of all its steps on a CPU: those of a large grid are to be
 #: seen, too.
 LONGEST, LONGEST_ON_GPU, CELLS_OF_REPLAY = 500, 2000, 2.0e8
+#: Steps that a GPU makes between two looks at its flags, where the second needs no search: such a look takes
+#: as long as a small pass. A pass that waits for a search does nothing.
+AT_A_LOOK = 2
+#: Slots of the pass that wears, on a GPU at most: its sums leave room for two blocks a multiprocessor.
+MOST_SLOTS = 264
 SUMS, MAXIMA = names_of(WearSum), names_of(WearMost)
 
 
@@ -85,7 +90,7 @@ class OneScaleModel(Model):
             is_rigid=int(task.rigid),
             smallest=self.tiles.smallest,
         )
-        slots = executor.slots_of(executor.grid.nx)
+        self._slots = slots = executor.slots_of(executor.grid.nx, most=MOST_SLOTS)
         lines = {"sums": len(SUMS), "maxima": len(MAXIMA), "ahead": 3}
         tables = {name: wp.zeros((n, slots), dtype=wp.float64, device=device) for name, n in lines.items()}
         self._tables = arguments(wear.Tables, **tables)
@@ -95,13 +100,14 @@ class OneScaleModel(Model):
         self._begin(self._many)
         with self._many.loop(self._steps.stepping):
             self._add_search(self._many)
-            self._add_wear(self._many)
+            for _ in range(1 if device.is_cpu else AT_A_LOOK):
+                self._add_wear(self._many)
         self._begin(self._to_search)
         self._add_search(self._to_search)
         self._add_wear(self._to_wear)
 
     def _begin(self, program: Program) -> None:
-        program.decide(wear.begin, self._search.springs, self._steps)
+        program.decide(wear.record, self._search.springs, self._steps, self._tables)
 
     def _add_search(self, program: Program) -> None:
         """The search of a step, and the list of tiles that its wear needs."""
@@ -115,6 +121,7 @@ class OneScaleModel(Model):
             wear.wear_step,
             *(listed.list, listed.count, self._search.law, steps.increment),
             *(state.unworn, listed.rest, state.gap, self._tables),
+            slots=self._slots,
             chunks=lambda: listed.chunks,
         )
         program.decide(wear.record, self._search.springs, steps, self._tables)

@@ -28,6 +28,7 @@ from warpwear.laws.archard import BODIES
 from warpwear.laws.task import ContactTask
 from warpwear.models.film import BareCells
 from warpwear.models.track.bodies import SlidingBodies
+from warpwear.models.track.fretting import CyclicSlip
 from warpwear.models.track.pieces import OF_BODY, SlidingPieces
 
 #: What a part of a step takes off the area of a contact, relative, over its length in contact lengths and the
@@ -68,11 +69,12 @@ class SlidingHalfSpace:
         "_of_rows": dict,
         "_half_space": WindowedHalfSpace,
         "pieces": SlidingPieces,
-        "_ledger": Ledger,
+        "ledger": Ledger,
         "_steps_done": int,
         "_outline": float,
         "_asperities": float,
         "film": BareCells,
+        "fretting": CyclicSlip,
     }
     #: Steps are made one by one, on a GPU too.
     in_blocks = False
@@ -108,8 +110,11 @@ class SlidingHalfSpace:
         self.film = BareCells.of_bodies(task.film, executor, self.state.wear_counter, self.state.wear_disc)
         self._parts = None if self.film is None else self.film.parts
         self._least_part = 1.0 if self._parts is None else task.least_hardness / task.hardness
+        #: What slips in a cycle of fretting; None where nothing frets.
+        self.fretting = None if task.fretting is None else CyclicSlip(task, executor)
         #: The gap, and a mean along x.
-        self._gap, self._means = executor.zeros(), executor.zeros(executor.grid.nx if moves else 1)
+        has_means = moves or self.fretting is not None
+        self._gap, self._means = executor.zeros(), executor.zeros(executor.grid.nx if has_means else 1)
         self._bodies = arguments(Bodies, **self.state.fields)
         rows: Field = wp.array(np.arange(executor.grid.nx, dtype=np.int32), device=executor.device)
         self._layout = arguments(
@@ -119,6 +124,9 @@ class SlidingHalfSpace:
         self._sums, self._maxima = (
             wp.zeros((len(lines), slots), dtype=wp.float64, device=device) for lines in (PressureSum, MAXIMA)
         )
+        #: Part of a step that each cell was in contact, and its means along x; where that wears it.
+        self._rubbed = executor.zeros(None if task.shears else 0)
+        self._rubbed_means = executor.zeros((executor.grid.nx if moves else 1) if task.shears else 0)
         self._bare = wp.zeros((1, slots), dtype=wp.float64, device=device)
         #: Sums over the rows of the disc, of its fields as they are: increments added up would drift.
         self._of_rows = {
@@ -131,7 +139,8 @@ class SlidingHalfSpace:
         self._programs: dict[str, tuple[Field, Program]] = {}
         self._goes = wp.zeros(1, dtype=wp.int32, device=device)
         self._of_pieces = wp.zeros((1, 2 * len(OF_BODY)), dtype=wp.float64, device=device)
-        self._ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
+        margin = 1 if self.fretting is None else self.fretting.margin
+        self.ledger = Ledger(task, executor.grid, margin=margin, track_fraction=track_fraction)
         #: Relative error of the area by each cell of a part, and by each beyond the first, as of late.
         self._outline, self._asperities = math.inf if moves and not task.form.is_flat else 0.0, 0.0
         self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
@@ -164,11 +173,13 @@ class SlidingHalfSpace:
         of the contact (approach, areas, cells, squares of pressures), and the largest pressure; the pressure
         asked for is that of the last part.
         """
-        before = self._ledger.row
+        before = self.ledger.row
         approach = residual = error = 0.0
         transforms = parts = done = 0
-        pooled = dict.fromkeys(OF_A_PART if self.film is None else (*OF_A_PART, "bare"), 0.0)
+        of_film, of_shear = ["bare"] * (self.film is not None), ["rubbed"] * self.task.shears
+        pooled = dict.fromkeys((*OF_A_PART, *of_film, *of_shear), 0.0)
         highest, removal, columns = 0.0, (0.0, 0.0), self.state.columns
+        shears = self.task.wear_per_contact(increment)
         static = math.nan
         certificates: list[Certificate | None] = []
         solves_static = self._static is not None and self._steps_done % self.task.static_area_every == 0
@@ -189,7 +200,12 @@ class SlidingHalfSpace:
                 end=start + increment * weight,
                 window=self.cells_passing(increment * weight),
             )
+            if self.fretting is not None:
+                self._begin_cycles(self.fretting, removals)
             last = done + of_part == cells
+            self._slides.set(
+                shear_counter=weight * shears[0], shear_disc=weight * self._track_fraction * shears[1]
+            )
             contact = self._solve(
                 increment * weight, removals, certified=True if self.certified and last else None
             )
@@ -198,6 +214,8 @@ class SlidingHalfSpace:
                 static = self._static_area()
             done, parts, transforms = done + of_part, parts + 1, transforms + contact.transforms
             pressure = contact.pressure.copy() if with_pressure and last else None
+            if self.fretting is not None:
+                self.fretting.note(contact)
             total, most = self._wear(contact, removals)
             if self.film is not None:
                 columns = int(-most["first_column"]), int(most["last_column"]) + 1  # of all touched so far
@@ -205,7 +223,14 @@ class SlidingHalfSpace:
                 self._run("rub", self._say_rub)
             carried = total["pressure"] * self._executor.grid.cell_area
             residual = max(residual, residual_of(carried, self.task.load, approach=contact.approach), key=abs)
-            approach += weight * contact.approach
+            # What shear wears lowers cells in contact by one depth, so that it lifts the approach alone.
+            lift = weight * (shears[0] + self._track_fraction * shears[1])
+            approach += weight * (contact.approach + lift)
+            fretted = {}
+            if self.fretting is not None:
+                area = self._executor.grid.cell_area
+                fretted = self.fretting.row(increment, total["slip_work"] * area, total["stuck"] * area)
+                removals = self.fretting.worn(removals, fretted["slip_mean"])
             removal = removal[0] + removals[0], removal[1] + removals[1]
             highest = max(highest, most["pressure"])
             for name in pooled:
@@ -216,20 +241,20 @@ class SlidingHalfSpace:
             self._shed(total, most)
         cap = min(self.task.hardness, NO_CAP)
         balance = Balance(approach, 0.0, cap, residual, evaluations=transforms)
-        step = self._ledger.enter(
+        step = self.ledger.enter(
             balance,
             increment,
-            removal,
+            (*removal, *shears),
             before["pressure_mean"],
             total | pooled,
             most | {"pressure": highest},
             pressure=pressure,
         )
-        step.row.update(parts=float(parts), area_error=error, **columns_of(*certificates))
+        step.row.update(parts=float(parts), area_error=error, **columns_of(*certificates), **fretted)
         if self._static is not None:
             step.row["area_static"] = static
         self._steps_done += 1
-        self.state.columns = self._ledger.columns
+        self.state.columns = self.ledger.columns
         if self.pieces is not None:
             self.state.columns = self.pieces.beside(self.state.columns)
         return step
@@ -266,20 +291,37 @@ class SlidingHalfSpace:
         self, increment: float, removals: tuple[float, float], *, certified: bool | None
     ) -> HalfSpaceContact:
         """Solve the contact at the end of an increment [mm] that wears counter and disc by K ΔL [mm³/N]."""
-        of_counter, of_disc = (self.task.dust * removal for removal in removals)
-        window = self.cells_passing(increment)
-        self._run("gaps", self._say_gaps)
-        own = of_counter if window == 1 else 0.0  # a mean over one cell is none
+        of_mean, of_place = (self.task.dust * removal for removal in removals)
+        window, yields = self.cells_passing(increment), None
+        if self.fretting is None:
+            self._run("gaps", self._say_gaps)
+        else:
+            of_place, of_mean = (self.fretting.shares(removals)[f"of_{body}"] for body in BODIES)
+            yields = self.fretting.yields
+        own = of_mean if window == 1 else 0.0  # a mean over one cell is none
         return self._half_space.solve(
             self._gap,
             load=self.task.load,
-            compliance=self._track_fraction * of_disc + own,
-            streak_compliance=of_counter - own,
+            compliance=self._track_fraction * of_place + own,
+            streak_compliance=of_mean - own,
             streak_window=window,
             parts=self._parts,
+            yields=yields,
             least_part=self._least_part,
             certified=certified,
         )
+
+    def _begin_cycles(self, fretting: CyclicSlip, removals: tuple[float, float]) -> None:
+        """See what slips in a jump over cycles of fretting, and what that lends the contact."""
+        self._slides.set(window=fretting.window, counter_moves=1)
+        self._run("gaps", self._say_gaps)
+        if not fretting.knows_approach:
+            fretting.note(self._half_space.solve(self._gap, load=self.task.load))
+        fretting.look(self._gap, self._slides)
+        self._slides.set(window=fretting.window, **fretting.shares(removals))
+        self._run("gaps", self._say_gaps)
+        if fretting.yields is not None:
+            self._run("yields", lambda program: fretting.say_yields(program, self._slides.array))
 
     def _static_area(self) -> float:
         """Area of the contact [mm²] of the last gap without wear, which lends it a compliance."""
@@ -295,7 +337,8 @@ class SlidingHalfSpace:
         slides = self._slides.array
         if self.film is not None:
             self.film.say_look(program, slides)
-        program.launch(wear_from_pressure.means, slides, self.state.wear_counter, self._means)
+        worn = self.state.wear_counter if self.fretting is None else self.state.wear_disc
+        program.launch(wear_from_pressure.means, slides, worn, self._means)
         program.launch(wear_from_pressure.gaps, slides, self._bodies, self._means, self._gap)
 
     def _say_rub(self, program: Program) -> None:
@@ -310,6 +353,12 @@ class SlidingHalfSpace:
         pressed.cap = min(self.task.hardness, NO_CAP)
         if self._parts is not None:
             pressed.parts = self._parts
+        if self.task.shears:
+            pressed.rubbed, pressed.rubbed_means = self._rubbed, self._rubbed_means
+            program.launch(wear_from_pressure.part_of_step, slides, pressed)
+            program.launch(wear_from_pressure.means, slides, self._rubbed, self._rubbed_means)
+        if self.fretting is not None:
+            pressed.slips = self.fretting.slips
         program.launch(wear_from_pressure.means, slides, pressure, self._means)
         tables = [arguments(OfRows, **self._of_rows), self._sums, self._maxima]
         program.launch(wear_from_pressure.wear, slides, self._layout, pressed, self._bodies, *tables)
@@ -332,13 +381,13 @@ class SlidingHalfSpace:
     ) -> tuple[dict[str, float], dict[str, float]]:
         """Wear both bodies by the pressure of a contact; sums and maxima by name. Others as of `_solve`."""
         disc, dust = self._track_fraction * removals[1], self.task.dust
+        worn = {"of_counter": dust * removals[0], "of_disc": dust * disc}
         self._slides.set(
-            of_counter=dust * removals[0],
-            of_disc=dust * disc,
+            **(worn if self.fretting is None else self.fretting.shares(removals)),
             pending_counter=(1.0 - dust) * removals[0],
             pending_disc=(1.0 - dust) * disc,
             approach=contact.approach,
-            reference=self._ledger.row["pressure_mean"],  # the scatter is summed about a value near the mean
+            reference=self.ledger.row["pressure_mean"],  # the scatter is summed about a value near the mean
         )
         self._run("wear", lambda program: self._say_wear(program, contact), contact.pressure_field)
         sums, maxima, *single = self._mirror.read()
@@ -364,6 +413,8 @@ class SlidingHalfSpace:
     def cells_passing(self, increment: float) -> int:
         """Cells of the disc that pass over one of the ball in an increment [mm]; under a flat the line."""
         grid = self._executor.grid
+        if self.fretting is not None:
+            return self.fretting.window
         if not self._moves or self._sheds:  # pieces cut what a mean would smear
             return 1
         if self.task.form.is_flat:

@@ -3,6 +3,8 @@
 from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar
 
+import numpy as np
+
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray
 from warpwear.history.pieces import PieceBook
@@ -49,6 +51,7 @@ class SweptModel(Model):
             self.contact = SlidingContact(task, heights, executor, bearing_curve=bearing_curve, **options)
         self._keeps = self.contact.keeps_dents
         self._done = self._row = 0
+        self._middle = track.place(0)  # of the counter-body, before it moves [mm]
 
     @property
     def pieces(self) -> PieceBook | None:
@@ -59,6 +62,11 @@ class SweptModel(Model):
     def in_blocks(self) -> bool:
         """Whether the device makes the next steps by itself."""
         return self.contact.in_blocks
+
+    def set_out_anew(self, before: Track) -> None:
+        """Begin with the first step of this track, on a disc that has slid over another one before."""
+        self.contact.ledger.rebase(before.track_fraction)
+        self._done = 0
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, slide on by the increment [mm] and wear both bodies."""
@@ -95,6 +103,10 @@ class SweptModel(Model):
             yield self._placed(step)
 
     def _placed(self, step: Step) -> Step:
+        if not self._track.moves:
+            step.row["position"] = self._middle
+            self._done += 1
+            return step
         track, turned = self._track, self.turned * self._track.cell
         length = track.rows * track.cell
         place = track.place(self._done)
@@ -117,5 +129,14 @@ class SweptModel(Model):
             gap=to_numpy(state.counter) - self._track.beneath(disc, row),
             plastic_disc=to_numpy(state.plastic_disc) if self._keeps else None,
             bare=to_numpy(self.contact.film.bare) if self.contact.film else None,
+            slip=self._slip(step.pressure),
             row=row if self._track.moves else None,
         )
+
+    def _slip(self, pressure: FloatArray) -> FloatArray | None:
+        """Return what places under a pressure slip in a cycle [mm]; None where nothing frets."""
+        fretting = getattr(self.contact, "fretting", None)
+        if fretting is None:
+            return None
+        of_cells = self._executor.to_numpy(fretting.slips) if fretting.slips.shape[0] else 0.0
+        return np.where(pressure > 0.0, fretting.rigid + of_cells, 0.0)

@@ -4,13 +4,14 @@ import hashlib
 import zipfile
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from warpwear import lazy
 from warpwear.errors import printable
 from warpwear.results.formats.bodies import Body
-from warpwear.results.formats.xml import filled
+from warpwear.results.formats.forms import filled
 from warpwear.version import __version__
 
 sdfio = lazy.module("sdfio")
@@ -62,11 +63,13 @@ def _md5(content: bytes) -> str:
 def _main_xml(body: Body, sums: dict[str, str]) -> bytes:
     """Describe a .x3p file in the order of its schema. sums: MD5 by name of the binary parts."""
     firsts = (METRES * float(side[0]) for side in (body.x, body.y))
-    return filled(
+    content: Any = {"body": body, "version": __version__, "sums": sums}
+    content |= {"points": POINTS, "valid": VALID, "checksums": SUMS}
+    main = filled(
         "x3p.xml",
         axes=zip(("CX", "CY"), _spacing(body), firsts, strict=True),
         now=datetime.now(UTC).isoformat(timespec="seconds"),
         title=printable(body.title),
-        **{"body": body, "version": __version__, "sums": sums},
-        **{"points": POINTS, "valid": VALID, "checksums": SUMS},
+        **content,
     )
+    return main.encode()

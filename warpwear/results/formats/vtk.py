@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 
 from warpwear.grid import FloatArray
+from warpwear.history import stresses
+from warpwear.history.quantities import UNITS
 from warpwear.results.formats.bodies import WRITABLE, Files, Job
-from warpwear.results.formats.xml import filled
+from warpwear.results.formats.forms import filled
 from warpwear.version import __version__
 
 #: Bytes that are packed together.
@@ -31,6 +33,8 @@ def vti_files(job: Job) -> Files:
     """Name an image of the fields and a surface of each body for every snapshot, and a film of each."""
     writers = dict.fromkeys(job.sheets, ("vti", _write_image))
     writers |= dict.fromkeys(job.bodies, ("vts", _write_surface))
+    if job.result.study.has_stresses:
+        writers["stresses"] = ("vtr", _write_stresses)
     films: dict[str, dict[int, str]] = {name: {} for name in writers}
     for number in job.numbers:
         for name, (ending, write) in writers.items():
@@ -44,7 +48,7 @@ def _write_film(job: Job, film: dict[int, str], path: Path) -> None:
     """Write the list of a film's files: its time is the sliding distance [mm]."""
     distances = job.result.snapshot_distances
     files = [(float(distances[number]), file) for number, file in film.items()]
-    path.write_bytes(filled("pvd.xml", files=files))
+    path.write_text(filled("pvd.xml", files=files), encoding="utf-8", newline="\n")
 
 
 def _write_image(job: Job, name: str, number: int, path: Path) -> None:
@@ -80,6 +84,21 @@ def _write_surface(job: Job, name: str, number: int, path: Path) -> None:
     _write(path, groups, kind="StructuredGrid", attributes={}, **_about(job, snapshot.distance, x.shape))
 
 
+def _write_stresses(job: Job, name: str, number: int, path: Path) -> None:
+    """Write the stresses below the disc [MPa] as a volume, for surfaces of equal stress; z is up [mm]."""
+    result, snapshot = job.result, job.snapshot(number)
+    below = stresses.volume(result.study, snapshot, result.history)
+    fields = {"mises": below.mises, "max_shear": below.shear, "principal": below.principal}
+    count, nx, ny = below.mises.shape
+    axes = {"x": result.x + job.along(number), "y": result.y, "z": -below.depths[::-1]}
+    data = {
+        f"{key} [{UNITS[key]}]": of[::-1].swapaxes(0, 1).reshape(nx, count * ny) for key, of in fields.items()
+    }
+    places = {f"{axis} [mm]": values[:, np.newaxis] for axis, values in axes.items()}
+    about = _about(job, snapshot.distance, (nx, ny)) | {"extent": f"0 {nx - 1} 0 {ny - 1} 0 {count - 1}"}
+    _write(path, {"PointData": data, "Coordinates": places}, kind="RectilinearGrid", attributes={}, **about)
+
+
 def _numbers(*values: float) -> str:
     return " ".join(repr(float(value)) for value in values)
 
@@ -103,9 +122,9 @@ def _write(path: Path, groups: Mapping[str, Mapping[str, Any]], **about: Any) ->
         entry = {"name": name, "type": TYPES[values.dtype.str[1:]], "offset": sum(map(len, appended))}
         described[group].append(entry | {"components": values.shape[2] if values.ndim == 3 else 1})
         appended.append(_packed(np.ascontiguousarray(values.swapaxes(0, 1))))
-    before, _, after = filled("vtk.xml", groups=described, **about).rpartition(b"\n")
+    before, _, after = filled("vtk.xml", groups=described, **about).rpartition("\n")
     with path.open("wb") as file:
-        file.writelines([before, *appended, b"\n", after])
+        file.writelines([before.encode(), *appended, b"\n", after.encode()])
 
 
 def _labelled(fields: Mapping[str, FloatArray]) -> dict[str, FloatArray]:

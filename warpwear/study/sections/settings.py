@@ -1,8 +1,9 @@
 """[study], [patches], [run], [checks] and [output]: which model, its patches, and how a run goes."""
 
+from itertools import pairwise
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
 
 from warpwear.study.keys import Length, LengthOrZero, Section, excludes, key, needs, needs_compliance, when
 from warpwear.study.units import Quantity, Range, one_by_one
@@ -13,6 +14,7 @@ ONE_APPROACH = when(
     otherwise="does not apply to patches.coupling = '{}', whose macro contact has K_N",
 )
 SAMPLES = when("samples_area", otherwise="does not apply: the patches tile the contact")
+HAS_STRESSES = when("has_stresses", otherwise="does not apply without output.stress_depths")
 AT_RANDOM = when("places_at_random", otherwise="does not apply: no patch is placed at random")
 
 
@@ -117,6 +119,23 @@ def _snapshots(value: Any) -> Any:
     return value
 
 
+def _depths(value: Any) -> Any:
+    value = one_by_one(value)
+    if isinstance(value, list | tuple) and not value:
+        raise ValueError("has no depth; leave it out for no stresses")
+    return value
+
+
+def _rising(values: Any) -> Any:
+    if isinstance(values, tuple) and any(b <= a for a, b in pairwise(values)):
+        raise ValueError(f"needs depths that rise, not {', '.join(f'{value:g}' for value in values)} mm")
+    return values
+
+
+#: Stresses are those of a half-space on the domain's cells.
+STRESSED = needs("contact.law", "half-space") + needs("study.model", "micro")
+
+
 class Output(Section):
     """The section [output] says which fields and columns are kept."""
 
@@ -130,4 +149,20 @@ class Output(Section):
         "half-space: also solve the contact without wear in the step, every so many steps, for its area; "
         "0 is never",
         applies=when("contact.law", "half-space") + when("study.model", "micro"),
+    )
+    stress_depths: (
+        Annotated[
+            tuple[LengthOrZero, ...] | Literal["auto"], BeforeValidator(_depths), AfterValidator(_rising)
+        ]
+        | None
+    ) = key(
+        None,
+        "half-space: depths below the disc's surface at which stresses of the snapshots are computed; "
+        "auto: the surface, and 20 from a cell to half the domain's shorter side",
+        demands=STRESSED,
+    )
+    stress_plane: Literal["y = 0", "x = 0"] = key(
+        "y = 0",
+        "plane through the middle in which stresses are kept: along sliding, or across it",
+        applies=HAS_STRESSES,
     )

@@ -1,8 +1,10 @@
 """What a study is made of, and how its bodies move: its sections, the blocks of its programme, its track."""
 
 import math
-from typing import Self, TypeVar
+from dataclasses import replace
+from typing import Any, Self, TypeVar
 
+import numpy as np
 from pydantic import Field
 
 from warpwear.grid import Grid
@@ -11,7 +13,7 @@ from warpwear.laws.patches import Patches
 from warpwear.laws.track import WHOLE, Track
 from warpwear.study.bodies import CounterBody, Disc
 from warpwear.study.contact import Contact
-from warpwear.study.keys import Section, key, when
+from warpwear.study.keys import Section, key, needs, when
 from warpwear.study.motion import (
     FEWEST_CYCLES,
     MOST_SHIFT,
@@ -21,13 +23,16 @@ from warpwear.study.motion import (
     Sliding,
     Stepping,
 )
+from warpwear.study.sections.fatigue import Fatigue
 from warpwear.study.sections.friction import Friction, Junctions
 from warpwear.study.sections.loads import LineLoad
+from warpwear.study.sections.settings import About, Checks, Output, PatchesSection, Run
 from warpwear.study.sections.wear import Wear
-from warpwear.study.settings import About, Checks, Output, PatchesSection, Run
 
 #: Parts of the sliding distance after which fields are kept of themselves.
 SNAPSHOTS = (0.001, 0.01, 0.1)
+#: Depths below the surface at which stresses are computed of themselves.
+STRESS_DEPTHS = 20
 #: Blocks of a programme that a sentence names.
 NAMED = 5
 Loaded = TypeVar("Loaded", Contact, BlockSection)
@@ -49,6 +54,11 @@ class Programme(Section):
     stepping: Stepping = Stepping()
     friction: Friction = Friction()
     junctions: Junctions = Junctions()
+    fatigue: Fatigue | None = key(
+        None,
+        "fatigue limits of the disc, for the stress of a cycle",
+        demands=needs("output.stress_depths", what="output.stress_depths = 'auto', or depths"),
+    )
     patches: PatchesSection = key(
         PatchesSection(),
         "patches of the two-scale model",
@@ -82,6 +92,8 @@ class Programme(Section):
         loads = (self.contact.load if block.load is None else block.load for block in self.block)
         contacts = (self.contact.model_copy(update={"load": load}) for load in loads)
         slidings = (block.over(self.sliding) for block in self.block)
+        if self.is_swept:  # steps of one length
+            slidings = (sliding.model_copy(update={"shift": self.shift}) for sliding in slidings)
         return tuple(
             alone.model_copy(update={"contact": contact, "sliding": sliding})
             for contact, sliding in zip(contacts, slidings, strict=True)
@@ -90,7 +102,9 @@ class Programme(Section):
     @property
     def blocks(self) -> tuple[Block, ...]:
         """Blocks of the programme, in their order; the whole test is one without a programme."""
-        return Block.in_a_row((p.contact.load, p.sliding.total, p.sliding.mean_speed) for p in self.parts)
+        return Block.in_a_row(
+            (p.contact.load, p.sliding.total, p.sliding.mean_speed, p.sliding.lap) for p in self.parts
+        )
 
     @property
     def loads(self) -> str:
@@ -115,6 +129,20 @@ class Programme(Section):
         return ", ".join(parts[:NAMED]) + (f" and {len(parts) - NAMED} more" if len(parts) > NAMED else "")
 
     @property
+    def has_stresses(self) -> bool:
+        """True where stresses below the surface are computed."""
+        return self.output.stress_depths is not None
+
+    @property
+    def stress_depths(self) -> tuple[float, ...]:
+        """Depths at which stresses are computed [mm], rising; none where they are not."""
+        depths, cell = self.output.stress_depths, self.grid.cell
+        if depths != "auto":
+            return depths or ()
+        half = 0.5 * min(self.grid.sides[: 1 if self.is_line else 2])
+        return 0.0, *np.geomspace(cell, max(half, 2.0 * cell), STRESS_DEPTHS).tolist()
+
+    @property
     def is_swept(self) -> bool:
         """True where the counter-body slides over a track, false where it stays on the same cells."""
         return self.kinematics == "swept"
@@ -131,8 +159,9 @@ class Programme(Section):
 
         Of a track whose length is named it is a divisor, if there is one that is more than half as many.
         """
-        sliding, cell, lap = self.sliding, self.grid.cell, self.sliding.lap
-        assert lap is not None  # checked with the study
+        sliding, cell = self.sliding, self.grid.cell
+        laps = (block.over(sliding).lap for block in self.block) if self.block else (sliding.lap,)
+        lap = min(lap for lap in laps if lap is not None)
         most = max(1, min(MOST_SHIFT, math.floor(lap / cell / STEPS_OF_STROKE * (1.0 + WHOLE))))
         cells = most if sliding.track == "full" else round(float(sliding.track) / cell)
         fits = (n for n in range(most, most // 2, -1) if cells % n == 0)
@@ -146,26 +175,41 @@ class Programme(Section):
         if self.stepping.jump != "auto":
             return True
         # Which pieces leave next is another matter in each cycle: no error bounds a jump over them.
-        return not self.wear.sheds and self.sliding.total >= FEWEST_CYCLES * self.track.cycle
+        cycles = self.passes_at(self.sliding.total) / self.track.passes_of_cycle
+        return not self.wear.sheds and bool(cycles >= FEWEST_CYCLES * (1.0 - WHOLE))
 
     @property
     def increments(self) -> tuple[float, float, float]:
         """First increment at rest [mm], the factor by which increments grow, and the largest [mm]."""
-        return self.stepping.plan(self.sliding.total)
+        return self.stepping.plan(
+            self.sliding.total, cycle=2.0 * (self.sliding.lap or 0.0) * (self.kinematics == "fretting")
+        )
 
     @property
     def lap(self) -> float | None:
-        """Distance that a pass over the track slides [mm]; None where the disc lies still."""
-        return self.sliding.lap if self.is_swept else None
+        """Distance that a pass over the track slides at most [mm]; None where the disc lies still."""
+        return self.track.stroke if self.is_swept else None
 
     @property
     def laps(self) -> Laps | None:
         """How the passes of a swept study repeat; None where the disc lies still."""
-        return None if self.lap is None else Laps(self.lap, self.sliding.track_radius is None)
+        first, *_, last = (*self.blocks, self.blocks[-1])
+        if not self.is_swept or first.lap is None or last.lap is None:
+            return None
+        start = max((block.end for block in self.blocks if block.lap != last.lap), default=0.0)
+        return Laps(last.lap, self.sliding.track_radius is None, start, first.lap)
+
+    def passes_at(self, distance: Any) -> Any:
+        """Return how many passes of a swept study a distance is [mm], or each of many."""
+        laps = [block.length / block.lap for block in self.blocks if block.lap]
+        ends = [block.end for block in self.blocks]
+        return np.interp(distance, [0.0, *ends], np.cumsum([0.0, *laps]))
 
     @property
     def track(self) -> Track:
-        """The track that a swept study asks for; `rules_track` says whether it may."""
+        """The track that a swept study asks for, of its longest stroke; `rules_track` says whether it may."""
+        if self.block is not None:
+            return max((part.track for part in self.parts), key=lambda track: track.stroke)
         sliding, cell, shift = self.sliding, self.grid.cell, self.shift
         lap = sliding.lap
         assert lap is not None  # checked with the study
@@ -178,6 +222,15 @@ class Programme(Section):
             cells = round(lap / cell)
         periodic = rotates or sliding.track != "full"
         return Track(cells, shift, cell, self.cells.nx, lap, periodic, not rotates)
+
+    @property
+    def tracks(self) -> tuple[Track, ...]:
+        """Return the track of each block, in the middle of one disc."""
+        longest = self.track
+        return tuple(
+            track if track.periodic else replace(track, spare=longest.cells - track.cells)
+            for track in (part.track for part in self.parts)
+        )
 
     @property
     def patch_layout(self) -> Patches:

@@ -1,0 +1,103 @@
+"""Steady value, incubation and jump of courses that are known, with noise that goes together."""
+
+import numpy as np
+import pytest
+import scipy.signal
+from cases_courses import in_laps, made
+
+from warpwear.measured.experiment import Experiment
+from warpwear.measured.friction.events import events_of, mean_with_error
+from warpwear.measured.friction.laps import laps_of
+
+ruptures = pytest.importorskip("ruptures")
+
+
+def shares(seeds: range) -> dict[str, float]:
+    """Return how many of made courses have their value within the bands, and their jump within a lap."""
+    counts = {"68 %": 0, "95 %": 0, "incubation": 0, "jump": 0}
+    for seed in seeds:
+        cof, truth = made(seed)
+        events = events_of(in_laps(cof))
+        assert events.steady is not None
+        off = abs(events.steady.value - truth.level)
+        counts["68 %"] += off <= events.steady.error
+        counts["95 %"] += off <= events.steady.error_95
+        if events.jump is not None:
+            counts["incubation"] += abs(events.jump.start - truth.start) <= 1.0
+            counts["jump"] += abs(events.jump.end - events.jump.start - truth.width) <= 1.0
+    return {what: count / len(seeds) for what, count in counts.items()}
+
+
+@pytest.mark.slow
+def test_the_errors_of_200_courses_hold_what_they_say() -> None:
+    """The table of docs/how-to/your-record.md."""
+    found = shares(range(200))
+    print(found)
+    assert 0.60 <= found["68 %"] <= 0.76
+    assert 0.91 <= found["95 %"] <= 0.99
+    assert found["incubation"] >= 0.9
+    assert found["jump"] >= 0.9
+
+
+def test_the_errors_of_a_few_courses_hold() -> None:
+    found = shares(range(40))
+    assert 0.5 <= found["68 %"] <= 0.86
+    assert found["95 %"] >= 0.85
+    assert min(found["incubation"], found["jump"]) >= 0.9
+
+
+def test_the_error_of_a_mean_counts_what_goes_together() -> None:
+    """Of first-order noise the variance of the mean is σ²/n (1 + φ)/(1 − φ), for many values."""
+    dice = np.random.default_rng(3)
+    for together in (0.0, 0.5, 0.8):
+        errors = []
+        for _ in range(50):
+            steps = dice.normal(size=5000) * np.sqrt(1.0 - together**2)
+            noise = scipy.signal.lfilter([1.0], [1.0, -together], steps)[1000:]
+            errors.append(mean_with_error(noise)[1])
+        expected = np.sqrt((1.0 + together) / (1.0 - together) / 4000.0)
+        assert np.mean(errors) == pytest.approx(expected, rel=0.06)
+    assert mean_with_error(np.full(30, 0.5)) == (0.5, 0.0, 30.0)
+
+
+def test_an_overshoot_is_what_stands_above_the_steady_value() -> None:
+    cof = np.concatenate([np.full(40, 0.2), 0.6 + 0.1 * np.exp(-np.arange(400) / 20.0)])
+    cof += 0.002 * np.random.default_rng(1).normal(size=cof.size)
+    events = events_of(in_laps(cof))
+    assert events.steady is not None
+    assert events.steady.value == pytest.approx(0.6, abs=0.001)
+    assert events.overshoot == pytest.approx(0.1 * np.exp(-np.arange(5) / 20.0).mean(), abs=0.004)
+    level = events_of(in_laps(np.where(np.arange(440) < 40, 0.2, 0.6) + 0.002 * np.sin(np.arange(440))))
+    assert level.overshoot is None
+    assert level.jump is not None
+    assert level.jump.start == pytest.approx(39.5 + 0.1, abs=0.2)
+
+
+def test_a_slow_rise_is_no_jump_and_a_late_one_no_steady_value() -> None:
+    place = np.arange(400.0)
+    noise = 0.002 * np.random.default_rng(2).normal(size=place.size)
+    rise = events_of(in_laps(0.2 + 0.4 * (1.0 - np.exp(-place / 150.0)) + noise))
+    assert rise.jump is None
+    late = events_of(in_laps(np.where(place < 395, 0.2, 0.6) + noise))
+    assert late.steady is None
+    ramp = events_of(in_laps(np.where(place < 40, 0.1, 0.4) + 1e-5 * place + 0.02 * noise))
+    assert ramp.steady is not None
+    assert ramp.steady.share < 0.25  # stairs, of which the last is no steady value
+    assert events_of(in_laps(np.full(10, 0.3))).steady is None
+    constant = events_of(in_laps(np.full(100, 0.3))).steady
+    assert constant is not None
+    assert (constant.value, constant.error) == (pytest.approx(0.3), 0.0)
+
+
+def test_points_are_gathered_in_laps_and_laps_with_few_in_groups() -> None:
+    distance = np.arange(0.5, 100.0)
+    laps = laps_of(Experiment("a", distance, 0.01 * distance), 10.0)
+    np.testing.assert_allclose(laps.distance, np.arange(5.0, 100.0, 10.0))
+    np.testing.assert_allclose(laps.cof, 0.01 * laps.distance)
+    np.testing.assert_allclose(laps.scatter, 0.01 * np.arange(10).std(ddof=1))
+    assert (laps.laps, laps.unit, laps.count(25.0)) == (1.0, "lap", 2.5)
+    assert laps_of(Experiment("a", distance, distance), 1.5).laps == 3.0  # of four points and more
+    parts = laps_of(Experiment("a", distance, distance), None)
+    assert (parts.cof.size, parts.unit, parts.count(1.0)) == (25, "part", None)
+    cycles = laps_of(Experiment("a", distance, distance, cycles=np.arange(1.0, 101.0)), None)
+    assert (cycles.unit, cycles.length) == ("cycle", 1.0)

@@ -1,0 +1,114 @@
+"""A run's folder as an RO-Crate, packed, and made again by someone who has nothing else."""
+
+import json
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import warpwear
+from warpwear import InputError, Study
+from warpwear.cli.main import commands
+from warpwear.results.formats.metadata import NAME
+
+#: Pitch of the measured surface [mm].
+PITCH = 0.01
+
+
+def datasets(path: Path) -> dict[str, bytes]:
+    """Bytes of every dataset of a result."""
+    values: dict[str, bytes] = {}
+    with h5py.File(path) as file:
+        file.visititems(
+            lambda name, item: (
+                values.__setitem__(name, np.asarray(item).tobytes())
+                if isinstance(item, h5py.Dataset)
+                else None
+            )
+        )
+    return values
+
+
+def graph(text: str) -> dict[str, dict[str, Any]]:
+    """Entities of the metadata by their names; every reference inside the crate leads to one."""
+    content = json.loads(text)
+    entities = {entity["@id"]: entity for entity in content["@graph"]}
+    assert len(entities) == len(content["@graph"])
+    for entity in entities.values():
+        for value in entity.values():
+            for one in value if isinstance(value, list) else [value]:
+                if isinstance(one, dict) and not one["@id"].startswith("https:"):
+                    assert one["@id"] in entities, one
+    return entities
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Path:
+    """A run on measured heights, in a folder of its own."""
+    heights = np.random.default_rng(4).normal(0.0, 2e-4, (60, 60))
+    x, y = np.meshgrid(PITCH * np.arange(60), PITCH * np.arange(60), indexing="ij")
+    np.savetxt(tmp_path / "my disc.xyz", np.column_stack([x.ravel(), y.ravel(), heights.ravel()]))
+    study = {
+        "grid.cell": "20 um",
+        "grid.extent": "0.4 mm",
+        "sliding.distance": "3 mm",
+        "counter.radius": "0.6 mm",
+        "disc.synthetic": None,
+        "disc.height_unit": "mm",
+        "disc.pixel": f"{PITCH} mm",
+        "disc.surface": str(tmp_path / "my disc.xyz"),
+    }
+    warpwear.run(Study.load("v3-fine").replace(study), out=tmp_path / "run", plots=False)
+    return tmp_path / "run"
+
+
+def test_a_run_folder_is_a_crate(run: Path) -> None:
+    """What the metadata lists is there, with units, and what a crate must say stands in it."""
+    entities = graph((run / NAME).read_text(encoding="utf-8"))
+    root, about = entities["./"], entities[NAME]
+    assert about["conformsTo"]["@id"] == "https://w3id.org/ro/crate/1.1"
+    assert about["about"] == {"@id": "./"}
+    assert all(root[key] for key in ("name", "description", "datePublished", "license"))
+    assert all((run / part["@id"]).is_file() for part in root["hasPart"])
+    assert entities["#contact.load"]["unitText"] == "N"
+    assert entities["#contact.load"]["propertyID"].endswith("#NormalLoadSetpoint")
+    columns = (run / "history.csv").read_text(encoding="utf-8").splitlines()[0].split(",")
+    measured = [entities[one["@id"]] for one in entities["history.csv"]["variableMeasured"]]
+    assert [f"{one['name']} [{one['unitText']}]" for one in measured] == columns
+
+
+def test_whoever_has_only_the_crate_makes_the_run_again(run: Path, tmp_path: Path) -> None:
+    """Every dataset of the result is the same to the last bit; an added record travels along."""
+    record = tmp_path / "record.csv"
+    record.write_text("Distance [mm],COF\n0,0.2\n1,0.3\n", encoding="utf-8")
+    options = ["export", str(run), "--crate", "--add", str(record), "--out", str(tmp_path / "sent")]
+    answer = CliRunner().invoke(commands, options)
+    assert answer.exit_code == 0, answer.output
+    elsewhere = tmp_path / "elsewhere"
+    with zipfile.ZipFile(tmp_path / "sent" / "crate.zip") as archive:
+        archive.extractall(elsewhere)
+    (tmp_path / "my disc.xyz").unlink()
+    entities = graph((elsewhere / NAME).read_text(encoding="utf-8"))
+    parts = {part["@id"] for part in entities["./"]["hasPart"]}
+    assert {"inputs/my%20disc.xyz", "added/record.csv"} <= parts
+    assert str(tmp_path) not in (elsewhere / "study.toml").read_text(encoding="utf-8")
+    warpwear.run(Study.load(elsewhere / "study.toml"), out=tmp_path / "again", plots=False)
+    assert datasets(tmp_path / "again" / "result.h5") == datasets(run / "result.h5")
+
+
+def test_a_crate_holds_what_the_run_was_made_on(run: Path, tmp_path: Path) -> None:
+    surface = tmp_path / "my disc.xyz"
+    with warpwear.Result.open(run) as result:
+        with pytest.raises(InputError, match=r"add = .*gone.csv is no file"):
+            result.export(tmp_path / "sent", formats=["crate"], add=[tmp_path / "gone.csv"])
+        surface.write_text(surface.read_text(encoding="utf-8").replace("0.0", "0.1", 1), encoding="utf-8")
+        with pytest.raises(InputError, match="is not what the run was made on"):
+            result.export(tmp_path / "sent", formats=["crate"])
+        surface.unlink()
+        with pytest.raises(InputError, match="the file is gone"):
+            result.export(tmp_path / "sent", formats=["crate"])
+    assert not (tmp_path / "sent").exists()

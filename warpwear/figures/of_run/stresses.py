@@ -1,0 +1,88 @@
+"""Declare figures of the stresses below the disc's surface: in a plane through the middle, and by depth."""
+
+from typing import Any
+
+import numpy as np
+
+from warpwear.figures import describe
+from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale
+from warpwear.figures.of_run import words
+from warpwear.figures.of_run.data import FigureData
+from warpwear.grid import FloatArray
+from warpwear.history.quantities import BY_NAME
+from warpwear.history.snapshot import extents
+from warpwear.history.stresses import MEASURES, OF_A_CYCLE
+
+#: Points of a map in depth.
+POINTS = 120
+#: A limit beyond so many times the largest value is not drawn.
+NEAR = 3.0
+
+
+def _unit(data: FigureData, index: int) -> tuple[float, str, str]:
+    """Return the length of an axis's unit [mm], its name, and what is said of it.
+
+    It is half the width of the contact in the plane, or a millimetre where that fills the domain.
+    """
+    pressure, axis = data.snapshot(index).pressure, data.study.output.stress_plane[0]
+    number = 0 if axis == "y" else 1
+    along = extents(pressure > 0.0)[number]
+    width = (along.stop - along.start) * data.study.grid.cell
+    if width >= data.study.grid.sides[number] or not width:
+        return 1.0, "mm", ""
+    return 0.5 * width, "a", f"a = {0.5 * width:.3g} mm, half the contact's width"
+
+
+@words.figure(words.NO_STRESSES, words.NO_SNAPSHOT, essential=True)
+def stress_map(data: FigureData) -> Figure:
+    """Stresses below the disc in the plane {plane} {end}, under pressure and friction towards greater x, over
+    half the contact's width, a; between the depths that were computed by straight lines.
+    """
+    index, table = data.indices[-1], data.result.stresses
+    unit, name, note = _unit(data, index)
+    depths = table["depth"][index]
+    levels = np.linspace(depths[0], depths[-1], 2 * POINTS + 1)[1::2]
+    along = data.result.x if data.study.output.stress_plane[0] == "y" else data.result.y
+    half = 0.5 * along.size * data.study.grid.cell
+    way = "x" if data.study.output.stress_plane[0] == "y" else "y"
+    panels = []
+    for measure in ("mises", "principal", *(OF_A_CYCLE if data.study.fatigue else ())):
+        plane: FloatArray = table[f"{measure}_plane"][index]
+        field = np.array([np.interp(levels, depths, column) for column in plane.T])[:, ::-1]
+        scale = Scale(BY_NAME[measure].axis, 0.0, max(float(plane.max()), 1e-9), beyond="min")
+        extent = -half / unit, half / unit, -depths[-1] / unit, -depths[0] / unit
+        notes = [note] if note else []
+        across = f"{way}/{name}, –" if note else f"{way}, {name}"
+        down = f"−z/{name}, –" if note else f"−z, {name}"
+        label = BY_NAME[measure].label
+        panels.append(Map(label, [field], extent, scale, [label], notes, square=False, x=across, y=down))
+    return Figure(panels, columns=2)
+
+
+@words.figure(words.NO_STRESSES, words.NO_SNAPSHOT, essential=True)
+def stress_depths(data: FigureData) -> Figure:
+    """Largest stresses of each depth below the disc at the first snapshot (dotted) and {end}, with the yield
+    strength, and of a cycle in which friction turns round with the limit in torsion.
+    """
+    table, study = data.result.stresses, data.study
+    unit, name, note = _unit(data, data.indices[-1])
+    over = Axis(f"depth z/{name}, –" if note else f"depth z, {name}", low=0.0)
+    panels: list[Chart] = []
+    kinds: list[Any] = [("Stress", MEASURES, "yield strength", study.yield_strength)]
+    if study.fatigue is not None:
+        kinds.append(("Cycle", OF_A_CYCLE, "limit in torsion", study.fatigue.torsion))
+    for title, measures, name_of_limit, limit in kinds:
+        lines: list[Line | Level] = []
+        for measure in measures:
+            quantity = BY_NAME[measure]
+            colour = getattr(describe, quantity.colour)
+            for index in sorted({data.indices[0], data.indices[-1]}):
+                is_last = index == data.indices[-1]
+                look = Look(colour, "solid" if is_last else "dot")
+                label = quantity.short if is_last else ""
+                lines.append(Line(table["depth"][index] / unit, table[measure][index], label, look))
+        most = max(float(table[measure].max()) for measure in measures)
+        if limit is not None and limit < NEAR * most:
+            lines.append(Level(limit, name_of_limit, Look(describe.HARDNESS, "dash", 0.8)))
+        panels.append(Chart(title, over, Axis(BY_NAME[measures[0]].family_axis), lines, note))
+    return Figure(panels, legend=3)

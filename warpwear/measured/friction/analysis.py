@@ -1,0 +1,148 @@
+"""Analyse a record: the course of each of its steps, what happens in it, its energy and friction loops."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.measured.course import experiment_of
+from warpwear.measured.experiment import Experiment
+from warpwear.measured.friction.events import Events, events_of
+from warpwear.measured.friction.laps import Laps, laps_of
+from warpwear.measured.rows import Rows
+from warpwear.measured.tribometer import alternates, turning_rows
+
+#: A step with less than this part of the rows is told, and not analysed.
+SHORT = 0.02
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion:
+    """A person gives these numbers beside a record: lengths [mm], load [N], speed [mm/s]; None: unknown."""
+
+    stroke: float | None = None
+    load: float | None = None
+    speed: float | None = None
+    radius: float | Sequence[float] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """A step of a record, or a record of one step, has a course of friction.
+
+    load: median normal force [N], energy: load × coefficient over the distance slid [J], None where the load
+    is not known. before: distance slid in the steps before [mm].
+    """
+
+    name: str
+    course: Experiment
+    laps: Laps
+    events: Events
+    load: float | None
+    energy: float | None
+    before: float
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """A friction loop is force [N] over position [mm], both (points,), of one cycle."""
+
+    cycle: int
+    position: FloatArray
+    force: FloatArray
+
+    @property
+    def energy(self) -> float:
+        """Return the energy that the loop encloses [mJ]."""
+        x, f = self.position, self.force
+        return abs(float(np.sum(0.5 * (f + np.roll(f, -1)) * (np.roll(x, -1) - x))))
+
+
+@dataclass(frozen=True, eq=False)
+class Analysis:
+    """A record holds steps and loops. left_out: names of steps that are too short, or have no course."""
+
+    rows: Rows
+    steps: tuple[Step, ...]
+    loops: tuple[Loop, ...]
+    left_out: tuple[str, ...]
+
+
+def analyse(rows: Rows, motion: Motion) -> Analysis:
+    """Analyse the rows of a record. Raises InputError where no step of it has a course."""
+    counts = np.bincount(rows.step, minlength=len(rows.steps))
+    whole = len(rows.steps) == 1 or alternates(rows)
+    steps: list[Step] = []
+    left_out, failed = [], None
+    for number in [None] if whole else range(len(rows.steps)):
+        part, of_step = rows, motion
+        if number is not None:
+            if counts[number] < SHORT * rows.step.size:
+                left_out.append(f"'{rows.steps[number]}', {counts[number]} rows")
+                continue
+            part = rows.of_steps(np.array([number]))
+            of_step = Motion(**{**vars(motion), "radius": _of_step(motion.radius, number, rows)})
+        try:
+            before = sum(float(step.course.distance[-1]) for step in steps)
+            steps.append(_step("" if number is None else part.steps[0], part, of_step, before))
+        except InputError as error:
+            if number is None:
+                raise
+            failed = failed or error
+            left_out.append(f"'{rows.steps[number]}', {str(error).partition(': ')[2] or error}")
+    if not steps:
+        experiment_of(rows, **vars(motion))  # what is wrong with all of them is said of the whole
+        few = f"{rows.path} has no step with {SHORT:.0%} of its rows: longer ones are expected"
+        raise failed or InputError(few)
+    return Analysis(rows, tuple(steps), tuple(_loops(rows)), tuple(left_out))
+
+
+def _of_step(
+    radius: float | Sequence[float] | None, number: int, rows: Rows
+) -> float | Sequence[float] | None:
+    """Return the radius of one step [mm]; wrong numbers of them are left to who says so."""
+    if isinstance(radius, Sequence) and len(radius) == len(rows.steps):
+        return radius[number]
+    return radius
+
+
+def _step(name: str, rows: Rows, motion: Motion, before: float) -> Step:
+    course = experiment_of(rows, **vars(motion))
+    laps = laps_of(course, _lap(rows, motion))
+    normal = rows.table.get("normal force")
+    load = motion.load if normal is None else float(np.nanmedian(np.abs(normal)))
+    by_cycles = course.cycles is not None  # each stands for itself, those without load for nothing
+    work = laps.cof.sum() * laps.length if by_cycles else np.trapezoid(course.cof, course.distance)
+    energy = None if load is None else 1e-3 * load * float(work)
+    return Step(name, course, laps, events_of(laps), load, energy, before)
+
+
+def _lap(rows: Rows, motion: Motion) -> float | None:
+    """Return the distance of one lap, or of two strokes [mm], None where the record does not say it."""
+    table = rows.table
+    if motion.stroke is not None:
+        return 2.0 * motion.stroke
+    radius = motion.radius if motion.radius is not None else table.get("radius")
+    if radius is not None:
+        return 2.0 * np.pi * float(np.nanmedian(radius))
+    for turns in ("laps", "cycle"):
+        if {"distance", turns} <= table.keys() and (number := np.ptp(table[turns])) > 0.0:
+            return float(np.ptp(table["distance"]) / number)
+    return None
+
+
+def _loops(rows: Rows) -> list[Loop]:
+    """Return the first whole cycle of a record with positions and forces, the middle and the last one."""
+    if not {"position", "friction force"} <= rows.table.keys():
+        return []
+    position, force = rows.table["position"], rows.table["friction force"]
+    good = np.isfinite(position) & np.isfinite(force)
+    turns = turning_rows(position[good])[::2]
+    last = turns.size - 2
+    return [
+        Loop(k + 1, position[good][turns[k] : turns[k + 1]], force[good][turns[k] : turns[k + 1]])
+        for k in sorted({0, last // 2, last})
+        if last >= 0
+    ]

@@ -1,0 +1,91 @@
+"""Run the command `warpwear record`, from its options to the text it prints and the folder it writes."""
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+
+from warpwear.figures import style
+from warpwear.measured.friction.analysis import Analysis, Motion, analyse
+from warpwear.measured.friction.figures import figures_of
+from warpwear.measured.friction.report import HOW, rows_of, table_of
+from warpwear.measured.options import optional, quantity
+from warpwear.measured.rows import read_rows
+from warpwear.page.folder import write_report
+from warpwear.page.html import page_of, under_headings
+from warpwear.results.folder import check_folder
+from warpwear.results.report import lines, record, to_json
+from warpwear.version import __version__
+
+#: What every folder of a record has, its page, and its table.
+MARK, PAGE, TABLE = "record.json", "record.html", "record.csv"
+CAPTION = "Means, with the standard deviation of the points within; the part that the steady value is of."
+SECTIONS = (("Course", "course", ("course",), CAPTION), ("Friction loops", "loops", ("loops",), ""))
+
+
+def describe(
+    files: Sequence[Path],
+    *,
+    radius: str | None = None,
+    stroke: str | None = None,
+    speed: str | None = None,
+    load: str | None = None,
+    columns: str | None = None,
+    as_json: bool = False,
+    out: Path | None = None,
+    file_format: str = "png",
+    overwrite: bool = False,
+) -> str:
+    """Say what a record of friction holds, as text for people or as JSON, and write its folder.
+
+    radius: lengths with a unit, one or one for each step, between commas. out: the folder, None for a name
+    made from the file's, and with as_json for none. Raises InputError.
+    """
+    motion = Motion(
+        radius=None if radius is None else [quantity("--radius", r.strip(), "mm") for r in radius.split(",")],
+        stroke=optional("--stroke", stroke, "mm"),
+        speed=optional("--speed", speed, "mm/s"),
+        load=optional("--load", load, "N"),
+    )
+    folder = out if out is not None else None if as_json else Path(f"{_name(files)}-record")
+    end = ""
+    if folder is not None:
+        style.check_format(file_format)
+        if out is None and folder.exists() and not overwrite:  # the numbers are asked for all the same
+            end = f"{folder} is there already and was not written again: --overwrite replaces it"
+            folder = None
+        else:
+            check_folder(folder, [MARK], what="a record", overwrite=overwrite)
+    analysis = analyse(read_rows(files if len(files) > 1 else files[0], columns), motion)
+    rows = rows_of(analysis)
+    if folder is not None:
+        _write(analysis, folder, file_format=file_format)
+        end = f"written to {folder}/: {PAGE}, {TABLE}, {MARK}, figures"
+    if as_json:
+        return to_json(record(rows))
+    return "\n".join([f"record {analysis.rows.path}", *lines(rows), *([end] if end else [])])
+
+
+def _name(files: Sequence[Path]) -> str:
+    first = files[0].resolve()
+    return first.name if first.is_dir() else first.stem
+
+
+def _write(analysis: Analysis, folder: Path, *, file_format: str) -> None:
+    """Write page, table, JSON and figures, all of them or none. Raises InputError."""
+    rows, figures = rows_of(analysis), figures_of(analysis)
+    content = {
+        "name": f"Record {analysis.rows.path.name}",
+        "version": __version__,
+        "lines": lines(rows),
+        "how": HOW,
+        "sections": under_headings(figures, SECTIONS),
+    }
+    write_report(
+        folder,
+        figures,
+        pages={PAGE: partial(page_of, "record.html", content)},
+        files={TABLE: table_of(analysis), MARK: to_json(record(rows)) + "\n"},
+        marks=[MARK],
+        file_format=file_format,
+        older=["course", "loops"],
+    )

@@ -1,0 +1,204 @@
+"""Find the levels of a course of friction, its jump and what it comes to, with an error by its noise."""
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from warpwear import lazy
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.measured.friction.laps import Laps
+
+ruptures = lazy.module("ruptures")
+stats = lazy.module("scipy.stats")
+
+#: Fewest groups of points in which levels are looked for, and of a level.
+FEWEST, LEAST = 20, 5
+#: Penalty of a change in units of σ² τ ln n: σ the scatter, τ the groups that scatter together.
+PENALTY = 3.0
+#: Changes by less than this part are rounding.
+ROUNDING = 1e-3
+#: Part of the last level that is left out of the steady value: it may still come down or rise.
+SETTLING = 1.0 / 3.0
+#: A rise from 10 to 90 % within this part of the course is a jump, ...
+LONGEST_JUMP = 0.2
+#: ... if it is this many times the scatter high, this part of the level before, and of what levels differ by.
+LEAST_JUMP, LEAST_RISE, LEAST_PART = 4.0, 0.2, 0.4
+#: Groups on either side of a change whose means are compared, and of the levels that the jump is between.
+BESIDE, AROUND = 5, 20
+#: Standard errors above the steady value that make an overshoot.
+OVER = 3.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Steady:
+    """A course comes to a value, with the half widths of its bands of 68 and 95 %.
+
+    start, end: of the part that it is the mean of [mm]; groups: of laps in it; independent: how many groups
+    scatter as much; share: part of the course that is the last level.
+    """
+
+    value: float
+    error: float
+    error_95: float
+    start: float
+    end: float
+    groups: int
+    independent: float
+    share: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Jump:
+    """A course goes up within a few laps, from one level to another.
+
+    start, end: distances at 10 and 90 % of the way from the level before to the one after [mm]; low, high:
+    the two levels.
+    """
+
+    start: float
+    end: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Events:
+    """What happens in a course: the distances at which its level changes [mm], a jump, what it comes to.
+
+    overshoot: how far five groups in a row rise above the steady value between the jump and the steady part,
+    None for none. steady: None for a course too short.
+    """
+
+    changes: tuple[float, ...] = ()
+    jump: Jump | None = None
+    steady: Steady | None = None
+    overshoot: float | None = None
+
+
+def events_of(laps: Laps) -> Events:
+    """Find what happens in a course. Raises InputError where the package ruptures is not installed."""
+    cof = laps.cof
+    if cof.size < FEWEST:
+        return Events()
+    bounds = _levels(cof)
+    steady = _steady(laps, bounds[-2])
+    jump, after = _jump(laps, bounds)
+    overshoot = None
+    first = int(np.searchsorted(laps.distance, steady.start)) if steady else cof.size
+    if steady is not None and jump is not None and first - after >= BESIDE:
+        means = np.convolve(cof[after:first], np.full(BESIDE, 1.0 / BESIDE), mode="valid")
+        over = float(means.max()) - steady.value
+        spread = _scatter(cof[first:]) / math.sqrt(BESIDE)
+        overshoot = over if over > OVER * math.hypot(steady.error, spread) else None
+    changes = tuple(float(0.5 * (laps.distance[k - 1] + laps.distance[k])) for k in bounds[1:-1])
+    return Events(changes=changes, jump=jump, steady=steady, overshoot=overshoot)
+
+
+def mean_with_error(values: FloatArray) -> tuple[float, float, float]:
+    """Return the mean of values that scatter together, (n,), its standard error and the independent number.
+
+    τ = 1 + 2 Σ ρ_k up to the first zero of the autocorrelation, each ρ_k (1 − k/n) τ/n higher than it is
+    computed about the mean of the same values (Marriott and Pope, Biometrika 41, 1954, to the first order).
+    """
+    count = values.size
+    residual = values - values.mean()
+    power = float(residual @ residual)
+    if power <= 1e-18 * count * float(values.mean()) ** 2:
+        return float(values.mean()), 0.0, float(count)
+    length = 1 << (2 * count - 1).bit_length()
+    raw = np.fft.irfft(np.abs(np.fft.rfft(residual, length)) ** 2, length)[1:count] / power
+    lags, tau = np.arange(1, count), 1.0
+    for _ in range(3):
+        correlation = raw + (1.0 - lags / count) * tau / count
+        ends = np.flatnonzero(correlation <= 0.0)
+        last = min(int(ends[0]) if ends.size else count - 1, math.ceil(5.0 * tau) + 1)
+        tau = min(max(1.0 + 2.0 * float(correlation[:last].sum()), 1.0), count / 3.0)
+    variance = power / count / (1.0 - tau / count)
+    return float(values.mean()), math.sqrt(variance * tau / count), count / tau
+
+
+def _scatter(values: FloatArray) -> float:
+    """Return the standard deviation of values about a straight line through them."""
+    place = np.arange(values.size, dtype=np.float64)
+    residual = values - np.polyval(np.polyfit(place, values, 1), place)
+    return float(residual.std())
+
+
+def _levels(cof: FloatArray) -> list[int]:
+    """Return the first group of each level, 0 among them, and the number of groups at the end.
+
+    The squared error and a penalty for each change are least together (PELT, Killick, Fearnhead and Eckley
+    2012). σ² τ is the median over the quarters of the course, so that a change in one of them does not count.
+    """
+    strengths = []
+    for quarter in np.array_split(cof, 4):
+        place = np.arange(quarter.size, dtype=np.float64)
+        residual = quarter - np.polyval(np.polyfit(place, quarter, 1), place)
+        strengths.append(quarter.size * mean_with_error(residual)[1] ** 2)
+    penalty = PENALTY * float(np.median(strengths)) * math.log(cof.size)
+    penalty = max(penalty, ROUNDING**2 * float(cof @ cof) / cof.size)
+    try:
+        search = ruptures.KernelCPD(kernel="linear", min_size=LEAST)
+    except ImportError as error:
+        raise InputError("the levels of a record need ruptures: pip install 'warpwear[io]'") from error
+    return [0, *(int(place) for place in search.fit(cof[:, None]).predict(pen=penalty))]
+
+
+def _steady(laps: Laps, level: int) -> Steady | None:
+    """Return the mean of a level to the end without its first third, None where that is too short."""
+    first = level + math.floor(SETTLING * (laps.cof.size - level))
+    cof = laps.cof[first:]
+    if cof.size < 2 * LEAST:
+        return None
+    value, error, independent = mean_with_error(cof)
+    factors = (float(stats.t.ppf(share, max(independent - 1.0, 1.0))) for share in (0.8413447, 0.975))
+    band, wide = (factor * error for factor in factors)
+    return Steady(
+        value=value,
+        error=band,
+        error_95=wide,
+        start=float(laps.distance[first]) - 0.5 * laps.length,
+        end=float(laps.distance[-1]) + 0.5 * laps.length,
+        groups=cof.size,
+        independent=independent,
+        share=1.0 - level / laps.cof.size,
+    )
+
+
+def _jump(laps: Laps, bounds: list[int]) -> tuple[Jump | None, int]:
+    """Return the steepest rise between levels, if it is a jump, and the group at its end."""
+    cof = laps.cof
+    rises = {k: cof[k : k + BESIDE].mean() - cof[max(k - BESIDE, 0) : k].mean() for k in bounds[1:-1]}
+    if not rises:
+        return None, 0
+    k = max(rises, key=lambda bound: rises[bound])
+    before, after = cof[max(0, k - BESIDE - AROUND) : max(k - BESIDE, 1)], cof[k + BESIDE : k + 3 * BESIDE]
+    if not after.size:
+        return None, 0
+    low, high = float(np.median(before)), float(np.median(after))
+    noise = max(_scatter(after) if after.size > 2 else 0.0, _scatter(before) if before.size > 2 else 0.0)
+    means = [float(cof[a:b].mean()) for a, b in pairwise(bounds)]
+    least = max(LEAST_RISE * abs(low), LEAST_PART * (max(means) - min(means)), LEAST_JUMP * noise)
+    if high - low <= least:
+        return None, 0
+    way = (cof - low) / (high - low)
+    start = k
+    while start > 0 and way[start - 1] > 0.1:
+        start -= 1
+    end = start
+    while end < cof.size - 1 and way[end] < 0.9:
+        end += 1
+    if start == 0 or end - start > max(LONGEST_JUMP * cof.size, 2.0 * BESIDE):
+        return None, 0
+    places = [_crossing(laps.distance, way, at, level) for at, level in ((start, 0.1), (end, 0.9))]
+    return Jump(start=places[0], end=max(places), low=low, high=high), end
+
+
+def _crossing(distance: FloatArray, way: FloatArray, at: int, level: float) -> float:
+    """Return where a straight line from the group before crosses a level [mm]."""
+    low, high = float(way[at - 1]), float(way[at])
+    part = (level - low) / (high - low) if high > low else 1.0
+    return float(distance[at - 1] + min(max(part, 0.0), 1.0) * (distance[at] - distance[at - 1]))

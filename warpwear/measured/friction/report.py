@@ -1,0 +1,185 @@
+"""Say what a record of friction shows: rows for JSON and people, sentences on how it was found, a table."""
+
+import csv
+import io
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from warpwear.measured.friction.analysis import Analysis, Step
+from warpwear.measured.friction.events import PENALTY, Steady
+from warpwear.results.report import Row
+from warpwear.results.report import record as record_of
+
+#: Fewer independent means, or a last level of a smaller part of the course, make a steady value doubtful.
+FEW, SHARE = 4.0, 0.25
+#: Changes of level that a line names.
+CHANGES = 6
+#: How the numbers are found, in sentences.
+HOW = (
+    f"Levels: the least squared error with a penalty of {PENALTY:g} σ² τ ln n for each change (PELT of "
+    "ruptures); σ is the scatter of n laps or groups of them, τ how many scatter together.",
+    "Steady value: mean of the last level without its first third; ± covers 68 %, noise that goes together "
+    "counted.",
+    "Incubation and jump: 10 and 90 % of the way between the levels beside the steepest rise.",
+    "Energy: load × coefficient over the distance.",
+)
+
+
+def rows_of(analysis: Analysis) -> list[Row]:
+    """Declare what is said of a record."""
+    head = [
+        Row("", "file", str(analysis.rows.path)),
+        Row("format", "format", analysis.rows.format),
+        Row("rows", "rows", int(analysis.rows.step.size)),
+    ]
+    if len(analysis.steps) == 1:
+        body = step_rows(analysis.steps[0])
+    else:
+        body = []
+        for step in analysis.steps:
+            body += [Row(f"step {step.name}", "", ""), *_labelled(step_rows(step))]
+        body.append(Row("", "steps", [record_of(step_rows(step)) for step in analysis.steps]))
+    loops = [
+        Row(f"loop of cycle {loop.cycle}", "", loop.energy, unit="mJ", digits=3) for loop in analysis.loops
+    ]
+    if loops:
+        loops.append(Row("", "loops_mJ", {str(loop.cycle): loop.energy for loop in analysis.loops}))
+    return [*head, *body, *loops, *notes_of(analysis)]
+
+
+def _labelled(rows: list[Row]) -> list[Row]:
+    """Leave a step's rows to people: JSON has them under the list of steps."""
+    return [
+        replace(row, key="", unit=row.units, error=row.error and ("", row.error[1]))
+        for row in rows
+        if row.label
+    ]
+
+
+def notes_of(analysis: Analysis) -> list[Row]:
+    """Declare what was assumed, done and left out."""
+    notes = {n.partition(". ")[0]: n for step in reversed(analysis.steps) for n in step.course.notes[::-1]}
+    warnings = [w.removeprefix("Warning: ") for step in analysis.steps for w in step.course.warnings]
+    doubts: dict[str, list[str]] = {}
+    for step in analysis.steps:
+        for doubt in _doubts(step):
+            doubts.setdefault(doubt, []).append(step.name)
+    for doubt, names in doubts.items():
+        warnings.append(doubt + (f" (step {', '.join(names)})" if names[0] else "") + ".")
+    return [
+        Row("warning", "warnings", list(dict.fromkeys(warnings))),
+        Row("note", "notes", list(notes.values())[::-1]),
+        Row("steps left out", "steps_left_out", list(analysis.left_out)),
+        Row("", "how", list(HOW)),
+    ]
+
+
+def _doubts(step: Step) -> list[str]:
+    """Say what makes the steady value of a step doubtful, in sentences without their ends."""
+    steady = step.events.steady
+    if steady is None:
+        return ["There are too few means behind the last change of level for a steady value with an error"]
+    if steady.share < SHARE:
+        return ["The level changed late: the steady value is that of the end, and may go on changing"]
+    if steady.independent < FEW:
+        return [f"The course wanders so slowly that a steady value is of less than {FEW:g} independent means"]
+    return []
+
+
+def step_rows(step: Step) -> list[Row]:
+    """Declare what is said of one step."""
+    laps, events, points = step.laps, step.events, step.course.distance.size
+    unit = f"{laps.unit}s"
+    together = "" if laps.laps in (None, 1.0) else f", means of {laps.laps:g} {unit}"
+    scatter = laps.scatter[np.isfinite(laps.scatter)]
+    rows = [
+        Row("", "step", step.name),
+        *_length("distance", "distance", float(step.course.distance[-1]), step, f"{points} points{together}"),
+        Row("load", "load_N", step.load),
+        Row(
+            f"within a {laps.unit}", "scatter", float(np.median(scatter)) if scatter.size else None, digits=2
+        ),
+    ]
+    if events.jump is None:
+        rows.append(Row("jump", "", "none: no rise by a fifth within a fifth of the course"))
+    else:
+        jump = events.jump
+        levels = f"from {jump.low:.3g} to {jump.high:.3g}"
+        rows += _length("incubation", "incubation", jump.start, step)
+        rows += _length("jump", "jump", jump.end - jump.start, step, levels)
+        rows += [Row("", "level_before", jump.low), Row("", "level_after", jump.high)]
+    rows.append(Row("overshoot", "overshoot", events.overshoot, digits=2, note="above the steady value"))
+    if events.steady is not None:
+        rows += _steady_rows(events.steady)
+    changes = ", ".join(f"{1e-3 * at:.4g}" for at in events.changes[:CHANGES])
+    more = len(events.changes) - CHANGES
+    return [
+        *rows,
+        Row(
+            "level changes at",
+            "",
+            f"{changes} m" + (f" and {more} more" if more > 0 else "") if changes else None,
+        ),
+        Row("", "level_changes_mm", list(events.changes)),
+        Row("energy", "energy_J", step.energy, digits=3, note="dissipated"),
+    ]
+
+
+def _steady_rows(steady: Steady) -> list[Row]:
+    error = f"{steady.error:.2g}"
+    decimals = len(error.partition(".")[2]) if "e" not in error else 5
+    where = f"{1e-3 * steady.start:.4g} to {1e-3 * steady.end:.4g} m"
+    text = f"{steady.value:.{decimals}f} ± {error} (68 %; 95 %: ± {steady.error_95:.2g}), mean from {where}"
+    return [
+        Row(
+            "steady value",
+            "steady_cof",
+            steady.value,
+            error=("steady_cof_error", steady.error),
+            sentence=text,
+        ),
+        Row("", "steady_cof_error_95", steady.error_95),
+        Row("", "steady_from_mm", steady.start),
+        Row("", "steady_to_mm", steady.end),
+        Row(
+            "independent",
+            "steady_independent",
+            steady.independent,
+            digits=3,
+            note=f"of {steady.groups} means",
+        ),
+        Row("", "last_level_percent", 100.0 * steady.share),
+    ]
+
+
+def _length(label: str, key: str, length: float, step: Step, note: str = "") -> list[Row]:
+    """Declare a length: for people in m, and in laps where these are known."""
+    count = step.laps.count(length)
+    parts = [f"{1e-3 * length:.4g} m", *([f"{count:.4g} {step.laps.unit}s"] if count is not None else [])]
+    laps = [Row("", f"{key}_{step.laps.unit}s", count)] if count is not None else []
+    return [Row(label, f"{key}_mm", length, sentence=", ".join([*parts, *([note] if note else [])])), *laps]
+
+
+def table_of(analysis: Analysis) -> str:
+    """Write the course as a table, units in the header: a row a lap, cycle or group of them."""
+    several = len(analysis.steps) > 1
+    unit = next((step.laps.unit for step in analysis.steps if step.laps.laps is not None), None)
+    head = ["Distance [mm]", "CoF [-]", "Scatter of CoF [-]", "Points"]
+    head += ([f"{unit.capitalize()} [-]"] if unit else []) + ["Step"] * several
+    text = io.StringIO()
+    writer = csv.writer(text)
+    writer.writerow(head)
+    for number, step in enumerate(analysis.steps):
+        laps = step.laps
+        for k in range(laps.cof.size):
+            row: list[Any] = [repr(float(step.before + laps.distance[k])), repr(float(laps.cof[k]))]
+            row.append("" if math.isnan(laps.scatter[k]) else repr(float(laps.scatter[k])))
+            row.append(int(laps.points[k]))
+            if unit:
+                count = laps.count(float(laps.distance[k]))
+                row.append("" if count is None else f"{count:.6g}")
+            writer.writerow([*row, *([step.name or number + 1] if several else [])])
+    return text.getvalue()

@@ -1,0 +1,153 @@
+"""Find how far a record slid: by its distance, its laps, its speeds, its turns, its cycles or its time."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.measured.rows import Rows
+
+#: A speed below this share of the largest is rest.
+REST = 0.01
+#: Part of the rows, and of the distance, by which a counter may slip back.
+SLIPS = 0.01
+#: Turns before the first row that are told.
+BEFORE = 1.0
+#: Relative difference of a distance from that by the laps that is told.
+OTHER_DISTANCE = 0.05
+
+
+def moving(rows: Rows) -> tuple[Rows, list[str]]:
+    """Return the rows in which something slides, and a note on the others; all where no speed tells."""
+    speed = next((np.abs(rows.table[role]) for role in ("speed", "rpm") if role in rows.table), None)
+    if speed is None or not np.isfinite(speed).any():
+        return rows, []
+    rest = speed < REST * np.nanmax(speed)
+    if not rest.any() or rest.all():
+        return rows, []
+    note = f"Rows at rest, left out: {rest.sum()} of {rest.size}."
+    table = {role: values[~rest] for role, values in rows.table.items()}
+    return replace(rows, table=table, step=rows.step[~rest]), [note]
+
+
+def sliding_distance(
+    rows: Rows,
+    *,
+    stroke: float | None,
+    speed: float | None,
+    radius: float | Sequence[float] | None,
+    what: str,
+) -> tuple[FloatArray, str, str]:
+    """Return the distance slid [mm], shape (rows,), the role of the column it is from, and how it was made.
+
+    stroke [mm] makes distance of cycles, speed [mm/s] of time, radius [mm] of laps and turns a minute; what:
+    the record has, for sentences. Raises InputError where the record does not say how far the sliding went.
+    """
+    table, path = rows.table, rows.path
+    track = _radius(rows, radius)
+    if "distance" in table:
+        distance, note = _without_slips(table["distance"], table.get("time"))
+        return distance, "distance", note
+    if "laps" in table and track is not None:
+        return _by_laps(table["laps"], track, rows)
+    rates = {"speed": 1.0, "rpm": None if track is None else 2.0 * np.pi * track / 60.0}
+    for role, factor in rates.items():
+        if role in table and "time" in table and factor is not None:
+            way = "" if role == "speed" else ", times 2π radius"
+            along = _integral(np.abs(table[role]) * factor, table["time"])
+            return along, role, f"Distance is the integral of the {role} over time{way}."
+    if "cycle" in table and stroke is not None:
+        return (
+            2.0 * stroke * table["cycle"],
+            "cycle",
+            f"Distance is cycle times two strokes of {stroke:g} mm.",
+        )
+    if ("laps" in table or "rpm" in table) and speed is None:
+        role = "laps" if "laps" in table else "rpm"
+        steps = f", or one for each of its {len(rows.steps)} steps" if len(rows.steps) > 1 else ""
+        raise InputError(
+            f"{path} gives turns, '{rows.chosen[role].title}', and no distance: the radius of the track is "
+            f"needed, such as --radius '6 mm'{steps}"
+        )
+    if "time" in table:
+        time = table["time"]
+        if speed is None:
+            raise InputError(
+                f"{path} gives the time '{rows.chosen['time'].title}' and no distance: a speed is needed, "
+                "such as --speed '20 mm/min'"
+            )
+        if np.nanmin(time) > np.ptp(time[np.isfinite(time)]) > 0.0:
+            raise InputError(
+                f"{path}: the time starts at {np.nanmin(time):g} s, later than the record is long; time "
+                "since the start of sliding is expected"
+            )
+        return speed * time, "time", f"Distance is time times speed, {speed:g} mm/s."
+    if "cycle" in table:
+        raise InputError(
+            f"{path} gives the cycle '{rows.chosen['cycle'].title}' and no distance: the length of a stroke "
+            "is needed, such as --stroke '10 mm'"
+        )
+    raise InputError(
+        f"{path} has a {what} but neither a distance nor a time; a column such as 'Distance [mm]' is "
+        "expected, or --columns 'DISTANCE,COF'"
+    )
+
+
+def _without_slips(distance: FloatArray, time: FloatArray | None) -> tuple[FloatArray, str]:
+    """Return a distance [mm] that stands still where a counter slips back while time goes on; a note."""
+    falls = np.diff(distance)[np.diff(distance) < 0.0]
+    goes_on = time is not None and bool(np.all(np.diff(time) >= 0.0))
+    if not (goes_on and 0 < falls.size <= SLIPS * distance.size and -falls.sum() <= SLIPS * np.ptp(distance)):
+        return distance, ""
+    note = (
+        f"The distance falls back at {falls.size} rows while time goes on: it is taken to stand still there."
+    )
+    return np.maximum.accumulate(distance), note
+
+
+def doubts(rows: Rows, radius: float | Sequence[float] | None) -> tuple[str, ...]:
+    """Say where the distance of a record is not the one by its laps."""
+    track = _radius(rows, radius)
+    if track is None or not {"distance", "laps"} <= rows.table.keys():
+        return ()
+    by_laps = _by_laps(rows.table["laps"], track, rows)[0]
+    ends = [float(np.nanmax(values) - np.nanmin(values)) for values in (rows.table["distance"], by_laps)]
+    if abs(ends[0] - ends[1]) <= OTHER_DISTANCE * ends[1]:
+        return ()
+    return (
+        f"Warning: the column '{rows.chosen['distance'].title}' goes over {ends[0]:.4g} mm, "
+        f"'{rows.chosen['laps'].title}' times 2π radius over {ends[1]:.4g} mm.",
+    )
+
+
+def _radius(rows: Rows, radius: float | Sequence[float] | None) -> FloatArray | None:
+    """Return the radius of the track of each row [mm], shape (rows,), given or measured, or None."""
+    if radius is None:
+        return rows.table.get("radius")
+    tracks = np.atleast_1d(np.asarray(radius, dtype=np.float64))
+    if tracks.size not in (1, len(rows.steps)):
+        names = ", ".join(f"'{name}'" for name in rows.steps[:12])
+        raise InputError(
+            f"--radius has {tracks.size} values where {rows.path} has {len(rows.steps)} steps ({names}): "
+            "one, or one a step, is expected"
+        )
+    return tracks[rows.step] if tracks.size > 1 else np.full(rows.step.size, tracks[0])
+
+
+def _by_laps(laps: FloatArray, track: FloatArray, rows: Rows) -> tuple[FloatArray, str, str]:
+    """Return the distance by laps [mm], counted from the first row where many went before."""
+    first = laps[np.isfinite(laps)][:1]
+    before = float(first[0]) if first.size and first[0] > BEFORE else 0.0
+    turns = np.diff(laps, prepend=laps[0] - max(float(first[0]) - before, 0.0) if first.size else 0.0)
+    note = "Distance is laps times 2π radius."
+    if before:
+        note += f" It is counted from the first row, at '{rows.chosen['laps'].title}' {before:g}."
+    return 2.0 * np.pi * np.cumsum(turns * track), "laps", note
+
+
+def _integral(speed: FloatArray, time: FloatArray) -> FloatArray:
+    """Return the distance slid [mm] by a speed [mm/s] over time [s], by trapezoids from the first row."""
+    steps = np.clip(np.diff(time), 0.0, None)
+    return np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * steps)])

@@ -1,0 +1,177 @@
+"""Hold the rows of a record of friction in mm, s and N, of one file or of many, with its recipe's steps."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
+from warpwear.measured.columns import Column, choose
+from warpwear.measured.record import Record, read_record
+
+Indices: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.intp]]"
+#: A file, a folder of files of one record, or several files of one.
+Paths: TypeAlias = str | Path | Sequence[str | Path]
+#: Roles that go on where a machine begins to count anew at a step.
+COUNTED = ("time", "distance", "laps", "cycle")
+#: Relative difference of a coefficient from the ratio of the forces beside it that is told.
+OTHER_RATIO = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """A record has rows of quantities, in steps one after another.
+
+    table: role -> values [mm, s, N, turns a minute, 1], shape (rows,), NaN where missing. step: of each row,
+    counted from 0, shape (rows,); steps: their names.
+    """
+
+    path: Path
+    format: str
+    table: dict[str, FloatArray]
+    chosen: dict[str, Column]
+    step: Indices
+    steps: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    def of_steps(self, wanted: Indices) -> "Rows":
+        """Return the rows of some steps, by their numbers from 0."""
+        inside = np.isin(self.step, wanted)
+        places = np.searchsorted(np.unique(wanted), self.step[inside])
+        table = {role: values[inside] for role, values in self.table.items()}
+        names = tuple(self.steps[place] for place in np.unique(wanted))
+        return replace(self, table=table, step=places, steps=names)
+
+
+def files_of(paths: Paths) -> list[Path]:
+    """Return the files of one record in order: those given, or those in a folder, 2 before 10."""
+    places = [Path(paths)] if isinstance(paths, str | Path) else [Path(path) for path in paths]
+    files: list[Path] = []
+    for path in places:
+        if path.is_dir():
+            inside = [one for one in path.iterdir() if one.is_file() and not one.name.startswith(".")]
+            files += sorted(inside, key=_natural)
+        else:
+            files.append(path)
+    if not files:
+        raise InputError(
+            f"{places[0] if places else 'the record'} holds no file: records of friction are expected"
+        )
+    return files
+
+
+def _natural(path: Path) -> list[tuple[int, str]]:
+    """Return what sorts names with numbers as people do."""
+    parts = re.split(r"(\d+)", path.name)
+    return [(int(part), "") if part.isdecimal() and part.isascii() else (-1, part) for part in parts]
+
+
+def read_rows(paths: Paths, columns: str | None = None) -> Rows:
+    """Read the rows of a record, whatever machine wrote it.
+
+    paths: a file, a folder, or files that follow each other. columns: which to take, see
+    `warpwear.measured.columns.choose`. Raises InputError.
+    """
+    files = files_of(paths)
+    parts = [_rows_of(path, columns) for path in files]
+    if len(parts) == 1:
+        return parts[0]
+    first = parts[0]
+    for part in parts:
+        if part.table.keys() != first.table.keys():
+            raise InputError(
+                f"{part.path} has {_listed(part)} where {first.path.name} has {_listed(first)}: files of one "
+                "record have the same columns"
+            )
+    counts = np.cumsum([0, *(len(part.steps) for part in parts)])
+    step = np.concatenate([part.step + count for part, count in zip(parts, counts[:-1], strict=True)])
+    table = {role: np.concatenate([part.table[role] for part in parts]) for role in first.table}
+    names = tuple(f"{part.path.stem} {name}".strip() for part in parts for name in part.steps)
+    notes: tuple[str, ...] = (f"{len(files)} files, from {files[0].name} to {files[-1].name}.",)
+    notes += tuple(dict.fromkeys(note for part in parts for note in part.notes))
+    warnings = tuple(dict.fromkeys(warning for part in parts for warning in part.warnings))
+    at = files[0].parent if all(path.parent == files[0].parent for path in files) else files[0]
+    whole = Rows(at, first.format, table, first.chosen, step, names, notes, warnings)
+    return _continued(whole)
+
+
+def _listed(rows: Rows) -> str:
+    return ", ".join(rows.table)
+
+
+def _rows_of(path: Path, columns: str | None) -> Rows:
+    """Read the rows of one file. Raises InputError."""
+    record = read_record(path)
+    chosen = choose(record, columns)
+    numbered = chosen.pop("step", None)
+    values = record.columns([column.index for column in chosen.values()])
+    table = {role: column.factor * values[:, place] for place, (role, column) in enumerate(chosen.items())}
+    step, names = _steps(record, numbered)
+    if "load" in table and "normal force" not in table:  # what was set, where nothing was measured
+        table["normal force"], chosen["normal force"] = table.pop("load"), chosen.pop("load")
+    rows = Rows(path, record.format.name, table, chosen, step, names, record.notes)
+    return _continued(replace(rows, warnings=_contradictions(rows)))
+
+
+def _steps(record: Record, numbered: Column | None) -> tuple[Indices, tuple[str, ...]]:
+    """Return the step of each row, from 0, and their names: of the lines between, or of a column."""
+    labels: list[str] = list(record.steps)
+    if not any(labels) and numbered is not None:
+        try:
+            labels = [f"{value:g}" for value in record.columns([numbered.index])[:, 0]]
+        except InputError:  # of words
+            labels = []
+    count = len(record.table.rows)
+    if not labels:
+        return np.zeros(count, dtype=np.intp), ("",)
+    starts = [0, *(i for i in range(1, count) if labels[i] != labels[i - 1])]
+    step = np.zeros(count, dtype=np.intp)
+    step[starts[1:]] = 1
+    return np.cumsum(step), tuple(labels[start] for start in starts)
+
+
+def _continued(rows: Rows) -> Rows:
+    """Let what a machine counts from zero in each step go on from the end of the step before."""
+    starts = np.flatnonzero(np.diff(rows.step)) + 1
+    table, notes = dict(rows.table), list(rows.notes)
+    for role in COUNTED:
+        values = table.get(role)
+        if values is None or not starts.size:
+            continue
+        again = starts[values[starts] < values[starts - 1]]
+        if again.size:
+            steps = np.diff(values)
+            usual = float(np.nanmedian(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
+            shift = np.zeros(values.size)
+            for start in again:
+                begin = 0.0 if values[start] > 0.0 else usual
+                shift[start] = values[start - 1] + begin
+            table[role] = values + np.cumsum(shift)
+            notes.append(f"The {role} begins anew with steps, and goes on here.")
+    return replace(rows, table=table, notes=tuple(dict.fromkeys(notes)))
+
+
+def _contradictions(rows: Rows) -> tuple[str, ...]:
+    """Say where a column of coefficients is not the ratio of the forces beside it."""
+    if not {"cof", "friction force", "normal force"} <= rows.table.keys():
+        return ()
+    cof, friction, normal = (np.abs(rows.table[role]) for role in ("cof", "friction force", "normal force"))
+    pressed = normal > 0.5 * np.nanmedian(normal)
+    pressed &= np.isfinite(cof) & np.isfinite(friction)
+    if not pressed.any():
+        return ()
+    ratio = friction[pressed] / normal[pressed]
+    middle = float(np.median(ratio))
+    off = float(np.median(np.abs(cof[pressed] - ratio)))
+    if off <= OTHER_RATIO * middle:
+        return ()
+    titles = [rows.chosen[role].title for role in ("cof", "friction force", "normal force")]
+    return (
+        f"Warning: the column '{titles[0]}' is not '{titles[1]}' over '{titles[2]}': its median is "
+        f"{float(np.median(cof[pressed])):.3g}, that of the ratio {middle:.3g}; --columns picks one of them.",
+    )

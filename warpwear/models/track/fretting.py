@@ -1,0 +1,204 @@
+"""Before a jump over cycles of fretting a contact is asked what slips: all of it, a ring, or nothing."""
+
+import math
+from typing import Any, ClassVar
+
+import numpy as np
+
+from warpwear import lazy
+from warpwear.contact.half_space.contact import HalfSpaceContact
+from warpwear.contact.half_space.solver import HalfSpace
+from warpwear.engine.executor import Executor, Field
+from warpwear.engine.numbers import Numbers
+from warpwear.engine.program import Program
+from warpwear.kernels import wear_from_pressure
+from warpwear.laws.task import ContactTask
+
+optimize = lazy.module("scipy.optimize")
+
+#: Tolerance of the contact under P*, as of `solver.BoundedPressure`: slips follow from its gaps.
+TOLERANCE = 1.0e-9
+#: What an approach under P* may be off, over that at which nothing sticks: a rig's yield is looked for.
+SAME = 1.0e-9
+
+
+class CyclicSlip:
+    """Knows what cells slip in a cycle, and how much of the wear of both bodies is a mean along x.
+
+    All of the contact may slide, by `rigid` [mm] in a cycle; cells slip by lengths of their own beside that,
+    4κμ times their gap under P* (`warpwear.laws.fretting`). Those are kept in the field `slips`, and grow by
+    what cells lose, so that the contact under P* is solved once where a force keeps it as it is.
+    """
+
+    STATE: ClassVar = {
+        "slips": Field,
+        "rigid": float,
+        "force": float,
+        "border": float,
+        "_stuck": float,
+        "_approach": float,
+        "_first": float,
+    }
+
+    def __init__(self, task: ContactTask, executor: Executor) -> None:
+        assert task.fretting is not None
+        assert task.modulus is not None  # both checked with the study
+        self._drive, self._load, self._executor = task.fretting, task.load, executor
+        slides = not (self._drive.of_body or self._drive.force)
+        #: What cells slip in a cycle by their gaps [mm]; no rows where all slide alike.
+        self.slips = executor.zeros(0) if slides else executor.zeros()
+        #: The compliance that it lends them in a step [mm/MPa]; None where all slide alike.
+        self.yields: Field | None = None if slides else executor.zeros()
+        #: What all cells slide in a cycle [mm].
+        self.rigid = self._drive.cycle if slides else 0.0
+        #: Amplitudes: of the force [N], and of the displacement at which all of the contact slips [mm].
+        self.force, self.border = math.nan, math.nan
+        #: Approaches: under P*, of the last contact, and at first touch [mm].
+        self._stuck = self._approach = self._first = math.nan
+        self._solver: HalfSpace | None = None
+        if not slides:
+            grid = executor.grid
+            law: dict[str, Any] = {
+                "modulus": task.modulus,
+                "boundary": task.boundary,
+                "hardness": task.hardness,
+            }
+            self._solver = HalfSpace(executor, tolerance=TOLERANCE, datum=grid.nx * grid.cell, **law)
+
+    def restored(self) -> None:
+        """Slide as this drive does, whatever another one did."""
+        if self._solver is None:
+            self.rigid = self._drive.cycle
+
+    @property
+    def window(self) -> int:
+        """Return the cells of a mean of the disc's wear: those of the stroke of what slides."""
+        return max(1, min(round(0.5 * self.rigid / self._executor.grid.cell), self._executor.grid.nx))
+
+    @property
+    def margin(self) -> int:
+        """Return the cells along an edge that must not be touched: the disc's scar is a stroke longer."""
+        return 1 + self.window // 2
+
+    @property
+    def knows_approach(self) -> bool:
+        """Tell whether there was a contact under the load."""
+        return not math.isnan(self._approach)
+
+    def note(self, contact: HalfSpaceContact) -> None:
+        """Note the approach of a contact under the load."""
+        self._approach = contact.approach
+
+    def look(self, gap: Field, slides: Numbers) -> None:
+        """See what slips in a jump that begins with a gap, under a load whose approach was noted.
+
+        slides: what the passes of the step read.
+        """
+        drive = self._drive
+        self._first = float(np.min(self._executor.to_numpy(gap)))
+        self.border = drive.kappa * drive.friction * (self._approach - self._first)
+        limit = drive.friction * self._load
+        if self._solver is None:
+            self.force = limit
+        elif drive.force is not None:
+            self.force = drive.force
+            if math.isnan(self._stuck):
+                stuck = self._solve(gap, load=self._load - drive.force / drive.friction)
+                self._stuck = stuck.approach
+                self._see(stuck.gradient_field, stuck.pressure_field, slides)
+        else:
+            self._displace(gap, limit, slides)
+
+    def _displace(self, gap: Field, limit: float, slides: Numbers) -> None:
+        """Find the contact under P* that a drive of a stroke leaves. limit: force at which all slips [N]."""
+        drive, per_approach = self._drive, self._drive.kappa * self._drive.friction
+        amplitude = 0.5 * drive.stroke
+        slid = amplitude - drive.rig * limit - self.border
+        if slid >= 0.0:
+            self.rigid, self.force, self._stuck = 4.0 * slid, limit, self._first
+            self._see(gap, self._executor.zeros(), slides)
+            return
+
+        bounds = self._first, self._approach
+
+        def missing(approach: float) -> float:
+            """Return what a drive that leaves an approach under P* has left over [mm]."""
+            if approach in bounds:  # where nothing sticks, or all
+                return slid if approach == self._first else amplitude
+            contact = self._solve(gap, approach=approach)
+            force = limit - drive.friction * contact.mean_pressure * self._executor.grid.area
+            return amplitude - per_approach * (self._approach - approach) - drive.rig * force
+
+        self._stuck = self._approach - amplitude / per_approach
+        if drive.rig:
+            self._stuck = optimize.brentq(missing, *bounds, xtol=SAME * (self._approach - self._first))
+        stuck = self._solve(gap, approach=self._stuck)
+        self.rigid = 0.0
+        self.force = limit - drive.friction * stuck.mean_pressure * self._executor.grid.area
+        self._see(stuck.gradient_field, stuck.pressure_field, slides)
+
+    def _solve(
+        self, gap: Field, *, load: float | None = None, approach: float | None = None
+    ) -> HalfSpaceContact:
+        """Solve the contact under P*, from nothing, so that it is the same whatever was solved before."""
+        assert self._solver is not None
+        self._solver.forget()
+        mean = None if load is None else load / self._executor.grid.area
+        return self._solver.solve(gap, mean_pressure=mean, approach=approach, certified=False)
+
+    def _see(self, gap: Field, pressure: Field, slides: Numbers) -> None:
+        """Make the slips of the gaps beyond the approach under P*, where no pressure is."""
+        slides.set(slip_of_gap=self._drive.slip_of_gap, approach=self._stuck)
+        program = Program(self._executor, records=False)
+        program.launch(wear_from_pressure.slip, slides.array, gap, pressure, self.slips)
+        program.run()
+
+    def shares(self, removals: tuple[float, float]) -> dict[str, float]:
+        """Return what an increment wears where all slides, and by slips, for a `Slide`.
+
+        removals: K ΔL of counter and disc [mm³/N] over the distance that cycles count for.
+        """
+        cycle = self._drive.cycle
+        (counter, disc), slides = removals, self.rigid / cycle
+        own = 0.0 if self.yields is None else 1.0 / cycle
+        return {
+            "of_counter": slides * counter,
+            "of_disc": slides * disc,
+            "slipping_counter": own * counter,
+            "slipping_disc": own * disc,
+            "slip_of_gap": self._drive.slip_of_gap,
+        }
+
+    def worn(self, removals: tuple[float, float], slip_mean: float) -> tuple[float, float]:
+        """Return K times what slipped in the mean of counter and disc [mm³/N]. removals: as of `shares`."""
+        share = slip_mean / self._drive.cycle
+        return share * removals[0], share * removals[1]
+
+    def say_yields(self, program: Program, slides: Field) -> None:
+        """Add to a program: the compliance that a step lends cells by their slips."""
+        program.launch(wear_from_pressure.yields, slides, self.slips, self.yields)
+
+    def row(self, increment: float, work: float, stuck: float) -> dict[str, float]:
+        """Return what the history has of a jump over an increment [mm].
+
+        work: Σ p s of the slips [N mm]. stuck: area in contact that does not slip [mm²].
+        """
+        drive, load = self._drive, self._load
+        work += self.rigid * load
+        moved = drive.kappa * drive.friction * (self._approach - self._stuck)
+        if self.rigid:
+            moved = self.border + 0.25 * self.rigid
+        elif drive.force is None:
+            moved = 0.5 * drive.stroke - drive.rig * self.force
+        moved, border = (x if drive.has_displacement else math.nan for x in (moved, self.border))
+        energy = drive.friction * work
+        return {
+            "cycles": increment / drive.cycle if drive.cycle else 0.0,
+            "tangential_force": self.force,
+            "displacement": moved,
+            "displacement_border": border,
+            "energy": energy,
+            "energy_ratio": energy / (4.0 * self.force * moved),
+            "slip_mean": work / load,
+            "stick_area": 0.0 if self.rigid else stuck,
+        }

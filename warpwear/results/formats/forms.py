@@ -1,0 +1,39 @@
+"""Read the sentences of `templates/`, and fill its forms: pages, paragraphs, LaTeX, XML of other software."""
+
+import tomllib
+from collections.abc import Callable, Mapping
+from importlib.resources import files
+from types import MappingProxyType
+from typing import Any
+
+from warpwear import lazy
+
+jinja2 = lazy.module("jinja2")
+
+#: No function beside those that forms have anyway.
+NONE: Mapping[str, Callable[..., Any]] = MappingProxyType({})
+
+
+def filled(
+    form: str, filters: Mapping[str, Callable[..., Any]] = NONE, *, escape: bool = True, **content: Any
+) -> str:
+    """Fill a form; what is put in is escaped, unless the form is plain text. A missing name is an error.
+
+    form: name of its file. filters: name in the form -> function. content: name in the form -> value.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("warpwear", "templates"),
+        autoescape=escape,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(filters)
+    text: str = environment.get_template(form).render(content)
+    return text
+
+
+def prose(name: str) -> dict[str, Any]:
+    """Read the sentences of a file of `templates/`."""
+    text = files("warpwear").joinpath("templates", f"{name}.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text)
