@@ -200,8 +200,6 @@ def _coarse_place(later: _Map, earlier: _Map) -> tuple[FloatArray, float]:
             break
     # the right place stands out after a few rounds, in which the others do not settle
     begun.sort(key=itemgetter(1), reverse=True)
-    if begun[0][1] < LEAST_COARSE:
-        return begun[0]
     return max((fit(place) for place, _ in begun[:FITTED]), key=itemgetter(1))
 
 
