@@ -118,19 +118,19 @@ def mean_width(heights: FloatArray, *, spacing: float, least: float) -> float | 
     Only peaks and valleys count that leave the mean line by `least` [mm]; lower ones belong to their
     neighbours. None where fewer than two such rises are there.
     """
-    there = np.flatnonzero(~np.isnan(heights))
-    far = there[np.abs(heights[there]) > least]
+    known = np.flatnonzero(~np.isnan(heights))
+    far = known[np.abs(heights[known]) > least]
     side = np.sign(heights[far])
     rises = np.flatnonzero((side[:-1] < 0.0) & (side[1:] > 0.0))
     if rises.size < 2:
         return None
-    crossings = [_crossing(heights, there, far[i], far[i + 1]) for i in (rises[0], rises[-1])]
+    crossings = [_crossing(heights, known, far[i], far[i + 1]) for i in (rises[0], rises[-1])]
     return float(crossings[1] - crossings[0]) * spacing / (rises.size - 1)
 
 
-def _crossing(heights: FloatArray, there: IntArray, low: int, high: int) -> float:
+def _crossing(heights: FloatArray, known: IntArray, low: int, high: int) -> float:
     """Return the last place, in points, where a profile rises through zero between two of its points."""
-    between = there[(there >= low) & (there <= high)]
+    between = known[(known >= low) & (known <= high)]
     last = np.flatnonzero(heights[between] <= 0.0)[-1]
     left, right = between[last], between[last + 1]
     return float(left + (right - left) * -heights[left] / (heights[right] - heights[left]))

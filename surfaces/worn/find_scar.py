@@ -236,14 +236,14 @@ def _seed(
     if not seed.any():
         seed = region
     reach = BESIDE * math.sqrt(math.prod(extents(seed, pixel)))
-    beside = ndimage.distance_transform_edt(~seed, sampling=pixel) <= reach
-    far = fine[unworn & ~beside]
+    close = ndimage.distance_transform_edt(~seed, sampling=pixel) <= reach
+    far = fine[unworn & ~close]
     if far.size:  # what the unworn surface has elsewhere is no wear beside the scar, either
         # nor is what has half as much above the form next to it, as a steep pit that is laid a little off
         above = ndimage.uniform_filter(np.maximum(-lost, 0.0), SMOOTHED, mode="nearest")
         next_to = ndimage.maximum_filter(above, SMOOTHED)
-        beside &= measured  # a point at the rim of a hole, whose noise fills it, is no asperity
-        seed |= beside & (fine > np.maximum(max(far.max(), certain[1]), 2.0 * next_to))
+        close &= measured  # a point at the rim of a hole, whose noise fills it, is no asperity
+        seed |= close & (fine > np.maximum(max(far.max(), certain[1]), 2.0 * next_to))
     margin = [(n, n) for n in coarse]
     padded = np.pad(seed, margin, mode="edge")
     near = ndimage.distance_transform_edt(~padded, sampling=pixel) <= 0.5 * width

@@ -6,7 +6,14 @@ import click
 
 from warpwear.cli.calibrate_bayes import bayes
 from warpwear.cli.options import AS_JSON, COLUMNS, PATH, repeated, together
-from warpwear.cli.places import coefficients, energy_of_test, friction_command, printed, wear_command
+from warpwear.cli.places import (
+    coefficients,
+    energy_of_test,
+    friction_command,
+    loop_of_test,
+    printed,
+    wear_command,
+)
 from warpwear.cli.surface import prepared, with_preparation
 
 LOAD = click.option("--load", metavar="F", help="Normal load, e.g. '8 N'.")
@@ -108,6 +115,19 @@ def friction(**options: Any) -> None:
 def energy(**options: Any) -> None:
     """Find the dissipated energy ∫ μ F dL, and time, frictional power and PV at several speeds."""
     click.echo(energy_of_test.calibrate_energy(**options, usual_speeds=printed.SPEEDS))
+
+
+@calibrate.command()
+@click.argument("file", type=PATH)
+@click.option("--study", metavar="STUDY", help="Study with load and bodies, whose contact yields too.")
+@LOAD
+@AS_JSON
+def loop(**options: Any) -> None:
+    """Find μ, the slip and the rig's compliance from a cycle of fretting: FILE has displacement and force.
+
+    The slip is the width at no force. A rig of some compliance, and the contact, yield behind the tips.
+    """
+    click.echo(loop_of_test.calibrate_loop(**options))
 
 
 @calibrate.command()
