@@ -166,10 +166,12 @@ def _volume(
     if source == "--ball":
         return _of_ball(value, preparation, radius=lengths["--radius"])
     unit = SOURCES[source].unit
-    texts, told = zip(*map(_with_error, value if source == "--diagonals" else (value,)), strict=True)
-    if any(told) and options["--uncertainty"] is not None:
+    texts, uncertainties = zip(*map(_with_error, value if source == "--diagonals" else (value,)), strict=True)
+    if any(uncertainties) and options["--uncertainty"] is not None:
         raise InputError(f"--uncertainty and {source} with +- exclude each other: both say the uncertainty")
-    errors = [e for text in told if (e := optional(source, text, unit, allowed=NOT_NEGATIVE)) is not None]
+    errors = [
+        e for text in uncertainties if (e := optional(source, text, unit, allowed=NOT_NEGATIVE)) is not None
+    ]
     # of two diagonals, which count alike
     error = math.sqrt(sum(e * e for e in errors) / len(errors)) if errors else None
     error = command_options.uncertainty(options["--uncertainty"], unit) if error is None else error
