@@ -20,11 +20,13 @@ UNCERTAINTY = "Standard uncertainty of diameter, width, section or volume. [defa
 METHODS = ("g99-ball", "g99-disc", "g133-ball", "g133-flat")
 #: Sources of a worn volume, one value a test.
 SOURCES = together(
-    repeated("--volume", "V", "A worn volume, e.g. '0.01805 mm^3'."),
+    repeated("--volume", "V", "A worn volume, e.g. '0.018 mm^3' or '0.018 +- 0.001 mm^3'."),
     repeated("--scar", "D", "Diameter of a flat scar on a ball. Needs --radius."),
     repeated("--width", "D", "Width of a circular track. Needs --radius and --track-radius."),
     repeated("--section", "A", "Cross-section of a groove, e.g. '812.8 um^2'. Needs --length."),
     repeated("--track", "FILE", "Topography of a worn track. Needs --length.", type=PATH),
+    repeated("--after", "FILE", "Topography of a disc's scar. Needs --before.", type=PATH),
+    repeated("--before", "FILE", "--track, --after: the same place before the test, one a test.", type=PATH),
     repeated("--ball", "FILE", "Topography of a worn ball, with or without --radius.", type=PATH),
     with_preparation(level=LEVEL),
 )
