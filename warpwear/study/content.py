@@ -169,6 +169,7 @@ class Content(Programme):
             "contact.hardness": text(self.indentation_hardness, "MPa"),
             "contact.boundary": self.boundary,
             "sliding.kinematics": "fretting" if self.sliding.frets else self.kinematics,
+            "stepping.first": text(self.increments[0], "mm"),
             "stepping.growth": self.increments[1],
             "stepping.largest": text(self.increments[2], "mm"),
             "patches.width": text(self.patches.patch_width, "mm"),
