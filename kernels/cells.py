@@ -60,6 +60,7 @@ class TrackSum(IntEnum):
     CAPPED = 3
     PRESSURE_TIMES_FACTOR = 4
     BARE = 5
+    RUBBED = 6  # cells, each by the part of the step that it was in contact
 
 
 class TrackMost(IntEnum):
@@ -83,6 +84,7 @@ class PressureSum(IntEnum):
     WEAR_COUNTER = 5  # [mm]
     SLIP_WORK = 6  # Σ p s, of cells that slip by lengths of their own [MPa mm]
     STUCK = 7  # cells in contact that do not
+    RUBBED = 8  # cells, each by the part of the step that it was in contact
 
 
 class PressureMost(IntEnum):

@@ -21,6 +21,8 @@ class Slide:
     of_disc: wp.float64
     pending_counter: wp.float64  # K ΔL of what leaves in pieces [mm³/N]
     pending_disc: wp.float64
+    shear_counter: wp.float64  # depth that a cell in contact all the step loses by its shear [mm]
+    shear_disc: wp.float64
     own: wp.float64  # compliance that is not wear [mm³/N]
     full_depth: wp.float64  # overlap of a cell at the hardness [mm]; NONE: the disc springs back
     approach: wp.float64  # [mm]

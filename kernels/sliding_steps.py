@@ -23,7 +23,7 @@ TOGETHER = wp.get_module("warpwear.kernels.sliding")
 #: [mm³/N], and 1/c where that is of all cells, else 0 [N/mm³].
 PLAN = (
     *("shift", "start", "end", "of_counter", "of_disc", "pending_counter", "pending_disc", "own"),
-    *("compliance", "stiffness"),
+    *("compliance", "stiffness", "shear_counter", "shear_disc"),
 )
 #: Sums over tiles and rows: columns of the history after those of `BALANCE`, `TrackSum` and `TrackMost`.
 KEPT = ("touched", "worn_counter", "worn_disc", "pressed_disc")
@@ -108,6 +108,8 @@ def begin_step(springs: Springs, steps: Steps):
     slide.pending_counter = steps.plan[n, 5]
     slide.pending_disc = steps.plan[n, 6]
     slide.own = steps.plan[n, 7]
+    slide.shear_counter = steps.plan[n, 10]
+    slide.shear_disc = steps.plan[n, 11]
     slide.full_depth = NONE
     if steps.hardness < NONE:
         slide.full_depth = steps.plan[n, 8] * steps.hardness
@@ -177,7 +179,7 @@ def end_search(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: S
         steps.solved[0] = wp.where(springs.search[0].bracket.state == STUCK, 0, 1)
         if steps.solved[0] == 1:
             slide = steps.slides[0]
-            slide.approach = law.base + law.offset
+            slide.approach = law.base + law.offset + slide.shear_counter + slide.shear_disc
             slide.reference = wp.where(steps.is_rigid == 0 and c.mean > ZERO, c.mean, law.cap)
             if not (slide.reference < NONE):
                 slide.reference = ZERO
@@ -226,6 +228,7 @@ def record(
     if wp.tid() == 0:
         c = steps.course[0]
         enter_balance(history, row, springs, steps.slides[0].reference)
+        history[row, 1] += steps.slides[0].shear_counter + steps.slides[0].shear_disc
         history[row, OF_ROWS] = touched
         history[row, OF_ROWS + 1] = worn_counter
         history[row, OF_ROWS + 2] = worn_disc

@@ -26,6 +26,8 @@ class Pressed:
     gradient: wp.array2d(dtype=Cells)  # gap after the step, from the mean planes [mm]
     slips: wp.array2d(dtype=Cells)  # of a cycle, by cells [mm]; no rows where all slide alike
     parts: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear it
+    rubbed: wp.array2d(dtype=Cells)  # part of the step in contact, and its means; no rows without shear
+    rubbed_means: wp.array2d(dtype=Cells)
     cap: wp.float64  # largest pressure [MPa]
 
 
@@ -49,6 +51,15 @@ def gaps(
     """Return the gap that a cell of the displaced disc meets on its way through a step.
 
     means_in: of the counter-body's wear along that way, instead of the wear at its middle.
+    """
+    ...
+
+
+@native_code.native_pass("part_of_step")
+def part_of_step(slides: wp.array(dtype=Slide), pressed: Pressed):
+    """Find which part of a step each cell was in contact, where its shear wears it.
+
+    Cells that bear were so all of it; those whose gap at its end is less than what shear wears, for a part.
     """
     ...
 

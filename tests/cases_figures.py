@@ -23,6 +23,7 @@ def left_out_for(*reasons: words.Reason) -> set[str]:
 OF_TRACKS = left_out_for(words.STILL)
 OF_PATCHES = left_out_for(words.ONE_SCALE)
 OF_STRESSES = left_out_for(words.NO_STRESSES)
+OF_FRETTING = left_out_for(words.NO_FRETTING)
 OF_FILMS = left_out_for(words.NO_FILM)
 
 
@@ -102,7 +103,9 @@ def faults_of(where: str, figure: Figure, renderer: Any) -> list[str]:
             faults.append(f"{where}: an empty panel")
         for axis in axes_lines(axes):
             label = axis.label.get_text()
-            if shown_ticks(axis) and not re.search(r", (–|mm|mm²|µm|MPa|s|min|h|10⁻³ mm³|µm⁴|1/mm)$", label):
+            if shown_ticks(axis) and not re.search(
+                r", (–|mm|mm²|µm|MPa|N|J|mJ|s|min|h|10⁻³ mm³|µm⁴|1/mm)$", label
+            ):
                 faults.append(f"{where}: an axis without a unit: '{label}'")
     texts = [(text.get_text(), outline(text, renderer)) for text in texts_of(figure)]
     for (a, outline_a), (b, outline_b) in itertools.combinations(texts, 2):

@@ -49,8 +49,9 @@ WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Sli
                               const Bounds& bounds, const Bodies& bodies, const List& list,
                               const Count& counts)
 {
-    const double limit = wp::index(lists, 0).limit;
-    const int shift = wp::index(slides, 0).shift, of_row = bodies.gap.shape[1] * OF_VECTOR;
+    const auto& step = wp::index(slides, 0);
+    const double limit = wp::index(lists, 0).limit + step.shear_counter + step.shear_disc;
+    const int shift = step.shift, of_row = bodies.gap.shape[1] * OF_VECTOR;
     const int tiles = (of_row + OF_TILE - 1) / OF_TILE;
     const bool stays = bounds.stays == 1;
     for (int row = slot; row < bodies.gap.shape[0]; row += slots) {
@@ -171,7 +172,9 @@ WARPWEAR_FN void total_rows(int row, int under, bool presses, const OfTiles& of_
 }
 
 // Wear the listed tiles by one increment: each body loses K p dL. What goes beyond the full depth is
-// displaced from the disc for good, not worn. Bounds and sums of the tiles and rows are made anew; tiles that
+// displaced from the disc for good, not worn. A cell that shears is worn by a depth, whatever its pressure:
+// it lifts the approach, so cells that stand out less than that were in contact for a part of the step, and
+// bear nothing at its end. Bounds and sums of the tiles and rows are made anew; tiles that
 // do not touch stay as they are, where their lowest gaps are known. Each sum grows lane by lane, in the order
 // of the cells. FACTORED: the sliding distance of the disc's cells has a factor each; RARE: cells have a
 // stiffness or a part of the cap each, carry a film, keep their dents, or belong to a ball that does not
@@ -194,12 +197,14 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
     const bool keeps_reached = RARE && bodies.reached.shape[0] == bodies.gap.shape[0];
     const bool presses = RARE && full_depth < NO_LIMIT, factored = FACTORED;
     const bool own = RARE && of_cells.stiffness.shape[0] > 0, parted = RARE && of_cells.parts.shape[0] > 0;
+    const double lift = step.shear_counter + step.shear_disc;
+    const bool sheared = RARE && lift > 0.0;
     const bool filmed = RARE && of_cells.bare.shape[0] > 0, is_known = of_tiles.gap.shape[0] > 0;
     const int of_row = bodies.gap.shape[1] * OF_VECTOR;
     const Lanes zero = 0.0, one = 1.0, none = NO_INDEX;
     const Counts no = 0, yes = 1;
     Lanes pressure = 0.0, weighted = 0.0, deviation = 0.0, highest = 0.0, deepest_counter = 0.0;
-    Lanes deepest_disc = 0.0, bared = 0.0;
+    Lanes deepest_disc = 0.0, bared = 0.0, rubbed = 0.0;
     Counts contact = 0, capped = 0;
     double first_column = NO_INDEX, last_column = NO_INDEX;
     bool wears = width_of_slot() > 1;
@@ -241,7 +246,15 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
                     plastic[i] = x;
                     pressed += x;
                 }
-                const Lanes f = factored ? (Lanes)factor[i] : one, da = of_counter * p, db = of_disc * f * p;
+                const Lanes f = factored ? (Lanes)factor[i] : one;
+                Lanes da = of_counter * p, db = of_disc * f * p;
+                if (sheared) {
+                    const Lanes part_of_step = clipped((overlap + lift) / lift, one);
+                    const Lanes rubs = p > zero ? one : part_of_step;
+                    da += step.shear_counter * rubs;
+                    db += step.shear_disc * rubs;
+                    rubbed += rubs;
+                }
                 const Lanes s = counter[i] + da, a = wear_counter[i] + da, b = wear_disc[i] + db;
                 d -= db;
                 const Lanes g = s - d;
@@ -301,7 +314,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
         return;
     }
     leave_each({sum(0, total(pressure)), sum(1, total(deviation)), sum(2, count(contact)),
-                sum(3, count(capped)), sum(4, total(weighted)), sum(5, total(bared)),
+                sum(3, count(capped)), sum(4, total(weighted)), sum(5, total(bared)), sum(6, total(rubbed)),
                 largest(0, most(highest)), largest(1, most(deepest_counter)), largest(2, most(deepest_disc)),
                 largest(3, first_column), largest(4, last_column)});
 }
@@ -318,9 +331,10 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
                                                                   of_cells, bodies, of_tiles, tables);
     };
     const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
-    const bool rare = keeps_reached || wp::index(slides, 0).full_depth < NO_LIMIT ||
-                      of_cells.stiffness.shape[0] > 0 || of_cells.parts.shape[0] > 0 ||
-                      of_cells.bare.shape[0] > 0;
+    const auto& step = wp::index(slides, 0);
+    const bool rare = keeps_reached || step.full_depth < NO_LIMIT || step.shear_counter > 0.0 ||
+                      step.shear_disc > 0.0 || of_cells.stiffness.shape[0] > 0 ||
+                      of_cells.parts.shape[0] > 0 || of_cells.bare.shape[0] > 0;
     const bool factored = of_cells.factored == 1;
     if (rare) by(Is<true>(), Is<true>());
     if (!rare && factored) by(Is<true>(), Is<false>());

@@ -68,6 +68,25 @@ WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& b
     }
 }
 
+// The part of a step that each cell was in contact: where it bears, all of it; else what is left of the depth
+// that shear wears when its gap at the end is taken off.
+template <typename Slides, typename Pressed>
+WARPWEAR_FN void part_of_step(int slot, int slots, const Slides& slides, const Pressed& pressed)
+{
+    const auto& slide = wp::index(slides, 0);
+    const double lift = slide.shear_counter + slide.shear_disc, approach = slide.approach;
+    const int of_row = pressed.pressure.shape[1] * OF_VECTOR;
+    const Lanes zero = 0.0, one = 1.0;
+    for (int row = slot; row < slide.rows; row += slots) {
+        const Stored *const p = row_of(pressed.pressure, row), *const target = row_of(pressed.gradient, row);
+        Stored* const rubbed = row_of(pressed.rubbed, row);
+        for (int i = lane_of_slot(); i < of_row; i += width_of_slot()) {
+            const Lanes part = smaller_of(larger_of((approach + lift - target[i]) / lift, zero), one);
+            rubbed[i] = p[i] > zero ? one : part;
+        }
+    }
+}
+
 // One increment of wear in place: the disc loses K dL p, the counter-body K dL times the mean of p that
 // passes it. Without a disc all wear is the counter-body's, whose height is then the gap. Where the gap after
 // the step is below the approach at the cap, a disc that keeps its dents is displaced for good by the
@@ -90,6 +109,7 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
     const double approach = slide.approach, reference = slide.reference;
     const int of_line = layout.vectors * OF_VECTOR, lines = bodies.counter.shape[1] / layout.vectors;
     const bool parted = pressed.parts.shape[0] > 0, has_disc = bodies.disc.shape[0] > 0;
+    const bool shears = pressed.rubbed.shape[0] > 0;
     const bool keeps = has_disc && bodies.plastic_disc.shape[0] == bodies.disc.shape[0];
     const bool slips = pressed.slips.shape[0] > 0;
     const double more_counter = slide.slipping_counter, more_disc = slide.slipping_disc;
@@ -99,7 +119,7 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
     const Counts no = 0, yes = 1;
     Lanes pressure = 0.0, deviation = 0.0, worn_counter = 0.0, highest = 0.0, deepest_counter = 0.0;
     Lanes deepest_disc = 0.0, first = NO_INDEX, last = NO_INDEX;
-    Lanes work = 0.0;
+    Lanes work = 0.0, rubbed = 0.0;
     Counts contact = 0, capped = 0, touched = 0, stuck = 0;
     double first_row = NO_INDEX, last_row = NO_INDEX;
     for (int row = slot; row < slide.rows; row += slots) {
@@ -112,6 +132,11 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                                                                         turned ? passing : p_of;
         Stored* const slip = slips ? row_of(pressed.slips, row) : nullptr;
         const Stored* const parts = parted ? row_of(pressed.parts, row) : nullptr;
+        const Stored* const rubs = shears ? row_of(pressed.rubbed, row) : nullptr;
+        const Stored* const rubs_passing =
+            shears ? mean_of(pressed.rubbed, pressed.rubbed_means, row, slide.window) : nullptr;
+        const Stored *const rubs_counter = turned ? rubs : rubs_passing, *const rubs_disc =
+                                                                             turned ? rubs_passing : rubs;
         Stored *const counter = row_of(bodies.counter, row), *const wear_counter =
                                                                  row_of(bodies.wear_counter, row);
         Stored* const reached = shows ? nullptr : row_of(bodies.reached, row);
@@ -125,7 +150,9 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
             Mask in_line = zero > one;
             for (int v = lane_of_slot(); v < of_line; v += width_of_slot()) {
                 const int i = line * of_line + v;
-                const Lanes p = p_of[i], m = over_counter[i], removed = of_counter * m;
+                const Lanes p = p_of[i], m = over_counter[i];
+                const Lanes by_shear = shears ? slide.shear_counter * rubs_counter[i] : zero;
+                const Lanes removed = of_counter * m + by_shear;
                 Lanes s = counter[i] + removed, a = wear_counter[i] + removed, by_slip = zero;
                 const Lanes was = shows ? wear_counter[i] : reached[i];
                 const Lanes most_here = parted ? cap * parts[i] : cap * one;
@@ -149,7 +176,8 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                 worn_counter += a;
                 highest = larger_of(highest, p);
                 deepest_counter = larger_of(deepest_counter, a);
-                const Mask ever = m + was > zero;
+                if (shears) rubbed += (Lanes)rubs[i];
+                const Mask ever = m + was + by_shear > zero;
                 const Lanes column = columns_from(domain_column + v * LANES);
                 touched += ever ? yes : no;
                 in_line = in_line | ever;
@@ -166,7 +194,8 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                     plastic[i] = x;
                     pressed_disc += x;
                 }
-                const Lanes removed_disc = of_disc * over_disc[i];
+                const Lanes sheared = shears ? slide.shear_disc * rubs_disc[i] : zero;
+                const Lanes removed_disc = of_disc * over_disc[i] + sheared;
                 Lanes b = wear_disc[i] + removed_disc, e = d - removed_disc;
                 if (slips) {
                     b += more_disc * by_slip;
@@ -191,9 +220,9 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
             if (lane_of_slot() == 0) wp::index(of_rows.pressed_disc, under) = dents;
         }
     }
-    leave_lines(sums, slot, 8,
+    leave_lines(sums, slot, 9,
                 {total(pressure), total(deviation), count(contact), count(capped), count(touched),
-                 total(worn_counter), total(work), count(stuck)});
+                 total(worn_counter), total(work), count(stuck), total(rubbed)});
     leave_lines(maxima, slot, 0,
                 {most(highest), most(deepest_counter), most(deepest_disc), first_row, last_row, most(first),
                  most(last)});

@@ -11,6 +11,7 @@ import pytest
 from cases_drawn import RUNS, SMALL
 from cases_figures import (
     OF_FILMS,
+    OF_FRETTING,
     OF_PATCHES,
     OF_STRESSES,
     OF_TRACKS,
@@ -77,6 +78,7 @@ def test_what_makes_no_sense_is_left_out_with_its_reason(
         *OF_TRACKS,
         *OF_PATCHES,
         *OF_FILMS,
+        *OF_FRETTING,
         *OF_STRESSES,
         *left_out_for(words.ROUGH, words.NO_FACTOR, words.NO_PIECES),
     }
@@ -98,6 +100,7 @@ def test_what_makes_no_sense_is_left_out_with_its_reason(
         *OF_TRACKS,
         *OF_PATCHES,
         *OF_FILMS,
+        *OF_FRETTING,
         *OF_STRESSES,
     }
     no_speed = warpwear.run(
@@ -259,7 +262,7 @@ def test_what_goes_into_a_paper_is_drawn_by_default(
     assert set(results["smooth"].plot.names("essential")) == essential - {"roughness"} | {"hertz"}
     with quick_pictures(blank=True):
         assert {path.stem for path in plot.save_all(tmp_path, plots="essential")} == essential
-    assert set(ESSENTIAL) - {*OF_TRACKS, *OF_PATCHES, *OF_FILMS, *OF_STRESSES} == essential | {
+    assert set(ESSENTIAL) - {*OF_TRACKS, *OF_PATCHES, *OF_FILMS, *OF_FRETTING, *OF_STRESSES} == essential | {
         "hertz",
         "pieces",
     }

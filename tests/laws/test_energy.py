@@ -7,6 +7,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+from runs.stopped.cases_stopped import run_stopped
 
 import warpwear
 from warpwear import InputError, Result, Study
@@ -99,10 +100,137 @@ def test_a_result_of_before_has_no_energy(tmp_path: Path) -> None:
         assert "friction energy" not in words_of(study, summarise(result))["summary"]
 
 
+#: Cases of wear by a shear strength: what each adds to one of `CASES`.
+STRENGTH = 40.0  # [MPa]
+BY_STRENGTH: dict[str, Any] = {key: value for key, value in ENERGY.items() if key.startswith("wear.")}
+BY_STRENGTH |= {"friction.shear_strength": f"{STRENGTH} MPa"}
+HALF_SPACE = {"contact.law": "half-space", "counter.radius": "3 mm"}
+SHEARED: dict[str, tuple[str, dict[str, Any]]] = {
+    "smooth": ("smooth", {}),
+    "bearing area": ("rough", {}),
+    "springs": ("rough", {"contact.stiffness": "2e5 N/mm^3"}),
+    "half-space": ("rough", HALF_SPACE),
+    "track": ("track", {}),
+    "track, springs, dents": ("track", {"contact.stiffness": "2e5 N/mm^3", "sliding.plastic": "keep"}),
+    "representative": ("track", {"sliding.stroke": "3 mm", "sliding.track": "0.84 mm"}),
+    "track, half-space, ploughing": (
+        "track",
+        HALF_SPACE | {"grid.extent": "0.8 mm", "friction.ploughing": 0.1},
+    ),
+}
+
+
+@pytest.mark.parametrize("case", SHEARED)
+def test_a_shear_strength_wears_what_it_shears(case: str, device: str) -> None:
+    """V = α E to rounding at every step, and the coefficient is τ0 A/F of the area that wears."""
+    name, more = SHEARED[case]
+    preset, keys = CASES[name]
+    study = Study.load(preset).replace(keys | more | BY_STRENGTH)
+    history = warpwear.run(study, device=device).history
+    for alpha, body in zip(ALPHA, ("counter", "disc"), strict=True):
+        worn = history[f"wear_volume_{body}"]
+        np.testing.assert_allclose(worn, alpha * history["friction_energy"], rtol=1e-12)
+    sheared, contact = history["area_sheared"], history["area_contact"]
+    load = study.contact.load
+    np.testing.assert_allclose(history["cof"], study.friction.ploughing + STRENGTH * sheared / load)
+    assert (sheared >= contact * (1.0 - 1e-12)).all()
+    assert np.abs(history["load_residual"]).max() <= max(1e-12 * load, study.load_tolerance)
+
+
+def worn_by_shear(gap: np.ndarray, depth: float, stiffness: float, load: float, area: float) -> np.ndarray:
+    """Return what the step of cells on springs wears off them: the approach by bisection, w in [0, d]."""
+    low, high = gap.min(), gap.max() + depth
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        carried = stiffness * np.maximum(middle - depth - gap, 0.0).sum() * area
+        low, high = (middle, high) if carried < load else (low, middle)
+    return np.clip(0.5 * (low + high) - gap, 0.0, depth)
+
+
+def test_springs_wear_by_shear_as_a_reference_does(device: str) -> None:
+    """A ball on a smooth disc, step by step, and by steps of any length."""
+    keys = CASES["rough"][1] | {"disc.synthetic.kind": "flat", "contact.stiffness": "2e4 N/mm^3"}
+    keys |= {"contact.hardness": "inf MPa", "sliding.distance": "8 mm", "counter.radius": "4 mm"}
+    volumes = {}
+    for count in (8, 16, 32, 256):
+        study = Study.load("v3-fine").replace(keys | BY_STRENGTH)
+        study = study.replace({"stepping.increment": f"{8 / count} mm"})
+        history = warpwear.run(study, device=device).history
+        volumes[count] = history["wear_volume_disc"][-1]
+        if count > 32:
+            continue
+        cells = study.cells
+        gap = np.square(cells.x[:, None]) + np.square(cells.y)
+        gap = 4.0 - np.sqrt(16.0 - gap)
+        depth = 1e-3 * sum(ALPHA) * STRENGTH * 8.0 / count
+        for step in range(count):
+            worn = worn_by_shear(gap, depth, 2e4, study.contact.load, cells.cell_area)
+            area = worn.sum() / depth * cells.cell_area
+            assert history["area_sheared"][step] == pytest.approx(area, rel=1e-9)
+            gap = gap + worn
+    # What bears goes down by one depth and bears on as before, so that steps of any length are exact.
+    np.testing.assert_allclose([*volumes.values()], volumes[256], rtol=1e-12)
+    np.testing.assert_allclose(history["pressure_max"], history["pressure_max"][0], rtol=1e-9)
+
+
+def test_a_half_space_wears_by_shear_as_its_contact_says(device: str) -> None:
+    """Each step's pressure is that of the bodies as they were; what is within the depth is worn clear."""
+    keys = CASES["rough"][1] | HALF_SPACE | {"contact.hardness": "inf MPa", "stepping.increment": "2 mm"}
+    study = Study.load("v3-fine").replace(keys | BY_STRENGTH)
+    history = warpwear.run(study, device=device).history
+    gap = np.array(warpwear.run(study.replace({"sliding.distance": "0 mm"})).snapshot(-1).gap)
+    depth = 1e-3 * sum(ALPHA) * STRENGTH * 2.0
+    for step in range(3):
+        how = {"load": 8.0, "modulus": study.effective_modulus, "boundary": "free"}
+        contact = warpwear.solve_contact(-gap, cell=study.grid.cell, **how)
+        rubs = np.where(contact.pressure > 0.0, 1.0, np.clip(1.0 - contact.gap / depth, 0.0, 1.0))
+        area = rubs.sum() * study.cells.cell_area
+        assert history["area_sheared"][step] == pytest.approx(area, rel=1e-6)
+        gap = gap + depth * rubs
+
+
+def test_the_rest_of_a_run_by_energy_goes_on_with_its_friction(tmp_path: Path) -> None:
+    """Another strength would wear otherwise, so a run that was stopped goes on with its own alone."""
+    study = Study.load("v3-fine").replace(CASES["rough"][1] | BY_STRENGTH)
+    run_stopped(study, tmp_path / "run", 3)
+    other = study.replace({"friction.shear_strength": "80 MPa"})
+    with pytest.raises(InputError, match=r"of another study \(friction.shear_strength\)"):
+        warpwear.run(other, out=tmp_path / "run", plots=False, resume=True)
+    warpwear.run(study, out=tmp_path / "run", plots=False, resume=True).close()
+
+
+NOT_ALIKE: list[tuple[dict[str, Any], str]] = [
+    (
+        {"friction.film.thickness": "9 nm", "friction.film.shear_strength": "9 MPa"},
+        r"\[friction.film\], whose",
+    ),
+    ({"stepping.scheme": "explicit"}, "stepping.scheme = 'explicit': 'implicit' is allowed"),
+    ({"friction.area": "nominal"}, "friction.area = 'nominal': 'contact' is allowed"),
+    ({"friction.initial_ratio": 0.5, "friction.running_in": "1 mm"}, "friction.initial_ratio, by which"),
+    ({"wear.distance_factor": "across"}, "wear.distance_factor = 'across', by which"),
+    ({"wear.particle": "60 um", "wear.particle_thickness": "0.1 um"}, "wear.particle: what is pending"),
+]
+
+
+@pytest.mark.parametrize(("keys", "sentence"), NOT_ALIKE)
+def test_cells_that_do_not_lose_one_depth_are_refused(keys: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(InputError, match=f"wears cells in contact alike: it does not go with {sentence}"):
+        Study.load("v3-fine").replace(CASES["rough"][1] | BY_STRENGTH | keys)
+
+
+def test_patches_do_not_wear_by_a_shear_strength() -> None:
+    patches = Study.load("two-scale").replace({"contact.stiffness": "2e5 N/mm^3"})
+    with pytest.raises(InputError, match=r"study\.model = 'two-scale': patches share the load"):
+        patches.replace(BY_STRENGTH)
+
+
 @pytest.mark.parametrize(
     ("keys", "sentence"),
     [
-        (ENERGY | {"friction.law": "shear-strength"}, "wear.law = 'energy' needs friction.law = 'coulomb'"),
+        (
+            ENERGY | {"friction.law": "shear-strength"},
+            "wear.law = 'energy' needs friction.shear_strength, as",
+        ),
         (
             ENERGY | {"wear.disc": "2e-6 mm^3/N/m"},
             "wear.disc = '2e-06 mm.3/N/m' does not go with wear.law = ",

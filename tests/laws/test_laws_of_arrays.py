@@ -54,7 +54,7 @@ def test_a_friction_law_of_arrays() -> None:
 )
 def test_a_law_says_its_numbers(keys: dict[str, Any], words: str) -> None:
     wear = Wear(counter="1e-3 mm^3/N/m", disc="2e-3 mm^3/N/m", **keys)
-    sentence = said(wear.laws(590.0, 0.6))
+    sentence = said(wear.laws(590.0, Friction()))
     assert words in sentence
     assert bool(sentence) == bool(keys)
     film = {"thickness": "10 nm", "shear_strength": "40 MPa"}

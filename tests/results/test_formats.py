@@ -1,15 +1,12 @@
 """Files for ParaView, MountainsMap, MATLAB and CAD: read back they hold the same numbers, axes and units."""
 
-import base64
-import struct
-import zlib
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from cases_formats import EVIL, needs, read_x3p, result, swept
+from cases_formats import EVIL, Vtk, needs, read_x3p, result, swept
 from click.testing import CliRunner
 
 import warpwear
@@ -29,54 +26,6 @@ def images(tmp_path_factory: pytest.TempPathFactory, result: Result) -> Path:
     folder = tmp_path_factory.mktemp("images")
     export(result, folder, formats=["vti"])
     return folder
-
-
-class Vtk:
-    """An independent reader of VTK's XML files with packed base64 data, after the format's description."""
-
-    def __init__(self, path: Path) -> None:
-        root = ElementTree.parse(path).getroot()
-        assert root.attrib["compressor"] == "vtkZLibDataCompressor"
-        assert root.attrib["header_type"] == "UInt64"
-        self.grid = root[0]
-        self.kind = root.attrib["type"]
-        extent = [int(n) for n in self.grid.attrib["WholeExtent"].split()]
-        self.shape = (extent[1] - extent[0] + 1, extent[3] - extent[2] + 1)
-        appended = root.find("AppendedData")
-        assert appended is not None
-        text = (appended.text or "").strip().removeprefix("_")
-        self.arrays = {
-            one.attrib["Name"]: self._unpack(one, text)
-            for one in root.iter("DataArray")
-            if one.attrib["format"] == "appended"
-        }
-        (time,) = [one for one in root.iter("DataArray") if one.attrib["Name"] == "TimeValue"]
-        self.time = float(time.text or "nan")
-        self.texts = {
-            one.attrib["Name"]: bytes(map(int, (one.text or "").split()))[:-1].decode()
-            for one in root.iter("Array")
-        }
-
-    def _unpack(self, one: Any, text: str) -> Any:
-        start = int(one.attrib["offset"])
-        (count,) = struct.unpack("<Q", base64.b64decode(text[start : start + 12])[:8])
-        length = -(-8 * (3 + count) // 3) * 4
-        head = struct.unpack(
-            f"<{3 + count}Q", base64.b64decode(text[start : start + length])[: 8 * (3 + count)]
-        )
-        packed = sum(head[3:])
-        start += length
-        content = base64.b64decode(text[start : start + -(-packed // 3) * 4])
-        blocks, at = b"", 0
-        for size in head[3:]:
-            blocks += zlib.decompress(content[at : at + size])
-            at += size
-        dtype = {"Float64": "<f8", "Float32": "<f4", "UInt8": "u1"}[one.attrib["type"]]
-        components = int(one.attrib.get("NumberOfComponents", 1))
-        values = np.frombuffer(blocks, dtype)
-        assert values.size == components * self.shape[0] * self.shape[1]
-        # x is the fastest in the file
-        return values.reshape(self.shape[1], self.shape[0], components).swapaxes(0, 1).squeeze()
 
 
 def test_images_hold_the_fields(images: Path, result: Result) -> None:

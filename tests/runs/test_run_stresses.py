@@ -14,6 +14,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import warpwear
 from warpwear import Result, Study
 from warpwear.errors import InputError
+from warpwear.history.snapshot import Snapshot
 from warpwear.history.stresses import traction_of
 
 STEEL = {"young": "210 GPa", "poisson": 0.3}
@@ -102,11 +103,32 @@ def test_depths_of_themselves() -> None:
 
 def test_traction_by_each_law() -> None:
     pressure = np.array([[0.0, 100.0], [300.0, 0.0]])
-    assert_allclose(traction_of(study_of(), pressure, 0.4), 0.4 * pressure)
+    snapshot = Snapshot(1.0, pressure, *np.zeros((3, 2, 2)))
+    assert_allclose(traction_of(study_of(), snapshot, {"cof": 0.4}), 0.4 * pressure)
     law = {"law": "shear-strength", "ploughing": 0.1}
-    sheared = traction_of(study_of(friction=law), pressure, 0.4)
+    sheared = traction_of(study_of(friction=law), snapshot, {"cof": 0.4})
     assert_allclose(sheared, 0.1 * pressure + 60.0 * (pressure > 0.0))
-    assert_array_equal(traction_of(study_of(), pressure, math.nan), 0.0)
+    assert_array_equal(traction_of(study_of(), snapshot, {"cof": math.nan}), 0.0)
+
+
+def test_traction_of_partial_slip() -> None:
+    """Cattaneo and Mindlin: q = μ p₀ (√(1 − r²) − c √(1 − r²/c²)), with c = (1 − Q/μP)^⅓ of a that sticks."""
+    drive = {"kinematics": None, "distance": None, "force": "4.8 N", "cycles": 1}
+    cells = {"cell": f"{2.6 * 86.62 / 96:.6f} um", "extent": f"{2.6 * 86.62:.4f} um"}
+    study = study_of(
+        sliding=drive, grid=cells, stepping={"increment": "1 mm"}, disc={"yield_strength": "1 GPa"}
+    )
+    result = warpwear.run(study)
+    row = {name: float(column[-1]) for name, column in result.history.items()}
+    traction = traction_of(study, result.snapshots[-1], row)
+    assert traction.sum() * study.cells.cell_area == pytest.approx(4.8, rel=1e-6)
+    assert (traction <= 0.4 * result.snapshots[-1].pressure).all()
+    r, stick = np.hypot(result.x[:, np.newaxis], result.y) / 0.08662, 0.4 ** (1.0 / 3.0)
+    part = stick * np.sqrt(np.maximum(1.0 - (r / stick) ** 2, 0.0))
+    exact = np.sqrt(np.maximum(1.0 - r**2, 0.0)) - part
+    error = traction / (0.4 * 1273.0) - exact
+    assert np.abs(error).max() < 0.035  # at the rings, where it falls as the root of the cell
+    assert math.sqrt((error**2).mean()) < 0.004
 
 
 def test_threads_and_a_folder_change_no_bit(tmp_path: Path) -> None:

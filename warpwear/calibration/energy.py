@@ -144,7 +144,9 @@ def _of_run(folder: Path) -> tuple[Dissipation, str, list[Row]]:
         raise InputError(f"{folder} has no coefficient of friction: it was stopped before its τ0 was fixed")
     load = float(history["load"][-1])
     work = Dissipation(
-        energy=float(friction_energy(history["distance"], cof, history["load"])[-1]),
+        energy=float(
+            friction_energy(history["distance"], cof, history["load"], of_steps="area_sheared" in history)[-1]
+        ),
         distance=slid,
         load=load,
         cof_end=float(cof[-1]),

@@ -12,6 +12,7 @@ from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.quantities import per
 from warpwear.kernels.cells import EXTENTS, MAXIMA
+from warpwear.laws.archard import BODIES
 from warpwear.laws.task import ContactTask
 
 #: Columns that grow from step to step.
@@ -99,7 +100,7 @@ class Ledger:
         self,
         balance: Balance,
         increment: float,
-        removal: tuple[float, float],
+        removal: tuple[float, ...],
         reference: float,
         total: Mapping[str, float],
         most: Mapping[str, float],
@@ -107,6 +108,8 @@ class Ledger:
         pressure: FloatArray | None = None,
     ) -> Step:
         """Book a step of an increment [mm] that wore counter-body and disc by K ΔL = removal [mm³/N].
+
+        Of bodies that wear by their shear the depths of cells in contact [mm] follow in `removal`.
 
         total, most: what the kernels found, by the names of `SUMS` and `MAXIMA`. reference: pressure from
         which the squares count [MPa]. The totals have "bearing", how many cells' area bears, where not all
@@ -132,7 +135,7 @@ class Ledger:
         self,
         balance: Any,
         increment: FloatArray,
-        removal: tuple[FloatArray, FloatArray],
+        removal: tuple[FloatArray, ...],
         reference: FloatArray,
         total: Mapping[str, FloatArray],
         most: Mapping[str, FloatArray],
@@ -163,7 +166,7 @@ class Ledger:
         self,
         balance: Balance,
         increment: Number,
-        removal: tuple[Number, Number],
+        removal: tuple[Number, ...],
         reference: Number,
         total: Mapping[str, Number],
         most: Mapping[str, Number],
@@ -210,6 +213,10 @@ class Ledger:
             }
         if "pressed_disc" in total:
             row["plastic_volume_disc"] = total["pressed_disc"] / self._track_fraction * area
+        if "rubbed" in total:
+            row["area_sheared"] = sheared = total["rubbed"] * area
+            for body, depth in zip(BODIES, removal[2:], strict=True):
+                row[f"archard_volume_{body}"] = row[f"archard_volume_{body}"] + depth * sheared
         if "bare" in total:
             row["bare_fraction"] = total["bare"] / count
         return row | {name: row[name] + lost for name, lost in self.before.items() if name in row}

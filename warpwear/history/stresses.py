@@ -1,11 +1,13 @@
 """What the stresses below the disc's surface come to at a snapshot, from its pressure and friction."""
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from warpwear.contact.array.solve import solve_contact
 from warpwear.contact.stress.responses import COMPONENTS, Loads
-from warpwear.contact.stress.stresses import Stresses
+from warpwear.contact.stress.stresses import Stresses, stresses
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import stress_columns
 from warpwear.history.snapshot import Snapshot
@@ -15,22 +17,46 @@ from warpwear.study.study import Study
 MEASURES, OF_A_CYCLE = ("mises", "max_shear", "principal"), ("crossland", "dang_van")
 
 
-def traction_of(study: Study, pressure: FloatArray, cof: float) -> FloatArray:
-    """Return the traction of friction on the disc along sliding [MPa], which slides to greater x.
+def traction_of(study: Study, snapshot: Snapshot, row: Mapping[str, float]) -> FloatArray:
+    """Return the traction of friction on the disc along sliding [MPa], at its largest, towards greater x.
 
     By Coulomb's law, and by ploughing, it is in proportion to the pressure; the rest, what shears, is the
-    same in all cells in contact. cof: the coefficient of friction; NaN, where it is not known, is none.
+    same in all cells in contact. Where a part sticks under an amplitude Q of fretting it is μ (p − p*), with
+    the pressure p* of the contact under P − Q/μ (Ciavarella 1998, Jäger 1998). row: the history's, whose cof
+    may be NaN, not known: then there is none.
     """
-    ploughing = cof if study.friction.law == "coulomb" else study.friction.ploughing
-    if not np.isfinite(cof):
+    pressure, cof, ploughing = snapshot.pressure, row["cof"], study.friction.ploughing
+    if not math.isfinite(cof):
         return np.zeros_like(pressure)
+    if study.friction.law == "coulomb":
+        return np.asarray(cof * (pressure - _held(study, snapshot, row)))
     touched = pressure > 0.0
     sheared = (cof - ploughing) * float(pressure.sum()) / max(int(touched.sum()), 1)
-    traction: FloatArray = ploughing * pressure + sheared * touched
-    return traction
+    return np.asarray(ploughing * pressure + sheared * touched)
 
 
-def of_snapshot(study: Study, snapshot: Snapshot, cof: float, threads: int) -> dict[str, FloatArray]:
+def _held(study: Study, snapshot: Snapshot, row: Mapping[str, float]) -> FloatArray:
+    """Return the pressure p* of what sticks in a cycle of fretting, at most that of the contact [MPa]."""
+    sticks = study.fretting is not None and row["stick_area"] > 0.0
+    load = row["load"] - row["tangential_force"] / row["cof"] if sticks else 0.0
+    if load <= 0.0:
+        return np.zeros_like(snapshot.pressure)
+    gap = np.where(np.isfinite(snapshot.gap), snapshot.gap, 2.0 * study.grid.sides[0])
+    contact = solve_contact(
+        -gap,
+        cell=study.grid.cell,
+        load=load,
+        modulus=study.effective_modulus,
+        hardness=study.hardness if study.caps_pressure else None,
+        boundary=study.boundary,
+    )
+    # Wear of the step itself is in the gap, and not yet in the pressure.
+    return np.minimum(contact.pressure, snapshot.pressure)
+
+
+def of_snapshot(
+    study: Study, snapshot: Snapshot, row: Mapping[str, float], threads: int
+) -> dict[str, FloatArray]:
     """Return the quantities of depths, and of a plane, at a snapshot: shapes (depths,) and (depths, n).
 
     The stress is that of the pressure and the traction of `traction_of`; a cycle turns the traction round
@@ -38,7 +64,7 @@ def of_snapshot(study: Study, snapshot: Snapshot, cof: float, threads: int) -> d
     """
     cells, fatigue, normal = study.cells, study.fatigue, study.output.stress_plane[0]
     names = [*MEASURES, *(OF_A_CYCLE if fatigue else ())]
-    loads = [{"p": snapshot.pressure}, {"x": traction_of(study, snapshot.pressure, cof)}]
+    loads = [{"p": snapshot.pressure}, {"x": traction_of(study, snapshot, row)}]
     assert study.disc.poisson is not None  # or there is no half-space
     parts = [
         Loads(load, cells.cell, poisson=study.disc.poisson, boundary=study.boundary, threads=threads)
@@ -58,22 +84,40 @@ def of_snapshot(study: Study, snapshot: Snapshot, cof: float, threads: int) -> d
             cycle = there.cycle(back, **limits)
             fields += [cycle.crossland, cycle.dang_van]
         beyond = np.nan if limit is None else np.mean(there.mises > limit)
-        row: dict[str, float | FloatArray] = {"depth": depth, "yielding": float(beyond)}
+        numbers: dict[str, float | FloatArray] = {"depth": depth, "yielding": float(beyond)}
         for name, field in zip(names, fields, strict=True):
             i, j = np.unravel_index(int(field[0].argmax()), cells.shape)
-            row |= {name: field[0, i, j], f"{name}_x": cells.x[i], f"{name}_y": cells.y[j]}
-            row[f"{name}_plane"] = there.plane(field, normal)[0]
+            numbers |= {name: field[0, i, j], f"{name}_x": cells.x[i], f"{name}_y": cells.y[j]}
+            numbers[f"{name}_plane"] = there.plane(field, normal)[0]
         for name, table in tables.items():
-            table.append(np.asarray(row[name]))
+            table.append(np.asarray(numbers[name]))
     return {name: np.array(table) for name, table in tables.items()}
 
 
 def of_run(
-    study: Study, snapshots: Iterable[Snapshot], history: dict[str, FloatArray], threads: int
+    study: Study, snapshots: Iterable[Snapshot], history: Mapping[str, FloatArray], threads: int
 ) -> dict[str, FloatArray]:
     """Return the quantities at all snapshots: shapes (snapshots, depths) and (snapshots, depths, n)."""
     tables = []
     for snapshot in snapshots:
-        row = min(int(np.searchsorted(history["distance"], snapshot.distance)), history["cof"].size - 1)
-        tables.append(of_snapshot(study, snapshot, float(history["cof"][row]), threads))
+        tables.append(of_snapshot(study, snapshot, _row_of(snapshot, history), threads))
     return {name: np.stack([table[name] for table in tables]) for name in stress_columns(study)}
+
+
+def volume(study: Study, snapshot: Snapshot, history: Mapping[str, FloatArray]) -> Stresses:
+    """Return the whole stress below the disc at a snapshot, as `of_run` has seen it depth by depth."""
+    assert study.disc.poisson is not None  # or there is no half-space
+    return stresses(
+        snapshot.pressure,
+        study.stress_depths,
+        poisson=study.disc.poisson,
+        traction=(traction_of(study, snapshot, _row_of(snapshot, history)), None),
+        cell=study.cells.cell,
+        boundary=study.boundary,
+    )
+
+
+def _row_of(snapshot: Snapshot, history: Mapping[str, FloatArray]) -> dict[str, float]:
+    """Return the row of the history of a snapshot's step."""
+    at = min(int(np.searchsorted(history["distance"], snapshot.distance)), history["cof"].size - 1)
+    return {name: float(column[at]) for name, column in history.items()}

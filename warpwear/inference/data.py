@@ -29,8 +29,6 @@ KINDS = {
     "sq_disc": ("um", "Sq in the scar of the disc"),
     "cof": ("", "coefficient of friction"),
 }
-#: Units as people read them.
-SHOWN = {unit: printed(unit) for unit in ("mm^3", "mm^2", "um", "mm^3/N/m")}
 #: Points that a course is thinned to, by means of neighbours.
 POINTS = 100
 #: Fewest points of a course.
@@ -46,8 +44,7 @@ _WRITTEN = re.compile(rf"\s*{_NUMBER}\s*(?:\+-|±)\s*{_NUMBER}\s*(.*?)\s*(?:\bat
 
 def unit_of(kind: str) -> str:
     """Return the unit of a measured value as people write it; empty for a coefficient."""
-    unit = KINDS[kind][0]
-    return SHOWN.get(unit, unit)
+    return printed(KINDS[kind][0])
 
 
 #: Old names of kinds, before the counter-body was called so.

@@ -10,8 +10,8 @@ from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Chart, Cloud, Empty, Figure, Line, Look, Panel
 from warpwear.figures.wording import power_of_ten
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import BY_NAME
-from warpwear.inference.data import SHOWN, Data
+from warpwear.history.quantities import BY_NAME, printed
+from warpwear.inference.data import Data
 from warpwear.inference.unknowns import Unknown
 from warpwear.results.ensemble import in_legend
 
@@ -85,7 +85,7 @@ def _power(column: FloatArray) -> int:
 
 
 def _label(unknown: Unknown, column: FloatArray) -> str:
-    unit, power = SHOWN.get(unknown.unit, unknown.unit), _power(column)
+    unit, power = printed(unknown.unit), _power(column)
     what = " ".join(part for part in (power_of_ten(power) if power else "", unit) if part)
     section, _, name = unknown.key.rpartition(".")
     key = unknown.key if len(unknown.key) < 14 else f"{section}.\n{name}"
@@ -103,13 +103,13 @@ def _alone(unknown: Unknown, column: FloatArray, factor: float) -> list[Line]:
     """Give a histogram of samples under the prior's density, dashed."""
     density, edges = np.histogram(column, bins=30, range=_ends(column), density=True)
     z = np.linspace(-4.0, 4.0, 2001)
-    at = unknown.values(z) / factor
+    values = unknown.values(z) / factor
     with np.errstate(all="ignore"):
-        prior = np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi) / np.gradient(at, z)
+        prior = np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi) / np.gradient(values, z)
     places, heights = np.repeat(edges, 2)[1:-1], np.repeat(density, 2)
     return [
         Line(places, heights, look=Look(describe.TOUCHED, ""), low=0.0 * heights, high=heights),
-        Line(at, prior, look=Look(describe.HARDNESS, "dash", 0.8)),
+        Line(values, prior, look=Look(describe.HARDNESS, "dash", 0.8)),
     ]
 
 

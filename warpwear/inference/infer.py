@@ -25,6 +25,8 @@ from warpwear.laws.friction import FITTED, STRENGTH
 from warpwear.measured.experiment import Experiment
 from warpwear.study.keys import inapplicable
 from warpwear.study.study import Study
+from warpwear.sweeps.sweep import check_folder
+from warpwear.sweeps.table import RUNS
 
 #: Draws of the priors that are compared with the data.
 DRAWS = 2000
@@ -60,6 +62,11 @@ def infer(
     """
     study = study if isinstance(study, Study) else Study.load(study)
     study.refuse_blocks("warpwear calibrate bayes")
+    if study.wears_by_area:
+        raise InputError(
+            "warpwear calibrate bayes knows volumes by load and distance: wear.law = 'energy' needs "
+            "friction.law = 'coulomb' there"
+        )
     data = measured if isinstance(measured, Data) else data_of(study, experiments, measured or {})
     priors = dict(unknown) if isinstance(unknown, Mapping) else dict.fromkeys(unknown)
     unknowns, noise = unknowns_of(study, priors), noise_for(data, priors)
@@ -182,10 +189,8 @@ def _folder(out: str | Path | None) -> Iterator[Path]:
     """Open the folder of the runs: `out`, or one that goes away. Raises InputError."""
     if out is not None:
         folder = Path(out)
-        empty = not folder.exists() or (folder.is_dir() and not any(folder.iterdir()))
-        if not empty and not (folder / "runs").is_dir():
-            raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected")
-        (folder / "runs").mkdir(parents=True, exist_ok=True)
+        check_folder(folder, resume=True)
+        (folder / RUNS).mkdir(parents=True, exist_ok=True)
         yield folder
         return
     with tempfile.TemporaryDirectory(prefix="warpwear-inference-", ignore_cleanup_errors=True) as place:

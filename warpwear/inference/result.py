@@ -13,8 +13,8 @@ from warpwear.figures import describe
 from warpwear.figures.paint import paint
 from warpwear.figures.wording import counted
 from warpwear.grid import FloatArray
+from warpwear.history.quantities import printed
 from warpwear.inference import figures
-from warpwear.inference.data import SHOWN
 from warpwear.inference.identify import ALL_APART, CONFLICT, DRAWS, Identified, computed
 from warpwear.inference.likelihood import Posterior
 from warpwear.inference.next_test import MOST_REPEATS, REACHED, NextTest
@@ -74,7 +74,7 @@ class Inference:
         for place, unknown in enumerate(self.posterior.unknowns):
             column = self.values[unknown.key]
             low, median, high = map(float, np.percentile(column, (BAND[0], 50.0, BAND[1])))
-            unit = SHOWN.get(unknown.unit, unknown.unit)
+            unit = printed(unknown.unit)
             row: dict[str, Any] = {
                 "key": unknown.key,
                 "unit": unit,
@@ -152,13 +152,13 @@ class Inference:
         lines = []
         for unknown, end in self._pressing:
             prior, key = unknown.prior, unknown.key
-            at = prior.first if end == "lower" else prior.second
-            says = f"{key} presses against the {end} end of its prior, {at:.4g} {unknown.unit}".rstrip()
+            bound = prior.first if end == "lower" else prior.second
+            says = f"{key} presses against the {end} end of its prior, {bound:.4g} {unknown.unit}".rstrip()
             if key == "noise.deviation" and end == "upper":
                 lines.append(f"{says}: the study misses the course by more than the course itself scatters.")
             elif key in NOISE:
                 lines.append(f"{says}.")
-            elif at in (unknown.least, unknown.most):
+            elif bound in (unknown.least, unknown.most):
                 lines.append(f"{says}, and {'more' if end == 'upper' else 'less'} is not allowed.")
             else:
                 lines.append(f"{says}; give one that goes on, such as '{key}={_wider(unknown, end)}'.")

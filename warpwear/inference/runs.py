@@ -99,6 +99,7 @@ def scales(study: Study) -> bool:
     """
     return (
         not study.is_swept
+        and study.fretting is None
         and study.wear.law != "bearing-curve"
         and study.wear.distance_factor == "none"
         and not study.wear.sheds
@@ -121,7 +122,7 @@ def needs_runs(study: Study, key: str, *, scaled: bool) -> bool:
     if wears_by(study, key):
         return not scaled
     if key == f"friction.{COEFFICIENT}":
-        return False
+        return study.sliding.drives_bodies  # else it changes no contact
     if key in FRICTION:
         return study.friction.junction_growth > 0.0 and key.endswith("shear_strength")
     return True
@@ -270,7 +271,7 @@ def _wearing(study: Study, unknowns: Sequence[Unknown], part: float) -> Study:
         return study
     ends = [unknown.values(np.array([-REACH, REACH])) for unknown in wear]
     corners = [dict(zip((u.key for u in wear), corner, strict=True)) for corner in itertools.product(*ends)]
-    numbers = study.wear_hardness, study.friction.coefficient
+    numbers = study.wear_hardness, study.friction
     laws = [study.wear_laws, *(study.wear.laws(*numbers, corner) for corner in corners)]
     fastest = [float(max(pair[body].fastest for pair in laws)) for body in range(len(BODIES))]
     counter, disc = (f"{1e3 * part * k!r} mm^3/N/m" for k in fastest)

@@ -70,6 +70,15 @@ class WearLaw:
         """
         return self.steady * increment
 
+    def wear_per_contact(self, increment: float) -> float:
+        """Return the depth that an increment wears off a cell in contact, whatever its pressure [mm]."""
+        return 0.0 * increment
+
+    @property
+    def wears(self) -> bool:
+        """Tell whether the body loses anything."""
+        return self.fastest > 0.0 or self.wear_per_contact(1.0) > 0.0
+
 
 @dataclass(frozen=True)
 class ExponentialLaw(WearLaw):
@@ -123,11 +132,21 @@ class BearingCurveLaw(WearLaw):
 
 @dataclass(frozen=True)
 class EnergyLaw(WearLaw):
-    """Wear is in proportion to the energy that friction dissipates: V = α ∫ τ ds, with τ = μ p K is α μ."""
+    """Wear is in proportion to the energy that friction dissipates: V = α ∫ τ ds.
+
+    What of τ goes with the pressure, μ p, makes K = α μ; a shear strength τ0 wears a cell in contact by a
+    depth of α τ0 a distance, whatever its pressure.
+    """
 
     name = "energy"
     formula = r"\alpha_\mathrm{E} \mu"
     sentence = "worn volume in proportion to the energy that friction dissipates"
+
+    shear: float = 0.0  # α τ0, a depth over a distance
+
+    def wear_per_contact(self, increment: float) -> float:
+        """Return α τ0 ΔL [mm]; see `WearLaw`."""
+        return self.shear * increment
 
 
 #: Value of `wear.law` -> law.

@@ -9,7 +9,10 @@ It is exact in line contacts and where Poisson's ratio is 0; of a ball Mindlin n
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from warpwear import lazy
+from warpwear.grid import FloatArray
 from warpwear.laws.elastic import Hertz, effective_modulus
 
 optimize = lazy.module("scipy.optimize")
@@ -88,3 +91,33 @@ def power_of(energy: float, ratio: float = 1.0, slide: float = 0.0) -> float:
     if excess(1.0) >= 0.0:
         return 1.0
     return 0.05 if excess(0.05) <= 0.0 else float(optimize.brentq(excess, 0.05, 1.0))
+
+
+def loop(
+    force: float, displacement: float, border: float, energy: float, *, limit: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return a loop of tangential force [N] and displacement [mm], closed, by the numbers of its cycle.
+
+    force, displacement: amplitudes [N, mm]; border: displacement from which on all slips [mm]; energy: of the
+    cycle over 4QΔ; limit: μP [N]. Between its tips it is the power law that has the energy: Mindlin's under
+    an unworn ball, a straight line where yielding dissipates nothing.
+    """
+    ratio, slide = min(force / limit, 1.0), max(displacement / border - 1.0, 0.0)
+    power, elastic = power_of(energy, ratio, slide), min(displacement, border)
+    t = np.linspace(ratio, -ratio, 101)
+    # Unloading yields twice what half the force does first.
+    first = (1.0 - (1.0 - 0.5 * (ratio - t)) ** power) / (1.0 - (1.0 - ratio) ** power)
+    back = displacement - 2.0 * elastic * first
+    forces, places = np.append(t, -ratio) * limit, np.append(back, -displacement)
+    return np.concatenate([forces, -forces, forces[:1]]), np.concatenate([places, -places, places[:1]])
+
+
+def regime_of(stick: FloatArray, contact: FloatArray) -> str:
+    """Name the regime of a course: "stick", "partial", "gross", or "mixed" of gross slip and others.
+
+    stick, contact: areas that do not slip and that are in contact [mm²], of each cycle seen.
+    """
+    slips_all = stick == 0.0
+    if slips_all.any():
+        return "gross" if slips_all.all() else "mixed"
+    return "stick" if (stick > (1.0 - RING) ** 2 * contact).all() else "partial"

@@ -109,7 +109,14 @@ class FrictionLaw:
     def coefficient(self, history: Mapping[str, FloatArray], *, load: Load, **fit: Any) -> FloatArray:
         """Return the coefficient of friction of every step; NaN while τ waits for the end."""
         tau = self.strength(history, load=load, **fit)
-        return np.asarray(self.values[PLOUGHING] + tau * history[f"area_{self.area}"] / load)
+        # By the energy law what shears wears, and an area is known that is the mean over the step.
+        area = history.get("area_sheared", history[f"area_{self.area}"])
+        return np.asarray(self.values[PLOUGHING] + tau * area / load)
+
+    @property
+    def tractions(self) -> tuple[Any, Any]:
+        """Return the part of its pressure that shears a cell, and the strength that does beside it [MPa]."""
+        return self.values[PLOUGHING], self.values[STRENGTH]
 
     def sheared(self, history: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Return key of a strength -> the area [mm²] that it shears at every step, without `factor`."""
@@ -179,6 +186,11 @@ class CoulombLaw(FrictionLaw):
     said = ""
     formula = r"\mathrm{const}"
 
+    @property
+    def tractions(self) -> tuple[Any, Any]:
+        """Return μ, and no strength."""
+        return self.values[COEFFICIENT], 0.0
+
     def coefficient(self, history: Mapping[str, FloatArray], **fit: Any) -> FloatArray:
         """Return μ of every step."""
         return np.full_like(history["distance"], self.values[COEFFICIENT])
@@ -196,12 +208,17 @@ class CoulombLaw(FrictionLaw):
 FRICTION_LAWS = {"shear-strength": FrictionLaw, "coulomb": CoulombLaw}
 
 
-def friction_energy(distance: FloatArray, cof: FloatArray, load: FloatArray) -> FloatArray:
+def friction_energy(
+    distance: FloatArray, cof: FloatArray, load: FloatArray, *, of_steps: bool = False
+) -> FloatArray:
     """Integrate the friction force over the distance slid: ∫ μ F dL [J] up to the end of each step.
 
     distance [mm] and coefficient at the end of each step, load [N] in it, all (n,). Trapezoids between the
     coefficients; in the first step, and in the first under another load, its own holds from the start.
+    of_steps: whether coefficients are means over their steps instead.
     """
+    if of_steps:
+        return 1.0e-3 * np.cumsum(cof * load * np.diff(distance, prepend=0.0))
     before = np.where(np.diff(load, prepend=load[:1]) == 0.0, np.concatenate([cof[:1], cof[:-1]]), cof)
     return 0.5e-3 * np.cumsum((cof + before) * load * np.diff(distance, prepend=0.0))
 

@@ -89,10 +89,20 @@ class ContactTask:
         counter, disc = (law.wear_per_pressure(start, increment) for law in self.wear)
         return counter, disc
 
+    def wear_per_contact(self, increment: float) -> tuple[float, float]:
+        """Return the depths [mm] that an increment [mm] wears off cells in contact by their shear."""
+        counter, disc = (law.wear_per_contact(increment) for law in self.wear)
+        return counter, disc
+
+    @property
+    def shears(self) -> bool:
+        """Tell whether cells in contact wear by their shear, whatever their pressure."""
+        return sum(self.wear_per_contact(1.0)) > 0.0
+
     @property
     def is_uniform(self) -> bool:
         """Tell whether, at rest, every cell has the same law: one stiffness, and wear in one proportion."""
-        return self.distance_factor == "none" and self.in_proportion and self.film is None
+        return self.distance_factor == "none" and self.in_proportion and self.film is None and not self.shears
 
     @property
     def least_hardness(self) -> float:

@@ -24,7 +24,7 @@ def booked(
     block: Found,
     ledger: Ledger,
     increments: FloatArray,
-    removals: Sequence[tuple[float, float]],
+    removals: Sequence[tuple[float, ...]],
     enter: Callable[..., Step],
 ) -> Iterator[Step]:
     """Enter steps into the books, and yield them.

@@ -13,7 +13,9 @@ LIMITS: dict[str, list[str]] = prose("limits")
 CONDITIONS: dict[str, Callable[[Study], bool]] = {
     "static": lambda study: not study.sliding.total,
     "slides": lambda study: study.sliding.total > 0.0,
-    "at rest": lambda study: not study.is_swept,
+    "at rest": lambda study: not study.is_swept and study.fretting is None,
+    "frets": lambda study: study.sliding.frets,
+    "may stick": lambda study: study.sliding.drives_bodies,
     "over a track": lambda study: study.is_swept,
     "part of the stroke": lambda study: study.track.track_fraction < 1.0,
     "local law": lambda study: study.contact.law == "local",

@@ -17,6 +17,8 @@ IN_SECTION = (
     "Through the middle, at the end, in contact, without elastic deformation: where the bodies overlap, they "
     "are pressed in. Unworn: without the wear of the run."
 )
+#: What is said of the cycles of a fretting run.
+IN_CYCLES = "Loops, energies and slips of single cycles, of many that jumps stand for."
 #: Most snapshots under a slider, and points along a side of a map.
 SNAPSHOTS, SIDE = 12, 500
 #: Snapshots whose maps may have the full number of points: more of them get coarser.
@@ -111,6 +113,9 @@ SECTIONS: tuple[Callable[[Plotter, FigureData], Section], ...] = (
     maps,
     courses,
     pieces,
+    lambda plot, data: Section(
+        "Fretting", _figures(plot, data, *_of_section("fretting")), "fretting", IN_CYCLES
+    ),
     _of_one("profiles", "The scar in section", IN_SECTION),
     stresses,
     roughness,

@@ -10,6 +10,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import BY_NAME
 from warpwear.history.stresses import MEASURES, OF_A_CYCLE
 from warpwear.laws.archard import BODIES, CALLED
+from warpwear.laws.fretting import HONEST_MEAN, regime_of
 from warpwear.laws.passes import WHEN, mean_over
 from warpwear.results.evolution import growth_of_view, settling, surface_evolution
 from warpwear.results.file import ResultFile
@@ -60,6 +61,61 @@ def track(result: ResultFile) -> list[Row]:
     return [Row("", "track", rows)]
 
 
+def fretting(result: ResultFile) -> list[Row]:
+    """Declare which places of a stroke had a contact, and the regime, force, energy and slip of cycles."""
+    study, history = result.study, result.history
+    rows = []
+    if not study.sliding.drives_bodies:
+        text = (
+            "one contact for all places of a stroke" if study.positions == "mean" else "each cell of a stroke"
+        )
+        text += f", which is {study.stroke_ratio:.2g} of the scar's width (mean: up to {HONEST_MEAN:g})"
+        rows += [Row("positions", "positions", study.positions, sentence=text)]
+        rows += [Row("", "stroke_over_width", study.stroke_ratio)]
+    if study.fretting is None:
+        return [Row("", "fretting", rows)]
+    end = {name: finite(float(values[-1])) for name, values in history.items()}
+    regime = regime_of(history["stick_area"], history["area_contact"])
+    energy = float(history["friction_energy"][-1])
+    volumes = {body: float(history[f"wear_volume_{body}"][-1]) for body in BODIES}
+    alpha = {body: volume / energy if energy else None for body, volume in volumes.items()}
+    force = f"Q {shown(end['tangential_force'])} N"
+    if study.fretting.has_displacement:
+        micron = {name: 1.0e3 * history[name][-1] for name in ("displacement", "displacement_border")}
+        force += (
+            f", Δ {micron['displacement']:.4g} µm; all slips from {micron['displacement_border']:.4g} µm on"
+        )
+    return [
+        Row(
+            "",
+            "fretting",
+            [
+                *rows,
+                Row(
+                    "regime",
+                    "regime",
+                    regime,
+                    note=f"({shown(100.0 * sticks(history))} % of the area sticks)",
+                ),
+                Row("last cycle", "tangential_force_N", end["tangential_force"], sentence=force),
+                Row("", "displacement_mm", end["displacement"]),
+                Row("", "displacement_border_mm", end["displacement_border"]),
+                Row("", "stick_area_mm2", end["stick_area"]),
+                Row("energy of it", "energy_mJ", end["energy"], unit="mJ"),
+                Row("", "energy_ratio", end["energy_ratio"]),
+                Row("mean slip of it", "slip_mean_um", 1.0e3 * history["slip_mean"][-1]),
+                Row("energy in all", "energy_total_J", energy),
+                Row("wear by energy", "alpha_mm3_per_J", alpha, unit="mm³/J"),
+            ],
+        )
+    ]
+
+
+def sticks(history: Mapping[str, FloatArray]) -> float:
+    """Return the part of the area in contact that does not slip in the last cycle."""
+    return float(history["stick_area"][-1] / history["area_contact"][-1])
+
+
 def _jumps(result: ResultFile) -> list[Row]:
     """Declare the contacts computed of a run whose cycles may stand for many, and the error told."""
     if (jumps := result.record.get("cycle_jump")) is None:
@@ -69,6 +125,8 @@ def _jumps(result: ResultFile) -> list[Row]:
     text += f"{jumps['cycles']:.6g} cycles; error of the depths {shown(percent, 2)} %"
     if result.history["cycles"].max() == 1.0:
         text = f"none: each of the {jumps['cycles']:.6g} cycles was computed"
+        if result.study.contact.law == "local" and result.study.contact_law().compliance == 0.0:
+            text += "; by contact.law = 'local' without a stiffness the area goes with what a step wears"
     return [Row("jumps", "jumps", jumps | {"depth_error_percent": percent}, sentence=text)]
 
 

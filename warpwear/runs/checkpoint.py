@@ -49,7 +49,8 @@ OF_THE_RUN = ("numbers", "warnings", "reported_violations", "elapsed")
 LABELS = ("study.name", "study.description", "run", "checks", "assumed")
 #: Sections and keys that no step depends on: a run may go on with others.
 FREE = (*LABELS, "friction", "junctions")
-#: Keys of these that steps do depend on, and one more where junctions grow: they change the caps of cells.
+#: Keys of these that steps do depend on, and one more where junctions grow: they change the caps of cells. By
+#: the energy law wear depends on all of friction.
 OF_CAPS, OF_GROWTH = ("friction.film", "friction.junction_growth"), "friction.shear_strength"
 
 
@@ -271,7 +272,9 @@ def changed_keys(
     """Keys whose values differ, but for those that are free to: by default, that no step depends on."""
     names = sorted(name for name in before.keys() | after.keys() if before.get(name) != after.get(name))
     grow = any(keys.get("friction.junction_growth", 0.0) > 0.0 for keys in (before, after))
-    bound = (*OF_CAPS, OF_GROWTH) if grow else OF_CAPS
+    bound: tuple[str, ...] = (*OF_CAPS, OF_GROWTH) if grow else OF_CAPS
+    if "energy" in (before.get("wear.law"), after.get("wear.law")):
+        bound = ("friction",)
 
     def under(name: str, keys: Sequence[str]) -> bool:
         return any(name == key or name.startswith(f"{key}.") for key in keys)

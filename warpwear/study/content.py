@@ -169,6 +169,7 @@ class Content(Programme):
             "contact.hardness": text(self.indentation_hardness, "MPa"),
             "contact.boundary": self.boundary,
             "sliding.kinematics": "fretting" if self.sliding.frets else self.kinematics,
+            "stepping.first": text(self.increments[0], "mm"),
             "stepping.growth": self.increments[1],
             "stepping.largest": text(self.increments[2], "mm"),
             "patches.width": text(self.patches.patch_width, "mm"),
@@ -327,7 +328,12 @@ class Content(Programme):
     @property
     def wear_laws(self) -> tuple[WearLaw, WearLaw]:
         """The laws by which counter-body and disc wear."""
-        return self.wear.laws(self.wear_hardness, self.friction.coefficient)
+        return self.wear.laws(self.wear_hardness, self.friction)
+
+    @property
+    def wears_by_area(self) -> bool:
+        """True where cells in contact wear by their shear strength, whatever their pressure."""
+        return self.wear.law == "energy" and self.friction.law == "shear-strength"
 
     @property
     def wear_hardness(self) -> float:

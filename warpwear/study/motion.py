@@ -15,6 +15,8 @@ from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, Range, is_pair,
 
 #: Parts of a distance at rest that no increment exceeds, unless given.
 LARGEST_PARTS = 800
+#: First of growing increments [mm].
+FIRST = 3.0e-3
 #: Growth of increments, and of jumps over cycles of fretting: twelve a decade.
 GROWTH, GROWTH_OF_JUMPS = 1.02, 1.2
 #: Most cells along a side: a million squared is more than any memory holds.
@@ -309,7 +311,11 @@ class Stepping(Section):
 
     scheme: Literal["explicit", "implicit"] = key("implicit", "pressure of the step's start, or of its end")
     increment: Length | None = key(None, "fixed sliding increment", applies=STEPS, one_of="plan")
-    first: Length = growing_key("3 um", "growing increments: the first", assumed="nanometres of wear")
+    first: Length | None = growing_key(
+        None,
+        "growing increments: the first; if not given 3 µm, and of fretting a cycle",
+        assumed="nanometres of wear",
+    )
     growth: Annotated[float, Number(Range(least=1.0, or_equal=True, most=10.0))] | None = growing_key(
         None,
         f"ratio of an increment to the last; if not given {GROWTH:g}, and of fretting {GROWTH_OF_JUMPS:g}",
@@ -338,19 +344,20 @@ class Stepping(Section):
     force: bool = key(False, "go on beyond the explicit stability limit")
 
     def _check(self) -> None:
-        if self.largest is not None and self.first > self.largest:
+        first = self.first or FIRST
+        if self.largest is not None and first > self.largest:
             raise ValueError(
-                f"stepping.first = {self.first:g} mm must not exceed stepping.largest = {self.largest:g} mm"
+                f"stepping.first = {first:g} mm must not exceed stepping.largest = {self.largest:g} mm"
             )
 
-    def plan(self, distance: float, *, jumps: bool = False) -> tuple[float, float, float]:
+    def plan(self, distance: float, *, cycle: float | None = None) -> tuple[float, float, float]:
         """First increment over a distance [mm], the factor by which increments grow, and the largest [mm].
 
-        jumps: whether they stand for cycles of fretting.
+        cycle: of fretting [mm], where increments jump over cycles.
         """
         if self.increment is not None:
             return self.increment, 1.0, self.increment
-        parts = 1 if jumps else LARGEST_PARTS
+        parts = 1 if cycle else LARGEST_PARTS
         part = distance / parts if self.scheme == "implicit" else 0.0  # stable at any length
-        growth = GROWTH_OF_JUMPS if jumps else GROWTH
-        return self.first, self.growth or growth, self.largest or max(3.0, part, self.first)
+        growth, first = GROWTH_OF_JUMPS if cycle else GROWTH, self.first or cycle or FIRST
+        return first, self.growth or growth, self.largest or max(3.0, part, first)

@@ -35,6 +35,7 @@ def check(study: Content) -> None:
         _steps(study)
         return
     _junction_growth(study)
+    _by_area(study)
     if study.study.model == "two-scale":
         _patches(study)
     _line(study)
@@ -215,6 +216,31 @@ def _shape(study: Content) -> None:
         )
 
 
+def _by_area(study: Content) -> None:
+    """Refuse what wear by the shear strength of cells in contact cannot be computed with."""
+    if not study.wears_by_area:
+        return
+    friction, alone = study.friction, "wear.law = 'energy' by a shear strength wears cells in contact alike"
+    if friction.shear_strength is None:
+        raise ValueError(
+            "wear.law = 'energy' needs friction.shear_strength, as a measured coefficient gives it at the "
+            "end alone, or friction.law = 'coulomb'"
+        )
+    refused = {
+        "study.model = 'two-scale'": study.study.model == "two-scale" and ": patches share the load",
+        "[friction.film]": friction.film is not None and ", whose cells differ in strength",
+        "friction.initial_ratio": friction.initial_ratio is not None and ", by which the strength changes",
+        f"friction.area = '{friction.area}'": friction.area != "contact" and ": 'contact' is allowed",
+        "wear.particle": study.wear.sheds and ": what is pending would bear",
+        f"wear.distance_factor = '{study.wear.distance_factor}'": study.wear.distance_factor != "none"
+        and ", by which cells differ",
+        "stepping.scheme = 'explicit'": study.stepping.scheme == "explicit" and ": 'implicit' is allowed",
+    }
+    for key, why in refused.items():
+        if why:
+            raise ValueError(f"{alone}: it does not go with {key}{why}; friction.law = 'coulomb' does")
+
+
 def _junction_growth(study: Content) -> None:
     """Refuse junctions that grow where the shear leaves a cell no pressure, or has no smooth contact."""
     friction, hardness = study.friction, study.indentation_hardness
@@ -354,7 +380,7 @@ def _of_film(study: Content) -> Iterator[str]:
     """Yield a sentence about a film on a body that does not wear: no cell ever loses it."""
     film = study.friction.film
     for body, law in zip(("counter", "disc"), study.wear_laws, strict=True):
-        if film is not None and film.bodies in ("both", body) and law.fastest == 0.0:
+        if film is not None and film.bodies in ("both", body) and not law.wears:
             yield (
                 f"wear.{body} = 0: the {CALLED[body]} keeps its film, so no cell becomes bare by "
                 f"friction.film.bodies = '{film.bodies}'."

@@ -74,6 +74,10 @@ NO_HERTZ = Reason("no_hertz", lambda d: d.study.hertz is None)
 NO_FACTOR = Reason("no_factor", lambda d: d.study.wear.distance_factor == "none")
 NO_JUNCTIONS = Reason("no_junctions", lambda d: d.study.critical_junction is None)
 NO_PIECES = Reason("no_pieces", lambda d: not d.study.wear.sheds or d.result.pieces["step"].size < 2)
+NO_FRETTING = Reason("no_fretting", lambda d: d.study.fretting is None)
+NO_DISPLACEMENT = Reason(
+    "no_displacement", lambda d: d.study.fretting is None or not d.study.fretting.has_displacement
+)
 STILL = Reason("still", lambda d: not d.study.is_swept)
 TRACK = Reason("track", lambda d: d.study.is_swept)
 TRACK_FACTOR = Reason("track_factor", lambda d: d.study.is_swept)
@@ -200,10 +204,10 @@ def _passes(data: FigureData) -> str:
 def _fall(data: FigureData) -> str:
     """Say why the largest pressure falls, where it does."""
     course = data.course
-    at = last_at_hardness(course)
-    if at is None:
+    row = last_at_hardness(course)
+    if row is None:
         return ""
-    ratio = course["pressure_max"][at + 2 :] / course["pressure_mean"][at + 2 :]
+    ratio = course["pressure_max"][row + 2 :] / course["pressure_mean"][row + 2 :]
     then = ""
     if ratio.size:
         most = float(ratio.max())
@@ -211,7 +215,7 @@ def _fall(data: FigureData) -> str:
         then = f"; from then on the pressure is {then}"
     return (
         f" The largest pressure falls where wear has taken down the last asperity at the hardness, after "
-        f"{course['distance'][at]:.3g} mm{then}."
+        f"{course['distance'][row]:.3g} mm{then}."
     )
 
 
@@ -225,8 +229,8 @@ def _critical(data: FigureData) -> str:
     study = data.study
     if study.critical_diameter is None:
         return ""
-    of = "the pieces' diameter" if study.wear.sheds else "the critical diameter of junctions"
-    return f" Dots: the share above {of}, d* = {1e3 * study.critical_diameter:.3g} µm."
+    what = "the pieces' diameter" if study.wear.sheds else "the critical diameter of junctions"
+    return f" Dots: the share above {what}, d* = {1e3 * study.critical_diameter:.3g} µm."
 
 
 def _smooth(data: FigureData) -> str:

@@ -2,20 +2,8 @@
 
 import numpy as np
 
-from warpwear.figures.describe import (
-    COLUMN,
-    CONTACT,
-    COUNTER,
-    DISC,
-    NEUTRAL,
-    PAGE,
-    Axis,
-    Chart,
-    Figure,
-    Level,
-    Line,
-    Look,
-)
+from warpwear.figures import describe
+from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look
 from warpwear.measured.friction.analysis import Analysis, Step
 
 
@@ -34,7 +22,7 @@ def course_figure(analysis: Analysis) -> Figure:
         lines += _lines(step, first=number == 0, second=number == 1)
     x = Axis("distance slid, m", low=0.0)
     chart = Chart("Coefficient of friction", x, Axis("coefficient of friction, –", low=0.0), lines)
-    return Figure([chart], 1, legend=5, width=PAGE, height=3.0)
+    return Figure([chart], 1, legend=5, width=describe.PAGE, height=3.0)
 
 
 def _lines(step: Step, *, first: bool, second: bool) -> list[Line | Level]:
@@ -45,25 +33,29 @@ def _lines(step: Step, *, first: bool, second: bool) -> list[Line | Level]:
     if spread.any():
         label = f"scatter in a {laps.unit}" if first else ""
         lines.append(
-            Line(x, laps.cof, label, Look(DISC, "", alpha=0.25), laps.cof - spread, laps.cof + spread)
+            Line(
+                x, laps.cof, label, Look(describe.DISC, "", alpha=0.25), laps.cof - spread, laps.cof + spread
+            )
         )
-    lines.append(Line(x, laps.cof, f"mean of a {laps.unit}" if first else "", Look(DISC, width=0.9)))
+    lines.append(Line(x, laps.cof, f"mean of a {laps.unit}" if first else "", Look(describe.DISC, width=0.9)))
     if events.steady is not None:
         ends = 1e-3 * (step.before + np.array([events.steady.start, events.steady.end]))
         label = "steady value" if first else ""
-        lines.append(Line(ends, np.full(2, events.steady.value), label, Look(COUNTER, width=2.0)))
+        lines.append(Line(ends, np.full(2, events.steady.value), label, Look(describe.COUNTER, width=2.0)))
     if events.jump is not None:
         for at, label in ((events.jump.start, "10 and 90 % of the jump"), (events.jump.end, "")):
             place = 1e-3 * (step.before + at)
-            lines.append(Level(place, label if first else "", Look(NEUTRAL, "dash", 0.8), "x"))
+            lines.append(Level(place, label if first else "", Look(describe.NEUTRAL, "dash", 0.8), "x"))
     if not first:
-        lines.append(Level(1e-3 * step.before, "a step begins" * second, Look(NEUTRAL, "dot", 0.8), "x"))
+        lines.append(
+            Level(1e-3 * step.before, "a step begins" * second, Look(describe.NEUTRAL, "dot", 0.8), "x")
+        )
     return lines
 
 
 def loops_figure(analysis: Analysis) -> Figure:
     """Draw the friction force over the position, in the first, the middle and the last cycle."""
-    looks = (Look(DISC), Look(COUNTER, "dash"), Look(CONTACT, "dot"))
+    looks = (Look(describe.DISC), Look(describe.COUNTER, "dash"), Look(describe.CONTACT, "dot"))
     lines = [
         Line(
             np.append(loop.position, loop.position[0]),
@@ -74,4 +66,4 @@ def loops_figure(analysis: Analysis) -> Figure:
         for loop, look in zip(analysis.loops, looks, strict=False)
     ]
     chart = Chart("Friction loops", Axis("position, mm"), Axis("friction force, N"), lines)
-    return Figure([chart], 1, legend=3, width=COLUMN, height=2.6)
+    return Figure([chart], 1, legend=3, width=describe.COLUMN, height=2.6)

@@ -47,7 +47,7 @@ class SlidingBodies:
         grid, rows = executor.grid, disc.shape[0]
         if rows < grid.nx or disc.shape[1] != grid.ny:
             raise ValueError(f"a disc of {disc.shape} cells does not fit under a grid of {grid.shape}")
-        wears = task.wear[0].fastest > 0.0 and task.pieces is None
+        wears = task.wear[0].wears and task.pieces is None
         return cls(
             _counter(task, executor) if counter is None else executor.field(counter.copy(), padding=PADDING),
             executor.field(disc.copy(), padding=-PADDING),

@@ -124,6 +124,9 @@ class SlidingHalfSpace:
         self._sums, self._maxima = (
             wp.zeros((len(lines), slots), dtype=wp.float64, device=device) for lines in (PressureSum, MAXIMA)
         )
+        #: Part of a step that each cell was in contact, and its means along x; where that wears it.
+        self._rubbed = executor.zeros(None if task.shears else 0)
+        self._rubbed_means = executor.zeros((executor.grid.nx if moves else 1) if task.shears else 0)
         self._bare = wp.zeros((1, slots), dtype=wp.float64, device=device)
         #: Sums over the rows of the disc, of its fields as they are: increments added up would drift.
         self._of_rows = {
@@ -173,8 +176,10 @@ class SlidingHalfSpace:
         before = self.ledger.row
         approach = residual = error = 0.0
         transforms = parts = done = 0
-        pooled = dict.fromkeys(OF_A_PART if self.film is None else (*OF_A_PART, "bare"), 0.0)
+        of_film, of_shear = ["bare"] * (self.film is not None), ["rubbed"] * self.task.shears
+        pooled = dict.fromkeys((*OF_A_PART, *of_film, *of_shear), 0.0)
         highest, removal, columns = 0.0, (0.0, 0.0), self.state.columns
+        shears = self.task.wear_per_contact(increment)
         static = math.nan
         certificates: list[Certificate | None] = []
         solves_static = self._static is not None and self._steps_done % self.task.static_area_every == 0
@@ -198,6 +203,9 @@ class SlidingHalfSpace:
             if self.fretting is not None:
                 self._begin_cycles(self.fretting, removals)
             last = done + of_part == cells
+            self._slides.set(
+                shear_counter=weight * shears[0], shear_disc=weight * self._track_fraction * shears[1]
+            )
             contact = self._solve(
                 increment * weight, removals, certified=True if self.certified and last else None
             )
@@ -215,7 +223,9 @@ class SlidingHalfSpace:
                 self._run("rub", self._say_rub)
             carried = total["pressure"] * self._executor.grid.cell_area
             residual = max(residual, residual_of(carried, self.task.load, approach=contact.approach), key=abs)
-            approach += weight * contact.approach
+            # What shear wears lowers cells in contact by one depth, so that it lifts the approach alone.
+            lift = weight * (shears[0] + self._track_fraction * shears[1])
+            approach += weight * (contact.approach + lift)
             fretted = {}
             if self.fretting is not None:
                 area = self._executor.grid.cell_area
@@ -234,7 +244,7 @@ class SlidingHalfSpace:
         step = self.ledger.enter(
             balance,
             increment,
-            removal,
+            (*removal, *shears),
             before["pressure_mean"],
             total | pooled,
             most | {"pressure": highest},
@@ -343,6 +353,10 @@ class SlidingHalfSpace:
         pressed.cap = min(self.task.hardness, NO_CAP)
         if self._parts is not None:
             pressed.parts = self._parts
+        if self.task.shears:
+            pressed.rubbed, pressed.rubbed_means = self._rubbed, self._rubbed_means
+            program.launch(wear_from_pressure.part_of_step, slides, pressed)
+            program.launch(wear_from_pressure.means, slides, self._rubbed, self._rubbed_means)
         if self.fretting is not None:
             pressed.slips = self.fretting.slips
         program.launch(wear_from_pressure.means, slides, pressure, self._means)

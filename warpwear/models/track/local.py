@@ -103,8 +103,9 @@ class SlidingContact:
         additions = self.film, self.pieces, self._recession, self._stiffness
         #: What the study adds to a step, in the order in which each is asked.
         self.attachments: list[Attachment] = [one for one in additions if one is not None]
-        # Pieces and a disc that recedes change heights after the pass that wears.
-        wears_alone = self.pieces is None and self._recession is None
+        # Pieces and a disc that recedes change heights after the pass that wears; what shear wears may lie
+        # higher than what a list that serves several steps reaches.
+        wears_alone = self.pieces is None and self._recession is None and not task.shears
         fully = task.load / (task.least_hardness * executor.grid.cell_area)
         self.tiles = SlidingTiles(
             executor, bodies, self._slides.array, least=SPARE * fully, stays=wears_alone and not moves
@@ -239,10 +240,13 @@ class SlidingContact:
 
     def _plan(
         self, shifts: Sequence[int], increments: Sequence[float]
-    ) -> tuple[list[tuple[float, float]], bool]:
-        """Tell the device of the next steps; return K ΔL of both bodies, and whether all are rigid."""
+    ) -> tuple[list[tuple[float, ...]], bool]:
+        """Tell the device of the next steps; return K ΔL of both bodies, and whether all are rigid.
+
+        Behind K ΔL is what shear wears off a cell in contact.
+        """
         task, row = self.task, self.ledger.row
-        removals = wear_in_steps(task.wear, row["distance"], increments)
+        removals: list[tuple[float, ...]] = [*wear_in_steps(task.wear, row["distance"], increments)]
         own, dust, track = task.compliance_at(row["area_contact"]), task.dust, self._track_fraction
         rows = [self.state.row_of(shift, periodic=self.periodic) for shift in shifts[: len(removals)]]
         counter, disc = np.array(removals).T
@@ -252,7 +256,10 @@ class SlidingContact:
         alike = [0.0 if self._stiffness is not None else stiffness_of(one) for one in compliance.tolist()]
         ends = np.add.accumulate([row["distance"], *increments[: len(removals)]])
         owns = np.full(len(rows), own)
-        each = rows, ends[:-1], ends[1:], of_counter, of_disc, *pending, owns, compliance, alike
+        depths = [task.wear_per_contact(one) for one in increments[: len(removals)]]
+        shears = np.array(depths).T * np.array([[1.0], [track]])
+        each = rows, ends[:-1], ends[1:], of_counter, of_disc, *pending, owns, compliance, alike, *shears
+        removals = [(*of_both, *shear) for of_both, shear in zip(removals, depths, strict=True)]
         plan = np.stack(each, axis=1)
         compliances = plan[:, sliding_steps.PLAN.index("compliance")]
         rigid = bool(compliances[0] == 0.0)
@@ -274,12 +281,13 @@ class SlidingContact:
             softest = self._stiffness.softest(self._slides.array)
         self._course.set(smallest=smallest, first_limit=limit, softest=softest)
 
-    def _booked(self, increments: Sequence[float], removals: Sequence[tuple[float, float]]) -> Iterator[Step]:
+    def _booked(self, increments: Sequence[float], removals: Sequence[tuple[float, ...]]) -> Iterator[Step]:
         """The steps that the device has made, as the ledger enters them."""
         count = self._course["step"]
         table = np.ascontiguousarray(self._steps.history[: max(count, 1)].numpy()[:count].T)
         columns = dict(zip(self._columns, table, strict=True))
-        total = {name: columns[name] for name in SUMS if name != "bare"}
+        absent = {"bare"} if self.task.shears else {"bare", "rubbed"}
+        total = {name: columns[name] for name in SUMS if name not in absent}
         total |= {RENAMED.get(name, name): columns[name] for name in sliding_steps.KEPT}
         most = {name: columns[f"most_{name}"] for name in MAXIMA}
         most |= {name: columns[name] for name in ("first_row", "last_row")}

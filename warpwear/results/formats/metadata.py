@@ -11,12 +11,14 @@ import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
 from warpwear.history.quantities import EVOLUTION, Quantity, columns_of
 from warpwear.results.file import FILE_NAME, ResultFile
+from warpwear.results.formats.forms import filled
 from warpwear.version import __version__
 
 NAME = "ro-crate-metadata.json"
@@ -41,6 +43,8 @@ FILES = {
     "surface.csv": ("Roughness of both bodies: a row a snapshot", "text/csv"),
     "summary.json": ("Values at the end, assumptions and warnings", "application/json"),
 }
+#: Type of a file whose name has no known ending.
+UNKNOWN = "application/octet-stream"
 #: Sections of a study that describe a body, or how it was tested.
 SECTIONS = ("counter", "disc", "contact", "wear", "friction", "sliding")
 Entity = dict[str, Any]
@@ -54,62 +58,36 @@ def write_metadata(folder: Path, result: ResultFile) -> None:
 
 def metadata(result: ResultFile, sections: Mapping[str, Any], files: Mapping[str, str]) -> str:
     """Return the metadata as text. sections: of the study; files: path in the crate -> what it is, or ''."""
-    study = result.study.study
     columns = {"history.csv": columns_of(result.study), FILE_NAME: columns_of(result.study)}
     columns["surface.csv"] = EVOLUTION
-    settings = [*_settings(sections)]
-    entities: list[Entity] = [
-        {
-            "@id": NAME,
-            "@type": "CreativeWork",
-            "about": {"@id": "./"},
-            "conformsTo": {"@id": CRATE},
-        },
-        {
-            "@id": "./",
-            "@type": "Dataset",
-            "name": study.name,
-            "description": study.description or f"A run of warpwear: {study.model} model of contact and wear",
-            "datePublished": datetime.now(UTC).date().isoformat(),
-            "license": "not stated: ask whoever passes this on",
-            "hasPart": _ids(map(quote, files)),
-            "mentions": {"@id": "#run"},
-        },
-        {
-            "@id": "#run",
-            "@type": "CreateAction",
-            "name": f"warpwear run of {study.name}",
-            "additionalType": f"{TRIBODATA}TribologicalExperiment",
-            "instrument": {"@id": "#warpwear"},
-            "object": _ids(["study.toml", *(entity["@id"] for entity in settings)]),
-            "result": _ids(quote(name) for name in files if name in FILES and name != "study.toml"),
-        },
-        {
-            "@id": "#warpwear",
-            "@type": "SoftwareApplication",
-            "name": "warpwear",
-            "version": str(result.attributes.get("version", __version__)),
-        },
-        *settings,
-    ]
     quantities: dict[str, Quantity] = {}
+    described: list[Entity] = []
     for name, note in files.items():
-        about, encoding = FILES.get(name) or (
-            note,
-            mimetypes.guess_type(name)[0] or "application/octet-stream",
-        )
+        about, encoding = FILES.get(name) or (note, mimetypes.guess_type(name)[0] or UNKNOWN)
         entity: Entity = {"@id": quote(name), "@type": "File", "name": name, "description": about}
         entity["encodingFormat"] = encoding
         if name in columns:
             quantities |= {column.name: column for column in columns[name]}
-            entity["variableMeasured"] = _ids(f"#{column.name}" for column in columns[name])
-        entities.append(entity)
-    entities += [_quantity(quantity) for quantity in quantities.values()]
-    return json.dumps({"@context": f"{CRATE}/context", "@graph": entities}, indent=1, ensure_ascii=False)
+            entity["variableMeasured"] = [{"@id": f"#{column.name}"} for column in columns[name]]
+        described.append(entity)
+    return filled(
+        NAME,
+        {"json": partial(json.dumps, ensure_ascii=False), "ids": _ids, "quote": quote},
+        escape=False,
+        crate=CRATE,
+        words=TRIBODATA,
+        study=result.study.study,
+        today=datetime.now(UTC).date().isoformat(),
+        version=str(result.attributes.get("version", __version__)),
+        files=files,
+        results=[name for name in files if name in FILES and name != "study.toml"],
+        settings=[*_settings(sections)],
+        others=[*described, *map(_quantity, quantities.values())],
+    )
 
 
-def _ids(names: Iterable[str]) -> list[Entity]:
-    return [{"@id": name} for name in names]
+def _ids(names: Iterable[str]) -> str:
+    return json.dumps([{"@id": name} for name in names])
 
 
 def _named(name: str, entity: Entity) -> Entity:

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 
 from warpwear.grid import FloatArray
+from warpwear.history import stresses
+from warpwear.history.quantities import UNITS
 from warpwear.results.formats.bodies import WRITABLE, Files, Job
 from warpwear.results.formats.forms import filled
 from warpwear.version import __version__
@@ -31,6 +33,8 @@ def vti_files(job: Job) -> Files:
     """Name an image of the fields and a surface of each body for every snapshot, and a film of each."""
     writers = dict.fromkeys(job.sheets, ("vti", _write_image))
     writers |= dict.fromkeys(job.bodies, ("vts", _write_surface))
+    if job.result.study.has_stresses:
+        writers["stresses"] = ("vtr", _write_stresses)
     films: dict[str, dict[int, str]] = {name: {} for name in writers}
     for number in job.numbers:
         for name, (ending, write) in writers.items():
@@ -78,6 +82,21 @@ def _write_surface(job: Job, name: str, number: int, path: Path) -> None:
     x, y = np.meshgrid(body.x + shift, body.y, indexing="ij")
     groups = {"PointData": data, "Points": {"points [mm]": np.stack([x, y, z], axis=-1).astype(np.float32)}}
     _write(path, groups, kind="StructuredGrid", attributes={}, **_about(job, snapshot.distance, x.shape))
+
+
+def _write_stresses(job: Job, name: str, number: int, path: Path) -> None:
+    """Write the stresses below the disc [MPa] as a volume, for surfaces of equal stress; z is up [mm]."""
+    result, snapshot = job.result, job.snapshot(number)
+    below = stresses.volume(result.study, snapshot, result.history)
+    fields = {"mises": below.mises, "max_shear": below.shear, "principal": below.principal}
+    count, nx, ny = below.mises.shape
+    axes = {"x": result.x + job.along(number), "y": result.y, "z": -below.depths[::-1]}
+    data = {
+        f"{key} [{UNITS[key]}]": of[::-1].swapaxes(0, 1).reshape(nx, count * ny) for key, of in fields.items()
+    }
+    places = {f"{axis} [mm]": values[:, np.newaxis] for axis, values in axes.items()}
+    about = _about(job, snapshot.distance, (nx, ny)) | {"extent": f"0 {nx - 1} 0 {ny - 1} 0 {count - 1}"}
+    _write(path, {"PointData": data, "Coordinates": places}, kind="RectilinearGrid", attributes={}, **about)
 
 
 def _numbers(*values: float) -> str:

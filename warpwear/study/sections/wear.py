@@ -2,17 +2,16 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from numbers import Real
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, PlainSerializer, PlainValidator
 
-from warpwear.laws.archard import BODIES, COEFFICIENTS, WEAR_LAWS, WearLaw
-from warpwear.laws.friction import COEFFICIENT
+from warpwear.laws.archard import BODIES, COEFFICIENTS, WEAR_LAWS, EnergyLaw, WearLaw
 from warpwear.study.keys import Length, Section, excludes, key, needs, when
-from warpwear.study.sections.friction import UNCHANGED
+from warpwear.study.sections.friction import UNCHANGED, Friction
 from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, Range, parse, text
 
 AT_REST = when(
@@ -30,10 +29,6 @@ THICKNESS = (
 CRITICAL = (
     "junctions.surface_energy, such as '2 J/m^2', and of the softer body Young's modulus, Poisson's ratio "
     "and hardness; or give a diameter, such as '20 um'"
-)
-NOT_BY_AREA = (
-    ": by a shear strength all cells that touch would wear alike, whatever their pressure, which no contact "
-    "here is solved with"
 )
 IN_ONE_PROPORTION = ", which keeps what counter-body and disc wear in one proportion"
 
@@ -103,8 +98,7 @@ class Wear(Section):
         + needs("wear.starts_apart", of="running-in", what="wear.initial_counter or wear.initial_disc")
         + needs("study.model", "macro", of="bearing-curve", why=": the other models resolve the roughness")
         + needs("stepping.scheme", "implicit", of="bearing-curve")
-        + excludes("study.model", "two-scale", of="running-in", why=IN_ONE_PROPORTION)
-        + needs("friction.law", "coulomb", of="energy", why=NOT_BY_AREA),
+        + excludes("study.model", "two-scale", of="running-in", why=IN_ONE_PROPORTION),
     )
     decay: Annotated[float, Quantity("1/mm")] | None = key(
         None,
@@ -167,14 +161,14 @@ class Wear(Section):
         return ArchardCoefficient.of_energy if self.law == "energy" else ArchardCoefficient.unit
 
     def laws(
-        self, hardness: float, friction: float, values: Mapping[str, Any] = UNCHANGED
+        self, hardness: float, friction: Friction, values: Mapping[str, Any] = UNCHANGED
     ) -> tuple[WearLaw, WearLaw]:
         """Return the laws of counter-body and disc. hardness: H of V = k F L / H [MPa].
 
-        friction: coefficient, of the energy law. values: dotted keys -> numbers, or arrays of them, in the
-        keys' units, that replace those of the study.
+        friction: of which the energy law takes what shears a cell. values: dotted keys -> numbers, or arrays
+        of them, in the keys' units, that replace those of the study.
         """
-        friction = values.get(f"friction.{COEFFICIENT}", friction)
+        of_pressure, strength = friction.law_with(values).tractions
 
         def number(key: str) -> Any:
             value = values.get(f"wear.{key}")
@@ -182,9 +176,16 @@ class Wear(Section):
                 value = getattr(self, key)
             elif key in COEFFICIENTS:
                 value = ArchardCoefficient(value, per_energy=self.law == "energy")
-            return value.resolved(hardness, friction) if isinstance(value, ArchardCoefficient) else value
+            return value.resolved(hardness, of_pressure) if isinstance(value, ArchardCoefficient) else value
 
         counter, disc = (WEAR_LAWS[self.law].of(body, number) for body in BODIES)
+        if not (isinstance(counter, EnergyLaw) and isinstance(disc, EnergyLaw) and strength):
+            return counter, disc
+        alphas = (values.get(f"wear.{body}", getattr(self, body).value) for body in BODIES)
+        counter, disc = (
+            replace(law, shear=1.0e-3 * alpha * strength)
+            for law, alpha in zip((counter, disc), alphas, strict=True)
+        )
         return counter, disc
 
     @property

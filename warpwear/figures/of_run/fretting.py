@@ -1,0 +1,181 @@
+"""Figures of a fretting run: loops, their log, the map of running conditions, slip, energy, both scars."""
+
+import numpy as np
+
+from warpwear.figures import describe
+from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale, in_time
+from warpwear.figures.of_run import words
+from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.of_run.history import look_of
+from warpwear.figures.of_run.view import positive
+from warpwear.figures.wording import after, chosen, short
+from warpwear.grid import FloatArray
+from warpwear.history.quantities import BY_NAME
+from warpwear.laws.archard import BODIES
+from warpwear.laws.fretting import RING, displacement, loop
+
+#: Loops beside each other, and of a log of them; decades of cycles that a loop of the log is wide.
+LOOPS, LOGGED, WIDE = 4, 12, 0.25
+DISPLACEMENT = "displacement, µm"
+FORCE = "tangential force, N"
+CYCLES = "cycles, –"
+
+
+def _cycles(data: FigureData) -> FloatArray:
+    """Return how many cycles are done at the end of each step."""
+    return np.cumsum(data.history["cycles"])
+
+
+def _loop(data: FigureData, row: int) -> tuple[FloatArray, FloatArray]:
+    """Return force [N] and displacement of the drive [µm] around the cycle of a row of the history."""
+    names = "tangential_force", "displacement", "displacement_border", "energy_ratio"
+    drive = data.study.fretting
+    assert drive is not None  # else there is no figure
+    limit = drive.friction * float(data.history["load"][row])
+    force, place = loop(*(float(data.history[name][row]) for name in names), limit=limit)
+    return force, 1e3 * (place + drive.rig * force)
+
+
+@words.figure(words.NO_FRETTING, words.NO_DISPLACEMENT, essential=True, section="fretting")
+def fretting_loops(data: FigureData) -> Figure:
+    """Tangential force over the displacement of the drive in some cycles, and, as a log, of cycles spread
+    over the test. Tips and area of a loop are computed; between them it is a power law of that area.
+    """
+    cycles = _cycles(data)
+    rows = chosen(cycles.size, LOOPS)
+    lines: list[Line] = []
+    for row, look in zip(rows, in_time(describe.CONTACT, len(rows)), strict=True):
+        force, place = _loop(data, row)
+        lines.append(Line(place, force, f"cycle {short(float(f'{max(cycles[row], 1.0):.2g}'))}", look))
+    limit = data.study.friction.coefficient * float(data.history["load"][-1])
+    levels = [Level(sign * limit, look=Look(describe.NOMINAL, "dash", 0.8)) for sign in (1.0, -1.0)]
+    note = "dashed: coefficient × load"
+    panels = [Chart("Loops", Axis(DISPLACEMENT), Axis(FORCE), [*lines, *levels], note)]
+    logged = [row for row in chosen(cycles.size, LOGGED) if cycles[row] > 0.0]
+    widest = max(float(_loop(data, row)[1].max()) for row in rows)
+    log = []
+    for row in logged:
+        force, place = _loop(data, row)
+        log.append(
+            Line(cycles[row] * 10.0 ** (WIDE * place / widest), force, look=Look(describe.CONTACT, width=0.8))
+        )
+    wide = f"loops drawn about their cycle, widest ± {widest:.3g} µm"
+    panels.append(Chart("Fretting log", Axis(CYCLES, "log"), Axis(FORCE), log, wide))
+    return Figure(panels, legend=LOOPS, shared="")
+
+
+@words.figure(words.NO_FRETTING, words.NO_DISPLACEMENT, words.NO_HERTZ, essential=True, section="fretting")
+def running_conditions(data: FigureData) -> Figure:
+    """Load over displacement amplitude: the run, from its first cycle (ring) to its last (dot), and the
+    borders of unworn smooth bodies: left of the first less than a twentieth of the radius slips, right of the
+    second all of the contact does (Mindlin). As the scar grows the border moves to the cross.
+    """
+    study, history, hertz = data.study, data.history, data.study.hertz
+    assert hertz is not None  # else there is no figure
+    load = float(history["load"][-1])
+    loads = np.linspace(0.0, 1.6 * load, 80)[1:]
+    border = 1e3 * displacement(hertz, study.softness_ratio, study.friction.coefficient)
+    borders = border * (loads / hertz.load) ** (2.0 / 3.0)
+    place, now = (1e3 * history[name] for name in ("displacement", "displacement_border"))
+    dot = Look(describe.NEUTRAL, "", marker="o", size=4.0)
+    lines = [
+        Line((1.0 - (1.0 - RING) ** 2) * borders, loads, "sticks | slips in a ring", Look(describe.TOUCHED)),
+        Line(borders, loads, "slips in a ring | all slips", Look(describe.DISC)),
+        Line(place, history["load"], look=Look(describe.NEUTRAL, width=0.8)),
+        Line(
+            place[:1],
+            history["load"][:1],
+            "first cycle",
+            Look(describe.NEUTRAL, "", marker="o", size=7.0, hollow=True),
+        ),
+        Line(place[-1:], history["load"][-1:], "last cycle", dot),
+        Line(
+            now[-1:],
+            history["load"][-1:],
+            "all slips, of the scar",
+            Look(describe.DISC, "", marker="x", size=5.0),
+        ),
+    ]
+    wide = max(float(place.max()), float(now[-1]), float(borders[-1]))
+    axes = Axis("displacement amplitude, µm", low=0.0, high=1.1 * wide), Axis("normal load, N", low=0.0)
+    return Figure([Chart("Running conditions", *axes, lines)], legend=2, height=3.4)
+
+
+@words.figure(words.NO_FRETTING, *words.FIELD, essential=True, section="fretting")
+def slip_map(data: FigureData) -> Figure:
+    """Way that places in contact slip in a cycle {when}; what sticks is white, and above each is how
+    much of the area in contact that is.{blocks}
+    """
+    slips, notes = [], []
+    for index, view in zip(data.indices, data.views, strict=True):
+        slip = data.snapshot(index).slip
+        assert slip is not None  # of a run that frets
+        slips.append(positive(1e3 * data.window.largest(slip)))
+        part = data.history["stick_area"][view.row] / data.history["area_contact"][view.row]
+        notes.append(f"{100.0 * part:.3g} % sticks")
+    most = max(float(np.nanmax(slip)) if np.isfinite(slip).any() else 0.0 for slip in slips)
+    scale = Scale("slip of a cycle, µm", 0.0, most or 1.0)
+    labels = [after(view.distance) for view in data.views]
+    panel = Map("Slip and stick", slips, data.window.extent, scale, labels, notes)
+    return Figure([panel], legend=4 if len(slips) > 1 else 2)
+
+
+@words.figure(words.NO_FRETTING, words.NO_COURSE, essential=True, section="fretting")
+def cycle_energy(data: FigureData) -> Figure:
+    """Energy that a cycle dissipates and its ratio to 4QΔ over the cycles, and the worn volume of both
+    bodies over the energy in all, whose slope is the wear by energy.
+    """
+    history, cycles = data.history, _cycles(data)
+    over = Axis(CYCLES, "log")
+    energy = BY_NAME["energy"]
+    panels = [
+        Chart(
+            "Energy of a cycle",
+            over,
+            Axis(energy.axis, low=0.0),
+            [Line(cycles, history["energy"], look=Look(describe.CONTACT))],
+        )
+    ]
+    if np.isfinite(history["energy_ratio"]).any():
+        ratio: list[Line | Level] = [
+            Line(cycles, history["energy_ratio"], look=Look(describe.CONTACT)),
+            Level(0.2, "unworn ball begins to slip", Look(describe.NOMINAL, "dash", 0.8)),
+        ]
+        panels.append(Chart("Energy ratio", over, Axis("energy over 4QΔ, –", low=0.0, high=1.05), ratio))
+    total, lines = history["friction_energy"], []
+    for body in BODIES:
+        of = BY_NAME[f"wear_volume_{body}"]
+        slope = history[of.name][-1] / total[-1]
+        label = f"{data.name_of(body)}, {short(float(f'{slope:.3g}'))} mm³/J"
+        lines.append(Line(total, of.scaled(history[of.name]), label, look_of(of)))
+    panels.append(
+        Chart(
+            "Wear by energy",
+            Axis("energy in all, J", low=0.0),
+            Axis(BY_NAME["wear_volume_disc"].family_axis, low=0.0),
+            lines,
+        )
+    )
+    return Figure(panels, legend=3)
+
+
+@words.figure(words.NO_FRETTING, words.UNWORN, *words.FIELD, essential=True, section="fretting")
+def fretting_scars(data: FigureData) -> Figure:
+    """Depths worn off both bodies {end}, through the middle along and across sliding: the scar of the disc
+    is longer by the slip.
+    """
+    last, panels = data.views[-1], []
+    cuts = (("along", describe.ALONG), ("across", describe.ACROSS))[: 1 + (data.study.cells.ny > 1)]
+    for name, label in cuts:
+        cut = getattr(last, name)
+        lines = [
+            Line(
+                cut.place,
+                -1e3 * getattr(cut, f"wear_{body}"),
+                data.name_of(body),
+                look_of(BY_NAME[f"wear_depth_{body}"]),
+            )
+            for body in BODIES
+        ]
+        panels.append(Chart(f"Worn {name} sliding", Axis(label), Axis("worn depth, µm"), lines))
+    return Figure(panels, legend=2, shared="y")
