@@ -15,9 +15,8 @@ from typing import Any
 
 import psutil
 import pytest
-from cases_sweeps import ROOT, small
+from cases_sweeps import ROOT, address_in, processes, small
 from fuzzing import numbers
-from test_sweep import _address_in, processes
 
 #: The command with figures of one white dot, which take no time.
 COMMAND = """import sys
@@ -147,7 +146,7 @@ def test_a_dask_cluster_loses(victim: str, study: Path, alone: list[dict[str, st
     worker = [sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", str(place)]
     worker += ["--nthreads", "1", "--no-dashboard", "--no-nanny", "--local-directory", str(tmp_path)]
     with processes(scheduler, worker, worker) as started:
-        process = begin(study, out, "--cluster", _address_in(place))
+        process = begin(study, out, "--cluster", address_in(place))
         end = time.monotonic() + 120.0
         while len([*out.glob("runs/*/result.h5")]) < 2:
             assert process.poll() is None, process.communicate()[1]
