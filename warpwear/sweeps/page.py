@@ -1,5 +1,6 @@
 """The page of a sweep: what was varied, the band of its answers, what decides them, and every run."""
 
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -178,4 +179,6 @@ def _link(folder: Path | None, run: str) -> str:
     if folder is None or not run or not (folder / "runs" / run).is_dir():
         return ""
     page = f"runs/{run}/{manifest.PAGE}"
-    return page if (folder / page).is_file() else f"runs/{run}/"
+    return (
+        page if os.path.isfile(folder / page) else f"runs/{run}/"
+    )  # is_file() raises where it must not look
