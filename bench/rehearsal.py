@@ -62,8 +62,8 @@ STUDY: dict[str, Any] = {
 }
 #: Unknowns and what is known of them before; the truth is drawn from the same.
 UNKNOWN = {
-    "wear.counter": "log-uniform 0.7e-4 .. 2.8e-4 mm^3/N/m",
-    "friction.film.thickness": "log-uniform 30 .. 120 nm",
+    "wear.counter": "log-uniform 1e-4 .. 2e-4 mm^3/N/m",
+    "friction.film.thickness": "log-uniform 40 .. 80 nm",
     "friction.shear_strength": "log-uniform 15 .. 50 MPa",
 }
 #: Samples a second of the record [Hz]; deviation and length [mm] of its noise; noise of the map [mm].
