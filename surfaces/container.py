@@ -106,11 +106,11 @@ def members_of(path: Path) -> list[Member]:
     Raises ImportError without SurfaceTopography, and whatever its reader does for a list that is wrong.
     """
     with zipfile.ZipFile(path) as archive:
-        there = [name for name in LISTS if name in archive.namelist()]
-        for name in there:
+        lists = [name for name in LISTS if name in archive.namelist()]
+        for name in lists:
             if archive.getinfo(name).file_size > MOST_LIST:
                 raise ValueError(f"its list {name} has more than {MOST_LIST} bytes")
-        if there == [YAML] and MERGES.search(archive.read(YAML)):
+        if lists == [YAML] and MERGES.search(archive.read(YAML)):
             raise ValueError(f"its list {YAML} has merge keys, which may grow without end")
     reader = containers.CEReader(str(path))
     surfaces = [reader.container(number).info for number in range(reader.nb_containers)]

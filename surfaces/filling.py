@@ -39,13 +39,13 @@ def completed(heights: FloatArray, *, pixel: tuple[float, float]) -> FloatArray:
 
 def _beyond(missing: BoolArray) -> BoolArray:
     """Return which missing points lie beyond the measured region: along no axis between measured ones."""
-    along, across = (_between(there) for there in (~missing, ~missing.T))
+    along, across = (_between(valid) for valid in (~missing, ~missing.T))
     return missing & ~along & ~across.T
 
 
-def _between(there: BoolArray) -> BoolArray:
+def _between(valid: BoolArray) -> BoolArray:
     """Return which points have one that is there both before and behind them along axis 0."""
-    before, behind = (np.logical_or.accumulate(one, axis=0) for one in (there, there[::-1]))
+    before, behind = (np.logical_or.accumulate(one, axis=0) for one in (valid, valid[::-1]))
     return np.asarray(before & behind[::-1])
 
 

@@ -362,8 +362,8 @@ def _folded(places: IntArray, count: int, *, edge: str) -> IntArray:
 
 def _rms(values: FloatArray) -> float:
     """Return the root mean square of those values that are there, 0 without any."""
-    there = values[np.isfinite(values)]
-    return math.sqrt(float(np.square(there).mean())) if there.size else 0.0
+    finite = values[np.isfinite(values)]
+    return math.sqrt(float(np.square(finite).mean())) if finite.size else 0.0
 
 
 def _um(length: float) -> str:

@@ -186,14 +186,14 @@ def profile_roughness(
     these. Raises InputError where short is not below cut_off.
     """
     rough, used, waves, notes = filtered(heights, pixel=pixel, axis=axis, cut_off=cut_off, short=short)
-    there = ~np.isnan(rough)
-    enough = there.mean(axis=1) > LEAST_OF_A_PROFILE
+    valid = ~np.isnan(rough)
+    enough = valid.mean(axis=1) > LEAST_OF_A_PROFILE
     if left_out := int(np.count_nonzero(~enough)):
         notes.append(f"{left_out} profiles left out: half of their points or more are missing")
-    rough, there = rough[enough], there[enough]
-    points = there.sum(axis=1)
-    rest = rough - (np.sum(rough, axis=1, where=there) / points)[:, None]
-    values = np.sum(np.abs(rest), axis=1, where=there) / points
+    rough, valid = rough[enough], valid[enough]
+    points = valid.sum(axis=1)
+    rest = rough - (np.sum(rough, axis=1, where=valid) / points)[:, None]
+    values = np.sum(np.abs(rest), axis=1, where=valid) / points
     ra = scatter = None
     if not values.size:
         notes.append("no Ra: too much is missing")

@@ -55,9 +55,9 @@ def power_spectrum(
     """
     nx, ny = heights.shape
     window = np.multiply.outer(_hann(nx), _hann(ny))
-    there: Any = True if measured is None else measured
-    window /= math.sqrt(float(np.sum(np.square(window), where=there)) / window.size)
-    waves = fft.rfft2((heights - heights.mean(where=there)) * window)
+    valid: Any = True if measured is None else measured
+    window /= math.sqrt(float(np.sum(np.square(window), where=valid)) / window.size)
+    waves = fft.rfft2((heights - heights.mean(where=valid)) * window)
     power = np.square(np.abs(waves))
     power *= pixel[0] * pixel[1] / (nx * ny)
     fx, fy = fft.fftfreq(nx, pixel[0]), fft.rfftfreq(ny, pixel[1])
@@ -127,8 +127,8 @@ def autocorrelation_length(
     """
     nx, ny = heights.shape
     shape = [fft.next_fast_len(n + n // 4, real=True) for n in (nx, ny)]
-    there = ~np.isnan(heights)
-    mean = heights.mean(where=there)
+    valid = ~np.isnan(heights)
+    mean = heights.mean(where=valid)
 
     def correlation(field: FloatArray) -> FloatArray:
         return np.asarray(fft.irfft2(np.square(np.abs(fft.rfft2(field, s=shape))), s=shape))
@@ -136,9 +136,9 @@ def autocorrelation_length(
     mx, my = nx // 4, ny // 4
     i, j = np.arange(-mx, mx + 1), np.arange(my + 1)
     overlap = np.multiply.outer(nx - np.abs(i), ny - j).astype(np.float64)
-    if not there.all():
-        overlap = np.maximum(correlation(there.astype(np.float64))[np.ix_(i, j)], 1.0)
-    near = correlation(np.where(there, heights - mean, 0.0))[np.ix_(i, j)] / overlap
+    if not valid.all():
+        overlap = np.maximum(correlation(valid.astype(np.float64))[np.ix_(i, j)], 1.0)
+    near = correlation(np.where(valid, heights - mean, 0.0))[np.ix_(i, j)] / overlap
     if near[mx, 0] <= 0.0:
         return None
     below = near < level * near[mx, 0]

@@ -124,7 +124,7 @@ def fit_cylinder(heights: FloatArray, *, pixel: tuple[float, float]) -> Cylinder
         raise NoSphere("fewer than ten points")
     keep = slice(None, None, max(1, i.size // FIT_POINTS))
     axes, z = places(heights.shape, pixel), heights[i[keep], j[keep]]
-    scale = max(float(np.ptp(of)) for of in axes) / 2.0
+    scale = max(float(np.ptp(places)) for places in axes) / 2.0
     points = axes[0][i[keep]] / scale, axes[1][j[keep]] / scale
     z0, *slopes, bend_x, bend_y = least_squares(
         np.stack([np.ones_like(z), *points, points[0] ** 2, points[1] ** 2], axis=1), z / scale

@@ -60,6 +60,10 @@ class ShearNumbers:
     mean: wp.vec2d
     length: wp.float64
     shift: wp.vec2d  # of the trial [MPa]
+    best: wp.vec2d  # shift so far, the force that it misses, and by how much shifts add to that
+    miss: wp.vec2d
+    slopes: wp.vec3d  # xx, xy and yy
+    least: wp.float64  # force missed by it, over Σ c
     damping: wp.float64  # of its next change
     shifts: wp.int32
     hits: wp.int32  # steps one after another in which a free cell has come to its circle
@@ -163,16 +167,22 @@ def shift_of(xx: wp.float64, xy: wp.float64, yy: wp.float64, sums: wp.vec2d):
 
 @wp.func
 def shifted(shear: Shear, before: ShearNumbers, lines: Lines):
-    """Shift the trial on by Newton's method, until it carries the force; damped where that led away."""
+    """Shift the trial on, until it carries the force, by Newton's method, damped more after it led away."""
     n = before
     miss = n.force - wp.vec2d(lines[0], lines[1])
-    missed = wp.where(n.forced == 1, wp.max(wp.abs(miss[0]), wp.abs(miss[1])) / n.bounds, ZERO)
-    n.damping = wp.where(missed < n.missed, n.damping * EASED, n.damping * HARDENED)
-    n.missed = missed
+    n.missed = wp.where(n.forced == 1, wp.max(wp.abs(miss[0]), wp.abs(miss[1])) / n.bounds, ZERO)
+    if n.missed < n.least:
+        n.least = n.missed
+        n.best = n.shift
+        n.miss = miss
+        n.slopes = wp.vec3d(lines[2], lines[3], lines[4])
+        n.damping = n.damping * EASED
+    else:
+        n.damping = n.damping * HARDENED
     damping = n.damping * n.cells
-    n.shift = n.shift + shift_of(lines[2] + damping, lines[3], lines[4] + damping, miss)
+    n.shift = n.best + shift_of(n.slopes[0] + damping, n.slopes[1], n.slopes[2] + damping, n.miss)
     n.shifts = n.shifts + 1
-    shear.flags[ShearFlag.SHIFTING] = wp.where(missed > MISSED and n.shifts <= SHIFTS, 1, 0)
+    shear.flags[ShearFlag.SHIFTING] = wp.where(n.missed > MISSED and n.shifts <= SHIFTS, 1, 0)
     return n
 
 
@@ -182,7 +192,7 @@ def unshifted(before: ShearNumbers):
     n = before
     n.shift = wp.vec2d(ZERO, ZERO)
     n.shifts = 0
-    n.missed = NONE
+    n.least = NONE
     n.damping = DAMPING
     return n
 

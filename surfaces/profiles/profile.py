@@ -46,8 +46,8 @@ class Profile:
 
     def filled(self) -> FloatArray:
         """Return heights [mm] with straight lines where points are missing, shape (n,)."""
-        there = np.flatnonzero(~self.missing)
-        return np.interp(np.arange(self.heights.size), there, self.heights[there])
+        known = np.flatnonzero(~self.missing)
+        return np.interp(np.arange(self.heights.size), known, self.heights[known])
 
 
 def read_profile(

@@ -29,7 +29,8 @@ MAIN = 0.2  # of what the largest region has lost: a smaller one beside it does 
 BESIDE = 1.0  # of the scar's mean extent, within which worn asperities that stand alone belong to it
 INWARDS = 3  # rings within the edge of the smoothed scar at which it may end already: smoothing spreads it
 ROUNDS = 15  # in which the scar is found
-LEAST_UNWORN = 0.2  # of the field
+FITTED = 20_000  # unworn points, of which the scatter of medians is told
+LEAST_UNWORN = 0.2  # of what is measured
 LEAST_ERRORS = 3.0  # standard errors that the worn volume must exceed
 STRIP = 0.125  # of the scar's length: the middle part whose mean is its profile
 
@@ -70,17 +71,19 @@ def find_scar(
     coarse = [max(SMOOTHED, round(JOINED * min(nx * pixel[0], ny * pixel[1]) / d)) for d in pixel]
     patch = np.zeros_like(unworn)
     for _ in range(ROUNDS):
-        lost = filled(-without_polynomial(heights, degree=degree, where=unworn))
+        level = -without_polynomial(heights, degree=degree, where=unworn)
+        lost = filled(level)
         noise = robust_deviation(lost[unworn], 0.0)
-        seed = _seed(lost, unworn, coarse=coarse, pixel=pixel)
+        seed = _seed(lost, unworn, measured, coarse=coarse, pixel=pixel)
         body = Body(lost=lost, unworn=unworn, pixel=pixel, terms=terms)
         reach = body.grown(seed, np.ones_like(seed), noise=noise, inwards=INWARDS)
         same = np.array_equal(reach.patch, patch)
         patch = reach.patch
         unworn = measured & ~patch & ~reach.rim
-        if unworn.mean() < LEAST_UNWORN:
+        part = float(unworn.sum() / measured.sum())
+        if part < LEAST_UNWORN:
             raise InputError(
-                f"the scar fills the field: {100.0 * unworn.mean():.2g} % of it is unworn beside scar and "
+                f"the scar fills the field: {100.0 * part:.2g} % of it is unworn beside scar and "
                 f"pile-up, at least {100.0 * LEAST_UNWORN:g} % is needed; a wider measurement is needed"
             )
         if same:
@@ -90,59 +93,84 @@ def find_scar(
             "the scar is larger than the field, of which it reaches all four sides: a wider one is needed"
         )
     scar = replace(body, unworn=unworn).worn_patch(reach, noise=noise, hurst=hurst)
-    guessed = _filling_error(np.where(measured, lost, np.nan), patch) * body.pixel_area
-    scar = replace(
-        scar,
-        volume_error=math.hypot(scar.volume_error, guessed),
-        net_error=math.hypot(scar.net_error, guessed),
-    )
+    guessed = _filling_errors(level, scar) * body.pixel_area
+    hidden = 0.0
+    if reach.doubtful:
+        hidden, guessed[3] = _hidden_area(reach.patch, measured) * body.pixel_area
+    names = ("volume_error", "piled_up_error", "net_error", "area_error")
+    wider = {name: math.hypot(getattr(scar, name), e) for name, e in zip(names, guessed, strict=True)}
+    scar = replace(scar, area=scar.area - hidden, **wider)
     if not scar.volume > LEAST_ERRORS * scar.volume_error:
         raise InputError(
             f"no scar was found: the deepest region has lost {scar.volume:.3g} mm³, with a standard error "
             f"of {scar.volume_error:.2g} mm³"
         )
-    along, across, errors = _lengths(reach, lost, unworn, pixel=pixel)
+    along, across, errors = _lengths(reach, lost, unworn, measured, pixel=pixel)
     blurred = [math.hypot(*pair) for pair in zip(scar.length_errors, errors, strict=True)]
     return replace(scar, along=along, across=across, length_errors=(blurred[0], blurred[1]))
 
 
 def _lengths(
-    reach: Reach, lost: FloatArray, unworn: BoolArray, *, pixel: tuple[float, float]
+    reach: Reach, lost: FloatArray, unworn: BoolArray, measured: BoolArray, *, pixel: tuple[float, float]
 ) -> tuple[float, float, tuple[float, float]]:
-    """Return how far a scar extends along and across [mm], and what smoothing adds to their errors [mm].
+    """Return how far a scar extends along and across [mm], and what adds to their errors [mm].
 
     What lies far off beside a scar may be noise, which its volume hardly feels, but its lengths do. Beside
     pile-up the outline is told point by point; elsewhere a ragged scar ends at its outermost worn asperities,
-    not at the rings about them.
+    not at the rings about them. Where a hole hides the end, it is the last that was measured, to half of what
+    is filled beyond.
     """
     main = _main(reach.patch, lost)
-    whole = extents(main, pixel)
-    if not reach.doubtful:
-        return *whole, (0.0, 0.0)
-    smooth = ndimage.uniform_filter(lost, SMOOTHED, mode="nearest")
-    sharp = main & (smooth > THRESHOLD * robust_deviation(smooth[unworn], 0.0))
-    lengths = extents(sharp if sharp.any() else main, pixel)
-    spread = [SMOOTHED / math.sqrt(12.0) * d for d in pixel]
-    errors = [math.hypot(s, 0.5 * (w - n)) for s, w, n in zip(spread, whole, lengths, strict=True)]
-    return *lengths, (errors[0], errors[1])
+    whole, spread = (
+        extents(main, pixel),
+        [SMOOTHED / math.sqrt(12.0) * d * bool(reach.doubtful) for d in pixel],
+    )
+    # a median keeps an edge where it is
+    windows = np.pad(np.where(measured, lost, np.nan), SMOOTHED // 2, constant_values=np.nan)
+    windows = np.lib.stride_tricks.sliding_window_view(windows, (SMOOTHED, SMOOTHED))
+    some = np.argwhere(unworn)[:: max(1, int(unworn.sum()) // FITTED)]
+    noise, depth = (np.nanmedian(windows[at], axis=(1, 2)) for at in (tuple(some.T), main & measured))
+    sharp = np.zeros_like(main)
+    sharp[main & measured] = depth > THRESHOLD * robust_deviation(noise, 0.0)
+    main = sharp if sharp.any() else main
+    along, across = extents(main, pixel)
+    beyond = zip(spread, whole, (along, across), strict=True)
+    errors = [math.hypot(s, 0.5 * (w - n)) for s, w, n in beyond]
+    return along, across, (errors[0], errors[1])
 
 
-def _filling_error(lost: FloatArray, patch: BoolArray) -> float:
-    """Return the standard error of the sum over a patch [mm] that filled points in it give.
+def _filling_errors(lost: FloatArray, scar: Patch) -> FloatArray:
+    """Return standard errors that filled points give, shape (4,): of sums over patch, rim, both, of the area.
 
-    lost [mm], NaN where missing, patch: shape (nx, ny). The holes are laid over known points next to them,
-    which are filled in the same way and compared.
+    lost: depth below the form [mm], shape (nx, ny), NaN where missing; sums [mm], area in points. The holes
+    are laid over known points next to them, which are filled in the same way and compared.
     """
-    holes = np.isnan(lost)
-    missing = int((holes & patch).sum())
-    errors = []
-    for shift in range(1, 1 + FILLINGS) if missing else ():
+    holes, patch = np.isnan(lost), scar.patch
+    edge = ndimage.distance_transform_edt(patch) + ndimage.distance_transform_edt(~patch) <= 1 + INWARDS
+    parts = (patch, scar.rim, patch | scar.rim, edge)
+    errors: list[list[float]] = [[0.0] for _ in parts]
+    for shift in range(1, 1 + FILLINGS) if (holes & (patch | scar.rim)).any() else ():
         moved = np.roll(holes, [round(shift * n / (FILLINGS + 1)) for n in lost.shape], axis=(0, 1))
-        tried = moved & ~holes & patch
-        if tried.any():
-            off = float((filled(np.where(moved, np.nan, lost)) - lost)[tried].sum())
-            errors.append(off * missing / int(tried.sum()))
-    return math.sqrt(float(np.mean(np.square(errors)))) if errors else 0.0
+        guess = filled(np.where(moved, np.nan, lost))
+        off = (guess - lost, guess - lost, guess - lost, (guess > 0.0) * 1.0 - (lost > 0.0))
+        for part, values, of_part in zip(parts, off, errors, strict=True):
+            tried = moved & ~holes & part
+            if tried.any():
+                of_part.append(float(values[tried].sum()) * int((holes & part).sum()) / int(tried.sum()))
+    return np.array([math.sqrt(sum(e * e for e in of) / max(len(of) - 1, 1)) for of in errors])
+
+
+def _hidden_area(patch: BoolArray, measured: BoolArray) -> FloatArray:
+    """Return by how many points an area is too large, and its error, where holes hide the outline: (2,).
+
+    patch, measured: shape (nx, ny). A hole from the patch to what is measured beside it is filled with a
+    slope that begins at its far side: the outline is anywhere in what the patch has of it.
+    """
+    labels, holes = ndimage.label(~measured)
+    beside = np.unique(labels[ndimage.binary_dilation(measured & ~patch)])
+    inside = np.bincount(labels[patch], minlength=holes + 1)
+    parts = inside[beside[beside > 0]]
+    return np.array([0.5 * parts.sum(), math.sqrt(float(np.square(parts).sum()) / 12.0)])
 
 
 def _main(patch: BoolArray, lost: FloatArray) -> BoolArray:
@@ -181,10 +209,13 @@ def mean_profile(scar: Patch) -> Profile:
     return Profile(y, np.asarray(lost[averaged].mean(axis=0)), band, averaged, count * px)
 
 
-def _seed(lost: FloatArray, unworn: BoolArray, *, coarse: list[int], pixel: tuple[float, float]) -> BoolArray:
+def _seed(
+    lost: FloatArray, unworn: BoolArray, measured: BoolArray, *, coarse: list[int], pixel: tuple[float, float]
+) -> BoolArray:
     """Return the region that stands out as worn, shape (nx, ny): the largest of those connected.
 
-    lost [mm], unworn: shape (nx, ny); coarse: pixels along each side over which asperities are joined.
+    lost [mm], unworn, measured: shape (nx, ny); coarse: pixels along each side over which asperities are
+    joined.
     """
     floor = 1e-6 * float(np.ptp(lost))
     fine, wide = (ndimage.uniform_filter(lost, size, mode="nearest") for size in (SMOOTHED, coarse))
@@ -205,13 +236,14 @@ def _seed(lost: FloatArray, unworn: BoolArray, *, coarse: list[int], pixel: tupl
     if not seed.any():
         seed = region
     reach = BESIDE * math.sqrt(math.prod(extents(seed, pixel)))
-    beside = ndimage.distance_transform_edt(~seed, sampling=pixel) <= reach
-    far = fine[unworn & ~beside]
+    close = ndimage.distance_transform_edt(~seed, sampling=pixel) <= reach
+    far = fine[unworn & ~close]
     if far.size:  # what the unworn surface has elsewhere is no wear beside the scar, either
         # nor is what has half as much above the form next to it, as a steep pit that is laid a little off
         above = ndimage.uniform_filter(np.maximum(-lost, 0.0), SMOOTHED, mode="nearest")
         next_to = ndimage.maximum_filter(above, SMOOTHED)
-        seed |= beside & (fine > np.maximum(max(far.max(), certain[1]), 2.0 * next_to))
+        close &= measured  # a point at the rim of a hole, whose noise fills it, is no asperity
+        seed |= close & (fine > np.maximum(max(far.max(), certain[1]), 2.0 * next_to))
     margin = [(n, n) for n in coarse]
     padded = np.pad(seed, margin, mode="edge")
     near = ndimage.distance_transform_edt(~padded, sampling=pixel) <= 0.5 * width

@@ -167,7 +167,7 @@ def _coarse_place(later: _Map, earlier: _Map) -> tuple[FloatArray, float]:
     shape = (max(8, round(extent[0] / step)), max(8, round(extent[1] / step)))
     x, y = np.meshgrid(*places(shape, (step, step)), indexing="ij")
     here = np.zeros(3)
-    there, coarse = _coarse(earlier, step), _coarse(later, step)
+    before, coarse = _coarse(earlier, step), _coarse(later, step)
     # tapered, so that the edges of the field do not correlate with themselves
     taper = np.multiply.outer(*(np.hanning(n + 2)[1:-1] for n in shape))
     size = [fft.next_fast_len(2 * n, real=True) for n in shape]
@@ -179,7 +179,7 @@ def _coarse_place(later: _Map, earlier: _Map) -> tuple[FloatArray, float]:
     turns = ANGLE_STEP * step / (0.5 * math.hypot(*extent))
     peaks: dict[float, list[tuple[float, FloatArray]]] = {power: [] for power in WHITENED}
     for angle in np.arange(-math.ceil(LARGEST_ANGLE / turns), math.ceil(LARGEST_ANGLE / turns) + 1) * turns:
-        turned = np.nan_to_num(there.at(x, y, np.array([0.0, 0.0, angle])))
+        turned = np.nan_to_num(before.at(x, y, np.array([0.0, 0.0, angle])))
         both = np.conj(waves) * fft.rfft2(taper * turned, s=size)
         strength = np.maximum(np.abs(both), np.finfo(float).tiny)
         for power, candidates in peaks.items():
@@ -190,7 +190,7 @@ def _coarse_place(later: _Map, earlier: _Map) -> tuple[FloatArray, float]:
             turned_place = [cosine * moved[0] - sine * moved[1], sine * moved[0] + cosine * moved[1], angle]
             candidates.append((float(peak.max()), np.array(turned_place)))
     near = np.array([APART * step, APART * step, APART * turns])
-    fit = partial(_fitted, unworn, there, pixel=(step, step), points=COARSE_POINTS)
+    fit = partial(_fitted, unworn, before, pixel=(step, step), points=COARSE_POINTS)
     begun: list[tuple[FloatArray, float]] = []
     starts = itertools.zip_longest(*(_distinct(candidates, near) for candidates in peaks.values()))
     for start in (place for both in starts for place in both if place is not None):
@@ -200,8 +200,6 @@ def _coarse_place(later: _Map, earlier: _Map) -> tuple[FloatArray, float]:
             break
     # the right place stands out after a few rounds, in which the others do not settle
     begun.sort(key=itemgetter(1), reverse=True)
-    if begun[0][1] < LEAST_COARSE:
-        return begun[0]
     return max((fit(place) for place, _ in begun[:FITTED]), key=itemgetter(1))
 
 

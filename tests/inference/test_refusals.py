@@ -129,9 +129,11 @@ def test_wrong_data_end_the_command_in_one_sentence(tmp_path: Path) -> None:
     given = ("v1", "--set", "stepping.scheme=implicit", "--unknown")
     given = (*given, "friction.shear_strength=log-uniform 1 .. 20 MPa")
     percent, heavy = tmp_path / "percent.csv", tmp_path / "heavy.csv"
-    percent.write_text("Distance [mm],CoF [%]\n" + "".join(f"{100 * n},{20 + n}\n" for n in range(1, 20)))
+    percent.write_text("Distance [mm],CoF\n" + "".join(f"{100 * n},{20 + n}\n" for n in range(1, 20)))
     heavy.write_text("Distance [mm],CoF,Fn [N]\n" + "".join(f"{100 * n},0.3,10\n" for n in range(1, 20)))
     assert "as if in percent: 20 instead of 0.20" in refused(*given, "--experiment", str(percent))
+    percent.write_text(percent.read_text().replace("CoF", "CoF [%]"))
+    assert "'CoF [%]' has the unit %, where a plain number" in refused(*given, "--experiment", str(percent))
     assert "the normal force is 10 N in the middle, the study has contact.load = 8 N" in refused(
         *given, "--experiment", str(heavy)
     )

@@ -41,9 +41,9 @@ def area_load(comparison: Comparison) -> Figure:
     for number, (name, (force, area, low, high)) in enumerate(series_of(comparison).items()):
         look = Look(COLOURS[number % len(COLOURS)], marker=describe.MARKERS[number % len(COLOURS)], size=4.0)
         lines.append(Line(force, area, name, look))
-        ends = ((at, pair) for at, *pair in zip(force, low, high, strict=True) if pair[0] < pair[1])
+        ends = ((load, pair) for load, *pair in zip(force, low, high, strict=True) if pair[0] < pair[1])
         bar = Look(look.colour, width=0.9)
-        lines += [Line(np.full(2, at), np.array(pair), look=bar) for at, pair in ends]
+        lines += [Line(np.full(2, load), np.array(pair), look=bar) for load, pair in ends]
     values = np.concatenate([line.y for line in lines])
     low, high = np.nanmin(values) / MARGIN, np.nanmax(values) * MARGIN
     theories = theories_of(comparison, loads)

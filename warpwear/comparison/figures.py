@@ -53,12 +53,12 @@ def cof(comparison: Comparison) -> Figure:
         note = f"the end is an input of {number} of {len(comparison.runs)} runs"
     measured = [measured_line(*pair) for pair in _looks_of_measured(comparison)]
     chart = over_each_other(BY_NAME["cof"], (course for _, course in every), more=measured, note=note)
-    beside = [
+    measured_relative = [
         replace(measured_line(experiment, look, experiment.final_cof), label="")
         for experiment, look in _looks_of_measured(comparison)
         if experiment.final_cof > 0.0
     ]
-    lines = [*beside, *(course.line() for course in relative)]
+    lines = [*measured_relative, *(course.line() for course in relative)]
     axes = Axis(describe.DISTANCE, low=0.0), Axis("relative coefficient, –", low=0.0)
     second = Chart("Relative coefficient of friction", *axes, lines, RELATIVE)
     return _figure(comparison, [replace(chart, lines=[*chart.lines, *inputs]), second])
@@ -88,16 +88,16 @@ def profiles(comparison: Comparison) -> Figure:
 
 def scar(comparison: Comparison) -> Figure:
     """Depth lost as measured and as computed by the first run on one scale, and their difference."""
-    beside = comparison.scar
-    assert beside is not None  # or it is not drawn
-    first, inside = beside.computed[0], beside.measured.patch
-    gap = beside.measured.lost - first.lost
-    high = 1e3 * max(float(np.quantile(beside.measured.lost, 0.999)), float(first.lost.max()))
+    scars = comparison.scar
+    assert scars is not None  # or it is not drawn
+    first, inside = scars.computed[0], scars.measured.patch
+    gap = scars.measured.lost - first.lost
+    high = 1e3 * max(float(np.quantile(scars.measured.lost, 0.999)), float(first.lost.max()))
     most = 1e3 * float(np.quantile(np.abs(gap), 0.999))
     depth = Scale("depth lost, µm", 0.0, high, colours="depths", beyond="both")
     difference = Scale("difference, µm", -most, most, colours="signed", beyond="both")
     fields = {
-        "measured": (beside.measured.lost, depth),
+        "measured": (scars.measured.lost, depth),
         in_legend(first.name): (first.lost, depth),
         f"measured − {in_legend(first.name)}": (gap, difference),
     }
@@ -106,16 +106,16 @@ def scar(comparison: Comparison) -> Figure:
     for name, (values, scale) in fields.items():
         note = f"mean {1e3 * float(values[inside].mean()):.3g} µm in the scar"
         seen = 1e3 * values[:: step[0], :: step[1]]
-        maps.append(Map(f"Depth lost: {name}", [seen], beside.extent, scale, [name], [note]))
+        maps.append(Map(f"Depth lost: {name}", [seen], scars.extent, scale, [name], [note]))
     return Figure(maps, width=describe.PAGE)
 
 
 def groove(comparison: Comparison) -> Figure:
     """Mean profiles of the scar, measured in its band and computed, and measured less computed."""
-    beside = comparison.scar
-    assert beside is not None  # or it is not drawn
-    y, depth = beside.y, 1e3 * beside.profile.depth
-    error = np.full(y.shape, 1e3 * beside.profile.band)
+    scars = comparison.scar
+    assert scars is not None  # or it is not drawn
+    y, depth = scars.y, 1e3 * scars.profile.depth
+    error = np.full(y.shape, 1e3 * scars.profile.band)
     grey, pale = Look(describe.GREYS[0], width=1.0), Look(describe.GREYS[1], "", alpha=0.4)
     depths: list[Line | Level] = [
         Line(y, depth, look=pale, low=depth - error, high=depth + error),
@@ -123,7 +123,7 @@ def groove(comparison: Comparison) -> Figure:
     ]
     gaps: list[Line | Level] = [Line(y, 0.0 * y, look=pale, low=-error, high=error)]
     gaps.append(Level(0.0, look=Look(describe.GREYS[0], width=0.6)))
-    for number, run in enumerate(beside.computed):
+    for number, run in enumerate(scars.computed):
         look, profile = describe.look_of_group(number), 1e3 * run.profile
         depths.append(Line(y, profile, in_legend(run.name), look))
         gaps.append(Line(y, depth - profile, look=look))
@@ -138,7 +138,7 @@ def groove(comparison: Comparison) -> Figure:
 CALLED_HERE = {"areas": "area"}
 #: Name of the file -> how it is declared.
 FIGURES: dict[str, Callable[[Comparison], Figure]] = {
-    **{CALLED_HERE.get(name, name): of_columns(of) for name, of in courses.OVERLAID.items()},
+    **{CALLED_HERE.get(name, name): of_columns(quantities) for name, quantities in courses.OVERLAID.items()},
     **{"cof": cof, "area_load": area_load, "profiles": profiles, "scar": scar, "groove": groove},
 }
 
@@ -224,6 +224,6 @@ def measured_line(experiment: Experiment, look: Look, end: float = 1.0) -> Line:
 def _within(line: Line, reach: float) -> Line:
     """Cut a line off beyond a distance from the middle, and draw it without marks."""
     near = np.abs(line.x) <= (reach or np.inf)
-    ends: list[FloatArray | None] = [None if of is None else of[near] for of in (line.low, line.high)]
+    ends: list[FloatArray | None] = [None if end is None else end[near] for end in (line.low, line.high)]
     look = replace(line.look, marker="")
     return replace(line, x=line.x[near], y=line.y[near], low=ends[0], high=ends[1], look=look)

@@ -91,8 +91,8 @@ def gather(
         radius=_common(run.study.sliding.track_radius for run in runs),
         columns=columns,
     )
-    beside = None if scar is None else compare_scar(scar, runs)
-    return Comparison(tuple(groups), measured, (*left_out, *notes_of(groups, runs, measured)), beside)
+    scars = None if scar is None else compare_scar(scar, runs)
+    return Comparison(tuple(groups), measured, (*left_out, *notes_of(groups, runs, measured)), scars)
 
 
 def _read_experiments(
@@ -103,7 +103,7 @@ def _read_experiments(
     courses = [read_experiment(path, load=load, **options) for path in paths]
     stems = Counter(path.stem for path in paths)
     labels = unlike(
-        [path.name if stems[path.stem] > 1 else path.stem for path in paths], names, of=" (experiment)"
+        [path.name if stems[path.stem] > 1 else path.stem for path in paths], names, suffix=" (experiment)"
     )
     return tuple(replace(course, name=name) for name, course in zip(labels, courses, strict=True))
 

@@ -59,12 +59,12 @@ class Group:
     name: str
     runs: tuple[RunData, ...]
 
-    def courses(self, of: Callable[[RunData], Course | None]) -> tuple[FloatArray, FloatArray] | None:
+    def courses(self, course_of: Callable[[RunData], Course | None]) -> tuple[FloatArray, FloatArray] | None:
         """Return places of the longest course, (places,), and all values there, (runs, places); None of none.
 
-        of: gives places and values of a run, each (n,), or None where it has none. NaN beyond its ends.
+        course_of: gives places and values of a run, (n,) each, or None. NaN beyond the ends of a course.
         """
-        known = [course for run in self.runs if (course := of(run)) is not None]
+        known = [course for run in self.runs if (course := course_of(run)) is not None]
         if not known:
             return None
         places = max((x for x, _ in known), key=lambda x: (x[-1], x.size))
@@ -170,11 +170,11 @@ def _names(runs: Sequence[RunData]) -> list[str]:
     return labels
 
 
-def unlike(names: Sequence[str], taken: Sequence[str] = (), *, of: str = "") -> Iterator[str]:
-    """Give names that differ from each other and from those taken. of: said of one that is taken."""
+def unlike(names: Sequence[str], taken: Sequence[str] = (), *, suffix: str = "") -> Iterator[str]:
+    """Give names that differ from each other and from those taken. suffix: behind one that is taken."""
     seen = list(taken)
     for label in names:
-        name = label if label not in seen else f"{label}{of}"
+        name = label if label not in seen else f"{label}{suffix}"
         count = 2
         while name in seen:
             name, count = f"{label} ({count})", count + 1

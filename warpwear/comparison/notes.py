@@ -78,7 +78,7 @@ def notes_of(
 def _of_runs(sentences: Sequence[tuple[RunData, str]], runs: Sequence[RunData]) -> Iterator[str]:
     """Make one note of all runs that have the same sentence."""
     names = names_by_sentence(sentences)
-    return (f"{listed(of, len(runs))}: {sentence}" for sentence, of in names.items())
+    return (f"{listed(who, len(runs))}: {sentence}" for sentence, who in names.items())
 
 
 def _lengths(experiment: Experiment, runs: Sequence[RunData]) -> list[str]:

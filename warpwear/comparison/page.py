@@ -80,9 +80,9 @@ def _differ(comparison: Comparison) -> dict[str, Any]:
     for key, values in differing(comparison.runs).items():
         cells = []
         for first, last in pairwise(starts):
-            of = list(dict.fromkeys(map(_readable, values[first:last])))
-            more = f" and {len(of) - LISTED} more" if len(of) > LISTED else ""
-            cells.append(", ".join(of[:LISTED]) + more)
+            texts = list(dict.fromkeys(map(_readable, values[first:last])))
+            more = f" and {len(texts) - LISTED} more" if len(texts) > LISTED else ""
+            cells.append(", ".join(texts[:LISTED]) + more)
         rows.append([key, *cells])
     if len(names) <= BESIDE:
         return {"head": ["key", *names], "rows": rows}
@@ -140,7 +140,7 @@ def _than(value: float, first: Value) -> str:
 def _limits(runs: Sequence[RunData]) -> list[str]:
     """List what the models cannot show, with the names of the runs that it holds for where not for all."""
     names = names_by_sentence([(run, sentence) for run in runs for sentence in limits_of(run.study)])
-    return [s if len(of) == len(runs) else f"{listed(of, len(runs))}: {s}" for s, of in names.items()]
+    return [s if len(who) == len(runs) else f"{listed(who, len(runs))}: {s}" for s, who in names.items()]
 
 
 def _link(run: RunData, folder: Path) -> tuple[str, str, str]:

@@ -124,8 +124,8 @@ def _computed(
     )
 
     def sampled_at(*middle: float) -> FloatArray:
-        at = [(p + c - g[0]) / d for p, c, g, d in zip((x, y), middle, grid, steps, strict=True)]
-        points = np.meshgrid(*at, indexing="ij")
+        indices = [(p + c - g[0]) / d for p, c, g, d in zip((x, y), middle, grid, steps, strict=True)]
+        points = np.meshgrid(*indices, indexing="ij")
         return np.asarray(ndimage.map_coordinates(smooth, points, order=1, mode="constant"))
 
     inside = np.where(scar.patch | scar.rim, scar.lost, 0.0)

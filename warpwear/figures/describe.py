@@ -366,7 +366,7 @@ def in_time(colour: str, count: int) -> list[Look]:
     places = np.linspace(0.0, 1.0, count) if count > 1 else [0.5]
     early: tuple[Dash, ...] = ("dot", "dashdot", "dash")
     kinds: list[Dash] = [*early[: count - 1], "solid"]
-    return [Look(shade(colour, float(at)), kind, 1.1) for at, kind in zip(places, kinds, strict=True)]
+    return [Look(shade(colour, float(place)), kind, 1.1) for place, kind in zip(places, kinds, strict=True)]
 
 
 def shade(colour: str, place: float) -> str:

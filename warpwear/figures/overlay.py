@@ -51,17 +51,16 @@ def _named(lines: Sequence[Any], label: str | None, colour: str | None) -> list[
         return lines
     if any(line.label for line in lines):
         return [replace(line, label=f"{label}: {line.label}" if line.label else "") for line in lines]
-    plain = [
-        i for i, of in enumerate(lines) if isinstance(of, Line) and of.look.alpha == 1.0 and of.x.size > 1
-    ]
+    solid = [isinstance(line, Line) and line.look.alpha == 1.0 and line.x.size > 1 for line in lines]
+    plain = [number for number, is_plain in enumerate(solid) if is_plain]
     last = (plain or [len(lines) - 1])[-1]
     return [replace(line, label=label) if i == last else line for i, line in enumerate(lines)]
 
 
 def _over(axes: Axes, chart: Chart) -> None:
     """Draw a chart over what axes show, which stays in sight; a title of ours for one of both goes."""
-    there, title = axes.has_data(), axes.get_title()
-    ends = {n: (getattr(axes, f"get_{n}scale")(), *getattr(axes, f"get_{n}lim")()) for n in "xy" if there}
+    has_data, title = axes.has_data(), axes.get_title()
+    ends = {n: (getattr(axes, f"get_{n}scale")(), *getattr(axes, f"get_{n}lim")()) for n in "xy" if has_data}
     is_ours = axes.title.get_label() == OURS + title
     axes.autoscale(True)
     paint_chart(axes, _in_unit_of(axes, chart))
@@ -72,7 +71,7 @@ def _over(axes: Axes, chart: Chart) -> None:
     if title and not is_ours:
         axes.set_title(title)
     else:
-        if there and axes.get_title() != title:
+        if has_data and axes.get_title() != title:
             axes.set_title("")
         axes.title.set_label(OURS + axes.get_title())
 

@@ -158,8 +158,8 @@ def _bars(sheet: Any, grid: Any, cells: Sequence[Panel]) -> None:
         _number_bar(bar, cell.scale)
     for axes, cell in maps:
         if not one and not cell.states and cell.scale.label:
-            beside = axes.inset_axes(BESIDE if cell.square else (1.012, 0.0, 0.012, 1.0))
-            bar = sheet.colorbar(axes.images[-1], cax=beside, extend=cell.scale.beyond)
+            place = axes.inset_axes(BESIDE if cell.square else (1.012, 0.0, 0.012, 1.0))
+            bar = sheet.colorbar(axes.images[-1], cax=place, extend=cell.scale.beyond)
             _number_bar(bar, cell.scale)
         low, high = axes.get_xlim()
         room = CORNER * (high - low)  # for labels of two panels that meet
@@ -225,7 +225,7 @@ def _height(cells: Sequence[Any], rows: int, columns: int, width: float) -> floa
 def _tell_scales(layout: ConstrainedLayoutEngine, sheet: Any, grid: Any, cells: Sequence[Any]) -> None:
     """Say above panels how many times larger y is drawn than x, once they have their places."""
     stretched = [
-        (a, of) for a, of in zip(grid.ravel(), cells, strict=False) if getattr(of, "stretch_note", "")
+        (a, cell) for a, cell in zip(grid.ravel(), cells, strict=False) if getattr(cell, "stretch_note", "")
     ]
     if stretched:
         layout.execute(sheet)

@@ -36,27 +36,27 @@ def paint_chart(axes: Axes, chart: Chart) -> None:
 
 def set_axis(axes: Axes, which: str, axis: describe.Axis) -> None:
     """Give one axis, "x" or "y", of a panel its label, scale, ends and ticks."""
-    at: Any = getattr(axes, f"{which}axis")
+    mpl_axis: Any = getattr(axes, f"{which}axis")
     set_ends = getattr(axes, f"set_{which}lim")
     getattr(axes, f"set_{which}label")(axis.label)
     if axis.scale == "unworn":
         return _scale_from_unworn(axes, axis)
     if axis.scale == "log":
         getattr(axes, f"set_{which}scale")("log")
-        style.plain_numbers(at)
+        style.plain_numbers(mpl_axis)
     else:
-        at.set_major_locator(MaxNLocator(axis.ticks, steps=[1, 2, 5, 10], integer=axis.integer))
-        at.set_major_formatter(style.Thousands())
+        mpl_axis.set_major_locator(MaxNLocator(axis.ticks, steps=[1, 2, 5, 10], integer=axis.integer))
+        mpl_axis.set_major_formatter(style.Thousands())
     is_log = getattr(axes, f"get_{which}scale")() == "log"
     set_ends(None if is_log and not (axis.low or 0.0) > 0.0 else axis.low, axis.high)
     if axis.least and is_log:
-        set_ends(max(min(at.get_view_interval()), axis.least), None)
+        set_ends(max(min(mpl_axis.get_view_interval()), axis.least), None)
     if axis.places:
-        at.set_ticks([place for place, _ in axis.places], [text for _, text in axis.places])
-    _thin_ticks(at, numbered=axis.numbered)
+        mpl_axis.set_ticks([place for place, _ in axis.places], [text for _, text in axis.places])
+    _thin_ticks(mpl_axis, numbered=axis.numbered)
     if not axis.numbered and axis.scale == "linear":
-        at.set_tick_params(labelbottom=False, labelleft=False)
-    at.set_inverted(axis.inverted)
+        mpl_axis.set_tick_params(labelbottom=False, labelleft=False)
+    mpl_axis.set_inverted(axis.inverted)
 
 
 def _thin_ticks(axis: Any, *, numbered: bool) -> None:

@@ -124,7 +124,7 @@ def _on_circles(*fields: FloatArray) -> tuple[FloatArray, ...]:
     radius = np.linspace(0.0, 0.5 * (n - 1), CIRCLES)[:, None]
     angle = np.linspace(0.0, 2.0 * np.pi, SPOKES)[None, :]
     x, y = (0.5 * (n - 1) + radius * part for part in (np.cos(angle), np.sin(angle)))
-    i, j = (np.clip(at.astype(int), 0, n - 2) for at in (x, y))
+    i, j = (np.clip(place.astype(int), 0, n - 2) for place in (x, y))
     u, v = x - i, y - j
     left, right = (1.0 - u, i), (u, i + 1)
     below, above = (1.0 - v, j), (v, j + 1)
@@ -138,7 +138,7 @@ def _lit(surface: Surface, step: float) -> FloatArray:
     flat = high - low <= FLAT
     level = np.full(heights.shape, 0.7) if flat else np.nan_to_num((heights - low) / (high - low))
     colours = LinearSegmentedColormap.from_list(
-        "shades", [describe.shade(surface.colour, at) for at in (0.0, 0.5, 1.0)]
+        "shades", [describe.shade(surface.colour, place) for place in (0.0, 0.5, 1.0)]
     )
     shades = colours(1.0 - 0.8 * level)
     relief = np.zeros_like(heights) if flat else 1e-3 * np.nan_to_num(heights)

@@ -11,7 +11,7 @@ THOUSANDS = 1e4
 
 def chosen(count: int, most: int) -> list[int]:
     """Choose at most so many of `count` numbers, the first and the last among them."""
-    return sorted({round(float(at)) for at in np.linspace(0, count - 1, min(most, count))})
+    return sorted({round(float(number)) for number in np.linspace(0, count - 1, min(most, count))})
 
 
 def after(distance: float) -> str:

@@ -103,13 +103,13 @@ def _alone(unknown: Unknown, column: FloatArray, factor: float) -> list[Line]:
     """Give a histogram of samples under the prior's density, dashed."""
     density, edges = np.histogram(column, bins=30, range=_ends(column), density=True)
     z = np.linspace(-4.0, 4.0, 2001)
-    at = unknown.values(z) / factor
+    values = unknown.values(z) / factor
     with np.errstate(all="ignore"):
-        prior = np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi) / np.gradient(at, z)
+        prior = np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi) / np.gradient(values, z)
     places, heights = np.repeat(edges, 2)[1:-1], np.repeat(density, 2)
     return [
         Line(places, heights, look=Look(describe.TOUCHED, ""), low=0.0 * heights, high=heights),
-        Line(at, prior, look=Look(describe.HARDNESS, "dash", 0.8)),
+        Line(values, prior, look=Look(describe.HARDNESS, "dash", 0.8)),
     ]
 
 

@@ -152,13 +152,13 @@ class Inference:
         lines = []
         for unknown, end in self._pressing:
             prior, key = unknown.prior, unknown.key
-            at = prior.first if end == "lower" else prior.second
-            says = f"{key} presses against the {end} end of its prior, {at:.4g} {unknown.unit}".rstrip()
+            bound = prior.first if end == "lower" else prior.second
+            says = f"{key} presses against the {end} end of its prior, {bound:.4g} {unknown.unit}".rstrip()
             if key == "noise.deviation" and end == "upper":
                 lines.append(f"{says}: the study misses the course by more than the course itself scatters.")
             elif key in NOISE:
                 lines.append(f"{says}.")
-            elif at in (unknown.least, unknown.most):
+            elif bound in (unknown.least, unknown.most):
                 lines.append(f"{says}, and {'more' if end == 'upper' else 'less'} is not allowed.")
             else:
                 lines.append(f"{says}; give one that goes on, such as '{key}={_wider(unknown, end)}'.")

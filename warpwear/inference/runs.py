@@ -99,6 +99,7 @@ def scales(study: Study) -> bool:
     """
     return (
         not study.is_swept
+        and study.fretting is None
         and study.wear.law != "bearing-curve"
         and study.wear.distance_factor == "none"
         and not study.wear.sheds
@@ -121,7 +122,7 @@ def needs_runs(study: Study, key: str, *, scaled: bool) -> bool:
     if wears_by(study, key):
         return not scaled
     if key == f"friction.{COEFFICIENT}":
-        return False
+        return study.sliding.drives_bodies  # else it changes no contact
     if key in FRICTION:
         return study.friction.junction_growth > 0.0 and key.endswith("shear_strength")
     return True

@@ -97,13 +97,13 @@ def describe(file: Path | None, options: SurfaceOptions) -> str:
         return _by_diagonals(options.diagonals, options.radius, as_json=options.as_json)
     assert file is not None  # checked together
     kind = "track" if options.track else "ball" if options.ball else "scar" if options.before else "surface"
-    figure, there = options.figure, ""
+    figure, notice = options.figure, ""
     if figure is not None:
         _check_figure(figure, overwrite=options.overwrite)
     elif not (options.as_json or options.no_figure):
         figure = Path(f"{file.name}-{kind}.png")
         if figure.exists() and not options.overwrite:  # the numbers are asked for all the same
-            figure, there = (
+            figure, notice = (
                 None,
                 f"{figure} is there already and was not drawn again: --overwrite replaces it",
             )
@@ -112,7 +112,7 @@ def describe(file: Path | None, options: SurfaceOptions) -> str:
         save(outcome.draw(), figure)
     if options.as_json:
         return _with_options(to_json(record([*outcome.profile, *outcome.rows])))
-    end = there if figure is None else f"written to {figure}"
+    end = notice if figure is None else f"written to {figure}"
     return "\n".join([_with_options("\n".join(outcome.text)), *([end] if end else [])])
 
 
@@ -154,8 +154,8 @@ def _profile(profile: Profile, kind: str, options: SurfaceOptions) -> Outcome:
         "is for a map of heights, and this is a profile",
     )
     degree = _degree(options.preparation.get("level"))
-    beside = " through the profile beside the groove" if kind == "track" else ""
-    head = tuple(profile_report.profile_rows(profile, degree, beside=beside))
+    fitted_to = " through the profile beside the groove" if kind == "track" else ""
+    head = tuple(profile_report.profile_rows(profile, degree, beside=fitted_to))
     if kind == "track":
         width = optional("--track-width", options.track_width, "mm")
         groove = find_groove(profile, degree=degree, width=width)

@@ -96,8 +96,8 @@ def _numbers(r: dict[str, Any]) -> Iterator[tuple[str, str]]:
             yield f"Ra along {axis}", f"{ra} ({', '.join(filters) or 'unfiltered'})"
     if r["roll_off"]["wavelength_um"] is not None:
         hurst = r["roll_off"]["hurst"]
-        beside = f", Hurst exponent {hurst:.2g}" if hurst is not None else ""
-        yield "roll-off", f"{r['roll_off']['wavelength_um']:.3g} µm{beside}"
+        exponent = f", Hurst exponent {hurst:.2g}" if hurst is not None else ""
+        yield "roll-off", f"{r['roll_off']['wavelength_um']:.3g} µm{exponent}"
 
 
 def track_figure(track: Track, *, filled: BoolArray | None = None) -> Figure:

@@ -66,17 +66,17 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
     Raises InputError where short is not below cut_off, before anything long is computed.
     """
     whole, heights, pixel = surface.levelled, surface.measured, surface.pixel
-    there = None if surface.filled is None else ~surface.filled
+    valid = None if surface.filled is None else ~surface.filled
     filters = {"cut_off": cut_off, "short": short}
     profiles = [roughness.profile_roughness(heights, pixel=pixel, axis=axis, **filters) for axis in (0, 1)]
     bearing = roughness.bearing_parameters(heights)
-    spectrum = spectra.power_spectrum(whole, pixel=pixel, measured=there)
+    spectrum = spectra.power_spectrum(whole, pixel=pixel, measured=valid)
     correlation = spectra.autocorrelation_length(heights, pixel=pixel)
     own = surface.record()
     resolved = max(2.0 * max(pixel), own.get("s_filter_um", 0.0) * 1e-3)
     roll_off = spectra.suggested_roll_off(spectrum, correlation=correlation, resolved=resolved)
     cut_offs = np.geomspace(2.0 * max(pixel), max(0.25 * min(surface.size), 4.0 * max(pixel)), CUT_OFFS)
-    slopes = spectra.slope_against_cut_off(whole, pixel=pixel, cut_offs=cut_offs, measured=there)
+    slopes = spectra.slope_against_cut_off(whole, pixel=pixel, cut_offs=cut_offs, measured=valid)
     lay = _lay(*(roughness.slope_along(heights, pixel=pixel, axis=axis) for axis in (0, 1)))
     few = list(zip(slopes, 1e3 * cut_offs, strict=True))[::SHOWN_CUT_OFF]
     core = vars(bearing)
@@ -241,12 +241,12 @@ def _patch_rows(patch: Patch, *, form: str, label: str) -> list[Row]:
         ),
     ]
     lost = f"lost in the patch {ERROR}"
-    beside = f"net above {form} in the rim beside the patch"
+    net_note = f"net above {form} in the rim beside the patch"
     volume, piled_up = ("volume_error_mm3", patch.volume_error), ("piled_up_error_mm3", patch.piled_up_error)
     return [
         Row("worn patch", "", size),
         Row(label, "volume_mm3", patch.volume, digits=5, error=volume, note=lost),
-        Row("piled up", "piled_up_mm3", patch.piled_up, digits=2, error=piled_up, note=beside),
+        Row("piled up", "piled_up_mm3", patch.piled_up, digits=2, error=piled_up, note=net_note),
     ]
 
 

@@ -37,15 +37,15 @@ def write_report(
     stale = [f"{name}.{kind}" for name in older for kind in style.FORMATS]
     with ExitStack() as stack:
         work = stack.enter_context(whole_folder(folder, marks, stale=[] if within else stale))
-        beside = stack.enter_context(whole_folder(folder / within, (), stale=stale)) if within else work
+        drawings = stack.enter_context(whole_folder(folder / within, (), stale=stale)) if within else work
         for name, figure in figures.items():
             is_png = file_format == "png"
             drawn = pictures[name] if is_png else style.bytes_of(paint(figure), file_format)
-            (beside / f"{name}.{file_format}").write_bytes(drawn)
+            (drawings / f"{name}.{file_format}").write_bytes(drawn)
         for name, content in {**files, **{name: make(pictures) for name, make in pages.items()}}.items():
             _write(work / name, content)
         names = sorted((path.name for path in work.iterdir()), key=lambda name: (name in marks, name))
-        inside = sorted(f"{within}/{path.name}" for path in beside.iterdir()) if within else []
+        inside = sorted(f"{within}/{path.name}" for path in drawings.iterdir()) if within else []
     return [folder / name for name in [*inside, *names]]
 
 

@@ -113,7 +113,8 @@ def _across(level: Level, lines: list[Line], log_y: bool) -> Line:
 
 
 def _line(line: Line, title: str) -> dict[str, Any]:
-    at, look = thinned(line.x), line.look
+    points, look = thinned(line.x), line.look
+    columns = {"x": line.x, "y": line.y, "low": line.low, "high": line.high}
     marks = "+".join(["lines"] * bool(look.dash) + ["markers"] * bool(look.marker or line.x.size == 1))
     return {
         "name": line.name or line.label or ("steps" if look.alpha < 1.0 else title),
@@ -124,7 +125,7 @@ def _line(line: Line, title: str) -> dict[str, Any]:
         "opacity": look.alpha,
         "marks": marks or "none",
         "shape": SHAPES[line.step],
-        **{key: None if (of := getattr(line, key)) is None else of[at] for key in ("x", "y", "low", "high")},
+        **{key: None if values is None else values[points] for key, values in columns.items()},
     }
 
 

@@ -57,6 +57,14 @@ def motion_of(study: Study, distance: float) -> str:
     if not study.sliding.total:
         return "is pressed at rest"
     slid = f"slides {distance:.6g} mm"
+    if study.fretting is not None:
+        drive, cycles = study.fretting, distance / study.fretting.cycle
+        way = (
+            f"a stroke of {1e3 * drive.stroke:.4g} µm"
+            if drive.force is None
+            else f"a force of ± {drive.force:.4g} N"
+        )
+        return f"frets {cycles:.6g} cycles by {way}"
     return f"{slid} along a track" if study.is_swept else f"{slid} on the same place of the disc"
 
 

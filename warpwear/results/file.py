@@ -349,7 +349,9 @@ class ResultFile:
         if not isinstance(form, Given):
             return form.heights(x, y)
         axes = zip((x, y), (self.x, self.y), strict=True)
-        near = (np.clip(np.floor((p - of[0]) / cell + 0.5).astype(int), 0, of.size - 1) for p, of in axes)
+        near = (
+            np.clip(np.floor((p - axis[0]) / cell + 0.5).astype(int), 0, axis.size - 1) for p, axis in axes
+        )
         return form.values[np.ix_(*near)]
 
     def track_loss(self, index: int, rows: slice = slice(None)) -> tuple[FloatArray, FloatArray]:

@@ -120,10 +120,10 @@ def tornado(result: SweepResult, quantities: Sequence[Quantity]) -> Figure:
     for quantity in quantities:
         influence, indices = result.influence(quantity.name), result.sobol(quantity.name)
         title = f"{quantity.label[:1].upper()}{quantity.label[1:]} at the end"
-        of = title, [names[key] for key in influence], np.array(list(influence.values()))
+        bar = title, [names[key] for key in influence], np.array(list(influence.values()))
         if indices is None:
             axis = Axis("rank correlation; of words and seeds η²", low=-1.05, high=1.05)
-            bars.append(Bars(*of, axis, note=RANKS))
+            bars.append(Bars(*bar, axis, note=RANKS))
             continue
         order = [result.plan.keys.index(key) for key in influence]
         reach = np.append(indices.total_interval[np.isfinite(indices.total_interval)], (0.0, 1.0))
@@ -133,7 +133,7 @@ def tornado(result: SweepResult, quantities: Sequence[Quantity]) -> Figure:
             high=1.05 * float(reach.max()),
         )
         ends, dots = indices.total_interval[:, order], indices.first[order]
-        bars.append(Bars(*of, axis, ends, dots, note=INDICES))
+        bars.append(Bars(*bar, axis, ends, dots, note=INDICES))
     return Figure(bars, height=max(1.4, 0.3 * len(result.plan.keys) + 0.9))
 
 
@@ -152,7 +152,7 @@ def _looks(result: SweepResult, groups: list[tuple[str, list[int]]]) -> tuple[li
     plan = result.plan
     names = {key: name for key, name in short_names(plan.keys).items() if key not in plan.band_over}
     values = [{key: str(plan.points[runs[0]].values[key]) for key in names} for _, runs in groups]
-    levels = {key: list(dict.fromkeys(of[key] for of in values)) for key in names}
+    levels = {key: list(dict.fromkeys(point[key] for point in values)) for key in names}
     two = sorted(names, key=lambda key: -len(levels[key]))
     if len(two) != 2 or len(levels[two[0]]) > len(COLOURS) or len(levels[two[1]]) > len(KINDS):
         return [describe.look_of_group(index) for index in range(len(groups))], []
@@ -162,11 +162,11 @@ def _looks(result: SweepResult, groups: list[tuple[str, list[int]]]) -> tuple[li
     def look(colour: str, kind: int) -> Look:
         return Look(describe.shade(colour, float(shades[kind])), KINDS[kind], 1.1 if kind else 2.4)
 
-    looks = [look(COLOURS[colours.index(of[two[0]])], kinds.index(of[two[1]])) for of in values]
+    looks = [look(COLOURS[colours.index(point[two[0]])], kinds.index(point[two[1]])) for point in values]
     entries = [(two[0], value, Look(COLOURS[n], width=2.4)) for n, value in enumerate(colours)]
     entries += [(two[1], value, look(describe.NOMINAL, n)) for n, value in enumerate(kinds)]
     nothing = np.zeros(0)
-    named = [Line(nothing, nothing, in_legend(_written(f"{names[k]} {v}")), of) for k, v, of in entries]
+    named = [Line(nothing, nothing, in_legend(_written(f"{names[k]} {v}")), style) for k, v, style in entries]
     return looks, named
 
 

@@ -82,15 +82,15 @@ def _listed(names: list[str]) -> str:
 
 def _values_of(factor: Factor) -> str:
     """Say what a key was varied over, in a person's words."""
-    if (of := factor.distribution) is None:
+    if (spread := factor.distribution) is None:
         values = [
             v if isinstance(v, str) else f"{v:g}" if isinstance(v, float) else str(v) for v in factor.values
         ]
         more = f" and {len(values) - MOST_VALUES} more" if len(values) > MOST_VALUES else ""
         return ", ".join(values[:MOST_VALUES]) + more
-    sign = "to" if of.kind.endswith("uniform") else "±"
-    within = f", within {of.within[0]:g} to {of.within[1]:g}" if of.within else ""
-    return f"{of.kind}: {of.first:g} {sign} {of.second:g}{within} {of.unit}".rstrip()
+    sign = "to" if spread.kind.endswith("uniform") else "±"
+    within = f", within {spread.within[0]:g} to {spread.within[1]:g}" if spread.within else ""
+    return f"{spread.kind}: {spread.first:g} {sign} {spread.second:g}{within} {spread.unit}".rstrip()
 
 
 def _ends(result: SweepResult, column: str) -> FloatArray | None:
@@ -152,8 +152,8 @@ def _rows(result: SweepResult) -> list[dict[str, Any]]:
     rows = []
     for point, row in list(zip(result.plan.points, result.rows, strict=True))[:MOST_ROWS]:
         values = [
-            float("nan") if of is None else answer.factor * float(of[point.number])
-            for of, answer in zip(ends, ANSWERS, strict=True)
+            float("nan") if column is None else answer.factor * float(column[point.number])
+            for column, answer in zip(ends, ANSWERS, strict=True)
         ]
         varied = [
             _short(v) if isinstance(v, str) else v if isinstance(v, int | float) else ", ".join(map(str, v))

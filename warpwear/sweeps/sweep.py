@@ -189,10 +189,10 @@ class Estimate:
     def sentence(self, workers: int) -> str:
         """The estimate in a sentence, on some workers."""
         to_do = self.runs - self.there
-        there = f", {self.there} of them there already" if self.there else ""
+        already = f", {self.there} of them there already" if self.there else ""
         took = _duration(to_do * self.seconds / max(1, workers))
         return (
-            f"{self.runs} runs{there}: about {took} on {workers} worker{'s' if workers != 1 else ''} "
+            f"{self.runs} runs{already}: about {took} on {workers} worker{'s' if workers != 1 else ''} "
             f"({_duration(self.seconds)} a run) and {to_do * self.size / 2**20:.3g} MiB"
         )
 
@@ -254,7 +254,7 @@ def check_runs(plan: Plan, folder: Path) -> None:
                 *(reader.fieldnames or ())
             }:
                 raise KeyError("columns run and status")
-        there = {row["run"] for row in rows if not row["status"].startswith("failed")}
+        stored = {row["run"] for row in rows if not row["status"].startswith("failed")}
     except FileNotFoundError:
         return
     except (OSError, UnicodeError, csv.Error, KeyError) as error:
@@ -262,10 +262,10 @@ def check_runs(plan: Plan, folder: Path) -> None:
             f"{path} cannot be read as the table of a sweep, which would be lost ({error}): give "
             "another folder, or move it away."
         ) from error
-    others = there - {point.run for point in plan.points}
+    others = stored - {point.run for point in plan.points}
     if others:
         raise InputError(
-            f"out = {folder} holds a sweep with {len(there)} runs, {len(others)} of which this one has not: "
+            f"out = {folder} holds a sweep with {len(stored)} runs, {len(others)} of which this one has not: "
             "its tables would be lost; give another folder, or the same study and device and its values, too."
         )
 

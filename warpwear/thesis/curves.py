@@ -133,7 +133,7 @@ def stability(runs: Runs, numbers: Numbers) -> Figure:
     stable = Look(describe.COUNTER)
     dots = Look(describe.DISC, width=0.7, marker=".", size=2.0)
     explicit, implicit = "explicit, beyond the limit", "stable: implicit"
-    part, steady_part = ({name: of[near] for name, of in history.items()} for history in (beyond, steady))
+    part, steady_part = ({name: v[near] for name, v in history.items()} for history in (beyond, steady))
     whole = [
         course(beyond, "area_contact", "", Look(describe.DISC, width=0.2)),
         course(steady, "area_contact", implicit, stable),
@@ -161,7 +161,7 @@ def rough_patches(runs: Runs, numbers: Numbers) -> Figure:
     ):
         extents = np.array([getattr(patch, name) for patch in patches])
         lines.append(Line(seeds + shift, extents, label, Look(colour, "", marker=marker, size=size)))
-    places = tuple((float(at), str(patch.seed)) for at, patch in zip(seeds, patches, strict=True))
+    places = tuple((float(place), str(patch.seed)) for place, patch in zip(seeds, patches, strict=True))
     over = Axis("seed of the rough surface", places=places)
     panel = chart(lines, Axis("extent of the patch, mm"), over)
     return Figure([panel], legend=4, width=describe.PAGE, height=2.9)

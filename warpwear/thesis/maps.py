@@ -130,7 +130,7 @@ def disc_profiles(runs: Runs, numbers: Numbers) -> Figure:
         last = runs[name].snapshot(-1)
         worn = 1e3 * _middle(worn_heights(runs[name], last, "disc"), 1)
         profiles[name] = (worn + 1e3 * _middle(last.wear_disc, 1), worn)
-    low, high = (float(of([of(both) for both in profiles.values()])) for of in (np.nanmin, np.nanmax))
+    low, high = (float(end([end(both) for both in profiles.values()])) for end in (np.nanmin, np.nanmax))
     room, panels = 0.05 * (high - low), []
     for name, (unworn, worn) in profiles.items():
         lines = [

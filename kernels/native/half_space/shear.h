@@ -1,9 +1,9 @@
 #pragma once
 // The passes over all cells of a search for the tangential traction of a contact with friction.
 //
-// Symbols: q traction, a vector in each cell, |q| <= c its bound; s = D + e - Aq the slip, with the response Aq,
-// the rigid displacement D of the increment and e, what the surfaces were displaced by at its start. At the
-// solution s = 0 where |q| < c, else s = l q with l >= 0. A cell is tied if |q| = c and s does not point
+// Symbols: q traction, a vector in each cell, |q| <= c its bound; s = D + e - Aq the slip, with the response
+// Aq, the rigid displacement D of the increment and e, what the surfaces were displaced by at its start. At
+// the solution s = 0 where |q| < c, else s = l q with l >= 0. A cell is tied if |q| = c and s does not point
 // inward: there n = q/c, q moves along the circle alone, and l counts as the circle's curvature. All other
 // cells in contact are free. Vectors are two rows of a field, so many rows apart as the grid has.
 #include "lanes.h"
@@ -39,7 +39,8 @@ struct PairRow {
     template <typename Field>
     CUDA_CALLABLE PairRow(const Field& field, int row, int rows)
         : x(row_of(field, row)), y(row_of(field, rows + row))
-    {}
+    {
+    }
 
     CUDA_CALLABLE Pair operator[](int i) const { return {x[i], y[i]}; }
     CUDA_CALLABLE void put(int i, Pair v) const
@@ -61,7 +62,8 @@ struct ShearRow {
           response(shear.response, row, rows), gradient(shear.gradient, row, rows),
           change(shear.change, row, rows), trial(shear.trial, row, rows), way(shear.way, row, rows),
           tie(row_of(shear.tie, row)), bound(row_of(shear.bound, row))
-    {}
+    {
+    }
 
     CUDA_CALLABLE Mask touches(int i) const { return bound[i] > Lanes(0.0); }
     CUDA_CALLABLE Mask on_circle(int i) const
@@ -150,8 +152,8 @@ template <typename Shear> WARPWEAR_FN void shear_scale(int slot, int slots, Shea
     leave_lines(shear.table, slot, 6, {0.0, 0.0, cells, 0.0, cells, total(sum), most(largest)});
 }
 
-// Sums over cells in contact: how many, e - Aq, what of it all may follow by their last weights, and the sum of
-// how.
+// Sums over cells in contact: how many, e - Aq, what of it all may follow by their last weights, and the sum
+// of how.
 template <typename Shear> WARPWEAR_FN void shear_levels(int slot, int slots, Shear& shear)
 {
     const Lanes strength = shear.numbers.data[0].strength, none = 0.0;
@@ -172,8 +174,8 @@ template <typename Shear> WARPWEAR_FN void shear_levels(int slot, int slots, She
                  total(ways.xx), total(ways.xy), total(ways.yy)});
 }
 
-// What the slip asks of each cell: ties, gradient with its change, and what the preconditioner is given. Maxima:
-// squared breaches, of slip inside and along circles; slip against the traction on circles.
+// What the slip asks of each cell: ties, gradient with its change, and what the preconditioner is given.
+// Maxima: squared breaches, of slip inside and along circles; slip against the traction on circles.
 template <typename Shear> WARPWEAR_FN void shear_slips(int slot, int slots, Shear& shear)
 {
     const auto& numbers = shear.numbers.data[0];
@@ -253,8 +255,9 @@ template <typename Shear> WARPWEAR_FN void shear_curves(int slot, int slots, She
     leave_sum(shear.table, 0, slot, total(sum));
 }
 
-// The nearest traction within the circles to a trial, q + length x d, and a shift of all. goes: make the trial
-// first, of tied cells so far out that a shift turns them as a step would and few of them come in. Sums: traction, and the derivative of that by the shift. Maximum: 1 where a free cell has come to its
+// The nearest traction within the circles to a trial, q + length x d, and a shift of all. goes: make the
+// trial first, of tied cells so far out that a shift turns them as a step would and few of them come in.
+// Sums: traction, and the derivative of that by the shift. Maximum: 1 where a free cell has come to its
 // circle.
 template <bool goes, typename Shear> WARPWEAR_FN void shear_moves(int slot, int slots, Shear& shear)
 {

@@ -80,6 +80,7 @@ def test_spences_compression_is_contacts() -> None:
     assert last.force == pytest.approx((0.0, 0.0), abs=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore:the contact is of")
 def test_goodmans_compression_sticks_where_spence_says() -> None:
     """(a/2c) ln((a + c)/(a − c)) = (μ/β) K(√(1 − c²/a²)): 0.810 of μ/β = 0.8, in many stages."""
     radius, poisson = 64 / 2.6, 0.2

@@ -50,6 +50,8 @@ def test_a_ball_sticks_where_cattaneo_says(device: str, cells: int, poisson: flo
         assert sheared.displacement[0] == pytest.approx(moved, rel=1e-3 if poisson else 1e-4)
     assert sheared.iterations <= (80 if poisson else 20)
     assert sheared.force == pytest.approx((force, 0.0), abs=1e-12 * ALL)
+    if poisson:  # else Mindlin's neglect is a part of the difference
+        return
     square = squares(cells, sheared.contact.cell)
     roots = [np.sqrt(np.maximum(1.0 - square / radius**2, 0.0)) for radius in (CONTACT_RADIUS, stick)]
     off = sheared.traction[0] - FRICTION * LARGEST * (roots[0] - stick / CONTACT_RADIUS * roots[1])

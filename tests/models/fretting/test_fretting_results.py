@@ -12,6 +12,7 @@ import warpwear
 from warpwear import Study
 from warpwear.drafts.draft import draft
 from warpwear.figures.of_run.table import FIGURES
+from warpwear.inference.runs import needs_runs, scales
 from warpwear.laws.fretting import loop, regime_of
 from warpwear.page.limits import limits_of
 from warpwear.results.summary import summarise, summary_text
@@ -103,3 +104,10 @@ def test_a_draft_frets(tmp_path: Path) -> None:
     ball = {"counter.shape": "ball", "counter.radius": "5 mm", "contact.load": "20 N"}
     forced = draft("fretting", name="mine", folder=tmp_path, changes=ball | {"sliding.force": "7 N"})
     assert "stroke" not in Study.stored(forced).sliding.model_fields_set
+
+
+def test_an_inference_knows_that_friction_decides_what_sticks() -> None:
+    """Under a force other coefficients need other runs; no course is that of both wears' sum alone."""
+    for study, needed in ((sheared(64), True), (study_of(), False)):
+        assert needs_runs(study, "friction.coefficient", scaled=scales(study)) is needed
+        assert needs_runs(study, "wear.disc", scaled=scales(study))

@@ -25,7 +25,7 @@ class Coupling:
         self._shape, self._threads = grid.shape, threads
         self._far = padded_shape(grid, BOUNDARIES[boundary])
         if boundary == "free":
-            at = [grid.cell * np.fft.fftfreq(n, 1.0 / n) for n in self._far]
+            at = [np.asarray(grid.cell * np.fft.fftfreq(n, 1.0 / n)) for n in self._far]
             values = [_lifted(at[0], at[1], grid.cell), _lifted(at[1], at[0], grid.cell).T]
             spectra = [fft.rfft2(value, workers=threads) for value in values]
         else:

@@ -167,7 +167,11 @@ class ShearSearch:
             executor.fill(field, values.reshape(-1, executor.grid.ny))
         numbers = shear.numbers.numpy()
         numbers[0] = np.zeros((), dtype=numbers.dtype)
-        members = {"tolerance": self._allowed, "most": MAX_ITERATIONS, "strength": self._operator.strength}
+        members: dict[str, Any] = {
+            "tolerance": self._allowed,
+            "most": MAX_ITERATIONS,
+            "strength": self._operator.strength,
+        }
         members |= {"forced": force is not None, "force": force or (0.0, 0.0), "level": displacement}
         for name, value in members.items():
             numbers[name][0] = value

@@ -246,7 +246,8 @@ class FigureData:
         window = macro_window(patches, np.array([*shares.values()]).max(axis=(0, 1)))
         square = (len(rows), patches.across, patches.across)
         pressures = {
-            name: of.reshape(square)[:, window.x, window.y] / patches.area for name, of in shares.items()
+            name: share.reshape(square)[:, window.x, window.y] / patches.area
+            for name, share in shares.items()
         }
         return Loads(pressures, apart, window, self.study.patches.coupling == "load")
 
@@ -278,12 +279,12 @@ class FigureData:
     def _profile(self, snapshot: Snapshot, axis: int) -> Profile:
         """Cut through the middle of a snapshot. axis: 0 along sliding, 1 across it."""
         axes, parts = (self.result.x, self.result.y), (self.window.x, self.window.y)
-        places, part, beside = axes[axis], parts[axis], axes[1 - axis]
+        places, part, across = axes[axis], parts[axis], axes[1 - axis]
 
         def line(field: FloatArray) -> FloatArray:
-            return np.asarray(np.take(field, beside.size // 2, axis=1 - axis)[part])
+            return np.asarray(np.take(field, across.size // 2, axis=1 - axis)[part])
 
-        strip = np.compress(np.abs(beside) <= 0.5 * self.strips[axis], snapshot.pressure, axis=1 - axis)
+        strip = np.compress(np.abs(across) <= 0.5 * self.strips[axis], snapshot.pressure, axis=1 - axis)
         pressure = strip.mean(axis=1 - axis)[part]
         cells = -(-pressure.size // BINS)
         bins = pressure.size // cells

@@ -182,16 +182,16 @@ def distance_factor(data: FigureData) -> Figure:
 def load_share(data: FigureData) -> Figure:
     """Load of each patch over its area {when}{smooth}."""
     loads, labels = data.loads, [after(distance) for distance in data.distances]
-    fields = [field for of in loads.of.values() for field in of]
+    fields = [field for shares in loads.of.values() for field in shares]
     means = [float(field[field > 0.0].mean()) for field in fields]
     scale = pressure_scale(fields, means, "load over area, MPa")
     apart = ["prescribes them"] * len(labels)
     if not loads.prescribed:
         apart = [f"{100.0 * part:.2g} % of the load elsewhere" for part in loads.apart]
     maps: list[Map] = []
-    for name, of in loads.of.items():
+    for name, shares in loads.of.items():
         when, said = ((), apart) if maps else (labels, ())
-        maps.append(Map(name, [*map(positive, of)], loads.window.extent, scale, when, said, heading=True))
+        maps.append(Map(name, [*map(positive, shares)], loads.window.extent, scale, when, said, heading=True))
     return Figure(maps)
 
 
@@ -220,7 +220,7 @@ def patch_zoom(data: FigureData) -> Figure:
             (near, "around one of them", [Outline(alone.extent)]),
             (alone, f"this patch: {share[half]:.3g} N", []),
         ):
-            pressure, hidden = (of[part.x, part.y] for of in (snapshot.pressure, np.isnan(snapshot.gap)))
+            pressure, hidden = (cut[part.x, part.y] for cut in (snapshot.pressure, np.isnan(snapshot.gap)))
             scale = Scale("pressure, MPa", 0.0, top)
             of_part = Map(title, [positive(pressure)], part.extent, scale, [title], outlines=frame)
             maps.append(replace(of_part, hidden=hidden))
@@ -233,6 +233,6 @@ def _around(patches: Patches, patch: int, neighbours: int) -> Window:
     parts = [slice(start, start + patches.side) for start in starts]
     if neighbours:
         places = divmod(patch, patches.across)
-        ends = [(max(at - neighbours, 0), min(at + neighbours + 1, patches.across)) for at in places]
+        ends = [(max(place - neighbours, 0), min(place + neighbours + 1, patches.across)) for place in places]
         parts = [slice(low * pitch, high * pitch) for low, high in ends]
     return Window.of(patches.domain, parts[0], parts[1])

@@ -95,7 +95,7 @@ class _Film:
     def __init__(self, result: ResultFile) -> None:
         self._data = data = FigureData(result, range(result.snapshot_distances.size), blocks=BLOCKS)
         self._swept, ends = result.study.is_swept, (0, result.snapshot_distances.size - 1)
-        means = [float(data.history["pressure_mean"][data.row_of(at)]) for at in data.distances]
+        means = [float(data.history["pressure_mean"][data.row_of(distance)]) for distance in data.distances]
         pressures = [data.view(index).pressure for index in ends]
         self._pressure = pressure_scale(pressures, means, "pressure, MPa")
         disc = np.stack([self._disc_at(index) for index in ends])

@@ -137,7 +137,7 @@ def cycle_energy(data: FigureData) -> Figure:
         )
     ]
     if np.isfinite(history["energy_ratio"]).any():
-        ratio = [
+        ratio: list[Line | Level] = [
             Line(cycles, history["energy_ratio"], look=Look(describe.CONTACT)),
             Level(0.2, "unworn ball begins to slip", Look(describe.NOMINAL, "dash", 0.8)),
         ]

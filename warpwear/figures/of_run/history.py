@@ -167,12 +167,12 @@ def contact_radius(data: FigureData) -> Figure:
 @words.figure(words.NO_COURSE, words.UNWORN, essential=True, section="courses", overlaid=VOLUMES)
 def volumes(data: FigureData) -> Figure:
     """Worn volume and depth of the deepest cell of {slider} and disc over the sliding distance."""
-    panels = []
+    panels, distance = [], data.history["distance"]
     for prefix, title in (("wear_volume", "Worn volume"), ("wear_depth", "Wear depth")):
         quantities = {body: BY_NAME[f"{prefix}_{body}"] for body in BODIES}
         lines = [
-            Line(data.history["distance"], of.scaled(data.history[of.name]), data.name_of(body), look_of(of))
-            for body, of in quantities.items()
+            Line(distance, column.scaled(data.history[column.name]), data.name_of(body), look_of(column))
+            for body, column in quantities.items()
         ]
         label = quantities["disc"].family_axis
         panels.append(Chart(title, Axis(describe.DISTANCE, low=0.0), Axis(label, low=0.0), lines))

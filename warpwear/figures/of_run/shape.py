@@ -219,7 +219,7 @@ def profiles(data: FigureData) -> Figure:
 def _seen(cut: Profile, approach: float) -> tuple[float, float]:
     """Return the heights between which both bodies are to be seen [mm]."""
     counter, unworn_disc = cut.counter - approach, cut.disc + cut.wear_disc
-    bottom = min(float(np.nanmin(of)) for of in (unworn_disc, cut.disc, counter - cut.wear_counter))
+    bottom = min(float(np.nanmin(heights)) for heights in (unworn_disc, cut.disc, counter - cut.wear_counter))
     rise = float(np.nanmax(counter) - np.nanmin(counter))
     return bottom, max(float(np.nanmax(unworn_disc)), float(np.nanmin(counter)) + 0.25 * rise)
 

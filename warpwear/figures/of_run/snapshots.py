@@ -77,8 +77,8 @@ def spectrum(data: FigureData) -> Figure:
     for body, colour in (("counter", describe.COUNTER), ("disc", describe.DISC)):
         states = data.spectra[body]
         lines = [  # from mm⁴ to µm⁴
-            Line(1e3 * of.wavelength, 1e12 * of.density, look=look)
-            for (_, of), look in zip(states, in_time(colour, len(states)), strict=True)
+            Line(1e3 * spectrum.wavelength, 1e12 * spectrum.density, look=look)
+            for (_, spectrum), look in zip(states, in_time(colour, len(states)), strict=True)
         ]
         if body == "disc":
             greys = in_time(describe.NEUTRAL, len(states))

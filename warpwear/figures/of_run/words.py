@@ -204,10 +204,10 @@ def _passes(data: FigureData) -> str:
 def _fall(data: FigureData) -> str:
     """Say why the largest pressure falls, where it does."""
     course = data.course
-    at = last_at_hardness(course)
-    if at is None:
+    row = last_at_hardness(course)
+    if row is None:
         return ""
-    ratio = course["pressure_max"][at + 2 :] / course["pressure_mean"][at + 2 :]
+    ratio = course["pressure_max"][row + 2 :] / course["pressure_mean"][row + 2 :]
     then = ""
     if ratio.size:
         most = float(ratio.max())
@@ -215,7 +215,7 @@ def _fall(data: FigureData) -> str:
         then = f"; from then on the pressure is {then}"
     return (
         f" The largest pressure falls where wear has taken down the last asperity at the hardness, after "
-        f"{course['distance'][at]:.3g} mm{then}."
+        f"{course['distance'][row]:.3g} mm{then}."
     )
 
 
@@ -229,8 +229,8 @@ def _critical(data: FigureData) -> str:
     study = data.study
     if study.critical_diameter is None:
         return ""
-    of = "the pieces' diameter" if study.wear.sheds else "the critical diameter of junctions"
-    return f" Dots: the share above {of}, d* = {1e3 * study.critical_diameter:.3g} µm."
+    what = "the pieces' diameter" if study.wear.sheds else "the critical diameter of junctions"
+    return f" Dots: the share above {what}, d* = {1e3 * study.critical_diameter:.3g} µm."
 
 
 def _smooth(data: FigureData) -> str:

@@ -44,11 +44,11 @@ def write_x3p(path: Path, body: Body) -> None:
     are the place of the first point from the middle of the contact.
     """
     heights = METRES * body.heights.T
-    there = np.isfinite(heights)
-    data = np.where(there, heights, np.nan).astype("<f8").tobytes()
+    known = np.isfinite(heights)
+    data = np.where(known, heights, np.nan).astype("<f8").tobytes()
     parts = {POINTS: data}
-    if not there.all():
-        parts[VALID] = np.packbits(there.ravel(), bitorder="little").tobytes()
+    if not known.all():
+        parts[VALID] = np.packbits(known.ravel(), bitorder="little").tobytes()
     main = _main_xml(body, {name: _md5(content) for name, content in parts.items()})
     parts = {MAIN: main, SUMS: f"{_md5(main)} *{MAIN}\n".encode(), **parts}
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:

@@ -39,14 +39,14 @@ def write_netcdf(job: Job, path: Path) -> None:
     about.to_netcdf(path, engine="h5netcdf")
     swept = result.study.is_swept
     with h5netcdf.File(path, "a") as file:
-        for at, number in enumerate(job.numbers):
+        for place, number in enumerate(job.numbers):
             for name in ("fields", "track_fields") if swept else ("fields",):
                 sheet = job.sheet(name, number, whole_disc=True)
                 along = "track_x" if name == "track_fields" else "x"
                 for key, values in sheet.fields.items():
-                    if at == 0:
+                    if place == 0:
                         _declare(file, key, along, values)
-                    file.variables[key][at] = values
+                    file.variables[key][place] = values
 
 
 def _field_bytes(job: Job) -> int:

@@ -62,9 +62,9 @@ def _closed(quads: NDArray[np.bool_]) -> Triangles:
     top = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
     below = nx * ny
     empty = np.pad(~quads, 1, constant_values=True)
-    beside = (empty[1:-1, :-2], empty[2:, 1:-1], empty[1:-1, 2:], empty[:-2, 1:-1])
+    open_sides = (empty[1:-1, :-2], empty[2:, 1:-1], empty[1:-1, 2:], empty[:-2, 1:-1])
     walls = []
-    for (start, end), open_side in zip(((a, b), (b, c), (c, d), (d, a)), beside, strict=True):
+    for (start, end), open_side in zip(((a, b), (b, c), (c, d), (d, a)), open_sides, strict=True):
         u, v = start[open_side[quads]], end[open_side[quads]]
         walls += [np.column_stack([v, u, u + below]), np.column_stack([v, u + below, v + below])]
     return np.concatenate([top, top[:, ::-1] + below, *walls])

@@ -1,0 +1,89 @@
+"""Coefficient, slip and the rig's compliance come back from loops that closed forms make."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from warpwear import InputError, Study
+from warpwear.calibration.loop import calibrate_loop
+from warpwear.cli.main import commands
+from warpwear.laws.elastic import Hertz, effective_modulus
+from warpwear.laws.fretting import displacement, energy_ratio, loop, softness_ratio
+
+STEEL, FRICTION, LOAD = (2.1e5, 0.3), 0.6, 20.0
+HERTZ = Hertz(effective_modulus(STEEL, STEEL), 5.0, LOAD)
+BORDER = displacement(HERTZ, softness_ratio(STEEL, STEEL), FRICTION)
+
+
+def written(path: Path, *, slide: float, rig: float = 0.0, noise: float = 0.0, ratio: float = 1.0) -> Path:
+    """Write Mindlin's loop of so much gross slip, to either side [mm], off its middle as records are."""
+    limit = FRICTION * LOAD
+    elastic = BORDER * (1.0 - (1.0 - ratio) ** (2 / 3))
+    energy = energy_ratio(2 / 3, ratio, slide / BORDER)
+    force, place = loop(ratio * limit, elastic + slide, BORDER, energy, limit=limit)
+    at = np.linspace(0.0, force.size - 1.0, 900)
+    force = np.interp(at, np.arange(force.size), force)
+    place = np.interp(at, np.arange(place.size), place) + rig * force
+    random = np.random.default_rng(1)
+    place = 1e3 * place + 3.0 + random.normal(0.0, 20.0 * noise, at.size)
+    force = force + 0.4 + random.normal(0.0, 12.0 * noise, at.size)
+    rows = [f"{x:.6f},{q:.6f}" for x, q in zip(place, force, strict=True)]
+    path.write_text("\n".join(["Displacement [um],Friction force [N]", *rows]), encoding="utf-8")
+    return path
+
+
+def study_in(folder: Path) -> str:
+    """Write the ball of the loops as a study."""
+    sections: dict[str, Any] = {
+        "counter": {"radius": "5 mm", "young": "210 GPa", "poisson": 0.3},
+        "disc": {"young": "210 GPa", "poisson": 0.3, "synthetic": {"kind": "flat"}},
+        "contact": {"load": "20 N", "law": "half-space", "hardness": "inf MPa"},
+        "wear": {"counter": "1e-6 mm^3/N/m", "disc": "1e-6 mm^3/N/m"},
+        "friction": {"law": "coulomb"},
+        "grid": {"cell": "5 um", "extent": "0.64 mm"},
+        "sliding": {"stroke": "50 um", "cycles": 1000},
+    }
+    path = folder / "ball.toml"
+    path.write_text(Study(**sections).to_toml(), encoding="utf-8")
+    return str(path)
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-3])
+def test_what_made_a_loop_comes_back(noise: float, tmp_path: Path) -> None:
+    file = written(tmp_path / "loop.csv", slide=0.024, rig=2e-4, noise=noise)
+    told = json.loads(calibrate_loop(file, study=study_in(tmp_path), as_json=True))
+    assert told["coefficient"] == pytest.approx(FRICTION, rel=0.01)
+    assert told["stroke_um"] == pytest.approx(48.0, rel=0.02)
+    assert told["rig_compliance_um_per_N"] == pytest.approx(0.2, rel=0.05)
+    assert told["energy_mJ"] == pytest.approx(0.8 * 12.0 * BORDER + 48.0 * 0.024, rel=0.01)
+
+
+def test_partial_slip_tells_no_coefficient(tmp_path: Path) -> None:
+    file = written(tmp_path / "loop.csv", slide=0.0, ratio=0.6)
+    told = json.loads(calibrate_loop(file, load="20 N", as_json=True))
+    assert told["coefficient"] is None
+    assert told["coefficient_least"] == pytest.approx(0.36, rel=1e-3)
+    assert told["energy_ratio"] == pytest.approx(energy_ratio(2 / 3, 0.6), rel=0.01)
+    assert 'force = "7.2 N"' in calibrate_loop(file, load="20 N")
+
+
+def test_the_command_and_its_refusals(tmp_path: Path) -> None:
+    file = written(tmp_path / "loop.csv", slide=0.024)
+    done = CliRunner().invoke(commands, ["calibrate", "loop", str(file), "--load", "20 N"])
+    assert done.exit_code == 0
+    assert 'law = "coulomb", coefficient = 0.598' in done.output
+    for text, told in (
+        ("Displacement [um],CoF\n" + "1,0.5\n" * 30, "friction force"),
+        ("Displacement [um],Friction force [N]\n1,2\n", "a loop of 20"),
+        ("Displacement [um],Friction force [N]\n" + "1,2\n" * 30, "does not change"),
+        ("Displacement [um],Friction force [N]\n" + "".join(f"{i},{i}\n" for i in range(30)), "an area"),
+    ):
+        file.write_text(text, encoding="utf-8")
+        with pytest.raises(InputError, match=told):
+            calibrate_loop(file, load="20 N")
+    with pytest.raises(InputError, match="--load is missing"):
+        calibrate_loop(written(file, slide=0.024))
