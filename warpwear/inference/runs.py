@@ -133,10 +133,10 @@ def other_surfaces(study: Study, count: int) -> dict[str, str]:
 
     Empty where the heights are known.
     """
-    made = study.disc.synthetic
-    if made is None or made.kind == "flat" or study.study.model == "macro":
+    synthetic = study.disc.synthetic
+    if synthetic is None or synthetic.kind == "flat" or study.study.model == "macro":
         return {}
-    return {"disc.synthetic.seed": f"{made.seed}:{made.seed + count - 1}"}
+    return {"disc.synthetic.seed": f"{synthetic.seed}:{synthetic.seed + count - 1}"}
 
 
 def make_runs(
