@@ -166,7 +166,7 @@ class Programme(Section):
             return False
         if self.stepping.jump != "auto":
             return True
-        # Which pieces leave next is another matter in each cycle: no error bounds a jump over them.
+        # A load larger by 0.1 % moves depths in pieces by as much as a jump does: no error bounds that.
         cycles = self.passes_at(self.sliding.total) / self.track.passes_of_cycle
         return not self.wear.sheds and bool(cycles >= motion.FEWEST_CYCLES * (1.0 - WHOLE))
 
