@@ -22,14 +22,14 @@ WARPWEAR_FN void slip_of_gaps(int slot, int slots, const Slides& slides, const F
     }
 }
 
-// The compliance that the wear of a step lends cells by their slips.
+// The compliance that a jump lends cells by their slips at its end, as far as the last jump tells.
 template <typename Slides, typename Field>
 WARPWEAR_FN void yields_of_slips(int slot, int slots, const Slides& slides, const Field& slips,
-                                 const Field& yields)
+                                 const Field& grown, const Field& yields)
 {
     const auto& slide = wp::index(slides, 0);
-    const Lanes by = slide.slipping_counter + slide.slipping_disc;
+    const Lanes by = slide.slipping_counter + slide.slipping_disc, ahead = slide.ahead;
     for (int row = slot; row < yields.shape[0]; row += slots)
         for (int i = lane_of_slot(); i < yields.shape[1] * OF_VECTOR; i += width_of_slot())
-            row_of(yields, row)[i] = by * row_of(slips, row)[i];
+            row_of(yields, row)[i] = by * (row_of(slips, row)[i] + ahead * row_of(grown, row)[i]);
 }

@@ -18,7 +18,7 @@ LARGEST_PARTS = 800
 #: First of growing increments [mm].
 FIRST = 3.0e-3
 #: Growth of increments; of jumps over cycles of gross slip, twelve a decade, and of those in which a part may
-#: stick, whose slip of their start holds: volumes are then 0.06 and 0.4 % off.
+#: stick: depths and volumes are then 0.07 and up to 0.6 % off.
 GROWTH, GROWTH_OF_JUMPS, GROWTH_OF_STICKING = 1.02, 1.2, 1.05
 #: Most cells along a side: a million squared is more than any memory holds.
 MOST_CELLS = 1_000_000

@@ -228,7 +228,7 @@ def test_a_study_of_a_force_reads_back() -> None:
 
 
 def test_finer_jumps_change_little() -> None:
-    """Slip of the start of a jump holds in it: what that takes off falls with the jumps."""
+    """While the ring gives up its load, where most is off."""
     worn: dict[str, Any] = {"wear__counter": "1e-5 mm^3/N/m", "wear__disc": "1e-5 mm^3/N/m", "over": 3.2}
     jumps, fine = (
         warpwear.run(sheared(64, **worn, **more)).history

@@ -32,6 +32,8 @@ class CyclicSlip:
 
     STATE: ClassVar = {
         "slips": Field,
+        "grown": Field,
+        "_jump": float,
         "rigid": float,
         "force": float,
         "border": float,
@@ -47,6 +49,9 @@ class CyclicSlip:
         slides = not (self._drive.of_body or self._drive.force)
         #: What cells slip in a cycle by their gaps [mm]; no rows where all slide alike.
         self.slips = executor.zeros(0) if slides else executor.zeros()
+        #: By how much they grew in the last jump [mm], and how long that was [mm].
+        self.grown = executor.zeros(self.slips.shape[0])
+        self._jump = 0.0
         #: The compliance that it lends them in a step [mm/MPa]; None where all slide alike.
         self.yields: Field | None = None if slides else executor.zeros()
         #: What all cells slide in a cycle [mm].
@@ -153,6 +158,16 @@ class CyclicSlip:
         program.launch(wear_from_pressure.slip, slides.array, gap, pressure, self.slips)
         program.run()
 
+    def ahead(self, increment: float) -> float:
+        """Return the part of the last growth of slips that takes them to the end of a jump [mm].
+
+        Under a stroke they change by more than wear: none is known ahead.
+        """
+        if self._drive.force is None:
+            return 0.0
+        ahead, self._jump = (increment / self._jump if self._jump else 0.0), increment
+        return ahead
+
     def shares(self, removals: tuple[float, float]) -> dict[str, float]:
         """Return what an increment wears where all slides, and by slips, for a `Slide`.
 
@@ -176,7 +191,7 @@ class CyclicSlip:
 
     def say_yields(self, program: Program, slides: Field) -> None:
         """Add to a program: the compliance that a step lends cells by their slips."""
-        program.launch(wear_from_pressure.yields, slides, self.slips, self.yields)
+        program.launch(wear_from_pressure.yields, slides, self.slips, self.grown, self.yields)
 
     def row(self, increment: float, work: float, stuck: float) -> dict[str, float]:
         """Return what the history has of a jump over an increment [mm].
