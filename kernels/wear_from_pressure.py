@@ -92,9 +92,10 @@ def slip(
     slides: wp.array(dtype=Slide),
     gap_in: wp.array2d(dtype=Cells),
     pressure_in: wp.array2d(dtype=Cells),
-    slips_out: wp.array2d(dtype=Cells),
+    slips_inout: wp.array2d(dtype=Cells),
+    grown_out: wp.array2d(dtype=Cells),
 ):
-    """Return what cells slip in a cycle [mm]: by their gap beyond the approach, where nothing presses."""
+    """Return what cells slip in a cycle by their gap beyond the approach, and how much that grew [mm]."""
     ...
 
 

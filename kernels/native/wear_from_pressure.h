@@ -158,7 +158,7 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                 const Lanes was = shows ? wear_counter[i] : reached[i];
                 const Lanes most_here = parted ? cap * parts[i] : cap * one;
                 if (slips) {
-                    const Lanes own = slip[i] + ahead * grown[i];
+                    const Lanes own = slip_ahead(slip[i], grown[i], ahead);
                     by_slip = p * own;
                     s += more_counter * by_slip;
                     a += more_counter * by_slip;

@@ -155,17 +155,13 @@ class CyclicSlip:
         """Make the slips of the gaps beyond the approach under P*, where no pressure is."""
         slides.set(slip_of_gap=self._drive.slip_of_gap, approach=self._stuck)
         program = Program(self._executor, records=False)
-        program.launch(wear_from_pressure.slip, slides.array, gap, pressure, self.slips)
+        program.launch(wear_from_pressure.slip, slides.array, gap, pressure, self.slips, self.grown)
         program.run()
 
     def ahead(self, increment: float) -> float:
-        """Return the part of the last growth of slips that takes them to the end of a jump [mm].
-
-        Under a stroke they change by more than wear: none is known ahead.
-        """
-        if self._drive.force is None:
-            return 0.0
-        ahead, self._jump = (increment / self._jump if self._jump else 0.0), increment
+        """Return the part of the last growth of slips that takes them to the end of a jump [mm]."""
+        ahead = increment / self._jump if self._jump and not self.rigid else 0.0
+        self._jump = 0.0 if self.rigid else increment  # what slides as a whole counts from another place
         return ahead
 
     def shares(self, removals: tuple[float, float]) -> dict[str, float]:
@@ -181,7 +177,8 @@ class CyclicSlip:
             "of_disc": slides * disc,
             "slipping_counter": own * counter,
             "slipping_disc": own * disc,
-            "slip_of_gap": self._drive.slip_of_gap,
+            # Under a stroke they are made anew in each jump.
+            "slip_of_gap": self._drive.slip_of_gap if self._drive.force else 0.0,
         }
 
     def worn(self, removals: tuple[float, float], slip_mean: float) -> tuple[float, float]:
