@@ -53,5 +53,5 @@ def test_an_example_is_short_and_of_the_public_names_only(path: Path) -> None:
             assert node.value.id != "warpwear" or node.attr in warpwear.__all__
 
 
-def test_there_are_fifteen() -> None:
-    assert len(EXAMPLES) == 15
+def test_there_are_sixteen() -> None:
+    assert len(EXAMPLES) == 16

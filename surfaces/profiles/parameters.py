@@ -8,16 +8,10 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.surfaces import roughness
 from warpwear.surfaces.base import IntArray
 from warpwear.surfaces.profiles.profile import Profile
-from warpwear.surfaces.roughness import (
-    CUT_OFFS,
-    FLAT,
-    Bearing,
-    bearing_parameters,
-    filtered,
-    height_parameters,
-)
+from warpwear.surfaces.roughness import CUT_OFFS, bearing_parameters, height_parameters
 
 #: Largest Ra [mm] of the setting classes of ISO 21920-3, and the λc [mm] that belongs to each.
 CLASSES = {0.02e-3: 0.08, 0.1e-3: 0.25, 2e-3: 0.8, 10e-3: 2.5, math.inf: 8.0}
@@ -46,7 +40,7 @@ class Parameters:
     rv: float
     rt: float
     rsm: float | None  # mean width of the profile elements, None where there is not one
-    bearing: Bearing
+    bearing: roughness.Bearing
     notes: tuple[str, ...]
 
 
@@ -75,11 +69,11 @@ def _with(profile: Profile, cut_off: float, short: float | None) -> Parameters:
         wave = next((s for c, s in sorted(CUT_OFFS.items()) if c >= cut_off), max(CUT_OFFS.values()))
         wave = min(wave, cut_off / 30.0)
     pixel = (profile.spacing, profile.spacing)
-    rough, used, waves, notes = filtered(
+    rough, used, waves, notes = roughness.filtered(
         profile.heights[None], pixel=pixel, axis=1, cut_off=cut_off, short=wave
     )
     heights = rough[0] - np.nanmean(rough[0])
-    if np.nanmax(np.abs(heights)) < FLAT:
+    if np.nanmax(np.abs(heights)) < roughness.FLAT:
         raise InputError(f"the file '{profile.about['file']}' has no roughness: its profile is flat")
     count = 1 if used is None else max(round(heights.size * profile.spacing / used), 1)
     numbers = _numbers(heights, profile.spacing, count)

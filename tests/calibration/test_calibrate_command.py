@@ -139,6 +139,45 @@ def test_topographies(files: Path) -> None:
     assert ball["standard_deviation_mm3_per_Nm"] == 0.0
 
 
+def test_a_value_brings_its_own_uncertainty() -> None:
+    for text in ("0.018 +- 0.001 mm^3", "0.018 ± 0.001 mm^3", "(0.018 +- 0.001) mm^3"):
+        found = record("wear", "--volume", text, *TEST)["tests"][0]
+        assert (found["volume_mm3"], found["volume_uncertainty_mm3"]) == (0.018, 0.001)
+    ball = ("--radius", "3 mm", *TEST)
+    sizes = [
+        record("wear", "--diagonals", "0.8 +- 0.01 mm", "0.82 +- 0.01 mm", *ball),
+        record("wear", "--diagonals", "0.8 mm", "0.82 mm", "--uncertainty", "0.01 mm", *ball),
+    ]
+    assert sizes[0]["tests"] == sizes[1]["tests"]
+    done = calibrate("wear", "--volume", "0.018 +- 0.001 mm^3", "--uncertainty", "0.001 mm^3", *TEST)
+    assert done.exit_code != 0
+    assert "--uncertainty and --volume with +- exclude each other" in str(done.exception)
+    assert "--volume = '-1 mm^3'" in str(calibrate("wear", "--volume", "0.018 +- -1 mm^3", *TEST).exception)
+
+
+def test_a_place_before_and_after_the_test(tmp_path: Path) -> None:
+    """Roughness as high as the wear drops out of it, of a scar that ends in the field and of a track."""
+    points = (np.arange(160) - 79.5) * 0.003
+    rough = 1e3 * SelfAffine(ra=0.001, period=1.0).heights(points, points)
+    noise = 0.01 * np.random.default_rng(1).normal(size=(3, *rough.shape))
+    bowl = np.maximum(1.0 - np.add.outer(np.square(points / 0.1), np.square(points / 0.08)), 0.0)
+    trough = np.multiply.outer(np.ones(points.size), np.maximum(1.0 - np.square(points / 0.08), 0.0))
+    for name, heights in zip(("new", "scar", "track"), (0.0 * bowl, 3.0 * bowl, 3.0 * trough), strict=True):
+        np.save(tmp_path / f"{name}.npy", rough - heights + noise[len(name) - 3])
+    before = ("--before", tmp_path / "new.npy", *GIVEN, *TEST)
+    for source, lost, more in (("--after", bowl, ()), ("--track", trough, ("--length", 160 * 0.003))):
+        more = (more[0], f"{more[1]} mm") if more else ()
+        name = "scar" if source == "--after" else "track"
+        found = record("wear", source, tmp_path / f"{name}.npy", *before, *more)["tests"][0]
+        off = found["volume_mm3"] - 3e-3 * float(lost.sum()) * 0.003**2
+        assert abs(off) < 3.0 * found["volume_uncertainty_mm3"] < 0.05 * found["volume_mm3"]
+    for given, says in (
+        (("--after", tmp_path / "scar.npy"), "--before is given 0 times, --after 1: each"),
+        (("--ball", tmp_path / "scar.npy", "--before", tmp_path / "new.npy"), "--before is not for --ball"),
+    ):
+        assert says in str(calibrate("wear", *given, *GIVEN, *TEST).exception)
+
+
 def test_shear_strength_of_one_area_and_of_a_run(run: Path) -> None:
     single = calibrate("friction", "--area", "1.254 mm^2", "--load", "8 N", "--cof", 0.6)
     assert "= 3.828 MPa" in single.output

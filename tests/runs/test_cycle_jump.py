@@ -66,3 +66,19 @@ def test_the_error_told_holds_and_is_not_much_too_wide() -> None:
     assert np.median([told / max(true, 1.0e-9) for true, told, _ in table.values() if told]) <= 5.0
     assert max(told for name, (_, told, _) in table.items() if "pieces" not in name) <= 0.005
     assert max(off for *_, off in table.values()) <= 1.0e-12
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("track", ["full", "rotating"])
+def test_depths_in_pieces_are_not_defined_as_well_as_a_jump_is_to_hold(track: str) -> None:
+    """A load larger by 0.1 % moves the disc's by ten times what jumps may: so "auto" does not jump pieces."""
+    name, distance, keys = CASES[f"{track}, pieces, local"]
+    study = small(name, sliding__distance=distance).replace(SMOOTH | keys)
+    assert not study.jumps
+    loads = (study.contact.load * factor for factor in (1.0, 1.001))
+    results = [warpwear.run(study.replace({"contact.load": f"{load!r} N"})) for load in loads]
+    one, other = (np.asarray(result.snapshot(-1).wear_disc) for result in results)
+    assert np.linalg.norm(other - one) > 10.0 * study.stepping.jump_error * np.linalg.norm(one)
+    columns = ("wear_volume_disc", "pending_volume_disc")
+    volumes = [sum(result.history[name][-1] for name in columns) for result in results]
+    assert volumes[1] / volumes[0] == pytest.approx(1.001, rel=1e-12)

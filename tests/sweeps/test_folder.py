@@ -125,13 +125,34 @@ def test_a_run_folder_that_is_a_file_fails_alone(tmp_path: Path) -> None:
     assert rows[1].status == "done"
 
 
-def test_a_pilot_whose_worker_dies_is_no_traceback(tmp_path: Path) -> None:
-    class Dies(Here):
-        def submit(self, *_: Any, **__: Any) -> Any:
-            future: Future[Any] = Future()
-            future.set_exception(WorkerDiedError("its worker process died 3 times"))
-            return future
+class Dies(Here):
+    """An executor whose workers always die."""
 
+    def submit(self, *_: Any, **__: Any) -> Any:
+        future: Future[Any] = Future()
+        future.set_exception(WorkerDiedError("its worker process died 3 times"))
+        return future
+
+
+def test_an_unreadable_run_folder_does_not_end_the_sweep(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plan = Plan(small(), section_of({"vary": VARY}, {}))
+    folder, stat = tmp_path / RUNS / plan.points[0].run, os.stat
+    folder.mkdir(parents=True)
+
+    def refused(path: Any, *more: Any, **others: Any) -> os.stat_result:
+        if str(path).startswith(f"{folder}/"):
+            raise PermissionError(13, "Permission denied", str(path))
+        return stat(path, *more, **others)
+
+    monkeypatch.setattr(os, "stat", refused)
+    assert estimate(plan, tmp_path, Dies()).there == 0
+    (row,) = make_runs(plan, tmp_path, Here())
+    assert row.status.startswith("failed: ")
+
+
+def test_a_pilot_whose_worker_dies_is_no_traceback(tmp_path: Path) -> None:
     plan = Plan(small(), section_of({"vary": VARY}, {}))
     cost = estimate(plan, tmp_path, Dies())
     assert cost.runs == 1

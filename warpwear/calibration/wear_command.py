@@ -1,6 +1,7 @@
 """The command `warpwear calibrate wear`: from its options to the text it prints."""
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,8 +11,9 @@ from warpwear.calibration import options as command_options
 from warpwear.calibration import wear as volumes
 from warpwear.errors import InputError
 from warpwear.measured.options import optional, quantity
-from warpwear.measured.surface_command import read_surface, track_in
+from warpwear.measured.surface_command import changed_since, read_surface, scar_in, track_in
 from warpwear.results.report import Row, lines, record, scientific, to_json
+from warpwear.study.units import NOT_NEGATIVE
 from warpwear.surfaces.worn.ball import find_worn_ball
 
 
@@ -33,6 +35,7 @@ class Source:
 _CAP = "two diameters of the worn patch; flat cap, its width their mean"
 _SEGMENT = "width of a circular track; an unworn ball's circular section"
 _TRACK = "topography of the track; mean net section × length"
+_AFTER = "topographies of the scar's place before and after; net volume lost"
 _BALL = "topography of the ball; lost below the counter-body through what is unworn"
 SOURCES = {
     "--volume": Source("a measured volume", unit="mm^3"),
@@ -41,12 +44,15 @@ SOURCES = {
     "--width": Source(_SEGMENT, "disc", needs=("--radius", "--track-radius")),
     "--section": Source("cross-section of a groove × length", "disc", "mm^2", may_have=("--length",)),
     "--track": Source(_TRACK, "disc", may_have=("--length", "--track-width")),
+    "--after": Source(_AFTER, "disc"),
     "--ball": Source(_BALL, "counter", may_have=("--radius",)),
 }
 #: Sources whose volume is a section times a length.
 GROOVES = ("--section", "--track")
 #: Sources that are files.
-TOPOGRAPHIES = ("--track", "--ball")
+TOPOGRAPHIES = ("--track", "--after", "--ball")
+#: A value with its standard uncertainty: 0.018 +- 0.001 mm^3.
+_WITH_ERROR = re.compile(r"\(?\s*(?P<value>\S+)\s*(?:\+-|±)\s*(?P<error>[^\s)]+)\s*\)?(?P<unit>.*)")
 LENGTHS = ("--radius", "--track-radius", "--length", "--track-width")
 #: ASTM test methods: sources they go with, and what they take for granted.
 STANDARDS = {
@@ -77,7 +83,11 @@ def calibrate_wear(options: Options, *, preparation: Preparation, as_json: bool)
     load = command_options.load_of(options["--load"])
     distance = command_options.distance_of(options["--distance"], options["--passes"], options["--stroke"])
     lengths = _lengths(source, options)
-    tests = [_volume(source, value, lengths, options, preparation) for value in options[source]]
+    before = options["--before"] or [None] * len(options[source])
+    tests = [
+        _volume(source, value, lengths, {**options, "--before": earlier}, preparation)
+        for value, earlier in zip(options[source], before, strict=True)
+    ]
     hardness = optional("--hardness", options["--hardness"], "MPa")
     wear = volumes.wear_coefficient(tests, load=load, distance=distance, hardness=hardness)
     relation = SOURCES[source].relation if standard is None else STANDARDS[standard][1]
@@ -116,6 +126,11 @@ def _check(source: str, options: Options, preparation: Preparation) -> None:
         raise InputError(f"--uncertainty is not for {source}: a topography brings its own standard error")
     if source == "--ball" and "level" in prepared:
         raise InputError("--level is not for --ball: its form is the sphere through what is unworn")
+    before, tests = len(options["--before"] or ()), len(options[source])
+    if before and source not in ("--track", "--after"):
+        raise InputError(f"--before is not for {source}: allowed is it with --track and --after")
+    if before != tests and (before or source == "--after"):
+        raise InputError(f"--before is given {before} times, {source} {tests}: each needs its own")
     if source not in GROOVES and options["--stroke"] is not None and options["--passes"] is None:
         raise InputError("--stroke needs --passes")
 
@@ -144,12 +159,23 @@ def _volume(
     """Find the volume of one test. value: of the source's option; lengths [mm]. Raises InputError."""
     radius, length = lengths["--radius"] or 0.0, lengths["--length"] or 0.0
     if source == "--track":
-        return _of_track(value, preparation, length=length, width=lengths["--track-width"])
+        width, earlier = lengths["--track-width"], options["--before"]
+        return _of_track(value, preparation, length=length, width=width, before=earlier)
+    if source == "--after":
+        return _of_scar(value, preparation, before=options["--before"])
     if source == "--ball":
         return _of_ball(value, preparation, radius=lengths["--radius"])
     unit = SOURCES[source].unit
-    error = command_options.uncertainty(options["--uncertainty"], unit)
-    sizes = [quantity(source, v, unit) for v in (value if source == "--diagonals" else (value,))]
+    texts, uncertainties = zip(*map(_with_error, value if source == "--diagonals" else (value,)), strict=True)
+    if any(uncertainties) and options["--uncertainty"] is not None:
+        raise InputError(f"--uncertainty and {source} with +- exclude each other: both say the uncertainty")
+    errors = [
+        e for text in uncertainties if (e := optional(source, text, unit, allowed=NOT_NEGATIVE)) is not None
+    ]
+    # of two diagonals, which count alike
+    error = math.sqrt(sum(e * e for e in errors) / len(errors)) if errors else None
+    error = command_options.uncertainty(options["--uncertainty"], unit) if error is None else error
+    sizes = [quantity(source, text, unit) for text in texts]
     match source:
         case "--volume":
             return volumes.volume_given(*sizes, error=error)
@@ -165,15 +191,25 @@ def _volume(
     return volumes.cap(*sizes, radius=radius, error=error)
 
 
+def _with_error(text: str) -> tuple[str, str | None]:
+    """Split a text into its value and its standard uncertainty, each with the unit; None for none."""
+    parts = _WITH_ERROR.fullmatch(text.strip())
+    if parts is None:
+        return text, None
+    return f"{parts['value']} {parts['unit']}", f"{parts['error']} {parts['unit']}"
+
+
 def _of_track(
-    file: Path, preparation: Preparation, *, length: float, width: float | None
+    file: Path, preparation: Preparation, *, length: float, width: float | None, before: Path | None
 ) -> volumes.WornVolume:
     """Find the volume of a track of a length [mm] from a topography of it, or of a piece of it.
 
-    width: of the track [mm], None to find it. Raises InputError.
+    width: of the track [mm], None to find it; before: the file of the same place before the test, or None.
+    Raises InputError.
     """
     surface = read_surface(file, {**preparation, "level": "none"})
-    track, degree = track_in(surface, level=preparation.get("level"), width=width)
+    heights = None if before is None else changed_since(surface, before, preparation).heights
+    track, degree = track_in(surface, level=preparation.get("level"), width=width, heights=heights)
     if length < track.length * (1.0 - 1e-9):
         raise InputError(
             f"--length is {length:g} mm: allowed is at least the piece in {file}, {track.length:g} mm"
@@ -183,6 +219,14 @@ def _of_track(
     volume, error = track.volume(length)
     measured, more = f"{section}, degree {degree} beside it", scatter * (track.length < 0.9 * length)
     return _of_topography(file, volume, error, depth=track.depth, measured=measured, more=more)
+
+
+def _of_scar(file: Path, preparation: Preparation, *, before: Path) -> volumes.WornVolume:
+    """Find the net volume that a scar has lost since an earlier measurement. Raises InputError."""
+    surface = read_surface(file, {**preparation, "level": "none"})
+    scar, _, _ = scar_in(surface, before, preparation)
+    measured = f"scar {scar.along:.4g} × {scar.across:.4g} mm, {before} laid over it and taken off"
+    return _of_topography(file, scar.net, scar.net_error, depth=scar.depth, measured=measured)
 
 
 def _of_ball(file: Path, preparation: Preparation, *, radius: float | None) -> volumes.WornVolume:

@@ -4,16 +4,9 @@ from typing import Any
 
 import click
 
+from warpwear.cli import places
 from warpwear.cli.calibrate_bayes import bayes
 from warpwear.cli.options import AS_JSON, COLUMNS, PATH, repeated, together
-from warpwear.cli.places import (
-    coefficients,
-    energy_of_test,
-    friction_command,
-    loop_of_test,
-    printed,
-    wear_command,
-)
 from warpwear.cli.surface import prepared, with_preparation
 
 LOAD = click.option("--load", metavar="F", help="Normal load, e.g. '8 N'.")
@@ -27,11 +20,13 @@ UNCERTAINTY = "Standard uncertainty of diameter, width, section or volume. [defa
 METHODS = ("g99-ball", "g99-disc", "g133-ball", "g133-flat")
 #: Sources of a worn volume, one value a test.
 SOURCES = together(
-    repeated("--volume", "V", "A worn volume, e.g. '0.01805 mm^3'."),
+    repeated("--volume", "V", "A worn volume, e.g. '0.018 mm^3' or '0.018 +- 0.001 mm^3'."),
     repeated("--scar", "D", "Diameter of a flat scar on a ball. Needs --radius."),
     repeated("--width", "D", "Width of a circular track. Needs --radius and --track-radius."),
     repeated("--section", "A", "Cross-section of a groove, e.g. '812.8 um^2'. Needs --length."),
     repeated("--track", "FILE", "Topography of a worn track. Needs --length.", type=PATH),
+    repeated("--after", "FILE", "Topography of a disc's scar. Needs --before.", type=PATH),
+    repeated("--before", "FILE", "--track, --after: the same place before the test, one a test.", type=PATH),
     repeated("--ball", "FILE", "Topography of a worn ball, with or without --radius.", type=PATH),
     with_preparation(level=LEVEL),
 )
@@ -72,7 +67,7 @@ def wear(**options: Any) -> None:
     """
     preparation, as_json = prepared(options), options.pop("as_json")
     by_name = {f"--{name.replace('_', '-')}": value for name, value in options.items()}
-    click.echo(wear_command.calibrate_wear(by_name, preparation=preparation, as_json=as_json))
+    click.echo(places.wear_command.calibrate_wear(by_name, preparation=preparation, as_json=as_json))
 
 
 @calibrate.command()
@@ -99,7 +94,7 @@ def friction(**options: Any) -> None:
     The areas of a run are contact, touched, cumulative and nominal; a fit uses the run's friction.area unless
     told otherwise.
     """
-    click.echo(friction_command.calibrate_friction(**options))
+    click.echo(places.friction_command.calibrate_friction(**options))
 
 
 @calibrate.command()
@@ -112,7 +107,7 @@ def friction(**options: Any) -> None:
 @AS_JSON
 def energy(**options: Any) -> None:
     """Find the dissipated energy ∫ μ F dL, and time, frictional power and PV at several speeds."""
-    click.echo(energy_of_test.calibrate_energy(**options, usual_speeds=printed.SPEEDS))
+    click.echo(places.energy_of_test.calibrate_energy(**options, usual_speeds=places.printed.SPEEDS))
 
 
 @calibrate.command()
@@ -125,14 +120,14 @@ def loop(**options: Any) -> None:
 
     The slip is the width at no force. A rig of some compliance, and the contact, yield behind the tips.
     """
-    click.echo(loop_of_test.calibrate_loop(**options))
+    click.echo(places.loop_of_test.calibrate_loop(**options))
 
 
 @calibrate.command()
 @AS_JSON
 def thesis(**options: Any) -> None:
     """List the wear coefficients that the thesis prints, and the worn patch that does not go with them."""
-    click.echo(coefficients.calibrate_thesis(**options))
+    click.echo(places.coefficients.calibrate_thesis(**options))
 
 
 calibrate.add_command(bayes)

@@ -7,14 +7,8 @@ import h5py
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import (
-    FIELDS,
-    OF_PIECES,
-    OF_THE_TRACK,
-    PATCH_TABLES,
-    columns_of,
-    stress_columns,
-)
+from warpwear.history import quantities
+from warpwear.history.quantities import stress_columns
 from warpwear.study.study import Study
 
 #: Deflate makes data smaller by no more than this factor: what claims more than a file can hold was never
@@ -69,8 +63,10 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
     steps = _numbers(file, "history/distance").size
     if not steps:
         raise ValueError("its history has no step")
-    tables = {quantity.name for quantity in PATCH_TABLES}
-    lacking = {column.name for column in columns_of(study)} - set(map(current, _group(file, "history")))
+    tables = {quantity.name for quantity in quantities.PATCH_TABLES}
+    lacking = {column.name for column in quantities.columns_of(study)} - set(
+        map(current, _group(file, "history"))
+    )
     for later in LATER:
         if later <= lacking:
             lacking -= later
@@ -97,7 +93,7 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
             _numbers(file, axis, (across,))
     if study.wear.sheds:
         left = _numbers(file, "pieces/step").size
-        for name in OF_PIECES:
+        for name in quantities.OF_PIECES:
             _numbers(file, f"pieces/{name}", (left,))
     if "stresses" in file:
         shape = len(_group(file, "snapshots")), len(study.stress_depths)
@@ -120,9 +116,9 @@ def check_snapshots(file: h5py.File, study: Study) -> None:
             raise ValueError(f"its {place} is of no moment of this run")
         if study.is_swept and not isinstance(attributes["row"], int | np.integer):
             raise ValueError(f"the row of its {place} is {attributes['row']!r}")
-        for field in FIELDS:
-            if stored(file[place], field) in file[place] or FIELDS[field].only is None:
-                _numbers(file, f"{place}/{field}", (rows if field in OF_THE_TRACK else nx, ny))
+        for field in quantities.FIELDS:
+            if stored(file[place], field) in file[place] or quantities.FIELDS[field].only is None:
+                _numbers(file, f"{place}/{field}", (rows if field in quantities.OF_THE_TRACK else nx, ny))
 
 
 def check_fields(fields: dict[str, Any], study: Study) -> None:

@@ -125,6 +125,8 @@ def _jumps(result: ResultFile) -> list[Row]:
     text += f"{jumps['cycles']:.6g} cycles; error of the depths {shown(percent, 2)} %"
     if result.history["cycles"].max() == 1.0:
         text = f"none: each of the {jumps['cycles']:.6g} cycles was computed"
+        if result.study.contact.law == "local" and result.study.contact_law().compliance == 0.0:
+            text += "; by contact.law = 'local' without a stiffness the area goes with what a step wears"
     return [Row("jumps", "jumps", jumps | {"depth_error_percent": percent}, sentence=text)]
 
 

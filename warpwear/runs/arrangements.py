@@ -36,7 +36,7 @@ width = lazy.module("warpwear.models.patches.width")
 #: Fields at the peak of a run on the half-space, by its boundary, and more on a GPU, whose transforms copy.
 HALF_SPACE_FIELDS, GPU_FIELDS = {"periodic": 16.0, "free": 22.0, "line": 22.0}, 12.0
 #: More on the host where stresses below the surface are computed, a depth at a time.
-STRESS_FIELDS = {"periodic": 60.0, "free": 100.0, "line": 100.0}
+STRESS_FIELDS = {"periodic": 70.0, "free": 85.0, "line": 80.0}
 #: More where the disc slides: a mean along x, and what it takes to follow the disc.
 SLIDING_FIELDS = 3.0
 #: More with a film: what is bare and its caps; and of each body whose film forms anew.

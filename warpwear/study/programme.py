@@ -11,18 +11,10 @@ from warpwear.grid import Grid
 from warpwear.laws.passes import Block, Laps
 from warpwear.laws.patches import Patches
 from warpwear.laws.track import WHOLE, Track
+from warpwear.study import motion
 from warpwear.study.bodies import CounterBody, Disc
 from warpwear.study.contact import Contact
 from warpwear.study.keys import Section, key, needs, when
-from warpwear.study.motion import (
-    FEWEST_CYCLES,
-    MOST_SHIFT,
-    STEPS_OF_STROKE,
-    BlockSection,
-    GridSection,
-    Sliding,
-    Stepping,
-)
 from warpwear.study.sections.fatigue import Fatigue
 from warpwear.study.sections.friction import Friction, Junctions
 from warpwear.study.sections.loads import LineLoad
@@ -35,7 +27,7 @@ SNAPSHOTS = (0.001, 0.01, 0.1)
 STRESS_DEPTHS = 20
 #: Blocks of a programme that a sentence names.
 NAMED = 5
-Loaded = TypeVar("Loaded", Contact, BlockSection)
+Loaded = TypeVar("Loaded", Contact, motion.BlockSection)
 
 
 class Programme(Section):
@@ -46,12 +38,12 @@ class Programme(Section):
     disc: Disc
     contact: Contact
     wear: Wear
-    grid: GridSection
-    sliding: Sliding
-    block: tuple[BlockSection, ...] | None = key(
+    grid: motion.GridSection
+    sliding: motion.Sliding
+    block: tuple[motion.BlockSection, ...] | None = key(
         None, "programme: blocks of other loads, speeds and lengths, one after another"
     )
-    stepping: Stepping = Stepping()
+    stepping: motion.Stepping = motion.Stepping()
     friction: Friction = Friction()
     junctions: Junctions = Junctions()
     fatigue: Fatigue | None = key(
@@ -162,7 +154,7 @@ class Programme(Section):
         sliding, cell = self.sliding, self.grid.cell
         laps = (block.over(sliding).lap for block in self.block) if self.block else (sliding.lap,)
         lap = min(lap for lap in laps if lap is not None)
-        most = max(1, min(MOST_SHIFT, math.floor(lap / cell / STEPS_OF_STROKE * (1.0 + WHOLE))))
+        most = max(1, min(motion.MOST_SHIFT, math.floor(lap / cell / motion.STEPS_OF_STROKE * (1.0 + WHOLE))))
         cells = most if sliding.track == "full" else round(float(sliding.track) / cell)
         fits = (n for n in range(most, most // 2, -1) if cells % n == 0)
         return sliding.shift or next(fits, most)
@@ -174,9 +166,9 @@ class Programme(Section):
             return False
         if self.stepping.jump != "auto":
             return True
-        # Which pieces leave next is another matter in each cycle: no error bounds a jump over them.
+        # A load larger by 0.1 % moves depths in pieces by as much as a jump does: no error bounds that.
         cycles = self.passes_at(self.sliding.total) / self.track.passes_of_cycle
-        return not self.wear.sheds and bool(cycles >= FEWEST_CYCLES * (1.0 - WHOLE))
+        return not self.wear.sheds and bool(cycles >= motion.FEWEST_CYCLES * (1.0 - WHOLE))
 
     @property
     def increments(self) -> tuple[float, float, float]:

@@ -1,5 +1,6 @@
 """One run of a sweep, in whatever process a worker is: found finished, resumed or computed, then read."""
 
+import os
 import time
 import warnings
 from collections.abc import Iterator
@@ -129,4 +130,4 @@ def row_of(result: Result) -> Row:
 
 def is_there(folder: Path) -> bool:
     """Whether a folder seems to hold a finished run; `run_one` makes sure."""
-    return (folder / FILE_NAME).is_file()
+    return os.path.isfile(folder / FILE_NAME)  # an unreadable folder holds none, and fails alone

@@ -13,17 +13,10 @@ from warpwear.history.snapshot import Snapshot
 from warpwear.result import Result
 from warpwear.results.summary import shape_of_growth
 from warpwear.thesis import printed as thesis
+from warpwear.thesis import runs as plans
 from warpwear.thesis.coefficients import DIAMETER, K_OF_BALL, patch
 from warpwear.thesis.printed import read
-from warpwear.thesis.runs import (
-    IMPLICIT,
-    VERSIONS,
-    Runs,
-    depth_of_rim,
-    rim_at,
-    worn_radius,
-    worn_radius_of_paraboloid,
-)
+from warpwear.thesis.runs import Runs
 
 Numbers = dict[str, float]
 #: Distance after which relative differences of areas no longer show single cells [mm].
@@ -37,7 +30,7 @@ EXTENTS = ("along", "across", "predicted_along", "predicted_across", "bound", "f
 def collect(runs: Runs) -> Numbers:
     """Find all numbers of a report: name -> value."""
     numbers: Numbers = {}
-    for name in VERSIONS:
+    for name in plans.VERSIONS:
         numbers |= {f"{name}.{key}": value for key, value in _of_version(runs[name]).items()}
     numbers |= {name: _change(runs, **entry) for name, entry in COLUMNS["change"].items()}
     numbers |= _smooth(runs) | _factor(runs) | _rough(runs) | _patches(runs)
@@ -59,7 +52,7 @@ def _of_version(result: Result) -> Numbers:
     values_of_version = {
         "patch_by_area_mm": 2.0 * math.sqrt(end["area_touched"] / math.pi),
         # A ball and a flat whose middles have receded by so much meet at this rim; a paraboloid is wider.
-        "patch_by_depth_mm": 2.0 * rim_at(total, radius=1.0 / curvature) if curvature else math.nan,
+        "patch_by_depth_mm": 2.0 * plans.rim_at(total, radius=1.0 / curvature) if curvature else math.nan,
         "counter_volume_error": summary["conservation_relative"]["counter"],
         "disc_volume_error": summary["conservation_relative"]["disc"],
         "disc_volume_over_KFL": summary["disc_volume_over_KFL"] or math.nan,
@@ -115,8 +108,8 @@ def _smooth(runs: Runs) -> Numbers:
     late = distance >= 0.5 * distance[-1]
     depth = history["wear_depth_disc"]
     return {
-        "closed_form_patch_mm": 2.0 * worn_radius(v1.study),
-        "paraboloid_patch_mm": 2.0 * worn_radius_of_paraboloid(v1.study),
+        "closed_form_patch_mm": 2.0 * plans.worn_radius(v1.study),
+        "paraboloid_patch_mm": 2.0 * plans.worn_radius_of_paraboloid(v1.study),
         "hertz_peak_MPa": hertz.peak_pressure,
         "hertz_area_mm2": hertz.area,
         "v1.peak_over_hertz": history["pressure_max"][0] / hertz.peak_pressure,
@@ -207,9 +200,9 @@ def _patches(runs: Runs) -> Numbers:
     measured = np.array([of("along"), of("across")])
     predicted = np.array([of("predicted_along"), of("predicted_across")])
     volumes = of("disc_volume") / runs["v2"].history["wear_volume_disc"][-1] - 1.0
-    radius, smooth = 1.0 / rough.counter.curvature, worn_radius(rough)
+    radius, smooth = 1.0 / rough.counter.curvature, plans.worn_radius(rough)
     printed = 0.5 * thesis.PATCH_DIAMETERS["v3"].value
-    height = depth_of_rim(printed, radius=radius) - depth_of_rim(smooth, radius=radius)
+    height = plans.depth_of_rim(printed, radius=radius) - plans.depth_of_rim(smooth, radius=radius)
     numbers: Numbers = {
         "surfaces": len(patches),
         "surfaces.patch_mean_mm": float(np.mean(0.5 * (of("along") + of("across")))),
@@ -238,7 +231,7 @@ def _increments(runs: Runs) -> Numbers:
     numbers: Numbers = {}
     deviations = []
     for increment in runs.plan.increments:
-        run = IMPLICIT.format(increment)
+        run = plans.IMPLICIT.format(increment)
         for key, column in (("area_end_mm2", "area_contact"), ("disc_depth_mm", "wear_depth_disc")):
             numbers[f"implicit_{increment:g}.{key}"] = runs[run].history[column][-1]
             deviations.append(abs(_change(runs, run=run, other="v1", column=column)))

@@ -163,6 +163,17 @@ def test_a_solved_contact_brings_its_boundary() -> None:
         warpwear.stresses(springs, 0.5, poisson=0.3)
 
 
+def test_a_sheared_contact_brings_its_traction() -> None:
+    contact = warpwear.solve_contact(
+        np.zeros((24, 24)), cell=0.1, load=1.0, modulus=1.0, counter={"radius": 10.0}
+    )
+    sheared = warpwear.solve_tangential(contact, friction=0.5, poisson=0.3, force=0.3)
+    tensor = warpwear.stresses(sheared, [0.0, 0.3], poisson=0.3).tensor
+    apart = warpwear.stresses(contact, [0.0, 0.3], poisson=0.3, traction=tuple(sheared.traction)).tensor
+    assert_allclose(tensor, apart, atol=1e-14)
+    assert tensor[4, 0].sum() * 0.01 == pytest.approx(-0.3, rel=1e-6)
+
+
 def test_memory_is_told_and_refused(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

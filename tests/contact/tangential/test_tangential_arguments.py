@@ -8,6 +8,7 @@ import pytest
 from cases_tangential import FRICTION, LOAD, MODULUS, POISSON, YOUNG, ball
 
 from warpwear import InputError, solve_contact, solve_tangential
+from warpwear.contact.array import memory, tangential
 
 FLAT = np.zeros((16, 16))
 REFUSED: dict[str, dict[str, Any]] = {
@@ -52,6 +53,15 @@ def test_bad_arguments_are_refused_in_a_sentence(sentence: str) -> None:
     arguments: dict[str, Any] = {"contact": ball(64), "friction": FRICTION, "poisson": POISSON, "force": 1.0}
     with pytest.raises(InputError, match=sentence):
         solve_tangential(**(arguments | REFUSED[sentence]))
+
+
+def test_memory_that_is_not_there_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in (memory, tangential):
+        monkeypatch.setattr(module, "free_memory", lambda device: {"the host": 2**20})
+    with pytest.raises(
+        InputError, match=r"64 × 64 cells need 0\.0 GiB of memory; the host has 0\.0 GiB free"
+    ):
+        solve_tangential(ball(64), friction=FRICTION, poisson=0.0, force=1.0)
 
 
 def test_a_counter_body_that_ends_cannot_be_pressed_anew() -> None:

@@ -62,7 +62,8 @@ class Loads:
         distances = rows // 2 + 1, columns if self._boundary == "line" else columns // 2 + 1
         tables = {load: np.empty((len(COMPONENTS), *distances)) for load in self._modes}
         with ThreadPoolExecutor(self._threads) as pool:
-            blocks = blocks_of_rows(distances[0], values=columns, together=TOGETHER)
+            each = columns * (2 * IMAGES + 1 if self._boundary == "line" else 1)
+            blocks = blocks_of_rows(distances[0], values=each, together=TOGETHER)
             list(pool.map(partial(self._fill, tables, depth / self._cell), blocks))
             blocks = blocks_of_rows(rows, values=columns, together=TOGETHER)
             for number, component in enumerate(COMPONENTS):

@@ -13,6 +13,7 @@ from warpwear import lazy
 from warpwear.contact.array.arguments import checked_heights, number
 from warpwear.contact.array.contact import ArrayContact
 from warpwear.contact.array.memory import claim
+from warpwear.contact.array.shear import ShearedContact
 from warpwear.contact.stress import measures
 from warpwear.contact.stress.responses import COMPONENTS, Loads
 from warpwear.engine.device import check_threads
@@ -214,7 +215,7 @@ def averaged(field: FloatArray, cells: float, boundary: str) -> FloatArray:
 
 
 def stresses(
-    contact: ArrayContact | npt.ArrayLike,
+    contact: ArrayContact | ShearedContact | npt.ArrayLike,
     depths: npt.ArrayLike,
     *,
     poisson: float,
@@ -225,13 +226,13 @@ def stresses(
 ) -> Stresses:
     """Return the elastic stresses at depths below a contact, from its pressure and its traction.
 
-    contact: what `solve_contact` returned for a half-space; or any pressure, an array of shape (nx, ny),
-    which needs cell and boundary. depths: lengths from 0, rising; one or several. poisson: Poisson's ratio of
-    the body below. traction: (qx, qy), each an array of the pressure's shape, or None for no traction along
-    that axis; or what has such a pair as its `traction`, a solution of friction. It acts on the body below;
-    on the other body acts its opposite. cell: width of the cells. boundary: "free", where nothing lies beside
-    the array, "periodic", or "line", periodic along axis 1 alone; by default the contact's. threads: of the
-    CPU, by default every core; no result depends on it.
+    contact: what `solve_contact` returned for a half-space, or `solve_tangential`, with its traction; or any
+    pressure, an array of shape (nx, ny), which needs cell and boundary. depths: lengths from 0, rising; one
+    or several. poisson: Poisson's ratio of the body below. traction: (qx, qy), each an array of the
+    pressure's shape, or None for no traction along that axis; or what has such a pair as its `traction`, as a
+    sheared contact. It acts on the body below; on the other body acts its opposite. cell: width of the cells.
+    boundary: "free", where nothing lies beside the array, "periodic", or "line", periodic along axis 1 alone;
+    by default the contact's. threads: of the CPU, by default every core; no result depends on it.
 
     Numbers are in the contact's units. A free surface's loads are uniform over each cell; a periodic one's
     are its waves, and its sides are held. At the surface the tension beside an edge under traction is too
@@ -248,6 +249,9 @@ def stresses(
     (2, 65, 65)
     """
     workers = check_threads(threads)
+    if isinstance(contact, ShearedContact):
+        traction = contact if traction is None else traction
+        contact = contact.contact
     if isinstance(contact, ArrayContact):
         if cell is not None:
             raise InputError(f"cell = {cell!r} is not possible with a solved contact, which has its own.")
