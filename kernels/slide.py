@@ -27,6 +27,7 @@ class Slide:
     full_depth: wp.float64  # overlap of a cell at the hardness [mm]; NONE: the disc springs back
     approach: wp.float64  # [mm]
     slip_of_gap: wp.float64  # of a cycle [mm], over a gap [mm]
+    ahead: wp.float64  # of what slips grew by in the last jump, to the end of this one
     slipping_counter: wp.float64  # K ΔL over the distance of a cycle, of what slips by cells [mm²/N]
     slipping_disc: wp.float64
     counter_moves: wp.int32  # 1 where pressures move with the counter-body, so that the disc sees their mean

@@ -25,6 +25,7 @@ class Pressed:
     means: wp.array2d(dtype=Cells)  # of the pressure along x, see `means`; one row where no disc moves
     gradient: wp.array2d(dtype=Cells)  # gap after the step, from the mean planes [mm]
     slips: wp.array2d(dtype=Cells)  # of a cycle, by cells [mm]; no rows where all slide alike
+    grown: wp.array2d(dtype=Cells)  # by how much they did in the last jump [mm]
     parts: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear it
     rubbed: wp.array2d(dtype=Cells)  # part of the step in contact, and its means; no rows without shear
     rubbed_means: wp.array2d(dtype=Cells)
@@ -91,9 +92,10 @@ def slip(
     slides: wp.array(dtype=Slide),
     gap_in: wp.array2d(dtype=Cells),
     pressure_in: wp.array2d(dtype=Cells),
-    slips_out: wp.array2d(dtype=Cells),
+    slips_inout: wp.array2d(dtype=Cells),
+    grown_out: wp.array2d(dtype=Cells),
 ):
-    """Return what cells slip in a cycle [mm]: by their gap beyond the approach, where nothing presses."""
+    """Return what cells slip in a cycle by their gap beyond the approach, and how much that grew [mm]."""
     ...
 
 
@@ -101,7 +103,8 @@ def slip(
 def yields(
     slides: wp.array(dtype=Slide),
     slips_in: wp.array2d(dtype=Cells),
+    grown_in: wp.array2d(dtype=Cells),
     yields_out: wp.array2d(dtype=Cells),
 ):
-    """Return the compliance that the wear of a step lends cells by their slips [mm/MPa]."""
+    """Return the compliance that a jump lends cells by their slips at its end [mm/MPa]."""
     ...

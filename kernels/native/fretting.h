@@ -3,11 +3,18 @@
 
 #include "bodies.h"
 
+// What cells slip at the end of a jump, as far as the last jump tells; what sticks does.
+WARPWEAR_FN Lanes slip_ahead(Lanes slip, Lanes grown, Lanes ahead)
+{
+    const Lanes zero = 0.0, s = slip + ahead * grown;
+    return slip > zero ? larger_of(s, zero) : zero;
+}
+
 // What cells slip in a cycle: by their gap beyond the approach, where nothing presses. Where there is no
-// surface they do not.
+// surface they do not. And how much more that is than before.
 template <typename Slides, typename Field>
 WARPWEAR_FN void slip_of_gaps(int slot, int slots, const Slides& slides, const Field& gaps,
-                              const Field& pressures, const Field& slips)
+                              const Field& pressures, const Field& slips, const Field& grown)
 {
     const auto& slide = wp::index(slides, 0);
     const Lanes by = slide.slip_of_gap, level = slide.approach, zero = 0.0;
@@ -17,19 +24,21 @@ WARPWEAR_FN void slip_of_gaps(int slot, int slots, const Slides& slides, const F
         for (int i = lane_of_slot(); i < slips.shape[1] * OF_VECTOR; i += width_of_slot()) {
             const Lanes g = gap[i], s = by * larger_of(g - level, zero);
             const Mask none = (pressure[i] > zero) | (g > Lanes(0.5 * ABSENT));
-            slip[i] = none ? zero : s;
+            const Lanes now = none ? zero : s;
+            row_of(grown, row)[i] = now - slip[i];
+            slip[i] = now;
         }
     }
 }
 
-// The compliance that the wear of a step lends cells by their slips.
+// The compliance that a jump lends cells by their slips at its end, as far as the last jump tells.
 template <typename Slides, typename Field>
 WARPWEAR_FN void yields_of_slips(int slot, int slots, const Slides& slides, const Field& slips,
-                                 const Field& yields)
+                                 const Field& grown, const Field& yields)
 {
     const auto& slide = wp::index(slides, 0);
-    const Lanes by = slide.slipping_counter + slide.slipping_disc;
+    const Lanes by = slide.slipping_counter + slide.slipping_disc, ahead = slide.ahead;
     for (int row = slot; row < yields.shape[0]; row += slots)
         for (int i = lane_of_slot(); i < yields.shape[1] * OF_VECTOR; i += width_of_slot())
-            row_of(yields, row)[i] = by * row_of(slips, row)[i];
+            row_of(yields, row)[i] = by * slip_ahead(row_of(slips, row)[i], row_of(grown, row)[i], ahead);
 }

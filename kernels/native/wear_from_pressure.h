@@ -113,7 +113,7 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
     const bool keeps = has_disc && bodies.plastic_disc.shape[0] == bodies.disc.shape[0];
     const bool slips = pressed.slips.shape[0] > 0;
     const double more_counter = slide.slipping_counter, more_disc = slide.slipping_disc;
-    const double slip_of_gap = slide.slip_of_gap;
+    const double slip_of_gap = slide.slip_of_gap, ahead = slide.ahead;
     const bool shows = bodies.reached.shape[0] != bodies.counter.shape[0];
     const Lanes zero = 0.0, one = 1.0, none = NO_INDEX;
     const Counts no = 0, yes = 1;
@@ -131,6 +131,7 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
         const Stored *const over_counter = turned ? p_of : passing, *const over_disc =
                                                                         turned ? passing : p_of;
         Stored* const slip = slips ? row_of(pressed.slips, row) : nullptr;
+        Stored* const grown = slips ? row_of(pressed.grown, row) : nullptr;
         const Stored* const parts = parted ? row_of(pressed.parts, row) : nullptr;
         const Stored* const rubs = shears ? row_of(pressed.rubbed, row) : nullptr;
         const Stored* const rubs_passing =
@@ -157,14 +158,16 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                 const Lanes was = shows ? wear_counter[i] : reached[i];
                 const Lanes most_here = parted ? cap * parts[i] : cap * one;
                 if (slips) {
-                    const Lanes own = slip[i];
+                    const Lanes own = slip_ahead(slip[i], grown[i], ahead);
                     by_slip = p * own;
                     s += more_counter * by_slip;
                     a += more_counter * by_slip;
                     work += by_slip;
                     const Mask sticks = (p > zero) & (own <= zero);
                     stuck += sticks ? yes : no;
-                    slip[i] = own + slip_of_gap * (more_counter + more_disc) * by_slip;
+                    const Lanes grows = slip_of_gap * (more_counter + more_disc) * by_slip;
+                    slip[i] = slip[i] + grows;
+                    grown[i] = grows;
                 }
                 counter[i] = s;
                 wear_counter[i] = a;

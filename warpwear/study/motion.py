@@ -17,8 +17,9 @@ from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, Range, is_pair,
 LARGEST_PARTS = 800
 #: First of growing increments [mm].
 FIRST = 3.0e-3
-#: Growth of increments, and of jumps over cycles of fretting: twelve a decade.
-GROWTH, GROWTH_OF_JUMPS = 1.02, 1.2
+#: Growth of increments; of jumps over cycles of gross slip, twelve a decade, and of those in which a part may
+#: stick: depths and volumes are then 0.07 and up to 0.6 % off.
+GROWTH, GROWTH_OF_JUMPS, GROWTH_OF_STICKING = 1.02, 1.2, 1.05
 #: Most cells along a side: a million squared is more than any memory holds.
 MOST_CELLS = 1_000_000
 
@@ -318,7 +319,8 @@ class Stepping(Section):
     )
     growth: Annotated[float, Number(Range(least=1.0, or_equal=True, most=10.0))] | None = growing_key(
         None,
-        f"ratio of an increment to the last; if not given {GROWTH:g}, and of fretting {GROWTH_OF_JUMPS:g}",
+        f"ratio of an increment to the last; if not given {GROWTH:g}, of fretting {GROWTH_OF_JUMPS:g}, and "
+        f"where a part may stick {GROWTH_OF_STICKING:g}",
         assumed="grow with the distance slid",
     )
     largest: Length | None = growing_key(
@@ -350,14 +352,17 @@ class Stepping(Section):
                 f"stepping.first = {first:g} mm must not exceed stepping.largest = {self.largest:g} mm"
             )
 
-    def plan(self, distance: float, *, cycle: float | None = None) -> tuple[float, float, float]:
+    def plan(
+        self, distance: float, *, cycle: float | None = None, sticks: bool = False
+    ) -> tuple[float, float, float]:
         """First increment over a distance [mm], the factor by which increments grow, and the largest [mm].
 
-        cycle: of fretting [mm], where increments jump over cycles.
+        cycle: of fretting [mm], where increments jump over cycles. sticks: whether a part may stick.
         """
         if self.increment is not None:
             return self.increment, 1.0, self.increment
         parts = 1 if cycle else LARGEST_PARTS
         part = distance / parts if self.scheme == "implicit" else 0.0  # stable at any length
-        growth, first = GROWTH_OF_JUMPS if cycle else GROWTH, self.first or cycle or FIRST
+        growth = GROWTH_OF_STICKING if sticks else GROWTH_OF_JUMPS if cycle else GROWTH
+        first = self.first or cycle or FIRST
         return first, self.growth or growth, self.largest or max(3.0, part, first)

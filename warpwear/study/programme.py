@@ -173,9 +173,8 @@ class Programme(Section):
     @property
     def increments(self) -> tuple[float, float, float]:
         """First increment at rest [mm], the factor by which increments grow, and the largest [mm]."""
-        return self.stepping.plan(
-            self.sliding.total, cycle=2.0 * (self.sliding.lap or 0.0) * (self.kinematics == "fretting")
-        )
+        cycle = 2.0 * (self.sliding.lap or 0.0) if self.kinematics == "fretting" else None
+        return self.stepping.plan(self.sliding.total, cycle=cycle, sticks=self.sliding.drives_bodies)
 
     @property
     def lap(self) -> float | None:

@@ -228,3 +228,15 @@ def test_a_study_of_a_force_reads_back() -> None:
     assert Study.stored(study.to_toml()) == study
     assert "stroke =" not in study.to_toml()
     assert study.sliding.total == pytest.approx(1e5 * 4.0 * BORDER * (1.0 - 0.4 ** (2 / 3)), rel=1e-9)
+
+
+def test_finer_jumps_change_little() -> None:
+    """While the ring gives up its load, where most is off."""
+    worn: dict[str, Any] = {"wear__counter": "1e-5 mm^3/N/m", "wear__disc": "1e-5 mm^3/N/m", "over": 3.2}
+    jumps, fine = (
+        warpwear.run(sheared(64, **worn, **more)).history
+        for more in ({}, {"stepping__growth": 10.0 ** (1.0 / 190.0)})
+    )
+    assert fine["cycles"].size > 3 * jumps["cycles"].size
+    for name in ("wear_volume_disc", "wear_depth_disc"):
+        assert jumps[name][-1] == pytest.approx(fine[name][-1], rel=6e-3)

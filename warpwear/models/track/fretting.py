@@ -32,6 +32,8 @@ class CyclicSlip:
 
     STATE: ClassVar = {
         "slips": Field,
+        "grown": Field,
+        "_jump": float,
         "rigid": float,
         "force": float,
         "border": float,
@@ -47,6 +49,9 @@ class CyclicSlip:
         slides = not (self._drive.of_body or self._drive.force)
         #: What cells slip in a cycle by their gaps [mm]; no rows where all slide alike.
         self.slips = executor.zeros(0) if slides else executor.zeros()
+        #: By how much they grew in the last jump [mm], and how long that was [mm].
+        self.grown = executor.zeros(self.slips.shape[0])
+        self._jump = 0.0
         #: The compliance that it lends them in a step [mm/MPa]; None where all slide alike.
         self.yields: Field | None = None if slides else executor.zeros()
         #: What all cells slide in a cycle [mm].
@@ -150,8 +155,14 @@ class CyclicSlip:
         """Make the slips of the gaps beyond the approach under P*, where no pressure is."""
         slides.set(slip_of_gap=self._drive.slip_of_gap, approach=self._stuck)
         program = Program(self._executor, records=False)
-        program.launch(wear_from_pressure.slip, slides.array, gap, pressure, self.slips)
+        program.launch(wear_from_pressure.slip, slides.array, gap, pressure, self.slips, self.grown)
         program.run()
+
+    def ahead(self, increment: float) -> float:
+        """Return the part of the last growth of slips that takes them to the end of a jump [mm]."""
+        ahead = increment / self._jump if self._jump and not self.rigid else 0.0
+        self._jump = 0.0 if self.rigid else increment  # what slides as a whole counts from another place
+        return ahead
 
     def shares(self, removals: tuple[float, float]) -> dict[str, float]:
         """Return what an increment wears where all slides, and by slips, for a `Slide`.
@@ -166,7 +177,8 @@ class CyclicSlip:
             "of_disc": slides * disc,
             "slipping_counter": own * counter,
             "slipping_disc": own * disc,
-            "slip_of_gap": self._drive.slip_of_gap,
+            # Under a stroke they are made anew in each jump.
+            "slip_of_gap": self._drive.slip_of_gap if self._drive.force else 0.0,
         }
 
     def worn(self, removals: tuple[float, float], slip_mean: float) -> tuple[float, float]:
@@ -176,7 +188,7 @@ class CyclicSlip:
 
     def say_yields(self, program: Program, slides: Field) -> None:
         """Add to a program: the compliance that a step lends cells by their slips."""
-        program.launch(wear_from_pressure.yields, slides, self.slips, self.yields)
+        program.launch(wear_from_pressure.yields, slides, self.slips, self.grown, self.yields)
 
     def row(self, increment: float, work: float, stuck: float) -> dict[str, float]:
         """Return what the history has of a jump over an increment [mm].

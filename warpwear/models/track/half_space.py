@@ -201,7 +201,7 @@ class SlidingHalfSpace:
                 window=self.cells_passing(increment * weight),
             )
             if self.fretting is not None:
-                self._begin_cycles(self.fretting, removals)
+                self._begin_cycles(self.fretting, increment, removals)
             last = done + of_part == cells
             self._slides.set(
                 shear_counter=weight * shears[0], shear_disc=weight * self._track_fraction * shears[1]
@@ -311,14 +311,15 @@ class SlidingHalfSpace:
             certified=certified,
         )
 
-    def _begin_cycles(self, fretting: CyclicSlip, removals: tuple[float, float]) -> None:
+    def _begin_cycles(self, fretting: CyclicSlip, increment: float, removals: tuple[float, float]) -> None:
         """See what slips in a jump over cycles of fretting, and what that lends the contact."""
         self._slides.set(window=fretting.window, counter_moves=1)
         self._run("gaps", self._say_gaps)
         if not fretting.knows_approach:
             fretting.note(self._half_space.solve(self._gap, load=self.task.load))
         fretting.look(self._gap, self._slides)
-        self._slides.set(window=fretting.window, **fretting.shares(removals))
+        ahead = fretting.ahead(increment)
+        self._slides.set(window=fretting.window, ahead=ahead, **fretting.shares(removals))
         self._run("gaps", self._say_gaps)
         if fretting.yields is not None:
             self._run("yields", lambda program: fretting.say_yields(program, self._slides.array))
@@ -358,7 +359,7 @@ class SlidingHalfSpace:
             program.launch(wear_from_pressure.part_of_step, slides, pressed)
             program.launch(wear_from_pressure.means, slides, self._rubbed, self._rubbed_means)
         if self.fretting is not None:
-            pressed.slips = self.fretting.slips
+            pressed.slips, pressed.grown = self.fretting.slips, self.fretting.grown
         program.launch(wear_from_pressure.means, slides, pressure, self._means)
         tables = [arguments(OfRows, **self._of_rows), self._sums, self._maxima]
         program.launch(wear_from_pressure.wear, slides, self._layout, pressed, self._bodies, *tables)
