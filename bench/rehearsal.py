@@ -18,6 +18,7 @@ import tempfile
 import time
 import tomllib
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -46,23 +47,23 @@ STUDY: dict[str, Any] = {
             "roll_off": "200 um",
             "cut_off": "80 um",
             "seed": 1,
-            "period": "1.2 mm",
+            "period": "2.4 mm",
         },
     },
     "contact": {"law": "local", "load": LIGHT, "hardness": "400 MPa"},
-    "wear": {"counter": "3e-4 mm^3/N/m", "disc": "6e-4 mm^3/N/m"},
+    "wear": {"counter": "1.4e-4 mm^3/N/m", "disc": "4e-4 mm^3/N/m"},
     "friction": {
         "shear_strength": "28 MPa",
         "film": {"thickness": "60 nm", "shear_strength": "8 MPa"},
     },
     "grid": {"cell": "20 um", "extent": "1.2 mm"},
-    "sliding": {"distance": "1200 mm", "stroke": "30 mm", "track": "1.2 mm", "shift": 3, "speed": "10 mm/s"},
+    "sliding": {"distance": "1200 mm", "stroke": "30 mm", "track": "2.4 mm", "shift": 6, "speed": "10 mm/s"},
     "output": {"snapshots": []},
 }
 #: Unknowns and what is known of them before; the truth is drawn from the same.
 UNKNOWN = {
-    "wear.counter": "log-uniform 1.5e-4 .. 6e-4 mm^3/N/m",
-    "friction.film.thickness": "log-uniform 30 .. 120 nm",
+    "wear.counter": "log-uniform 1e-4 .. 2e-4 mm^3/N/m",
+    "friction.film.thickness": "log-uniform 40 .. 80 nm",
     "friction.shear_strength": "log-uniform 15 .. 50 MPa",
 }
 #: Samples a second of the record [Hz]; deviation and length [mm] of its noise; noise of the map [mm].
@@ -121,7 +122,7 @@ def called(*arguments: str) -> str:
     """Call a command of the program and return what it prints."""
     answer = CliRunner().invoke(commands, arguments)
     if answer.exit_code:
-        raise click.ClickException(answer.output)
+        raise answer.exception or InputError(answer.output)
     return answer.stdout
 
 
@@ -149,19 +150,18 @@ def tested(study: Study, folder: Path, random: np.random.Generator) -> tuple[Pat
     return folder / "record.csv", f"{volume:.6g} +- {error:.3g} mm^3", held
 
 
-def predicted(folder: Path, work: Path, random: np.random.Generator) -> dict[str, list[float]]:
+def predicted(text: str, work: Path) -> dict[str, list[float]]:
     """Run the sweep of a calibrated study at the other load, each run on a surface of its own."""
-    content = tomllib.loads((folder / "calibrated.toml").read_text(encoding="utf-8"))
+    content = tomllib.loads(text)
     sweep = content.pop("sweep")
     design, vary = sweep["design"], sweep["vary"]
     samples = DRAWS if design == "sobol" else None
     if samples is None:
-        vary = {key: values[:DRAWS] for key, values in vary.items()}
-        vary["disc.synthetic.seed"] = [int(seed) for seed in random.integers(1000, 1_000_000, DRAWS)]
-    else:
-        vary["disc.synthetic.seed"] = "1000:2000"
+        vary = {key: values[:DRAWS] for key, values in vary.items() if isinstance(values, list)}
+    vary["disc.synthetic.seed"] = f"101:{100 + DRAWS}"
     study = Study(**content).replace({"contact.load": HEAVY})
-    result = warpwear.sweep(study, vary=vary, design=design, samples=samples, out=work, workers=1)
+    with ThreadPoolExecutor(1) as pool:  # in this process, which has the kernels at hand
+        result = warpwear.sweep(study, vary=vary, design=design, samples=samples, out=work, executor=pool)
     rows = []
     for row in range(len(result.table["run"])):
         with result.open(row) as one:
@@ -191,7 +191,7 @@ def one(number: int, shared: Path) -> dict[str, Any]:
         )
         if found.misses:
             return {"case": number, "failed": found.conflicts[0]}
-        band = predicted(folder / "found", folder / "sweep", random)
+        band = predicted((folder / "found" / "calibrated.toml").read_text(encoding="utf-8"), folder / "sweep")
         _, _, measured = tested(study.replace(truth | {"contact.load": HEAVY}), folder / "heavy", random)
     ends = {key: [float(v) for v in np.percentile(values, BAND)] for key, values in band.items()}
     inside = {key: ends[key][0] <= measured[key] <= ends[key][1] for key in ends}

@@ -114,6 +114,13 @@ def test_the_domain_grows_with_the_contact(kind: str, changes: dict[str, Any]) -
     assert next(iter(changes.values())) in Path("a.toml").read_text(encoding="utf-8")
 
 
+def test_a_track_is_no_longer_than_a_shorter_stroke() -> None:
+    study = drafted("--like", "reciprocating", changes={"sliding.stroke": "0.5 mm"})
+    assert (study.sliding.track, study.sliding.lap) == ("full", 0.5)
+    assert drafted("--like", "pin", changes={"sliding.track_radius": "0.3 mm"}).sliding.track == "full"
+    assert drafted("--like", "reciprocating").sliding.track != "full"
+
+
 def test_a_file_that_is_there_is_kept() -> None:
     Path("a.toml").write_text("mine", encoding="utf-8")
     done = invoke("new", "a.toml")

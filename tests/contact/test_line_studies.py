@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 
 import warpwear
 from warpwear import InputError, Study
+from warpwear.results.summary import summarise, summary_text
 
 #: On a GPU the transforms need their library.
 pytestmark = pytest.mark.transforms
@@ -65,6 +66,14 @@ def test_wear_of_a_line(threads: int, device: str) -> None:
     assert_allclose(worn, [k * per_length * 0.008 for k in (K_COUNTER, K_DISC)], rtol=1e-12)
     half = (1.5 * RADIUS * (K_COUNTER + K_DISC) * per_length) ** (1.0 / 3.0)
     assert history["patch_along"][-1] == pytest.approx(2.0 * half, abs=0.008)
+
+
+def test_volumes_of_a_line_say_whose_they_are() -> None:
+    """They are those of the domain's strip, which nobody measures."""
+    study = line(grid__cell="8 um", grid__extent=["0.6 mm", "16 um"], sliding__distance="0.1 mm")
+    text = summary_text(summarise(warpwear.run(study, plots=False)))
+    (volumes,) = (text_line for text_line in text.splitlines() if "worn volume" in text_line)
+    assert volumes.endswith("mm³ (of the domain's 0.016 mm across)")
 
 
 def test_a_block_on_a_ring(device: str) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases_figures import OF_STRESSES
+from cases_figures import OF_FRETTING, OF_STRESSES
 from cases_track import small
 from click.testing import CliRunner
 from PIL import Image
@@ -205,5 +205,5 @@ def test_an_interrupted_run_leaves_no_process(tmp_path: Path, monkeypatch: pytes
 
 def test_the_kinds_drawn_here_have_all_essential_figures() -> None:
     common = {"setup", "pressure_map", "contact_map", "areas", "cof", "profiles", "volumes"}
-    of_kinds = {*OF_KINDS.values(), *OF_STRESSES}
+    of_kinds = {*OF_KINDS.values(), *OF_FRETTING, *OF_STRESSES}
     assert common | of_kinds | {"track_map", "wear_per_pass", "bare_fraction"} == set(ESSENTIAL)

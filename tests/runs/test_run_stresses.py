@@ -140,6 +140,21 @@ def test_threads_and_a_folder_change_no_bit(tmp_path: Path) -> None:
         assert_array_equal(values, results[1][name])
 
 
+def test_a_run_that_was_stopped_ends_as_one_left_alone(tmp_path: Path) -> None:
+    def stop(step: Any) -> None:
+        if step.row["distance"] > 0.5:
+            raise KeyboardInterrupt
+
+    study, out = study_of(fatigue=FATIGUE), tmp_path / "run"
+    with pytest.raises(KeyboardInterrupt):
+        warpwear.run(study, out=out, plots=False, callback=stop)
+    with Result.open(out) as stopped:
+        assert stopped.stresses["mises"].shape == (1, 3)
+    whole, resumed = warpwear.run(study), warpwear.run(study, out=out, plots=False, resume=True)
+    for name, values in whole.stresses.items():
+        assert_array_equal(values, resumed.stresses[name])
+
+
 def test_periodic_and_line_contacts(quick_pictures: Callable[..., AbstractContextManager[None]]) -> None:
     rough = {
         "kind": "self-affine",

@@ -60,6 +60,8 @@ def draft(
     change(document, wanted)
     if not all(isinstance(section, dict) for section in document.values()):
         Study(**document.unwrap())  # refuses a value in the place of a section
+    if "sliding.track" not in wanted and _is_longer_than_lap(document["sliding"]):
+        document["sliding"]["track"] = "full"
     if document["counter"].get("shape") in ("ball", "pin") and "contact.boundary" not in wanted:
         _unlined(document)
     change(document, _grid(document, wanted, folder))
@@ -142,6 +144,15 @@ def _is_short(document: Any, wanted: Mapping[str, Any], side: float) -> bool:
     """Tell whether the draft's own track is shorter than a domain [mm] along sliding."""
     track = document["sliding"].get("track", "full")
     return "sliding.track" not in wanted and track != "full" and parse(track, "mm") < side
+
+
+def _is_longer_than_lap(sliding: Mapping[str, Any]) -> bool:
+    """Tell whether the draft's own track is longer than the stroke or lap of a study."""
+    with suppress(ValueError):  # what is no length is refused with the study
+        track = parse(sliding.get("track", "full"), "mm")
+        laps = ("stroke", 1.0), ("track_radius", 2.0 * math.pi)
+        return any(key in sliding and track > times * parse(sliding[key], "mm") for key, times in laps)
+    return False
 
 
 def _dividing(study: Study, cell: float) -> float:

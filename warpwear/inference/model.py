@@ -188,7 +188,8 @@ class Model:
             raise InputError(
                 f"between its {len(self.runs.rows)} runs the emulator of the {name} is off by "
                 f"{100 * emulator.error:.0f} % (each run predicted from the others): allowed are "
-                f"{100 * WORST:.0f} %; more runs (--runs) or narrower priors are needed"
+                f"{100 * WORST:.0f} %; more runs (--runs), narrower priors or, where surfaces scatter, a "
+                "longer track are needed"
             )
         return emulator
 

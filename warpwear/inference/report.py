@@ -14,6 +14,7 @@ from warpwear.figures.describe import Figure
 from warpwear.figures.wording import power_of_ten
 from warpwear.grid import FloatArray
 from warpwear.inference.result import Inference
+from warpwear.inference.runs import other_surfaces
 from warpwear.inference.unknowns import Unknown
 from warpwear.page.folder import Content
 from warpwear.page.folder import write_report as write_folder
@@ -119,20 +120,23 @@ def calibrated(inference: Inference) -> str:
         return f"# No study can have the medians of the unknowns: {error}\n"
     count = len(unknowns)
     apart = np.abs(inference.correlations[:count, :count] - np.eye(count)).max() < JOINT
+    surfaces = other_surfaces(study, SAMPLES) if inference.posterior.model.runs.inputs else {}
     if apart:
         vary: dict[str, Any] = {u.key: _distribution(u, inference) for u in unknowns}
         section: dict[str, Any] = {"design": "sobol", "samples": SAMPLES}
         note = "# The unknowns hardly go together: each has a distribution of its own.\n"
     else:
         vary = {u.key: [u.text(float(v)) for v in inference.values[u.key][:SAMPLES]] for u in unknowns}
-        section = {"design": "zip", "band_over": [u.key for u in unknowns]}
+        section = {"design": "zip", "band_over": [*(u.key for u in unknowns), *surfaces]}
         note = f"# The unknowns go together: {SAMPLES} joint draws of the posterior.\n"
     how = "by `warpwear calibrate bayes`: medians, and below their uncertainty for a sweep."
     head = f"# Calibrated {how}\n"
     if inference.misses:
         why = "".join(f"# {line}\n" for line in inference.conflicts)
         head = f"# FITTED, NOT CALIBRATED: this study misses the data.\n{why}# Fitted {how}\n"
-    return head + study.to_toml() + "\n" + note + tomli_w.dumps({"sweep": section | {"vary": vary}})
+    return (
+        head + study.to_toml() + "\n" + note + tomli_w.dumps({"sweep": section | {"vary": vary | surfaces}})
+    )
 
 
 def _in_digits(value: float) -> str:

@@ -128,6 +128,17 @@ def needs_runs(study: Study, key: str, *, scaled: bool) -> bool:
     return True
 
 
+def other_surfaces(study: Study, count: int) -> dict[str, str]:
+    """Vary the seed of a made-up surface over so many runs: it is one of many, and they scatter.
+
+    Empty where the heights are known.
+    """
+    synthetic = study.disc.synthetic
+    if synthetic is None or synthetic.kind == "flat" or study.study.model == "macro":
+        return {}
+    return {"disc.synthetic.seed": f"{synthetic.seed}:{synthetic.seed + count - 1}"}
+
+
 def make_runs(
     study: Study,
     unknowns: Sequence[Unknown],
@@ -167,7 +178,7 @@ def make_runs(
         count = samples if samples is not None else 2 ** max(4, int(np.ceil(np.log2(8 * len(inputs)))))
         if count < (fewest := 3 * len(inputs) + 5):
             raise InputError(f"runs = {count}: at least {fewest} are needed for {len(inputs)} unknowns")
-        vary: dict[str, Any] = {unknown.key: unknown.prior for unknown in inputs}
+        vary: dict[str, Any] = other_surfaces(study, count) | {u.key: u.prior for u in inputs}
         _foresee(study, vary, count=count, seed=seed, device=device)
         design = sweep(study, vary=vary, design="sobol", samples=count, seed=seed, out=out, device=device)
         failed = [row.status for row in design.rows if row.status != "done"]

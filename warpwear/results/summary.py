@@ -154,6 +154,8 @@ def _contact(result: ResultFile, end: dict[str, float]) -> list[Row]:
         Row("largest", "max", end["pressure_max"]),
     ]
     size, text = {"along": along, "across": across}, f"{shown([along, across])} mm (along × across)"
+    width = result.study.grid.sides[1]
+    strip = f"(of the domain's {width:.4g} mm across)" if result.study.counter.form.is_line else ""
     of_steps_all = {"smallest": float(means.min()), "largest": float(means.max()), "std": float(means.std())}
     return [
         Row("scar", "scar_mm", size, sentence=text),
@@ -166,7 +168,7 @@ def _contact(result: ResultFile, end: dict[str, float]) -> list[Row]:
         *_by_scheme(result),
         Row("", "pressure_mean_over_steps_MPa", of_steps_all),
         Row("deepest wear", "depth_um", {b: 1.0e3 * end[f"wear_depth_{b}"] for b in BODIES}),
-        Row("worn volume", "volume_mm3", {b: end[f"wear_volume_{b}"] for b in BODIES}, digits=5),
+        Row("worn volume", "volume_mm3", {b: end[f"wear_volume_{b}"] for b in BODIES}, digits=5, note=strip),
     ]
 
 
