@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -98,7 +99,7 @@ def find_scar(
     if reach.doubtful:
         hidden, guessed[3] = _hidden_area(reach.patch, measured) * body.pixel_area
     names = ("volume_error", "piled_up_error", "net_error", "area_error")
-    wider = {name: math.hypot(getattr(scar, name), e) for name, e in zip(names, guessed, strict=True)}
+    wider: dict[str, Any] = {n: math.hypot(getattr(scar, n), e) for n, e in zip(names, guessed, strict=True)}
     scar = replace(scar, area=scar.area - hidden, **wider)
     if not scar.volume > LEAST_ERRORS * scar.volume_error:
         raise InputError(
