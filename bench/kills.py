@@ -43,6 +43,29 @@ PIECES = SMALL | {
     "wear.particle": "80 um",
     "wear.particle_thickness": "0.5 um",
 }
+SWEPT = {
+    "contact.law": "half-space",
+    "sliding.kinematics": "swept",
+    "sliding.track": "3.2 mm",
+    "sliding.shift": 1,
+}
+#: Smooth bodies of steel, some thousand cycles a step.
+FRETTING = {
+    "counter.radius": "5 mm",
+    "counter.young": "210 GPa",
+    "disc.young": "210 GPa",
+    "disc.synthetic": {"kind": "flat"},
+    "contact.law": "half-space",
+    "contact.hardness": "inf MPa",
+    "contact.load": "20 N",
+    "friction.law": "coulomb",
+    "friction.coefficient": 0.6,
+    "friction.shear_strength": None,
+    "grid.cell": "10 um",
+    "grid.extent": "0.64 mm",
+    "sliding.distance": None,
+    "output.snapshots": [],
+}
 CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "micro, implicit": ("v3-fine", SMALL | {"sliding.distance": "30 mm"}),
     "micro, many tiles": ("v3-fine", {"grid.cell": "5 um", "sliding.distance": "2 mm"}),
@@ -80,24 +103,13 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "half-space": ("v3-fine", SMALL | {"contact.law": "half-space", "sliding.distance": "3 mm"}),
     "swept, half-space": (
         "v3-fine",
-        SMALL
-        | {
-            "contact.law": "half-space",
-            "sliding.distance": "3 mm",
-            "sliding.kinematics": "swept",
-            "sliding.track": "3.2 mm",
-            "sliding.shift": 1,
-            "sliding.plastic": "keep",
-        },
+        SMALL | SWEPT | {"sliding.distance": "3 mm", "sliding.plastic": "keep"},
     ),
     "swept, pieces": (
         "v3-fine",
         PIECES
+        | SWEPT
         | {
-            "contact.law": "half-space",
-            "sliding.kinematics": "swept",
-            "sliding.track": "3.2 mm",
-            "sliding.shift": 1,
             "wear.dust_fraction": 0.1,
             "wear.pending_start": "uniform",
             "output.static_area_every": 3,
@@ -122,6 +134,49 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
             "stepping.scheme": "implicit",
             "disc.synthetic.kind": "self-affine",
             "disc.synthetic.ra": "0.5 um",
+        },
+    ),
+    "stresses": (
+        "v3-fine",
+        SMALL
+        | {
+            "contact.law": "half-space",
+            "sliding.distance": "3 mm",
+            "output.stress_depths": ["0 um", "40 um", "80 um"],
+        },
+    ),
+    "programme, swept, stresses": (
+        "v3-fine",
+        SMALL
+        | SWEPT
+        | {
+            "contact.load": None,
+            "sliding.distance": None,
+            "output.snapshots": [],
+            "output.stress_depths": "auto",
+            "block": [{"load": f"{load} N", "passes": 1} for load in (4.0, 16.0, 6.0)],
+        },
+    ),
+    "fretting, gross slip": (
+        "v3-fine",
+        FRETTING
+        | {
+            "wear.counter": "1e-6 mm^3/N/m",
+            "wear.disc": "1e-6 mm^3/N/m",
+            "sliding.kinematics": "fretting",
+            "sliding.stroke": "50 um",
+            "sliding.cycles": 100_000,
+        },
+    ),
+    "fretting, partial slip": (
+        "v3-fine",
+        FRETTING
+        | {
+            "wear.counter": "2e-5 mm^3/N/m",
+            "wear.disc": "2e-5 mm^3/N/m",
+            "sliding.kinematics": "fretting",
+            "sliding.force": "7.2 N",
+            "sliding.cycles": 100_000,
         },
     ),
 }

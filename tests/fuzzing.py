@@ -80,6 +80,8 @@ def check_sentence(error: Exception) -> None:
     assert message.isprintable(), repr(message)
     assert message.endswith((".", "?")), message
     assert 10 < len(message) < 1200, message
+    assert "typing." not in message, message
+    assert "NoneType" not in message, message
 
 
 def paths_in(nested: dict[str, Any], prefix: tuple[str, ...] = ()) -> list[tuple[str, ...]]:

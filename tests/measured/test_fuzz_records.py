@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cases_records import RECORDS, written
-from fuzzing import check_sentence, mutated_bytes, mutated_text, watched
+from fuzzing import check_sentence, mutated_bytes, mutated_text, numbers, watched
 from numpy.testing import assert_array_equal
 
 import warpwear
@@ -59,7 +59,7 @@ def test_broken_records(name: str, count: int, tmp_path: Path) -> None:
     def broken() -> Iterator[bytes]:
         for percent in range(100):
             yield content[: len(content) * percent // 100]
-        for seed in range(count):
+        for seed in numbers(count):
             yield mutated_bytes(content, random.Random(seed))
             yield mutated_text(content.decode(errors="replace"), random.Random(seed)).encode()
 
@@ -111,7 +111,7 @@ def test_broken_checkpoints(count: int, stopped: dict[str, bytes], tmp_path: Pat
     good = stopped[CHECKPOINT]
     path = tmp_path / CHECKPOINT
     dice = random.Random(3)
-    for seed in range(count):
+    for seed in numbers(count):
         content = (
             good[: dice.randrange(len(good))] if seed % 4 == 0 else mutated_bytes(good, random.Random(seed))
         )
@@ -135,7 +135,7 @@ def test_broken_results(count: int, stopped: dict[str, bytes], tmp_path: Path) -
     with Result.open(path) as result:
         history, last = result.history, result.snapshot(-1)
     refused = 0
-    for seed in range(count):
+    for seed in numbers(count):
         content = (
             good[: dice.randrange(len(good))] if seed % 4 == 0 else mutated_bytes(good, random.Random(seed))
         )

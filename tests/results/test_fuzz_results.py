@@ -23,6 +23,7 @@ from warpwear.results.file import MAGIC
 from warpwear.results.report import to_json
 from warpwear.results.seal import seal
 from warpwear.results.summary import summarise, summary_text
+from warpwear.results.track import inner_rows
 
 #: Longest time of the processor on one file [s].
 LONGEST = 10.0
@@ -214,3 +215,18 @@ def test_a_field_that_is_unknown_in_places_is_refused(good: dict[str, Path], tmp
         seal(whole, MAGIC)
     with Result.open(file) as result, pytest.raises(InputError, match="wear_disc is negative, infinite or"):
         result.snapshot(-1)
+
+
+@pytest.mark.parametrize("along", [1e300, 1e20, -1e300])
+def test_a_scar_longer_than_its_track_ends_with_it(
+    along: float, good: dict[str, Path], tmp_path: Path
+) -> None:
+    """Roughness is then that of the whole track."""
+    file = Path(shutil.copy(good["swept"] / "result.h5", tmp_path))
+    with h5py.File(file, "r+") as opened:
+        opened["history/patch_along"][...] = along
+    with file.open("r+b") as whole:
+        seal(whole, MAGIC)
+    with Result.open(file) as result:
+        assert 0 <= inner_rows(result).start < inner_rows(result).stop <= result.track_x.size
+        assert result.surface_evolution.table

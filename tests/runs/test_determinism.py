@@ -19,8 +19,10 @@ CASES, study_of = _kills["CASES"], _kills["study_of"]
 
 def short(case: str) -> Study:
     study: Study = study_of(case, float("inf"))
-    distance = "0.2 mm" if case.startswith(("micro", "two-scale", "half-space")) else "3 mm"
-    return study.replace({"sliding.distance": distance, "output.snapshots": ["0.06 mm"]})
+    distance = "0.2 mm" if case.startswith(("micro", "two-scale", "half-space", "stresses")) else "3 mm"
+    if not case.startswith(("fretting", "programme")):  # which say their own
+        study = study.replace({"sliding.distance": distance})
+    return study.replace({"output.snapshots": ["0.06 mm"]})
 
 
 def numbers(study: Study, **options: Any) -> dict[str, Any]:

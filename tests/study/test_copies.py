@@ -9,6 +9,7 @@ import pytest
 
 from warpwear import Study
 from warpwear.study.loading import presets
+from warpwear.study.text import assumptions
 
 COPIES: dict[str, Callable[[Study], Study]] = {
     "pickle": lambda study: pickle.loads(pickle.dumps(study)),
@@ -65,3 +66,10 @@ def test_derived_values_of_a_changed_copy_are_its_own() -> None:
     assert changed.hertz is not None
     assert changed.hertz.load == 16.0
     assert (study.hertz, study.cells, study.wear_laws, study.hardness) == before
+
+
+def test_a_key_that_is_left_open_again_is_as_if_never_given() -> None:
+    """Its assumption is told, as of a study that never had it."""
+    study = Study.load("running-in").replace({"sliding.shift": None})
+    assert COPIES["text"](study).to_toml() == study.to_toml()
+    assert "sliding.shift" in assumptions(study)

@@ -25,7 +25,7 @@ import h5py
 import numpy as np
 import pytest
 from cases_instruments import metropro, opd
-from fuzzing import check_sentence, mutated_bytes, watched
+from fuzzing import check_sentence, mutated_bytes, numbers, watched
 
 from warpwear.errors import InputError
 from warpwear.measured.surface_command import SurfaceOptions, describe
@@ -173,7 +173,7 @@ def try_broken(name: str, count: int, folder: Path, *, cuts: int = 100) -> Count
             found["cut: refused"] += 1
         else:
             found["cut: " + cut_short(name, read_as, intact, at_line_end=short.endswith(b"\n"))] += 1
-    for seed in range(count):
+    for seed in numbers(count):
         broken = mutated_bytes(content, random.Random(seed))
         read_as = outcome(path, broken, options)
         found["refused" if read_as is None else changed(name, read_as, intact)] += 1

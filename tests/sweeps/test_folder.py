@@ -185,6 +185,18 @@ def test_a_cluster_without_workers_is_not_waited_for_in_silence(monkeypatch: pyt
         pass
 
 
+def test_a_cluster_makes_runs_and_nothing_else() -> None:
+    """xarray would ask the scheduler for a lock of the tables, in vain where it has died."""
+    distributed = pytest.importorskip("distributed")
+    options: dict[str, Any] = {"dashboard_address": None, "protocol": "tcp", "threads_per_worker": 1}
+    with (
+        distributed.LocalCluster(n_workers=1, processes=False, **options) as here,
+        cluster.connected(here.scheduler_address, insecure=True),
+        pytest.raises(ValueError, match="No clients found"),
+    ):
+        distributed.default_client()
+
+
 @pytest.mark.parametrize("workers", [0, 100_000])
 def test_a_number_of_workers_that_cannot_be(workers: int) -> None:
     plan = Plan(small(), section_of({"vary": VARY}, {}))

@@ -8,16 +8,14 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from cases_sweeps import ROOT, SMALL, Here, small
+from cases_sweeps import ROOT, SMALL, Here, address_in, processes, small
 
 import warpwear
 from warpwear import InputError, Study
@@ -335,18 +333,6 @@ def test_work_of_a_lost_computer_is_cleaned_up(tmp_path: Path) -> None:
     assert not left.exists()
 
 
-@contextmanager
-def processes(*commands: list[str]) -> Iterator[list["subprocess.Popen[str]"]]:
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    started = [subprocess.Popen(command, env=environment, text=True) for command in commands]
-    try:
-        yield started
-    finally:
-        for process in started:
-            process.kill()
-            process.wait()
-
-
 @pytest.mark.slow
 def test_dask_cluster_that_loses_a_worker(tmp_path: Path) -> None:
     """A scheduler and three workers of their own; one is killed, one frozen for a while."""
@@ -368,7 +354,7 @@ def test_dask_cluster_that_loses_a_worker(tmp_path: Path) -> None:
     worker = [sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", str(place)]
     worker += ["--nthreads", "1", "--no-dashboard", "--no-nanny", "--local-directory", str(tmp_path)]
     with processes(scheduler, worker, worker, worker) as started:
-        address = _address_in(place)
+        address = address_in(place)
         with distributed.Client(address, timeout="60s") as client:
             client.wait_for_workers(3, timeout=60)
         plan = Plan(small(), section_of({"vary": {**VARY, "disc.synthetic.seed": "1:4"}}, {}))
@@ -388,14 +374,6 @@ def test_dask_cluster_that_loses_a_worker(tmp_path: Path) -> None:
     assert [row.status for row in rows] == ["done"] * 8
 
 
-def _address_in(place: Path) -> str:
-    end = time.monotonic() + 60.0
-    while not (place.is_file() and place.stat().st_size):
-        assert time.monotonic() < end, "the scheduler did not start"
-        time.sleep(0.1)
-    return str(json.loads(place.read_text(encoding="utf-8"))["address"])
-
-
 @pytest.mark.parametrize(
     ("address", "says"),
     [
@@ -410,7 +388,7 @@ def test_cluster_that_is_refused(address: str, says: str, monkeypatch: pytest.Mo
     from warpwear.sweeps.cluster import connected
 
     client = distributed.Client
-    monkeypatch.setattr(distributed, "Client", lambda address, timeout: client(address, timeout="1s"))
+    monkeypatch.setattr(distributed, "Client", lambda address, **_: client(address, timeout="1s"))
     with pytest.raises(InputError, match=says), connected(address):
         pass
 

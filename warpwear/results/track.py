@@ -90,7 +90,8 @@ def inner_rows(result: ResultFile) -> slice:
     whole = whole_rows(result)
     middle = (whole.start + whole.stop) // 2
     half = round(0.5 * MIDDLE * float(result.history["patch_along"][-1]) / result.study.grid.cell)
-    return slice(max(min(whole.start, middle - half), 0), max(whole.stop, middle + half))
+    stop = min(max(whole.stop, middle + half), result.track_x.size)
+    return slice(max(min(whole.start, middle - half), 0), stop)
 
 
 def groove(result: ResultFile, index: int) -> Groove:

@@ -135,7 +135,10 @@ def _allowed(study: BaseModel, name: str, barred: tuple[Any, ...]) -> str:
     """Return the values of a key that are left where some are barred."""
     field = declarations(type(study))[name].field
     assert field is not None
-    return _one_of(value for value in get_args(field.annotation) if value not in barred)
+    options = (
+        get_args(option) or (option,) for option in get_args(field.annotation)
+    )  # which may be optional
+    return _one_of(value for value in chain(*options) if value not in (*barred, type(None)))
 
 
 def needs(
@@ -245,11 +248,14 @@ def section_in(annotation: Any) -> type[BaseModel] | None:
 
 
 def given_keys(section: BaseModel, prefix: str = "") -> set[str]:
-    """Return the dotted names of the keys that were given, not left to their defaults."""
+    """Return the dotted names of the keys that were given, not left open or to their defaults."""
     names = set()
     for name in section.model_fields_set:
         value = getattr(section, name)
-        names |= given_keys(value, f"{prefix}{name}.") if isinstance(value, BaseModel) else {prefix + name}
+        if isinstance(value, BaseModel):
+            names |= given_keys(value, f"{prefix}{name}.")
+        elif value is not None:
+            names.add(prefix + name)
     return names
 
 

@@ -29,7 +29,7 @@ def connected(address: str, *, insecure: bool = False, device: str = "cpu") -> I
     """
     _check(address, insecure=insecure)
     try:
-        client = distributed.Client(address, timeout="20s")
+        client = distributed.Client(address, timeout="20s", set_as_default=False)
     except ImportError:
         raise InputError("--cluster needs the package distributed: pip install 'warpwear[cluster]'") from None
     except (OSError, ValueError, TimeoutError) as error:

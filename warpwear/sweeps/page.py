@@ -1,5 +1,6 @@
 """The page of a sweep: what was varied, the band of its answers, what decides them, and every run."""
 
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -175,7 +176,8 @@ def _short(text: str) -> str:
 
 def _link(folder: Path | None, run: str) -> str:
     """Find a run's own page beside the sweep's, or else its folder; return nothing where it has none."""
-    if folder is None or not run or not (folder / "runs" / run).is_dir():
+    # Not of pathlib, whose questions raise where they must not look.
+    if folder is None or not run or not os.path.isdir(folder / "runs" / run):
         return ""
     page = f"runs/{run}/{manifest.PAGE}"
-    return page if (folder / page).is_file() else f"runs/{run}/"
+    return page if os.path.isfile(folder / page) else f"runs/{run}/"

@@ -90,6 +90,29 @@ def test_a_disk_that_fills(count: int, tmp_path: Path) -> None:
         assert run["resumed"] == "the same", run
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("free", ["0", "0.05", "0.1", "0.3", "0.6", "1", "2", "3", "4"])
+def test_commands_on_a_disk_that_fills(free: str, tmp_path: Path) -> None:
+    """Sweep, export and record: exit status 2 and one sentence at the end, nothing in part, never a crash."""
+    if not small_disks():
+        pytest.skip("no file system of our own can be mounted here")
+    script = ROOT / "tests" / "runs" / "stopped" / "small_disk_commands.py"
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    command = ["unshare", "-rm", sys.executable, str(script), str(disk), free]
+    done = subprocess.run(command, env=ENVIRONMENT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    for end in json.loads(done.stdout):
+        print(end["free"], end["command"], end["status"], end["said"][-1:])
+        assert not any("Traceback" in line for line in end["said"]), end
+        assert end["whole"] == (end["status"] == 0), end
+        if end["status"]:
+            assert end["status"] == 2 or (end["command"] == "sweep" and end["status"] == 1), end
+            assert end["said"][-1].startswith("warpwear: "), end
+            assert all(name.startswith("runs/") for name in end["there"]) or end["status"] == 1, end
+        assert end["again"] is True, end
+
+
 @pytest.mark.parametrize(
     ("mebibytes", "holds"), [(4.5, ""), pytest.param(1.0, "no run", marks=pytest.mark.slow)]
 )
