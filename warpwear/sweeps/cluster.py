@@ -1,6 +1,7 @@
 """Sweeps on a Dask cluster: who may be asked, and the executor that its client gives."""
 
 import ipaddress
+import logging
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
@@ -34,6 +35,7 @@ def connected(address: str, *, insecure: bool = False, device: str = "cpu") -> I
         raise InputError("--cluster needs the package distributed: pip install 'warpwear[cluster]'") from None
     except (OSError, ValueError, TimeoutError) as error:
         raise InputError(f"--cluster {address} cannot be reached: {error}.") from error
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # rows tell of a cluster that dies
     with client:
         number = _check_workers(client, address)
         more = {"resources": {"GPU": 1}} if device.startswith("cuda") else {}
