@@ -20,6 +20,8 @@ STRAIGHT = 0.25
 FEWEST, FEWEST_STRAIGHT = 20, 4
 #: Energy over 4QΔ below which no loop of a ball can slip as a whole.
 PARTIAL = 0.2
+#: Energy over Q Δ up to which a line that is gone to and fro has one, by rounding.
+ROUNDING = 1.0e-9
 
 
 def calibrate_loop(
@@ -72,7 +74,7 @@ def _of_loop(place: FloatArray, force: FloatArray, load: float) -> list[Row]:
     energy = abs(float(np.sum(0.5 * (force + np.roll(force, -1)) * following)))
     tip, most = float(place.max()), float(force.max())
     crossings = _at_no_force(place, force)
-    if energy == 0.0 or crossings.size < 2:
+    if energy <= ROUNDING * most * tip or crossings.size < 2:
         raise InputError("the loop does not enclose an area about no force: a whole cycle is needed")
     slip, ratio = float(np.ptp(crossings)), energy / (4.0 * most * tip)
     compliance = _compliance(place, force)

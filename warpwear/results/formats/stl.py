@@ -41,7 +41,7 @@ def write_stl(path: Path, body: Body, *, exaggeration: float) -> None:
     with path.open("wb") as file:
         file.write(about.encode("ascii").ljust(80, b" ")[:80])
         file.write(np.uint32(len(facets)).astype("<u4").tobytes())
-        file.write(facets.view(np.uint8))  # tofile does not name a full disk
+        file.write(facets.view(np.uint8).data)  # tofile does not name a full disk
 
 
 def _points(body: Body, z: FloatArray, back: float) -> FloatArray:
