@@ -215,7 +215,8 @@ class StoredCheckpoint:
         for name in stored_kinds | kinds:
             is_now, was = (each.get(name, "missing") for each in (kinds, stored_kinds))
             if is_now != was:
-                raise ValueError(f"{name} is {is_now} instead of {was}")
+                sentence = f"{name} is {is_now} instead of {was}"
+                raise ValueError(sentence.replace("NoneType", "nothing"))
         check_snapshots(self.file, self._order.study)
         return Checkpoint(
             arrays,
