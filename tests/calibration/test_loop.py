@@ -11,6 +11,7 @@ from click.testing import CliRunner
 from warpwear import InputError, Study
 from warpwear.calibration.loop import calibrate_loop
 from warpwear.cli.main import commands
+from warpwear.drafts.draft import draft
 from warpwear.laws.elastic import Hertz, effective_modulus
 from warpwear.laws.fretting import displacement, energy_ratio, loop, softness_ratio
 
@@ -52,6 +53,13 @@ def study_in(folder: Path) -> str:
     return str(path)
 
 
+def strip_in(folder: Path) -> Path:
+    """Write the draft of a line contact into a folder."""
+    path = folder / "strip.toml"
+    path.write_text(draft("fretting", name="strip", folder=folder), encoding="utf-8")
+    return path
+
+
 @pytest.mark.parametrize("noise", [0.0, 1e-3])
 def test_what_made_a_loop_comes_back(noise: float, tmp_path: Path) -> None:
     file = written(tmp_path / "loop.csv", slide=0.024, rig=2e-4, noise=noise)
@@ -85,5 +93,7 @@ def test_the_command_and_its_refusals(tmp_path: Path) -> None:
         file.write_text(text, encoding="utf-8")
         with pytest.raises(InputError, match=told):
             calibrate_loop(file, load="20 N")
+    with pytest.raises(InputError, match="is a line contact, of which it computes a strip: type --load"):
+        calibrate_loop(written(file, slide=0.024), study=str(strip_in(tmp_path)))
     with pytest.raises(InputError, match="--load is missing"):
         calibrate_loop(written(file, slide=0.024))

@@ -35,6 +35,11 @@ def calibrate_loop(
     if study is not None:
         refuse({"--load": load}, "and --study exclude each other: the study has its load")
     known = None if study is None else Study.load(study)
+    if known is not None and known.is_line:
+        raise InputError(
+            f"--study {study} is a line contact, of which it computes a strip: "
+            "type --load with that of the whole contact, instead of --study"
+        )
     force = options.load_of(load) if known is None else known.contact.load
     place, friction = _read(file)
     rows = [

@@ -33,7 +33,7 @@ def turned(
 
 @pytest.mark.slow
 def test_stick_and_slip_of_the_shortcut_are_those_of_the_whole_history() -> None:
-    """Poisson's ratio 0, Λ = 4κμ K p0 N up to 30: tractions locked in as the ring wears change no cycle."""
+    """At ν = 0 and Λ = 4κμ K p0 N up to about 15, tractions locked in as the ring wears change no cycle."""
     study = sheared(
         20,
         counter__poisson=0.0,
