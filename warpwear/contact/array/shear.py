@@ -14,15 +14,15 @@ from warpwear.grid import FloatArray
 class ShearCertificate:
     """Tells what a tangential traction q within friction's bound c = μ p is worth, reckoned anew from it.
 
-    s is the slip of the increment. The conditions are s = 0 where |q| < c, else s along q. violation: largest
+    s is the slip of the increment. The conditions are s = 0 where ‖q‖ < c, else s along q. violation: largest
     breach of these, over the largest displacement that c itself makes; allowed: what may be left of it, the
-    tolerance or, where that is more, what rounding shows. beyond_bounds: by how much |q| exceeds c, a
+    tolerance or, where that is more, what rounding shows. beyond_bounds: by how much ‖q‖ exceeds c, a
     pressure. force_residual: force missed, over μ P; 0 at a displacement.
 
-    energy_gap: Σ c |s| − q·s, times the area of a cell. No other traction within the bounds, of the same
+    energy_gap: Σ c ‖s‖ − q·s, times the area of a cell. No other traction within the bounds, of the same
     force where a force is prescribed, has an energy ½ q·Aq − q·(rhs + D) that is lower by more (Frank and
     Wolfe 1956, Nav. Res. Logist. Q. 3, 95): s is that energy's negative gradient, and no other traction of a
-    cell gives more than c |s| − q·s along it. relative_gap: energy_gap over Σ c times the scale of
+    cell gives more than c ‖s‖ − q·s along it. relative_gap: energy_gap over Σ c times the scale of
     violations.
     """
 
