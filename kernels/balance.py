@@ -221,14 +221,7 @@ def select(
 
 
 @wp.kernel
-def listed(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    lists: wp.array(dtype=Listing),
-    listing: wp.array(dtype=wp.int32),
-    tiles: Tiles,
-    least: wp.int32,
-):
+def listed(lists: wp.array(dtype=Listing), listing: wp.array(dtype=wp.int32), tiles: Tiles, least: wp.int32):
     """Decides whether a list holds enough tiles, or must reach deeper than it was asked to. On a CPU."""
     now = lists[0]
     now.is_fresh = 0
@@ -256,7 +249,7 @@ def begin_anew(springs: Springs, lowest: wp.float64, s: Search):
 
 
 @wp.kernel
-def begin(first_slot: wp.int32, slots: wp.int32, springs: Springs, lowest: wp.float64, softest: wp.float64):
+def begin(springs: Springs, lowest: wp.float64, softest: wp.float64):
     """Begins a search of which nothing is known. lowest: gap [mm]; softest: stiffness of a cell [N/mm³]."""
     if wp.tid() == 0:
         begin_anew(springs, lowest, search_from_lowest(springs, lowest, ZERO, softest))
@@ -303,7 +296,7 @@ def judged_pass(springs: Springs):
 
 
 @wp.kernel
-def judge(first_slot: wp.int32, slots: wp.int32, springs: Springs):
+def judge(springs: Springs):
     """Decides what follows from a pass on springs."""
     s, lists = judged_pass(springs)
     if wp.tid() == 0:

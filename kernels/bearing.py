@@ -234,7 +234,7 @@ def conclude_area(springs: Springs, s: Search, lists: Listing, law: Law):
 
 
 @wp.kernel
-def begin(first_slot: wp.int32, slots: wp.int32, springs: Springs, lowest: wp.float64):
+def begin(springs: Springs, lowest: wp.float64):
     """Begins a search of which nothing is known, on any list. lowest: gap [mm]."""
     if wp.tid() == 0:
         begin_anew(springs, lowest, area_between(springs, lowest, ZERO))
@@ -256,7 +256,7 @@ def counted_below(
 
 
 @wp.kernel
-def judge_area(first_slot: wp.int32, slots: wp.int32, springs: Springs):
+def judge_area(springs: Springs):
     """Decides what follows from a pass over a bearing area."""
     s, lists, law = judged_area(springs)
     if wp.tid() == 0:

@@ -133,8 +133,6 @@ def _count_listed(count: wp.array(dtype=wp.int32)) -> wp.int32: ...
 
 @wp.kernel
 def listed(
-    first_slot: wp.int32,
-    slots: wp.int32,
     lists: wp.array(dtype=Listing),
     listing: wp.array(dtype=wp.int32),
     depth: wp.array(dtype=wp.float64),

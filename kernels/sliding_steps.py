@@ -157,21 +157,21 @@ def with_columns(before: Slide, c: Course, steps: Steps):
 
 
 @wp.kernel(module=TOGETHER)
-def begin(first_slot: wp.int32, slots: wp.int32, steps: Steps):
+def begin(steps: Steps):
     """Begins the steps of a plan, or goes on with them."""
     if wp.tid() == 0:
         steps.stepping[0] = wp.where(steps.course[0].step < steps.course[0].steps, 1, 0)
 
 
 @wp.kernel(module=TOGETHER)
-def begin_search(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps):
+def begin_search(springs: Springs, steps: Steps):
     """Begins the search of a step."""
     if wp.tid() == 0:
         begin_step(springs, steps)
 
 
 @wp.kernel(module=TOGETHER)
-def end_search(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps):
+def end_search(springs: Springs, steps: Steps):
     """Learns from the balance of a step, and tells the pass that wears of it."""
     if wp.tid() == 0:
         c = steps.course[0]
@@ -201,14 +201,7 @@ def _end_of(of_rows: wp.array(dtype=wp.float64), is_last: wp.int32) -> wp.float6
 
 
 @wp.kernel(module=TOGETHER)
-def record(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    springs: Springs,
-    steps: Steps,
-    tables: StepTables,
-    of_rows: OfRows,
-):
+def record(springs: Springs, steps: Steps, tables: StepTables, of_rows: OfRows):
     """Writes the row of a step, and tells whether another one follows.
 
     Steps end where the contact reaches the edge or the rim, as a run may stop there and be kept as it is, and

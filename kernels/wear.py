@@ -196,7 +196,7 @@ def expect(steps: Steps, s: Search, lists_before: Listing, approach: wp.float64,
 
 
 @wp.kernel
-def judge(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps):
+def judge(springs: Springs, steps: Steps):
     """Decides what follows from a pass of the search of a step."""
     if steps.is_rigid == 1:
         s, lists, law = judged_area(springs)
@@ -315,7 +315,7 @@ def write_row(springs: Springs, steps: Steps, tables: Tables, thread: wp.int32):
 
 
 @wp.kernel
-def record(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps, tables: Tables):
+def record(springs: Springs, steps: Steps, tables: Tables):
     """Writes the row of a step that was worn, if any, and begins the next one, if there is one.
 
     It does nothing while a search goes on. Steps end where the contact reaches the edge or the rim, as a run

@@ -198,7 +198,7 @@ def unshifted(before: ShearNumbers):
 
 
 @wp.kernel
-def begin(first_slot: wp.int32, slots: wp.int32, shear: Shear):
+def begin(shear: Shear):
     """Begin with no traction, or with the force on all cells alike."""
     lines = lines_of(shear, 6, 7)
     if lane() == 0:
@@ -212,7 +212,7 @@ def begin(first_slot: wp.int32, slots: wp.int32, shear: Shear):
 
 
 @wp.kernel
-def shift(first_slot: wp.int32, slots: wp.int32, shear: Shear):
+def shift(shear: Shear):
     """Shift on, until the force is met."""
     lines = lines_of(shear, 5, 6)
     if lane() == 0:
@@ -220,7 +220,7 @@ def shift(first_slot: wp.int32, slots: wp.int32, shear: Shear):
 
 
 @wp.kernel
-def arrive(first_slot: wp.int32, slots: wp.int32, shear: Shear):
+def arrive(shear: Shear):
     """Note what a step has led to, and shift where it misses the force."""
     lines = lines_of(shear, 5, 6)
     if lane() == 0:
@@ -232,7 +232,7 @@ def arrive(first_slot: wp.int32, slots: wp.int32, shear: Shear):
 
 
 @wp.kernel
-def level(first_slot: wp.int32, slots: wp.int32, shear: Shear):
+def level(shear: Shear):
     """Find the rigid displacement: under a force, that by which cells slip least where they may move."""
     lines = lines_of(shear, 8, 8)
     if lane() == 0:
@@ -245,7 +245,7 @@ def level(first_slot: wp.int32, slots: wp.int32, shear: Shear):
 
 
 @wp.kernel
-def judge(first_slot: wp.int32, slots: wp.int32, shear: Shear):
+def judge(shear: Shear):
     """Judge the traction: is it the solution?"""
     lines = lines_of(shear, 0, 2)
     if lane() == 0:
@@ -261,7 +261,7 @@ def judge(first_slot: wp.int32, slots: wp.int32, shear: Shear):
 
 
 @wp.kernel
-def aim(first_slot: wp.int32, slots: wp.int32, shear: Shear):
+def aim(shear: Shear):
     """Decide how the way is made of descent and last way; under a force it moves none on the whole."""
     lines = lines_of(shear, 14, 14)
     if lane() == 0:
@@ -287,7 +287,7 @@ def aim(first_slot: wp.int32, slots: wp.int32, shear: Shear):
 
 
 @wp.kernel
-def go(first_slot: wp.int32, slots: wp.int32, shear: Shear):
+def go(shear: Shear):
     """Decide how far to go along the way: to the least energy along it."""
     lines = lines_of(shear, 1, 1)
     if lane() == 0:

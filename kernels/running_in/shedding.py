@@ -163,7 +163,7 @@ def cut_at(peak: wp.int32, place: wp.int32, footprint: Footprint, body: Body, re
 
 
 @wp.kernel(module=TOGETHER)
-def begin_rounds(first_slot: wp.int32, slots: wp.int32, body: Body, release: Release):
+def begin_rounds(body: Body, release: Release):
     """A body begins to shed, or goes on with it."""
     if wp.tid() == 0:
         if body.counts[STAGE] == TAKES:
@@ -192,7 +192,7 @@ def find_peaks(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body
 
 
 @wp.kernel(module=TOGETHER)
-def begin_cut(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Body, release: Release):
+def begin_cut(footprint: Footprint, body: Body, release: Release):
     """The peaks of a round are cut if the table has room for them, and another round follows."""
     if wp.tid() == 0:
         peaks = body.counts[PEAKS]
@@ -226,7 +226,7 @@ def cut(
 
 
 @wp.kernel(module=TOGETHER)
-def end_rounds(first_slot: wp.int32, slots: wp.int32, body: Body, release: Release):
+def end_rounds(body: Body, release: Release):
     """Tell whether a body is done with its rounds."""
     if wp.tid() == 0:
         release.closes[0] = wp.where(body.counts[STAGE] == SHEDS and release.full[0] == 0, 1, 0)
@@ -258,12 +258,7 @@ def total_rows(
 
 @wp.kernel(module=TOGETHER)
 def note(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    slides: wp.array(dtype=Slide),
-    body: Body,
-    first_column: wp.int32,
-    rows_out: wp.array2d(dtype=wp.float64),
+    slides: wp.array(dtype=Slide), body: Body, first_column: wp.int32, rows_out: wp.array2d(dtype=wp.float64)
 ):
     """Enter what a body has lost in the row of the step: pieces, sums of wear and pending, deepest wear."""
     worn = sum_of(body.of_rows, 0)
@@ -280,14 +275,7 @@ def note(
 
 
 @wp.kernel(module=TOGETHER)
-def end_step(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    counter: Body,
-    disc: Body,
-    release: Release,
-    goes_out: wp.array(dtype=wp.int32),
-):
+def end_step(counter: Body, disc: Body, release: Release, goes_out: wp.array(dtype=wp.int32)):
     """A step ends when both bodies are done with it; the program stops where the table is full."""
     if wp.tid() == 0:
         ends = wp.where(release.full[0] == 0, 1, 0)

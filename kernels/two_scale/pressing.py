@@ -80,23 +80,13 @@ def prescribe(smooth: Smooth, load: Load, flexibility: wp.float64, removal: wp.f
 
 
 @wp.kernel
-def press_smoothly(
-    first_slot: wp.int32, slots: wp.int32, smooth: Smooth, load: Load, step: wp.array(dtype=wp.float64)
-):
+def press_smoothly(smooth: Smooth, load: Load, step: wp.array(dtype=wp.float64)):
     """Prescribe the loads of a step by itself. step: 1/K_N, and K ΔL of both bodies [mm³/N]."""
     prescribe(smooth, load, step[0], step[1])
 
 
 @wp.kernel
-def begin(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    steps: Steps,
-    curves: Curves,
-    courses: Courses,
-    smooth: Smooth,
-    brackets: wp.array(dtype=Bracket),
-):
+def begin(steps: Steps, curves: Curves, courses: Courses, smooth: Smooth, brackets: wp.array(dtype=Bracket)):
     """Begin a step whose loads a smooth contact prescribes: a search of every patch."""
     m = steps.memory[0]
     now = begun(steps)
@@ -118,8 +108,6 @@ def begin(
 
 @wp.kernel
 def judge(
-    first_slot: wp.int32,
-    slots: wp.int32,
     load: Load,
     curves: Curves,
     smooth: Smooth,

@@ -317,14 +317,7 @@ def evaluated(curves: Curves, load: Load, before: Search):
 
 
 @wp.kernel(module=TOGETHER)
-def judge(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    load: Load,
-    curves: Curves,
-    search_out: wp.array(dtype=Search),
-    flags: Flags,
-):
+def judge(load: Load, curves: Curves, search_out: wp.array(dtype=Search), flags: Flags):
     """Decide after an evaluation whether the load is shared, and at what approaches to look next."""
     s = evaluated(curves, load, search_out[0])
     if lane() == 0:

@@ -176,7 +176,7 @@ def flexibility_of(steps: Steps, now: Now):
 
 
 @wp.kernel(module=TOGETHER)
-def begin(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses):
+def begin(steps: Steps, curves: Curves, courses: Courses):
     """Begin a step whose load is shared: a search from the last approaches, or from the lowest cell."""
     m = steps.memory[0]
     now = begun(steps)
@@ -203,7 +203,7 @@ def begin(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, c
 
 
 @wp.kernel(module=TOGETHER)
-def foresee(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses):
+def foresee(steps: Steps, curves: Curves, courses: Courses):
     """Learn from the approaches of a step, and tell at which ones the pass that wears looks ahead."""
     s = steps.search[0]
     now = steps.now[0]
@@ -238,7 +238,7 @@ def foresee(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves,
 
 
 @wp.kernel(module=TOGETHER)
-def end(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses, books: Books):
+def end(steps: Steps, curves: Curves, courses: Courses, books: Books):
     """Enter a step that has worn into the books, and see whether another one follows."""
     s = steps.search[0]
     now = steps.now[0]

@@ -33,7 +33,7 @@ def best_of_few(
     room.rows = room.columns = 10**6
     for name, values in {"row": rows, "column": columns, "slope": slope, "low": low, "high": high}.items():
         getattr(room, name).numpy()[:] = values
-    wp.launch(active_set.solve_few, dim=1, inputs=[0, 1, room, len(rows), count], device="cpu")
+    wp.launch(active_set.solve_few, dim=1, inputs=[room, len(rows), count], device="cpu")
     return room.change.numpy() if count.numpy()[0] else None
 
 
