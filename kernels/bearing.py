@@ -12,9 +12,10 @@ follows, on a smaller bracket. Few cells take one pass, many cells a few.
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.balance import Search, Springs, ask_for, begin_anew, most_of, sum_of
+from warpwear.kernels.balance import Search, Springs, ask_for, begin_anew
 from warpwear.kernels.cells import NONE, ZERO, Cells
 from warpwear.kernels.contact import Law
+from warpwear.kernels.native_code import most_of, sum_of
 from warpwear.kernels.newton import EVALUATIONS, GROWS, HALF, HOPELESS, LOOKS, MET, STUCK, bracket_at
 from warpwear.kernels.tiles import TWO, Listing, reached
 
@@ -252,7 +253,6 @@ def counted_below(
 
     Those inside the bracket are gathered; the lowest and the highest gap are found.
     """
-    ...
 
 
 @wp.kernel

@@ -39,7 +39,6 @@ def place_open(solve: Solve, few: ActiveSet):
 @wp.func_native("return move_few(solve, few, count);")
 def move_few(solve: Solve, few: ActiveSet, count: wp.int32) -> wp.bool:
     """Move the few open cells in the trial; tell whether there is a way."""
-    ...
 
 
 @wp.kernel(module=TOGETHER)

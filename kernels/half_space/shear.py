@@ -9,7 +9,7 @@ import warp as wp
 
 from warpwear.kernels.cells import NONE, ONE, ZERO, Cells
 from warpwear.kernels.half_space.solve import CONVERGED, LED_NOWHERE, RUNS
-from warpwear.kernels.native_code import native_pass, options
+from warpwear.kernels.native_code import Lines, lane, lines_of_table, native_pass, options
 
 wp.set_module_options(options("half_space/shear.h"))
 
@@ -134,26 +134,10 @@ def shifts(shear: Shear):
     """Shift the trial, each cell within its circle."""
 
 
-@wp.func_native("return lane_of_slot();")
-def lane() -> wp.int32:
-    """Return the number of a thread in its slot."""
-    ...
-
-
-#: Numbers of the lines of a table.
-Lines = wp.types.vector(length=LINES, dtype=wp.float64)
-
-
-@wp.func_native("return lines_of_table<14>(table, columns, sums, lines);")
-def _lines_of_table(
-    table: wp.array2d(dtype=wp.float64), columns: wp.int32, sums: wp.int32, lines: wp.int32
-) -> Lines: ...
-
-
 @wp.func
 def lines_of(shear: Shear, sums: wp.int32, lines: wp.int32):
     """Bring the first lines of the table to a number each: so many sums, then maxima."""
-    return _lines_of_table(shear.table, shear.table.shape[1], sums, lines)
+    return lines_of_table(shear.table, shear.table.shape[1], sums, lines)
 
 
 @wp.func

@@ -10,6 +10,7 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import Cells
+from warpwear.kernels.native_code import Lines, lane, lines_of_table, of_slot, width
 from warpwear.kernels.newton import Bracket
 
 #: Kernels of a search are compiled together: each file of its own would compile Warp's headers again.
@@ -206,34 +207,6 @@ class Solve:
     flags: wp.array(dtype=wp.int32)  # of the program, by `Flag`
 
 
-@wp.func_native("return lane_of_slot();")
-def lane() -> wp.int32:
-    """Return the number of a thread in its slot."""
-    ...
-
-
-@wp.func_native("return width_of_slot();")
-def width() -> wp.int32:
-    """Tell how many threads a slot has."""
-    ...
-
-
-@wp.func_native("return of_slot(value, adds);")
-def of_slot(value: wp.float64, adds: wp.bool) -> wp.float64:
-    """Bring what the threads of a slot have to one number."""
-    ...
-
-
-#: Numbers of the lines of a table.
-Lines = wp.types.vector(length=12, dtype=wp.float64)
-
-
-@wp.func_native("return lines_of_table<12>(table, columns, sums, lines);")
-def _lines_of_table(
-    table: wp.array2d(dtype=wp.float64), columns: wp.int32, sums: wp.int32, lines: wp.int32
-) -> Lines: ...
-
-
 # A decision is one slot. Where there is one group all of its threads look at it together; of many groups each
 # thread looks at some.
 
@@ -271,7 +244,7 @@ def writes(solve: Any):
 @wp.func
 def all_lines(solve: Any, sums: wp.int32, lines: wp.int32):
     """Bring the first lines of the table to a number each, over all slots: so many sums, then maxima."""
-    return _lines_of_table(solve.table, wp.min(solve.visited[0], solve.table.shape[1]), sums, lines)
+    return lines_of_table(solve.table, wp.min(solve.visited[0], solve.table.shape[1]), sums, lines)
 
 
 @wp.func

@@ -8,8 +8,8 @@ then.
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.balance import most_of, sum_of
 from warpwear.kernels.cells import NONE, ONE, ZERO, Cells
+from warpwear.kernels.native_code import most_of, sum_of
 from warpwear.kernels.running_in.pieces import (
     CANDIDATES,
     CUT,
@@ -26,7 +26,7 @@ from warpwear.kernels.running_in.pieces import (
     Footprint,
     row_at,
 )
-from warpwear.kernels.slide import Slide
+from warpwear.kernels.sliding import Slide
 
 #: All kernels of pieces are compiled together.
 TOGETHER = wp.get_module("warpwear.kernels.running_in.pieces")
@@ -253,7 +253,6 @@ def total_rows(
     pending_in: wp.array2d(dtype=Cells),
 ):
     """Sum up the rows that a step may have changed: under the contact, or all where pieces had overflowed."""
-    ...
 
 
 @wp.kernel(module=TOGETHER)

@@ -13,8 +13,8 @@ the solution, which together hold more digits than their sum.
 import warp as wp
 
 from warpwear.kernels import newton as roots
-from warpwear.kernels.balance import most_of, sum_of
 from warpwear.kernels.cells import NONE, ONE, ZERO
+from warpwear.kernels.native_code import lane, most_of, sum_of, width
 from warpwear.kernels.newton import HALF, Bracket
 from warpwear.kernels.two_scale.curves import (
     PRESSURE,
@@ -25,9 +25,7 @@ from warpwear.kernels.two_scale.curves import (
     End,
     clear_bracket,
     enter_point,
-    lane,
     next_number,
-    width,
 )
 
 #: Evaluations after which the approach of the bodies is held while the patches are solved at it, in brackets.
