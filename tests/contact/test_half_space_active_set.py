@@ -8,11 +8,12 @@ import warp as wp
 from cases_half_space import MODULUS, rough
 from numpy.testing import assert_allclose
 
-from warpwear.contact.half_space.search import SearchRules, room_for_few
+from warpwear.contact.half_space.search import room_for_few
 from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid, IntArray
 from warpwear.kernels.half_space import active_set
+from warpwear.kernels.half_space.solve import SearchRules
 
 GRID = Grid(60, 53, 0.5)
 

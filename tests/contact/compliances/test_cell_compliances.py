@@ -45,7 +45,7 @@ def test_against_active_sets_on_the_dense_matrix(
         assert contact.certificate is not None
         separation = (matrix @ expected.ravel()).reshape(gap.shape) + gap
         np.testing.assert_allclose(
-            contact.separation + contact.approach, separation, atol=1e-8 * np.abs(separation).max()
+            separation(contact) + contact.approach, separation, atol=1e-8 * np.abs(separation).max()
         )
         solver.forget()
         plain = solver.solve(field, mean_pressure=expected.mean(), **streak)

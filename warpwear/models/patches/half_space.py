@@ -16,9 +16,8 @@ import numpy as np
 import warp as wp
 
 from warpwear.contact.certificate import columns_of
-from warpwear.contact.half_space.contact import HalfSpaceContact
 from warpwear.contact.half_space.search import NO_CAP
-from warpwear.contact.half_space.solver import BoundedPressure
+from warpwear.contact.half_space.solver import BoundedPressure, HalfSpaceContact
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program

@@ -10,8 +10,8 @@ import warp as wp
 
 from warpwear.contact.balance import Balance, residual_of
 from warpwear.contact.certificate import Certificate, columns_of
-from warpwear.contact.half_space.contact import HalfSpaceContact
 from warpwear.contact.half_space.search import NO_CAP
+from warpwear.contact.half_space.solver import HalfSpaceContact
 from warpwear.contact.half_space.window import WindowedHalfSpace
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Mirror, Numbers
