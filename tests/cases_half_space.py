@@ -133,11 +133,11 @@ def bounded(matrix: FloatArray, gap: FloatArray, approach: float, hardness: floa
     return np.asarray(found.x.reshape(gap.shape))
 
 
-def area_fraction(contact: HalfSpaceContact) -> float:
+def area_fraction_of(contact: HalfSpaceContact) -> float:
     """The contact area over the nominal one."""
     return contact.cells_in_contact / contact.executor.grid.cells
 
 
-def separation(contact: HalfSpaceContact) -> FloatArray:
+def separation_of(contact: HalfSpaceContact) -> FloatArray:
     """The gap left by deformation and implicit wear [mm]; negative where p = H."""
     return np.asarray(contact.executor.to_numpy(contact.gradient_field) - contact.approach)
