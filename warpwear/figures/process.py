@@ -58,9 +58,10 @@ class Painter:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         if self._process is not None:
-            self._process.kill()
-            self._process.wait()
-        self._hands.shutdown(wait=False, cancel_futures=True)
+            with suppress(OSError), self._process:  # closes its pipes
+                self._process.kill()
+                self._hands.shutdown(cancel_futures=True)
+        self._hands.shutdown()
 
     @property
     def draws(self) -> bool:
