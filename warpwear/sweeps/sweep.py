@@ -19,7 +19,7 @@ from warpwear.runs.console import warn
 from warpwear.study.study import Study
 from warpwear.sweeps.plan import Plan, section_of
 from warpwear.sweeps.points import task_of
-from warpwear.sweeps.pool import WorkerDiedError, Workers, local_workers
+from warpwear.engine.workers import WorkerDiedError, Workers, local_workers
 from warpwear.sweeps.report import PAGE, failed_sentence, write_report
 from warpwear.sweeps.run_one import Row, is_there, run_one
 from warpwear.sweeps.table import RUNS, TABLES, SweepResult
