@@ -41,9 +41,12 @@ def write_report(result: SweepResult, folder: Path, experiments: tuple[Experimen
                 within=manifest.FIGURES,
             )
             return _moved(work, folder)
-    except OSError as error:
+    except (OSError, InputError) as error:
+        cause = error.__cause__ if isinstance(error, InputError) else error
+        if not isinstance(cause, OSError):
+            raise
         raise InputError(
-            f"out = {folder}: tables and figures could not be written: {error.strerror or error}; the runs "
+            f"out = {folder}: tables and figures could not be written: {cause.strerror or cause}; the runs "
             "are kept, and the same command with --resume writes them"
         ) from error
 
@@ -54,9 +57,8 @@ def _moved(work: Path, folder: Path) -> list[Path]:
     tables = [name for name in (*TABLES, PAGE) if (work / name).is_file()]
     names = [*tables, *sorted(f"{manifest.FIGURES}/{path.name}" for path in work.glob("*/*.png"))]
     (folder / manifest.FIGURES).mkdir(exist_ok=True)
-    for name in names if ours else ():  # what earlier versions wrote stands in no manifest
-        if name not in ours:
-            manifest.set_aside(folder / name)
+    for name in {*names} - ours:
+        manifest.set_aside(folder / name)
     manifest.write(folder, ours | {*names}, work=work)
     return [(work / name).replace(folder / name) for name in names]
 
