@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from warpwear.engine.device import find_device, gpu_count, usable_cores
+from warpwear.engine.workers import WorkerDiedError, Workers, local_workers
 from warpwear.errors import InputError, explained
 from warpwear.results import manifest
 from warpwear.results.folder import LOCK, check_writable, held, refuse_if_held
@@ -19,7 +20,6 @@ from warpwear.runs.console import warn
 from warpwear.study.study import Study
 from warpwear.sweeps.plan import Plan, section_of
 from warpwear.sweeps.points import task_of
-from warpwear.sweeps.pool import WorkerDiedError, Workers, local_workers
 from warpwear.sweeps.report import PAGE, failed_sentence, write_report
 from warpwear.sweeps.run_one import Row, is_there, run_one
 from warpwear.sweeps.table import RUNS, TABLES, SweepResult
@@ -232,7 +232,7 @@ def check_folder(folder: Path, *, resume: bool) -> None:
         )
     ours = manifest.written(folder)
     foreign = [name for name in (*TABLES, PAGE) if name in names and name not in ours]
-    if foreign and (ours or TABLES[0] not in names):  # earlier versions wrote no manifest
+    if foreign:
         raise InputError(
             f"out = {folder} holds {', '.join(foreign)}, which no sweep wrote and this one would replace: "
             "move what you want to keep, or give another folder (out)."
@@ -250,10 +250,6 @@ def check_runs(plan: Plan, folder: Path) -> None:
         with path.open(newline="", encoding="utf-8-sig") as file:
             reader = csv.DictReader(file)
             rows = [row for row in reader if None not in row.values()]
-            if path.name not in manifest.written(folder) and not {"run", "status"} <= {
-                *(reader.fieldnames or ())
-            }:
-                raise KeyError("columns run and status")
         stored = {row["run"] for row in rows if not row["status"].startswith("failed")}
     except FileNotFoundError:
         return
