@@ -15,11 +15,11 @@ from fuzzing import check_sentence
 
 import warpwear
 from warpwear import InputError
+from warpwear.engine.workers import WorkerDiedError
 from warpwear.results import manifest
 from warpwear.results.folder import held
 from warpwear.sweeps import cluster
 from warpwear.sweeps.plan import Plan, section_of
-from warpwear.sweeps.pool import WorkerDiedError
 from warpwear.sweeps.sweep import check_runs, estimate, local_executor, make_runs
 from warpwear.sweeps.table import RUNS
 

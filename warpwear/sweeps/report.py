@@ -63,11 +63,10 @@ def _moved(work: Path, folder: Path) -> list[Path]:
     return [(work / name).replace(folder / name) for name in names]
 
 
-def group_rows(result: SweepResult, column: str = "cof") -> list[dict[str, Any]]:
-    """For each group of runs: label, number of runs, mean, 5th and 95th percentile of an end value."""
-    values = (
-        result.ends(column) if any(row.ends for row in result.rows) else np.full(len(result.rows), np.nan)
-    )
+def group_rows(result: SweepResult) -> list[dict[str, Any]]:
+    """For each group of runs: label, number of runs, mean, 5th and 95th percentile of the end's CoF."""
+    known = any(row.ends for row in result.rows)
+    values = result.ends("cof") if known else np.full(len(result.rows), np.nan)
     rows = []
     for label, runs in result.plan.groups.items():
         known = values[runs][np.isfinite(values[runs])]

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from warpwear.engine.device import find_device, gpu_count, usable_cores
+from warpwear.engine.workers import WorkerDiedError, Workers, local_workers
 from warpwear.errors import InputError, explained
 from warpwear.results import manifest
 from warpwear.results.folder import LOCK, check_writable, held, refuse_if_held
@@ -19,7 +20,6 @@ from warpwear.runs.console import warn
 from warpwear.study.study import Study
 from warpwear.sweeps.plan import Plan, section_of
 from warpwear.sweeps.points import task_of
-from warpwear.sweeps.pool import WorkerDiedError, Workers, local_workers
 from warpwear.sweeps.report import PAGE, failed_sentence, write_report
 from warpwear.sweeps.run_one import Row, Task, is_there, run_one
 from warpwear.sweeps.table import RUNS, TABLES, SweepResult
