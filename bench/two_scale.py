@@ -21,7 +21,6 @@ import warpwear
 from warpwear.figures import describe as fs
 from warpwear.figures.of_run.data import load_share_error
 from warpwear.figures.style import style
-from warpwear.runs.make import model_of
 from warpwear.runs.order import RunOrder
 
 Table = list[dict[str, Any]]
@@ -137,7 +136,7 @@ def seconds_of_steps(changes: dict[str, Any]) -> float:
     study = warpwear.Study.load("two-scale").replace(changes)
     order = RunOrder(study)
     with order.arrangement.executor(study, device="cpu", threads=None) as executor:
-        model = model_of(order, executor).model
+        model = order.model(executor).model
         plan = [(increment, False) for increment, _, _ in order.plan]
         start = time.perf_counter()
         for _ in model.steps(plan):

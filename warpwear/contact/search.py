@@ -7,7 +7,7 @@ import warp as wp
 from warpwear.contact.balance import TOLERANCE, Balance
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.program import Program, launch_once
-from warpwear.engine.tiles import Tiles
+from warpwear.engine.tiles import TileList
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.kernels import balance, bearing
@@ -31,7 +31,7 @@ class LoadSearch:
         self,
         executor: Executor,
         gap: Field,
-        tiles: Tiles,
+        tiles: TileList,
         *,
         load: float,
         hardness: float,

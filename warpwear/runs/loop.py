@@ -27,7 +27,6 @@ from warpwear.runs.checkpoint import Checkpoint, Checkpoints, StoredCheckpoint, 
 from warpwear.runs.console import Interrupts, Progress
 from warpwear.runs.invariants import Violation
 from warpwear.runs.jump import CycleJumps
-from warpwear.runs.make import model_in, model_of
 from warpwear.runs.order import RunOrder
 from warpwear.runs.plan import Planned, legs_of
 from warpwear.runs.step import RunStep
@@ -74,7 +73,7 @@ class StepLoop:
             if stored is not None:
                 stored.refuse_changes(order, device=str(executor.device))
             original = stored.heights_for if stored else np.asarray
-            prepared = model_of(order, executor, original=original)
+            prepared = order.model(executor, original=original)
             self._executor, self._heights, self._block = executor, prepared.heights, order.blocks[0]
             self._surface_record, self._filled = prepared.record, prepared.filled
             self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
@@ -245,7 +244,7 @@ class StepLoop:
         before, self._block = self._block, block
         if self._task_of(block) == self._task_of(before):
             return False
-        prepared, model = model_in(self._order, block, self._heights, self._executor, {}), self._model
+        prepared, model = self._order.model_in(block, self._heights, self._executor, {}), self._model
         state.restore(prepared.model, *state.save(model))
         prepared.model.longest_block = min(model.longest_block, prepared.model.longest_block)
         self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from warpwear.laws.fretting import HONEST_MEAN
+from warpwear.laws.fretting import HONEST_MEAN, displacement, softness_ratio
 from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study.bodies import Synthetic
 from warpwear.study.content import Content
@@ -216,7 +216,8 @@ def _of_sticking(study: Content) -> Iterator[str]:
     bodies = study.counter.elastic, study.disc.elastic
     if stroke is None or hertz is None or hertz.is_line or study.friction.fitted is None:
         return
-    travel = 2.0 * hertz.travel_to_slip(coefficient, *(body for body in bodies if body is not None))
+    kappa = softness_ratio(*(body for body in bodies if body is not None))
+    travel = 2.0 * displacement(hertz, kappa, coefficient)
     if travel > STICKING * stroke:
         yield (
             f"sliding.stroke = {_in_words(stroke)} is slip: smooth bodies like these at a coefficient of "

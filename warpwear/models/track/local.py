@@ -86,7 +86,6 @@ class SlidingContact:
         self.state = SlidingBodies.of(task, executor, disc, counter=counter)
         self.task, self.periodic, self._moves = task, periodic, moves
         self._executor, self._track_fraction = executor, track_fraction
-        self.keeps_dents = task.keeps_dents
         device = executor.device
         #: What is bare of film; None without one.
         self.film = BareCells.of_bodies(task.film, executor, self.state.wear_counter, self.state.wear_disc)
@@ -138,7 +137,7 @@ class SlidingContact:
             solved=wp.zeros(1, dtype=wp.int32, device=device),
             moves=int(moves),
             stays=int(wears_alone and not moves),
-            hardness=task.hardness if self.keeps_dents else NO_LIMIT,
+            hardness=task.hardness if task.keeps_dents else NO_LIMIT,
             rows=executor.grid.nx,
             columns=executor.grid.ny,
             margin=sum(one.margin for one in self.attachments),
@@ -162,12 +161,11 @@ class SlidingContact:
             self.tiles,
             Place(
                 self._slides.array,
-                None,  # of each search
-                (self.tiles.list, self.tiles.count),
-                of_cells,
-                bodies,
-                arguments(StepTables, **tables),
                 self._steps,
+                listed=(self.tiles.list, self.tiles.count),
+                of_cells=of_cells,
+                bodies=bodies,
+                tables=arguments(StepTables, **tables),
             ),
             arguments(OfTiles, rows=arguments(OfRows, **self._totals), **bounds, **numbers),
             self.attachments,

@@ -196,8 +196,9 @@ class SlidingPieces(Attachment):
         return program.branch(self._release.ends)
 
     def before_search(self, program: Program, place: Place) -> None:
-        """Say that a step begins."""
-        self.say_begin(program)
+        """Say that a step begins: what waits since the last one is looked at."""
+        for body in self.both:
+            program.launch(kernels.list_overflow, body.body, **self._alone)
 
     def before_wear(self, program: Program, place: Place) -> None:
         """Say that the wear of the tiles listed becomes pending."""
@@ -205,8 +206,17 @@ class SlidingPieces(Attachment):
         program.launch(kernels.take_tiles, place.slides, self._both, *contact, **self._alone)
 
     def between(self, program: Program, place: Place) -> None:
-        """Say that the pieces of a step leave."""
-        self.say_shed(program, place.slides, place.steps.stepping, place.steps.history)
+        """Say that the pieces of a step leave; the loop over steps ends where their table is full.
+
+        The last columns of the history are `COLUMNS`.
+        """
+        rows = place.steps.history
+        column = rows.shape[1] - len(COLUMNS)
+        for number, body in enumerate(self.both):
+            line = rows, column + number * len(OF_BODY)
+            body.say_shed(program, place.slides, self._release, line)
+        goes = place.steps.stepping
+        program.decide(shedding.end_step, self.counter.body, self.disc.body, self._release, goes)
 
     def end_steps(self, count: int) -> None:
         """Enter into the book that a program has made so many steps."""
@@ -218,28 +228,12 @@ class SlidingPieces(Attachment):
             pieces, wear, pending, most[f"wear_{body}"] = (columns[f"{name}_{body}"] for name in OF_BODY)
             total |= {f"pieces_{body}": pieces, f"wear_{body}": wear, f"pending_{body}": pending}
 
-    def say_begin(self, program: Program) -> None:
-        """Add to a program that a step begins: what waits since the last one is looked at."""
-        for body in self.both:
-            program.launch(kernels.list_overflow, body.body, **self._alone)
-
     def say_take(self, program: Program, slides: Field, pressure: Field) -> None:
         """Add to a program that the wear by a pressure field [MPa] becomes pending.
 
         slides: a `Slide` in an array, by whose `pending_counter`, `pending_disc` and `shift` it does.
         """
         program.launch(kernels.take_field, slides, self._both, pressure, **self._alone)
-
-    def say_shed(self, program: Program, slides: Field, goes: Field, rows: Field) -> None:
-        """Add to a program that the pieces of a step leave.
-
-        goes: flag of the loop over steps, which becomes 0 where the table is full. rows: the history, a row a
-        step, whose last columns are `COLUMNS`.
-        """
-        column = rows.shape[1] - len(COLUMNS)
-        for number, body in enumerate(self.both):
-            body.say_shed(program, slides, self._release, (rows, column + number * len(OF_BODY)))
-        program.decide(shedding.end_step, self.counter.body, self.disc.body, self._release, goes)
 
     def drain(self) -> bool:
         """Enter the pieces that have left into the book; tell whether the program is to go on in its step."""
