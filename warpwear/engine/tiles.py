@@ -2,7 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
@@ -30,7 +30,7 @@ class TileList(ABC):
     #: Lowest gap before anything was worn [mm]; none is lower later.
     smallest: float
 
-    def __init__(self, executor: Executor, *, least: float, **listing: float) -> None:
+    def __init__(self, executor: Executor, *, least: float, **listing: Any) -> None:
         self._executor = executor
         device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
         self._cells_of_tile = executor.grid.ny / columns
