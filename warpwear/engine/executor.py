@@ -36,9 +36,15 @@ Field = Any  # wp.array2d(dtype=Cells); Warp's arrays carry no static type
 Arguments = Any  # an instance of a wp.struct
 
 
-def arguments(kind: Any, **members: Any) -> Arguments:
-    """Make an instance of a wp.struct. Launches see what changes in it later, recordings do not."""
+def arguments(kind: Any, device: Any = None, **members: Any) -> Arguments:
+    """Make an instance of a wp.struct. Launches see what changes in it later, recordings do not.
+
+    device: where arrays that are not given are made, of one zero each; without it they have no rows.
+    """
     instance = kind()
+    for name, member in kind.vars.items() if device else ():
+        if getattr(member.type, "ndim", 0) == 1 and name not in members:
+            setattr(instance, name, wp.zeros(1, dtype=member.type.dtype, device=device))
     for name, value in members.items():
         setattr(instance, name, value)
     return instance

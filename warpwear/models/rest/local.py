@@ -14,7 +14,7 @@ import warp as wp
 from warpwear.contact.balance import Balance, residual_of, stiffness_of
 from warpwear.contact.search import LoadSearch
 from warpwear.engine.executor import Executor, arguments
-from warpwear.engine.numbers import Numbers, Table
+from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray
@@ -76,16 +76,13 @@ class OneScaleModel(Model):
         #: What the steps on the device remember.
         self._course = Numbers(wear.Course, device, extents=[NO_INDEX] * 4)
         columns = len(wear.BALANCE) + len(SUMS) + len(MAXIMA)
-        self._plan = Table(LONGEST_ON_GPU + 1, len(wear.PLAN), device)
-        self._history = Table(LONGEST_ON_GPU, columns, device)
         self._steps = arguments(
             wear.Steps,
-            plan=self._plan.array,
-            history=self._history.array,
+            device,
+            plan=wp.zeros((LONGEST_ON_GPU + 1, len(wear.PLAN)), dtype=wp.float64, device=device),
+            history=wp.zeros((LONGEST_ON_GPU, columns), dtype=wp.float64, device=device),
             within=wp.array(self._ledger.within, dtype=wp.float64, device=device),
             course=self._course.array,
-            increment=wp.zeros(1, dtype=wear.Increment, device=device),
-            stepping=wp.zeros(1, dtype=wp.int32, device=device),
             is_rigid=int(task.rigid),
             smallest=self.tiles.smallest,
         )
@@ -194,14 +191,15 @@ class OneScaleModel(Model):
         """Tell the device of the next steps, and of the one after them; return K ΔL of counter and disc."""
         known = [*increments, *([] if then is None else [then])]
         removals = wear_in_steps(self.task.wear, self._ledger.row["distance"], known)
-        self._plan.write([(sum(removed), self._stiffness_of(*removed)) for removed in removals])
+        plan = [(sum(removed), self._stiffness_of(*removed)) for removed in removals]
+        self._executor.put(self._steps.plan[: len(plan)], plan)
         self._course.set(step=0, steps=len(increments), known=len(known))
         return removals
 
     def _booked(self, increments: Sequence[float], removals: Sequence[tuple[float, float]]) -> Iterator[Step]:
         """The steps that the device has made, as the ledger enters them."""
         steps = self._course["step"]
-        table = np.ascontiguousarray(self._history.read(steps).T)
+        table = np.ascontiguousarray(self._steps.history[: max(steps, 1)].numpy()[:steps].T)
         base, offset, cap, residual, width, tied, evaluations, reference = table[: len(wear.BALANCE)]
         sums, maxima = table[len(wear.BALANCE) :][: len(SUMS)], table[len(wear.BALANCE) + len(SUMS) :]
         total, most = dict(zip(SUMS, sums, strict=True)), dict(zip(MAXIMA, maxima, strict=True))

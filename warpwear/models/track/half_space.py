@@ -138,9 +138,8 @@ class SlidingHalfSpace:
         self._slides = Numbers(Slide, executor.device, written=False, rows=executor.grid.nx, window=1)
         self._programs: dict[str, tuple[Field, Program]] = {}
         self._of_pieces = wp.zeros((1, 2 * len(OF_BODY)), dtype=wp.float64, device=device)
-        goes = wp.zeros(1, dtype=wp.int32, device=device)
         #: What the parts that a study adds to a step work on.
-        self._place = Place(self._slides.array, arguments(Steps, stepping=goes, history=self._of_pieces))
+        self._place = Place(self._slides.array, arguments(Steps, device, history=self._of_pieces))
         margin = 1 if self.fretting is None else self.fretting.margin
         self.ledger = Ledger(task, executor.grid, margin=margin, track_fraction=track_fraction)
         #: Relative error of the area by each cell of a part, and by each beyond the first, as of late.

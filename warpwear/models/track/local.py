@@ -127,14 +127,13 @@ class SlidingContact:
         self._columns = (*COLUMNS, *(name for one in self.attachments for name in one.columns))
         self._steps = arguments(
             sliding_steps.Steps,
+            device,
             plan=wp.zeros((self.longest, len(sliding_steps.PLAN)), dtype=wp.float64, device=device),
             history=wp.zeros((self.longest, len(self._columns)), dtype=wp.float64, device=device),
             within=wp.array(self.ledger.within, dtype=wp.float64, device=device),
             changes=self._changes,
             course=self._course.array,
             slides=self._slides.array,
-            stepping=wp.zeros(1, dtype=wp.int32, device=device),
-            solved=wp.zeros(1, dtype=wp.int32, device=device),
             moves=int(moves),
             stays=int(wears_alone and not moves),
             hardness=task.hardness if task.keeps_dents else NO_LIMIT,
@@ -260,8 +259,7 @@ class SlidingContact:
         compliances = plan[:, sliding_steps.PLAN.index("compliance")]
         rigid = bool(compliances[0] == 0.0)
         count = int(np.argmax((compliances == 0.0) != rigid)) or len(plan)  # a replay has steps of one kind
-        host: Field = wp.array(plan[:count], dtype=wp.float64, device="cpu")
-        wp.copy(self._steps.plan, host, count=count * len(sliding_steps.PLAN))
+        self._executor.put(self._steps.plan[:count], plan[:count])
         self._course.set(step=0, steps=count)
         if not self._course["is_begun"]:
             self._begin_at(*plan[0])

@@ -162,9 +162,8 @@ class SlidingPieces(Attachment):
         room = max(self.counter.most, self.disc.most, ROOM)
         self._release = arguments(
             shedding.Release,
+            device,
             pieces=wp.zeros((room, shedding.COLUMNS), dtype=wp.float64, device=device),
-            **{name: wp.zeros(1, dtype=wp.int32, device=device) for name in ("count", "full")},
-            **{name: wp.zeros(1, dtype=wp.int32, device=device) for name in ("sheds", "closes", "ends")},
             begins=wp.array([1], dtype=wp.int32, device=device),
         )
 
