@@ -17,7 +17,6 @@ from warpwear.engine.executor import Executor
 from warpwear.errors import RESUME_IT, ConvergenceError, InvariantError
 from warpwear.history.rows import Rows
 from warpwear.history.snapshot import Snapshot
-from warpwear.laws.passes import Block
 from warpwear.laws.track import Track
 from warpwear.results.seal import versions
 from warpwear.results.writer import ResultWriter
@@ -72,9 +71,10 @@ class StepLoop:
         with opened(folder / CHECKPOINT if folder and resume else None) as stored:
             if stored is not None:
                 stored.refuse_changes(order, device=str(executor.device))
+            self._block = order.blocks[stored.block - 1 if stored else 0]
             original = stored.heights_for if stored else np.asarray
-            prepared = order.model(executor, original=original)
-            self._executor, self._heights, self._block = executor, prepared.heights, order.blocks[0]
+            prepared = order.model(executor, block=self._block, original=original)
+            self._executor, self._heights = executor, prepared.heights
             self._surface_record, self._filled = prepared.record, prepared.filled
             self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
             #: What plans the cycles where one may stand for many.
@@ -106,7 +106,6 @@ class StepLoop:
             state.restore(self._jumps or self._model, then.arrays, then.numbers)
             self._writer.take_snapshots_from(stored.file)
         self._rows = then.rows
-        self._go_on(self._order.blocks[int(then.rows.last["block"]) - 1])
         self.warnings, self._reported = then.warnings, then.reported_violations
         self._elapsed_before = then.elapsed
         LOG.info("goes on after step %d, from a checkpoint by warpwear %s", len(self._rows), stored.version)
@@ -221,36 +220,26 @@ class StepLoop:
 
     def _begin(self, step: Planned) -> None:
         """Make the model ready for a step: under another load a new one takes over the bodies as they are."""
-        before = self._block
-        if not self._go_on(self._order.block_of(step)):
+        before, self._block = self._block, self._order.block_of(step)
+        was, now = self._tasks[before.number], self._tasks[self._block.number]
+        if was == now:
             return
-        if self._task_of(before)[1] != self._task_of(self._block)[1]:
-            self._model.set_out_anew(self._order.study.tracks[before.number - 1])
+        prepared, model = self._order.model_in(self._block, self._heights, self._executor, {}), self._model
+        state.restore(prepared.model, *state.save(model))
+        prepared.model.longest_block = min(model.longest_block, prepared.model.longest_block)
+        self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
+        if was[1] is not None and was[1] != now[1]:
+            self._model.set_out_anew(was[1])
         if self._jumps is not None:
+            self._jumps.model = prepared.model
             self._jumps.begin_anew()
 
     @cached_property
     def _tasks(self) -> dict[int, tuple[float, Track | None]]:
-        """Map the number of a block to what its model is made for."""
-        return {block.number: self._task_of(block) for block in self._order.blocks}
-
-    def _task_of(self, block: Block) -> tuple[float, Track | None]:
-        """Return what a block's model is made for: its load [N], and its track."""
-        study = self._order.study
-        return block.load, study.tracks[block.number - 1] if study.is_swept else None
-
-    def _go_on(self, block: Block) -> bool:
-        """Let the model of a block take over the bodies as they are; tell whether that is another one."""
-        before, self._block = self._block, block
-        if self._task_of(block) == self._task_of(before):
-            return False
-        prepared, model = self._order.model_in(block, self._heights, self._executor, {}), self._model
-        state.restore(prepared.model, *state.save(model))
-        prepared.model.longest_block = min(model.longest_block, prepared.model.longest_block)
-        self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
-        if self._jumps is not None:
-            self._jumps.model = prepared.model
-        return True
+        """Map the number of a block to what its model is made for: its load [N], and its track."""
+        blocks, study = self._order.blocks, self._order.study
+        tracks = study.tracks if study.is_swept else [None] * len(blocks)
+        return {block.number: (block.load, track) for block, track in zip(blocks, tracks, strict=True)}
 
     def _snapshot_of(self, index: int) -> Snapshot | None:
         """Return the fields after a row's step, views of the model's on a CPU; None after a later one."""

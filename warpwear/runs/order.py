@@ -120,11 +120,16 @@ class RunOrder:
         return [*self.study.notices(), *self.surface.notices(along, grid.y), *of_counter]
 
     def model(
-        self, executor: Executor, *, original: Callable[[FloatArray], FloatArray] = np.asarray
+        self,
+        executor: Executor,
+        *,
+        block: Block | None = None,
+        original: Callable[[FloatArray], FloatArray] = np.asarray,
     ) -> PreparedModel:
         """Make the model that the run goes by, on its surface. Raises InputError for one that it cannot use.
 
-        original: gives the heights that a run began with for those that are made now.
+        block: that it begins in, by default the first. original: gives the heights that a run began with for
+        those that are made now.
         """
         study, surface, grid = self.study, self.surface, self.study.cells
         track = study.track if study.is_swept else None
@@ -148,7 +153,7 @@ class RunOrder:
         heaviest = max(self.blocks, key=lambda block: block.load)
         if study.contact_task.prescribed_loads and heaviest.load > self.blocks[0].load:
             self.model_in(heaviest, heights, executor, {})  # refuses a load before the run, not within it
-        return replace(self.model_in(self.blocks[0], heights, executor, record), filled=filled)
+        return replace(self.model_in(block or self.blocks[0], heights, executor, record), filled=filled)
 
     def model_in(
         self, block: Block, heights: FloatArray, executor: Executor, record: dict[str, Any]
