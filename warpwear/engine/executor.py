@@ -51,6 +51,13 @@ def arguments(kind: Any, device: Any = None, **members: Any) -> Arguments:
     return instance
 
 
+def as_numbers(field: Field, shape: int | tuple[int, int]) -> Field:
+    """Return a field as single numbers, which lie without gaps, in the same memory."""
+    view: Field = wp.array(ptr=field.ptr, dtype=wp.float64, shape=shape, device=field.device, copy=False)
+    view._owner = field  # which keeps the memory
+    return view
+
+
 class Executor:
     """Launches kernels over the rows of one grid on one device, and makes fields for them.
 

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 import warp as wp
 
-from warpwear.engine.executor import Arguments, Executor, Field, arguments
+from warpwear.engine.executor import Arguments, Executor, Field, arguments, as_numbers
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
@@ -54,18 +54,18 @@ class Pending:
         rows, cell = height.shape[0], grid.cell
         self._executor, self._footprint = executor, footprint
         self.pending: Field = executor.field(law.start((rows, grid.ny), cell, body=number))
-        size = rows * executor.vectors * LANES
+        shape = rows, executor.vectors * LANES
         #: Pieces of a round at most: no two within `apart` cells along both axes.
         self.most = (rows // (law.apart(cell) + 1) + 2) * (grid.ny // (law.apart(cell) + 1) + 2)
         self._of_rows: Field = wp.zeros((3, rows), dtype=wp.float64, device=device)
         self.body = arguments(
             kernels.Body,
-            height=_numbers(height),
-            wear=_numbers(self._wear),
-            pending=_numbers(self.pending),
-            sums=wp.zeros(size, dtype=wp.float64, device=device),
-            candidates=wp.zeros(size, dtype=wp.int32, device=device),
-            overflow=wp.zeros(size, dtype=wp.int32, device=device),
+            height=as_numbers(height, shape),
+            wear=as_numbers(self._wear, shape),
+            pending=as_numbers(self.pending, shape),
+            sums=wp.zeros(math.prod(shape), dtype=wp.float64, device=device),
+            candidates=wp.zeros(math.prod(shape), dtype=wp.int32, device=device),
+            overflow=wp.zeros(math.prod(shape), dtype=wp.int32, device=device),
             peaks=wp.zeros(self.most, dtype=wp.int32, device=device),
             counts=wp.zeros(kernels.COUNTS, dtype=wp.int32, device=device),
             of_rows=self._of_rows,
@@ -256,11 +256,3 @@ class SlidingPieces(Attachment):
         """Slots of passes that write lists: on a CPU one thread does them."""
         slots = self._executor.slots_of(self._executor.grid.nx)
         return {"slots": slots, "chunks": [(0, slots)]}
-
-
-def _numbers(field: Field) -> Field:
-    """Return a field as numbers, shape (rows, columns and padding), in the same memory."""
-    shape = field.shape[0], field.shape[1] * LANES
-    view: Field = wp.array(ptr=field.ptr, dtype=wp.float64, shape=shape, device=field.device, copy=False)
-    view._owner = field  # which keeps the memory
-    return view

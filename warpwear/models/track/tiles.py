@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 
-from warpwear.engine.executor import Arguments, Executor, Field, arguments
+from warpwear.engine.executor import Arguments, Executor, Field, arguments, as_numbers
 from warpwear.engine.program import Program
 from warpwear.engine.tiles import NO_LIMIT, TileList
 from warpwear.grid import FloatArray
@@ -24,10 +24,7 @@ class PerTile:
     def __init__(self, rows: int, tiles: int, device: Any) -> None:
         groups = -(-tiles // LANES)
         self.vectors = wp.zeros((rows, groups), dtype=Cells, device=device)
-        shape = rows, groups * LANES
-        numbers: Any = wp.array(ptr=self.vectors.ptr, shape=shape, dtype=wp.float64, device=device)
-        numbers._owner = self.vectors  # which keeps the memory
-        self.numbers: Field = numbers
+        self.numbers: Field = as_numbers(self.vectors, (rows, groups * LANES))
 
     def to_numpy(self) -> FloatArray:
         """Shape (rows, tiles and padding)."""
