@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from warpwear.contact.balance import Balance, residual_of
+from warpwear.contact.balance import Balance, checked_residual
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import PATCH_TABLES
 from warpwear.history.recorder import Ledger, Step, divided
@@ -128,8 +128,8 @@ class PatchLedger:
         total, most = (divided(both, self._fractions) for both in (worn.total, worn.most))
         if worn.bare is not None:
             total["bare"] = worn.bare
-        carried = total["pressure"] * self._of_cell
-        residual = residual_of(carried, self._task.load, approach=sum(worn.approach))
+        load, approach = self._task.load, sum(worn.approach)
+        residual = checked_residual(total["pressure"] * self._of_cell - load, load, approach=approach)
         self.book.enter(load_share=worn.loads, area_patch=worn.areas)
         balance = Balance(*worn.approach, self._task.hardness, residual, evaluations=worn.evaluations)
         return self._ledger.enter(

@@ -216,7 +216,8 @@ def test_a_model_is_given_up_with_its_block(case: str, monkeypatch: pytest.Monke
     gc.disable()
     try:
         warpwear.run(programme(case, [4.0, 16.0, 6.0]))
-        assert [model() for model in models] == [None, None]
+        assert len(models) > 2
+        assert not any(model() for model in models)
     finally:
         gc.enable()
 

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 
-from warpwear.contact.balance import Balance, residual_of, stiffness_of
+from warpwear.contact.balance import Balance, checked_residual, stiffness_of
 from warpwear.contact.search import LoadSearch
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
@@ -24,7 +24,7 @@ from warpwear.kernels import balance, bearing, contact, wear
 from warpwear.kernels.cells import NO_INDEX, WearMost, WearSum, names_of
 from warpwear.laws.archard import wear_in_steps
 from warpwear.laws.task import ContactTask
-from warpwear.models.booking import Found, booked
+from warpwear.models.booking import booked
 from warpwear.models.model import Model
 from warpwear.models.track.bodies import gap_over
 
@@ -202,30 +202,20 @@ class OneScaleModel(Model):
         """The steps that the device has made, as the ledger enters them."""
         steps = self._course["step"]
         table = np.ascontiguousarray(self._steps.history[: max(steps, 1)].numpy()[:steps].T)
-        base, offset, cap, residual, width, tied, evaluations, reference = table[: len(wear.BALANCE)]
+        base, offset, cap, residual, *others = table[: len(wear.BALANCE)]
         sums, maxima = table[len(wear.BALANCE) :][: len(SUMS)], table[len(wear.BALANCE) + len(SUMS) :]
         total, most = dict(zip(SUMS, sums, strict=True)), dict(zip(MAXIMA, maxima, strict=True))
         if not self.task.rigid:
             residual = total["pressure"] * self._executor.grid.cell_area - self.task.load
-        numbers: Any = (base, offset, cap, residual, width, tied, evaluations)
         total, most = (divided(part, self.task.wear_fractions) for part in (total, most))
-        block = Found(steps, Balance(*numbers), reference, total, most)
-        return booked(block, self._ledger, np.array(increments), removals, self._enter)
+        numbers = base, offset, cap, residual, *others
+        return booked(self._ledger, numbers, increments, removals, total, most, self._enter)
 
-    def _enter(
-        self,
-        balance: Balance,
-        increment: float,
-        removal: tuple[float, float],
-        reference: float,
-        total: dict[str, float],
-        most: dict[str, float],
-    ) -> Step:
+    def _enter(self, balance: Balance, *columns: Any) -> Step:
         """Book a step. Raises ConvergenceError where its pressures do not carry the load."""
         if not self.task.rigid:
-            force = total["pressure"] * self._executor.grid.cell_area
-            residual_of(force, self.task.load, approach=balance.approach)
-        return self._ledger.enter(balance, increment, removal, reference, total, most)
+            checked_residual(balance.load_residual, self.task.load, approach=balance.approach)
+        return self._ledger.enter(balance, *columns)
 
     def _stiffness_of(self, removal_counter: float, removal_disc: float) -> float:
         """1/c [N/mm³] of a step that wears counter-body and disc by K ΔL [mm³/N]."""

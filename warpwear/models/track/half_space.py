@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 import warp as wp
 
-from warpwear.contact.balance import Balance, residual_of
+from warpwear.contact.balance import Balance, checked_residual
 from warpwear.contact.certificate import Certificate, columns_of
 from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.solver import HalfSpaceContact
@@ -220,8 +220,9 @@ class SlidingHalfSpace:
                 columns = int(-most["first_column"]), int(most["last_column"]) + 1  # of all touched so far
                 self._slides.set(first_column=columns[0], end_column=columns[1])
                 self._run("rub", partial(self.film.after_step, place=self._place))
-            carried = total["pressure"] * self._executor.grid.cell_area
-            residual = max(residual, residual_of(carried, self.task.load, approach=contact.approach), key=abs)
+            left = total["pressure"] * self._executor.grid.cell_area - self.task.load
+            left = checked_residual(left, self.task.load, approach=contact.approach)
+            residual = max(residual, left, key=abs)
             # What shear wears lowers cells in contact by one depth, so that it lifts the approach alone.
             lift = weight * (shears[0] + self._track_fraction * shears[1])
             approach += weight * (contact.approach + lift)

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 
-from warpwear.contact.balance import Balance, stiffness_of
+from warpwear.contact.balance import stiffness_of
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
@@ -21,7 +21,7 @@ from warpwear.laws.archard import distance_factor, wear_in_steps
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
 from warpwear.models.attachment import Attachment, Place
-from warpwear.models.booking import Found, booked
+from warpwear.models.booking import booked
 from warpwear.models.film import BareCells
 from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.pieces import SlidingPieces
@@ -287,9 +287,8 @@ class SlidingContact:
         most |= {name: columns[name] for name in ("first_row", "last_row")}
         for one in self.attachments:
             one.enter(columns, total, most)
-        numbers: list[Any] = [columns[name] for name in BALANCE]
-        block = Found(count, Balance(*numbers[:-1]), numbers[-1], total, most)
-        return booked(block, self.ledger, np.array(increments), removals, self._enter)
+        numbers = [columns[name] for name in BALANCE]
+        return booked(self.ledger, numbers, increments, removals, total, most, self._enter)
 
     def _enter(self, *columns: Any) -> Step:
         """Book a step as `Ledger.enter` does."""
