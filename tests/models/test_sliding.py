@@ -69,7 +69,7 @@ class Plain:
         study = self.study
         load, hardness = study.contact.load, study.hardness
         removal = [law.wear_per_pressure(0.0, increment) for law in study.wear_laws]
-        c = study.contact_law().compliance + (sum(removal) if study.stepping.scheme == "implicit" else 0.0)
+        c = 1.0 / study.stiffness + (sum(removal) if study.stepping.scheme == "implicit" else 0.0)
         gap = self.counter - self.disc[beneath]
         if c > 0.0:
             contact = reference.foundation(gap, c, load, hardness, CELL)

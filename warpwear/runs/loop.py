@@ -66,7 +66,6 @@ class StepLoop:
         self._progress = progress
         self.warnings: list[str] = []
         self._warn(*order.notes, kind="note")
-        self._processor = executor.device
         self._rows = Rows()
         with opened(folder / CHECKPOINT if folder and resume else None) as stored:
             if stored is not None:
@@ -144,7 +143,7 @@ class StepLoop:
             "warnings": self.warnings,
             "notes": self._order.notes,
             "elapsed_s": self._elapsed,
-            "made_with": versions(self._processor),
+            "made_with": versions(self._executor.device),
         }
         if self._jumps is not None:
             record["cycle_jump"] = self._jumps.told()

@@ -144,7 +144,7 @@ def extent_for(study: Content, distance: float) -> tuple[float, float]:
 
 def unstable(study: Content) -> str | None:
     """Return the start of a sentence about a shift too large for explicit steps; None where it is not."""
-    compliance = study.contact_law().compliance
+    compliance = 1.0 / study.stiffness
     track = study.track
     counter, disc = (law.fastest for law in study.wear_laws)
     slid = min(track.shift * track.stroke / track.cells, study.sliding.total)
@@ -172,7 +172,7 @@ def doubts(study: Content) -> Iterator[str]:
             f"hardness, {1e3 * first:.3g} µm: at first the disc is worn in places only."
         )
     local = study.contact.law == "local" and not study.uses_bearing_area
-    if local and study.contact_law().compliance == 0.0:
+    if local and math.isinf(study.stiffness):
         finer = "sliding.shift" if study.shift > 1 else "grid.cell"
         yield (
             f"sliding.shift = {study.shift} cells: by contact.law = 'local' with contact.stiffness = inf "

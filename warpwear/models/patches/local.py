@@ -158,7 +158,7 @@ class TwoScaleModel(Model):
             count = self._now["number"]
             for number, worn in enumerate(self._results(count)):
                 self.steps_in_flight = count - 1 - number
-                yield self._ledger.enter(worn, left[number], removals[number])
+                yield self._ledger.enter_worn(worn, left[number], removals[number])
             if not self.sharing.is_balanced:
                 raise self._failure()
             done += count
@@ -182,7 +182,7 @@ class TwoScaleModel(Model):
         self._wear.run()
         self.contact.rub(distance + increment)
         worn = replace(next(self._results(1)), bare=bare)
-        return self._ledger.enter(worn, increment, removals[0], pressure)
+        return self._ledger.enter_worn(worn, increment, removals[0], pressure)
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """Return the fields after the last step, which was asked for its pressure, at its distance [mm]."""

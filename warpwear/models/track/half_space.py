@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
@@ -103,9 +103,8 @@ class SlidingHalfSpace:
         self._track_fraction, self._moves = track_fraction, moves
         assert task.modulus is not None  # checked with the study
         executor.load(wear_from_pressure.gaps)
-        self._half_space = WindowedHalfSpace(
-            executor, modulus=task.modulus, boundary=task.boundary, hardness=task.hardness
-        )
+        law: dict[str, Any] = {"boundary": task.boundary, "hardness": task.hardness}
+        self._half_space = WindowedHalfSpace(executor, modulus=task.modulus, **law)
         #: What is bare of film; None without one.
         self.film = BareCells.of_bodies(task.film, executor, self.state.wear_counter, self.state.wear_disc)
         self._parts = None if self.film is None else self.film.parts
@@ -152,9 +151,7 @@ class SlidingHalfSpace:
         #: Contacts without wear in the step, which start from nothing: those with it are as they would be.
         self._static = None
         if task.static_area_every:
-            self._static = WindowedHalfSpace(
-                executor, modulus=task.modulus, boundary=task.boundary, hardness=task.hardness
-            )
+            self._static = WindowedHalfSpace(executor, modulus=task.modulus, **law)
         self._steps_done = 0
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:

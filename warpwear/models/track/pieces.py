@@ -156,6 +156,7 @@ class SlidingPieces(Attachment):
         of_counter, of_disc = (bodies.counter, bodies.wear_counter), (bodies.disc, bodies.wear_disc)
         self.counter = Pending(executor, law, self._footprint, of_counter, number=0, periodic=False)
         self.disc = Pending(executor, law, self._footprint, of_disc, number=1, periodic=periodic)
+        self.both = self.counter, self.disc
         both = {"counter": self.counter.body, "disc": self.disc.body}
         self._both = arguments(kernels.Both, footprint=self._footprint, **both)
         self.book = PieceBook()
@@ -175,11 +176,6 @@ class SlidingPieces(Attachment):
         if task.pieces is None:
             return None
         return cls(task.pieces, executor, bodies, periodic=periodic)
-
-    @property
-    def both(self) -> tuple[Pending, Pending]:
-        """What is pending of counter-body and disc."""
-        return self.counter, self.disc
 
     def beside(self, columns: tuple[int, int]) -> tuple[int, int]:
         """First column of those given, and the one after the last, where pieces of them may lie too."""
