@@ -16,10 +16,10 @@ from warpwear.comparison.gather import Comparison
 from warpwear.comparison.groups import RunData, differing, listed, names_by_sentence
 from warpwear.comparison.scar import answers_of
 from warpwear.comparison.table import BANDS, PASSES, columns, has_bands
-from warpwear.figures.describe import Section
+from warpwear.figures.sections import Section, under_headings
 from warpwear.figures.wording import counted
 from warpwear.history.end_values import ENDS, Value
-from warpwear.page.html import page_of, under_headings
+from warpwear.page.html import page_of
 from warpwear.page.limits import limits_of
 from warpwear.results import manifest
 from warpwear.results.report import shown

@@ -318,17 +318,6 @@ class Figure:
     height: float = ROW
 
 
-@dataclass(frozen=True)
-class Section:
-    """Hold figures by name under one heading of a page. one_legend: of all lines."""
-
-    title: str
-    figures: dict[str, Figure]
-    id: str = ""
-    text: str = ""
-    one_legend: bool = False
-
-
 def values_of(chart: Chart, which: str) -> list[FloatArray]:
     """Collect the values along x or y that lines and levels of a chart have."""
     lines = [getattr(line, which) for line in chart.lines if isinstance(line, Line)]

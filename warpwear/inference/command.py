@@ -14,6 +14,7 @@ from warpwear.results.ensemble import dotted
 from warpwear.results.report import to_json
 from warpwear.study import loading
 from warpwear.study.study import Study
+from warpwear.study.text import sentence
 
 #: Section of a study file.
 SECTION = "infer"
@@ -38,6 +39,12 @@ class InferSection(BaseModel):
     next: list[str] = Field(
         [], description='tests to rank, such as `"contact.load=16 N, repeats=3"`; without them likely ones'
     )
+
+
+class _Whole(BaseModel):
+    """A study file as far as this command reads it: sentences then name keys as they stand there."""
+
+    infer: InferSection
 
 
 def calibrate_bayes(
@@ -102,29 +109,12 @@ def _section(content: Any) -> InferSection:
                         "or '' for one about the value"
                     )
             content = {**content, "unknown": priors}
-        section = InferSection.model_validate(content)
+        section = _Whole.model_validate({SECTION: content}).infer
     except ValidationError as error:
-        raise InputError(_sentence(error)) from error
+        raise InputError(sentence(error, _Whole)) from error
     for kind in section.measured:
         if FORMER.get(kind, kind) not in KINDS:
             raise InputError(
                 f"infer.measured.{kind} is nothing that can be measured here; allowed: {', '.join(KINDS)}"
             )
     return section
-
-
-def _sentence(error: ValidationError) -> str:
-    """Return a sentence about the first problem of the section."""
-    first = error.errors()[0]
-    where, value = ".".join([SECTION, *map(str, first["loc"][:2])]), first["input"]
-    if first["type"] == "extra_forbidden":
-        return f"{where} is not known; allowed: {', '.join(InferSection.model_fields)}"
-    if first["type"] in ("dict_type", "model_type"):
-        measured = where.endswith("measured")
-        example = 'diameter = "0.80 +- 0.02 mm"' if measured else '"wear.counter" = "log-uniform …"'
-        return f"[{where}] is a section, and {value!r} is none; in it stand lines such as {example}"
-    wanted = "text in quotes" if "target" in where else "text in quotes, or a list of such"
-    if "list" in first["type"]:
-        example = '"test-1.csv", "test-2.csv"' if "exp" in where else '"repeats=3"'
-        wanted = f"a list such as [{example}]"
-    return f"{where} = {value!r} is not allowed: {wanted} is expected"

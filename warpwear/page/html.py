@@ -5,7 +5,7 @@ import gzip
 import hashlib
 import json
 import zlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,8 +14,9 @@ import numpy as np
 from matplotlib.colors import Colormap, to_hex
 
 from warpwear.figures import describe, style
-from warpwear.figures.describe import Bodies, Figure, Section
+from warpwear.figures.describe import Bodies, Figure
 from warpwear.figures.paint import paint
+from warpwear.figures.sections import Section
 from warpwear.page.plots import plots_of
 from warpwear.results.formats.forms import filled
 
@@ -108,23 +109,6 @@ def page_of(template: str, content: Mapping[str, Any], pictures: Mapping[str, by
         policy=policy(script, gzip.decompress(plotly).decode()),
     )
     return text.encode()
-
-
-def under_headings(
-    figures: Mapping[str, Figure],
-    layout: Iterable[tuple[str, str, Sequence[str], str]],
-    *,
-    one_legend: Sequence[str] = (),
-) -> list[Section]:
-    """Lay figures under the headings of a page, each with its anchor, names of figures and what is said.
-
-    one_legend: anchors of sections with one legend. A heading without a figure is left out.
-    """
-    sections = [
-        Section(title, {n: figures[n] for n in names if n in figures}, id_, text, id_ in one_legend)
-        for title, id_, names, text in layout
-    ]
-    return [section for section in sections if section.figures]
 
 
 def _section(section: Section) -> dict[str, Any]:

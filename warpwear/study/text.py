@@ -153,7 +153,7 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     name = ".".join(
         str(p + of_block if isinstance(p, int) else p)
         for p in first["loc"]
-        if not str(p).startswith(("literal[", "constrained-", "function-", "tuple["))
+        if not str(p).startswith(("literal[", "constrained-", "function-", "tuple[", "list[", "str"))
     )
     kind, value = first["type"], first.get("input")
     text = _SHOWN.repr(str(value) if is_quantity(value) else value)
@@ -164,7 +164,10 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     if of_block and len(first["loc"]) == 1 and kind != "value_error":
         return f"{name} = {text} is no list of blocks; write [[block]] and the keys of one below it."
     if kind in ("tuple_type", "list_type"):
-        return f"{name} = {text}: must be a list in brackets, such as ['30 mm', '240 mm']."
+        example = ", such as ['30 mm', '240 mm']" if kind == "tuple_type" else ""
+        return f"{name} = {text}: must be a list in brackets{example}."
+    if kind == "string_type":
+        return f"{name} = {text}: must be text in quotes."
     if kind in ("model_type", "dict_type", "model_attributes_type"):
         return f"{name} = {text} is not a section; write [{name}] and its keys below it."
     message = str(first["ctx"]["error"]) if "ctx" in first and "error" in first["ctx"] else first["msg"]

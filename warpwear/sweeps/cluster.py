@@ -21,8 +21,10 @@ PATIENCE = 60.0
 
 
 @contextmanager
-def connected(address: str, *, insecure: bool = False, device: str = "cpu") -> Iterator[tuple[Executor, int]]:
-    """The executor of a Dask scheduler, and how many workers it has.
+def connected(
+    address: str, *, insecure: bool = False, device: str = "cpu"
+) -> Iterator[tuple[Executor, int, int]]:
+    """The executor of a Dask scheduler, the threads of a run, and how many workers it has.
 
     Raises InputError for an address that is refused or not reached, and for workers that will not do. A plain
     TCP address that is not of this machine is refused unless insecure: whoever reaches such a scheduler runs
@@ -40,7 +42,7 @@ def connected(address: str, *, insecure: bool = False, device: str = "cpu") -> I
         number = _check_workers(client, address)
         more = {"resources": {"GPU": 1}} if device.startswith("cuda") else {}
         # Not pure: the same run in two sweeps is two calls. Stealing would begin runs twice.
-        yield client.get_executor(pure=False, retries=RETRIES, **more), number
+        yield client.get_executor(pure=False, retries=RETRIES, **more), 1, number
 
 
 def _check(address: str, *, insecure: bool) -> None:

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.figures.describe import Section
+from warpwear.figures.sections import Section, under_headings
 from warpwear.grid import FloatArray
 from warpwear.history.end_values import ENDS
 from warpwear.history.quantities import BY_NAME
 from warpwear.measured.experiment import Experiment
-from warpwear.page.html import page_of, under_headings
+from warpwear.page.html import page_of
 from warpwear.page.limits import limits_of
 from warpwear.page.words import Answer
 from warpwear.results import manifest

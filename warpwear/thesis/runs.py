@@ -111,8 +111,7 @@ def running(plan: Plan, *, device: str, threads: int | None, quiet: bool = False
     with ExitStack() as stack:
         for done, (name, study) in enumerate(studies.items(), 1):
             started = time.perf_counter()
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", StudyWarning)  # the report tells of them
+            with warnings.catch_warnings(action="ignore", category=StudyWarning):  # the report tells of them
                 result = run(study, device=device, threads=threads, plots=False)
             results[name] = stack.enter_context(result)
             if not quiet:
