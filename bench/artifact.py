@@ -19,7 +19,7 @@ from measure.machine import machine
 from scipy import ndimage
 
 import warpwear
-from warpwear.results.summary import shape_of_growth
+from warpwear.results.track import shape_of_growth
 from warpwear.study.surface import surface_of
 
 Table = list[dict[str, Any]]

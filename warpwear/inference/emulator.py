@@ -135,8 +135,7 @@ class Emulator:
         """Predict weights of the shapes and their variances at places (n, inputs), both (n, shapes)."""
         if not self._processes:
             return np.zeros((len(places), 0)), np.zeros((len(places), 0))
-        among, basis, trend, values = self._factors
-        lengths, nuggets, trends, scales = self._numbers
+        lengths, nuggets, trends, scales, among, basis, trend, values = self._numbers
         near = _correlation(places, self.places, lengths[:, None, None]) @ among.transpose(0, 2, 1)
         terms = np.column_stack([np.ones(len(places)), places])
         rest = terms - near @ basis
@@ -145,16 +144,10 @@ class Emulator:
         return mean.T, (scales * np.maximum(variance, 0.0)).T * self._wider
 
     @cached_property
-    def _factors(self) -> list[FloatArray]:
-        """Stack `GaussianProcess.factors` of all shapes, (shapes, …)."""
-        return [np.stack(some) for some in zip(*(p.factors for p in self._processes), strict=True)]
-
-    @cached_property
-    def _numbers(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Stack lengths (shapes, inputs), trends (shapes, terms); nuggets and scales, (shapes, 1)."""
-        numbers = [(p.lengths, [p.nugget], p.trend, [p.scale]) for p in self._processes]
-        lengths, nuggets, trends, scales = (np.array(some) for some in zip(*numbers, strict=True))
-        return lengths, nuggets, trends, scales
+    def _numbers(self) -> list[FloatArray]:
+        """Stack what predicts, (shapes, …): lengths, nuggets, trends, scales, `GaussianProcess.factors`."""
+        each = [(p.lengths, [p.nugget], p.trend, [p.scale], *p.factors) for p in self._processes]
+        return [np.stack(some) for some in zip(*each, strict=True)]
 
 
 def _correlation(first: FloatArray, second: FloatArray, lengths: FloatArray) -> FloatArray:

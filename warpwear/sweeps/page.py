@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.figures.sections import Section, under_headings
+from warpwear.figures.wording import few_of, listed
 from warpwear.grid import FloatArray
 from warpwear.history.end_values import ENDS
 from warpwear.history.quantities import BY_NAME
@@ -56,7 +57,7 @@ def page(
         "name": f"{plan.study.study.name}: sweep",
         "description": plan.study.study.description,
         "version": __version__,
-        "asked": f"{done} of {total} runs of one study, over {_listed(plan.keys)}: how far do the answers "
+        "asked": f"{done} of {total} runs of one study, over {listed(plan.keys)}: how far do the answers "
         "reach, and what decides them?",
         "answers": _answers(result),
         "decides": _decides(result),
@@ -77,21 +78,14 @@ def page(
     return page_of("sweep.html", content, pictures)
 
 
-def _listed(names: list[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
-
-
 def _values_of(factor: Factor) -> str:
     """Say what a key was varied over, in a person's words."""
     if (spread := factor.distribution) is None:
         values = [
             v if isinstance(v, str) else f"{v:g}" if isinstance(v, float) else str(v) for v in factor.values
         ]
-        more = f" and {len(values) - MOST_VALUES} more" if len(values) > MOST_VALUES else ""
-        return ", ".join(values[:MOST_VALUES]) + more
-    sign = "to" if spread.kind.endswith("uniform") else "±"
-    within = f", within {spread.within[0]:g} to {spread.within[1]:g}" if spread.within else ""
-    return f"{spread.kind}: {spread.first:g} {sign} {spread.second:g}{within} {spread.unit}".rstrip()
+        return few_of(values, MOST_VALUES)
+    return str(spread)
 
 
 def _ends(result: SweepResult, column: str) -> FloatArray | None:

@@ -15,7 +15,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
 from warpwear.result import Result
 from warpwear.results.file import FILE_NAME
-from warpwear.results.summary import course
+from warpwear.results.track import course
 from warpwear.runs.checkpoint import holds_checkpoint
 from warpwear.runs.run import RunOptions, run_study
 from warpwear.study.study import Study

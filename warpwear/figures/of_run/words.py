@@ -15,6 +15,7 @@ import numpy as np
 from warpwear.figures.describe import Figure
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.view import PASSES, last_at_hardness
+from warpwear.figures.wording import listed
 from warpwear.results.formats.forms import prose
 from warpwear.study.rules import FEWEST_ACROSS
 
@@ -176,7 +177,7 @@ def _when(data: FigureData) -> str:
     texts = [f"{distance:.4g}" for distance in data.distances]
     if texts == ["0"]:
         return "without sliding"
-    return f"after {', '.join(texts[:-1])}{' and ' if len(texts) > 1 else ''}{texts[-1]} mm"
+    return f"after {listed(texts)} mm"
 
 
 def _end(data: FigureData) -> str:
