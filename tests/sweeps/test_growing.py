@@ -13,7 +13,7 @@ from warpwear.cli.main import commands
 from warpwear.sweeps.plan import Plan, section_of
 from warpwear.sweeps.run_one import Row
 from warpwear.sweeps.sweep import Count, check_runs
-from warpwear.sweeps.table import SweepResult, numbers_of
+from warpwear.sweeps.table import SweepResult
 
 #: A smooth contact of few cells and no sliding.
 SMALL = {"grid.cell": "20 um", "sliding.distance": "0 mm", "output.snapshots": []}
@@ -79,7 +79,7 @@ def test_runs_that_failed_are_no_loss(tmp_path: Path) -> None:
 
 def test_what_was_varied_is_known_of_runs_that_cannot_be() -> None:
     """In the unit of the others, so that one sees where runs fail."""
-    found = numbers_of(planned("4 N", "-5000 mN", "much", "8 N"), "contact.load")
+    found = SweepResult(planned("4 N", "-5000 mN", "much", "8 N"), []).numbers("contact.load")
     assert found is not None
     assert found[1] == "N"
     np.testing.assert_array_equal(found[0], [4.0, -5.0, np.nan, 8.0])

@@ -83,11 +83,9 @@ class ResultWriter:
         if plenty:
             snapshot = self.at_hand[len(snapshots)] = snapshot.lasting()
         group = snapshots.create_group(f"{len(snapshots):04d}")
-        group.attrs["distance"] = snapshot.distance
-        if snapshot.row is not None:
-            group.attrs["row"] = snapshot.row
-        if snapshot.load_on_filled is not None:
-            group.attrs["load_on_filled"] = snapshot.load_on_filled
+        for name in ("distance", "row", "load_on_filled"):
+            if (value := getattr(snapshot, name)) is not None:
+                group.attrs[name] = value
         if self._in_memory and plenty:
             return
         for name, values in snapshot.fields.items():

@@ -102,11 +102,7 @@ class Design:
                 f"sweep.samples = {self.samples}: 'saltelli' needs a power of two, such as {2**power}."
             )
         a, b = u[:, :factors], u[:, factors:]
-        mixed = []
-        for place in range(factors):
-            one = a.copy()
-            one[:, place] = b[:, place]
-            mixed.append(one)
+        mixed = [np.where(np.arange(factors) == place, b, a) for place in range(factors)]
         return np.concatenate([a, b, *mixed])
 
 

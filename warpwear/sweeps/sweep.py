@@ -4,6 +4,7 @@ import csv
 import logging
 import tempfile
 import time
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from contextlib import ExitStack, contextmanager, nullcontext
@@ -125,17 +126,17 @@ def make_runs(
     left, and KeyboardInterrupt raised.
     """
     rows: dict[int, Row] = {}
-    waiting: dict[Future[Row], list[int]] = {}
-    futures: dict[str, Future[Row]] = {}
+    numbers: dict[str, list[int]] = defaultdict(list)
     for point in plan.points:
         if point.study is None:
             rows[point.number] = Row(f"failed: {point.problem}")
             on_row(point.number, rows[point.number])
-            continue
-        if point.run not in futures:
-            task = task_of(point, folder / RUNS, device=plan.device, threads=threads)
-            futures[point.run] = executor.submit(run_one, task)
-        waiting.setdefault(futures[point.run], []).append(point.number)
+        else:
+            numbers[point.run].append(point.number)
+    waiting: dict[Future[Row], list[int]] = {}
+    for those in numbers.values():  # of one run
+        task = task_of(plan.points[those[0]], folder / RUNS, device=plan.device, threads=threads)
+        waiting[executor.submit(run_one, task)] = those
     begun: dict[Future[Row], float] = {}
     longest = 0.0
     late: set[Future[Row]] = set()
