@@ -92,7 +92,6 @@ def test_bad_values_are_told(given: dict, says: str) -> None:
         ("sobol", None, {"a": "normal 8 +- 1 N"}, "needs a number of samples"),
         ("zip", None, {"a": [1, 2], "b": [1]}, "as many values"),
         ("saltelli", 100, {"a": "normal 8 +- 1 N"}, "power of two"),
-        ("cross", None, {"a": [1]}, "allowed"),
         ("grid", None, dict.fromkeys("abc", "1:1000"), "at most"),
     ],
 )
