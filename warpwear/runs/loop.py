@@ -22,9 +22,9 @@ from warpwear.laws.track import Track
 from warpwear.results.seal import versions
 from warpwear.results.writer import ResultWriter
 from warpwear.runs import doubts
-from warpwear.runs.circles import Circles
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.runs.checkpoint import Checkpoint, Checkpoints, StoredCheckpoint, opened
+from warpwear.runs.circles import Circles
 from warpwear.runs.console import Interrupts, Progress
 from warpwear.runs.invariants import Violation
 from warpwear.runs.jump import CycleJumps
