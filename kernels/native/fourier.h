@@ -5,9 +5,9 @@
 
 #if !defined(__CUDA_ARCH__)
 
-// How many of `length` numbers can be other than zero, by the first stage.
+// How many of `length` numbers can be other than zero, by the first stage, if there is one.
 WARPWEAR_FN int filled_of(const wp::array_t<int>& radices, int length)
-{ return radices.data[0] < 0 ? length / 2 : length; }
+{ return length > 1 && radices.data[0] < 0 ? length / 2 : length; }
 
 // As many cells of a row as lines are together, of which so many are there; the others are zeros.
 template <typename Real> WARPWEAR_FN LinesOf<Real> read_cells(const double* cells, int there)

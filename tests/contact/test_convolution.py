@@ -36,6 +36,10 @@ SHAPES = [
     ((19, 11), (38, 22)),
     ((31, 14), (74, 28)),
     ((199, 10), (398, 20)),
+    ((200, 1), (400, 1)),
+    ((30, 2), (60, 2)),
+    ((1, 24), (1, 48)),
+    ((1, 1), (1, 1)),
 ]
 #: Of odd rows.
 ODD = [
@@ -227,10 +231,12 @@ def test_lengths_of_larger_primes_do_not_fit() -> None:
     largest = convolution.LARGEST_PRIME
     assert convolution.fits((largest, 2 * largest))
     assert convolution.fits((64, largest))
+    assert convolution.fits((64, 1))
+    assert convolution.fits((1, 2))
     assert not convolution.fits((211, 64))
     assert not convolution.fits((64, 211))
     assert not convolution.fits((64, 422))
     for size in range(2, 400):
         assert convolution.fits(padded_shape(Grid(size, size + 7, 1.0)))
-    for size in range(3, largest):
+    for size in range(1, largest):
         assert convolution.fits((size, size))

@@ -15,6 +15,7 @@ from PIL import Image
 import warpwear
 from warpwear import InputError, Study
 from warpwear.cli.main import commands
+from warpwear.engine import workers
 from warpwear.figures import process
 from warpwear.figures.of_run.table import ESSENTIAL
 from warpwear.results.file import ResultFile
@@ -86,13 +87,14 @@ def test_figures_are_there_whatever_happens_to_the_other_process(
     if fault == "it does not start":
         monkeypatch.setattr(sys, "executable", str(tmp_path / "nothing"))
     elif fault == "it dies":
-        monkeypatch.setattr(process, "COMMAND", "import os; os._exit(1)  # {path!r}")
+        monkeypatch.setattr(workers, "COMMAND", ("-c", "import os; os._exit(1)"))
     elif fault == "it says nothing":
-        monkeypatch.setattr(process, "COMMAND", "import time; time.sleep(60)  # {path!r}")
+        monkeypatch.setattr(workers, "COMMAND", ("-c", "import time; time.sleep(60)"))
         monkeypatch.setattr(process, "PATIENCE", 0.2)
     else:
-        broken = "; import warpwear.figures.paint as p; p.paint_map = None"
-        monkeypatch.setattr(process, "COMMAND", process.COMMAND.replace("; draw()", f"{broken}; draw()"))
+        broken = "import warpwear.figures.paint as p; p.paint_map = None"
+        serves = "from warpwear.engine.workers import serve; serve()"
+        monkeypatch.setattr(workers, "COMMAND", ("-c", f"{broken}; {serves}"))
     with (
         quick_pictures(blank=True, second_process=True),
         warpwear.run(study_of("static"), out=tmp_path / "run") as result,
@@ -134,7 +136,7 @@ def test_no_snapshot_is_read_back(
         return read(self, index)
 
     monkeypatch.setattr(ResultFile, "snapshot", snapshot)
-    monkeypatch.setattr(process, "COMMAND", "import sys; sys.stdin.read()  # {path!r}")
+    monkeypatch.setattr(workers, "COMMAND", ("-c", "import sys; sys.stdin.read(100)"))
     with quick_pictures(blank=True, second_process=True):
         result = warpwear.run(study_of("rough"), out=tmp_path / "run", plots="all")
     assert not missed

@@ -262,7 +262,9 @@ def test_forces_in_one_direction_need_no_position(tmp_path: Path) -> None:
     assert found.distance.tolist() == [0, 1000, 2000]
 
 
-def test_final_coefficient_is_the_mean_of_the_last_tenth() -> None:
-    distance = np.arange(1.0, 101.0)
-    found = Experiment("e", distance, np.where(distance >= 90, distance, 0.0))
-    assert found.final_cof == pytest.approx(95.0)
+def test_final_coefficient_is_the_mean_over_the_last_tenth() -> None:
+    """A straight line's is that of its middle, however many rows stand in which part of it."""
+    for distance in (np.arange(1.0, 101.0), np.array([1.0, 50.0, *np.linspace(98.0, 99.0, 50), 100.0])):
+        assert Experiment("e", distance, 2.0 * distance).final_cof == pytest.approx(190.0)
+    assert Experiment("e", np.array([5.0]), np.array([0.3])).final_cof == 0.3
+    assert Experiment("e", np.array([98.0, 100.0]), np.array([0.2, 0.4])).final_cof == pytest.approx(0.3)

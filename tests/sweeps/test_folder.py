@@ -15,11 +15,11 @@ from fuzzing import check_sentence
 
 import warpwear
 from warpwear import InputError
+from warpwear.engine.workers import WorkerDiedError
 from warpwear.results import manifest
 from warpwear.results.folder import held
 from warpwear.sweeps import cluster
 from warpwear.sweeps.plan import Plan, section_of
-from warpwear.sweeps.pool import WorkerDiedError
 from warpwear.sweeps.sweep import check_runs, estimate, local_executor, make_runs
 from warpwear.sweeps.table import RUNS
 
@@ -64,9 +64,13 @@ def test_a_table_that_was_cut_does_not_refuse_its_own_sweep(out: Path) -> None:
         check_runs(Plan(small(), section_of({"vary": VARY}, {})), out)
 
 
+@pytest.mark.parametrize("known", [True, False])
 @pytest.mark.parametrize("name", ["table.csv", "sweep.html"])
-def test_a_foreign_file_is_not_replaced(name: str, out: Path) -> None:
+def test_a_foreign_file_is_not_replaced(name: str, known: bool, out: Path) -> None:
+    """Neither where a manifest knows the others, nor where there is none."""
     manifest.write(out, manifest.written(out) - {name})
+    if not known:
+        (out / manifest.NAME).unlink()
     (out / name).write_text("mine\n")
     with pytest.raises(InputError, match=name.replace(".", r"\.")) as error:
         sweep(out)
@@ -81,6 +85,19 @@ def test_a_foreign_figure_is_kept_under_another_name(out: Path) -> None:
     with pytest.warns(UserWarning, match=r"was not written by a run: it is .*\.png now"):
         sweep(out)
     assert b"mine" in {path.read_bytes() for path in (out / "figures").glob(f"{figure.stem}-*.png")}
+
+
+def test_a_full_disk_is_said_of_the_folder_that_was_given(out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("warpwear.page.folder._write", full)
+    with pytest.raises(
+        InputError, match="could not be written: No space left on device; the runs are kept"
+    ) as error:
+        sweep(out)
+    assert f"out = {out}:" in str(error.value)
+    assert ".tables-" not in str(error.value)
 
 
 def test_links_are_not_followed(out: Path, tmp_path: Path) -> None:
@@ -183,6 +200,27 @@ def test_a_cluster_without_workers_is_not_waited_for_in_silence(monkeypatch: pyt
         cluster.connected(here.scheduler_address, insecure=True),
     ):
         pass
+
+
+def test_a_cluster_that_loses_all_its_workers_is_given_up(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """It is told of, what waits fails, and so does what is begun after that."""
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(cluster, "LOOK", 0.1)
+    monkeypatch.setattr(cluster, "LOST", 1.0)
+    options: dict[str, Any] = {"dashboard_address": None, "protocol": "tcp", "threads_per_worker": 1}
+    plan = Plan(small(), section_of({"vary": VARY}, {}))
+    with (
+        distributed.LocalCluster(n_workers=1, processes=False, **options) as here,
+        cluster.connected(here.scheduler_address, insecure=True) as (executor, _),
+    ):
+        here.scale(0)
+        with pytest.warns(UserWarning, match=r"has lost all its workers: waiting 1 s for one to come back"):
+            (row,) = make_runs(plan, tmp_path, executor)
+        assert row.status == "failed: it was cancelled, as runs are whose cluster is gone"
+        (row,) = make_runs(plan, tmp_path, executor)
+        assert row.status.startswith("failed: ")
 
 
 def test_a_cluster_makes_runs_and_nothing_else() -> None:

@@ -20,13 +20,13 @@ from cases_sweeps import ROOT, SMALL, Here, address_in, processes, small
 import warpwear
 from warpwear import InputError, Study
 from warpwear.cli.main import main
+from warpwear.engine.workers import WorkerDiedError, Workers, local_workers
 from warpwear.figures.paint import paint
 from warpwear.history.quantities import BY_NAME
 from warpwear.results.folder import LOCK
 from warpwear.sweeps.figures import courses
 from warpwear.sweeps.plan import Plan, section_of
 from warpwear.sweeps.points import task_of
-from warpwear.sweeps.pool import WorkerDiedError, Workers, local_workers
 from warpwear.sweeps.report import summary_text
 from warpwear.sweeps.run_one import Row, run_one
 from warpwear.sweeps.sweep import make_runs, share_runs

@@ -354,11 +354,11 @@ def scaled(axis: Axis, *values: FloatArray) -> Axis:
     return replace(axis, scale="linear", low=0.0 if axis.low is None else axis.low, high=axis.high or top)
 
 
-def over_distance(*distances: FloatArray, label: str = DISTANCE, low: float | None = None) -> Axis:
+def over_distance(*distances: FloatArray) -> Axis:
     """Make the axis of distances slid [mm], logarithmic where steps span decades."""
     first = min((float(d[0]) for d in distances if d.size), default=0.0)
     last = max((float(d[-1]) for d in distances if d.size), default=0.0)
-    return Axis(label, "log" if 0.0 < WIDE_DISTANCE * first < last else "linear", low=low)
+    return Axis(DISTANCE, "log" if 0.0 < WIDE_DISTANCE * first < last else "linear")
 
 
 def in_time(colour: str, count: int) -> list[Look]:
@@ -377,13 +377,13 @@ def shade(colour: str, place: float) -> str:
     return "#" + "".join(f"{round(255.0 * v):02x}" for v in start + part * (end - start))
 
 
-def look_of_group(index: int, *, alone: bool = False) -> Look:
-    """Choose the line of a group of runs, the same in every figure. alone: its runs have one step.
+def look_of_group(index: int) -> Look:
+    """Choose the line of a group of runs, the same in every figure.
 
     Colours repeat after six groups, together with their dashes only after thirty-six.
     """
     dash = DASHES[(index + index // len(GROUPS)) % len(DASHES)]
-    return Look(GROUPS[index % len(GROUPS)], dash, marker="o" if alone else "", size=4.0)
+    return Look(GROUPS[index % len(GROUPS)], dash)
 
 
 def look_of_measured(index: int) -> Look:

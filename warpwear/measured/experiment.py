@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from warpwear.grid import FloatArray
 
 
@@ -23,8 +25,14 @@ class Experiment:
 
 
 def mean_of_last_tenth(distance: FloatArray, values: FloatArray) -> float:
-    """Return the mean of the values in the last tenth of the distance: the end of a course that scatters.
+    """Return the mean of the values over the last tenth of the distance: the end of a course that scatters.
 
-    distance [mm], rising, and values have the same shape (points,).
+    distance [mm], rising, and values have the same shape (points,). Between rows a course is a line, so that
+    each row counts by the distance it stands for.
     """
-    return float(values[distance >= 0.9 * distance[-1]].mean())
+    start = max(float(distance[0]), 0.9 * float(distance[-1]))
+    places = np.append(start, distance[distance > start])
+    if places.size == 1:
+        return float(values[-1])
+    means = np.trapezoid(np.interp(places, distance, values), places)
+    return float(means / (places[-1] - start))

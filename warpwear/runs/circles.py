@@ -1,4 +1,4 @@
-"""Circles of a rotating disc: each is unworn where a programme first slides on it, and is found as it was left.
+"""Circles of a rotating disc: unworn where a programme first slides on one, then found as it was left.
 
 All circles of a programme are parts of one length of the same surface, so that a model has room for one of
 them. What it holds of the disc is put aside when the counter-body leaves a circle.

@@ -49,7 +49,7 @@ class Indices:
         )
 
 
-def sobol(values: FloatArray, factors: int, *, seed: int = 0) -> Indices:
+def sobol(values: FloatArray, factors: int) -> Indices:
     """Sobol's indices of the outputs of a Saltelli design (`Design.unit_samples`), shape (runs,).
 
     Samples with a value that is not finite are left out, in all of their runs, which
@@ -61,7 +61,7 @@ def sobol(values: FloatArray, factors: int, *, seed: int = 0) -> Indices:
     if count < 2 or np.ptp(blocks) == 0.0:
         nothing = np.full((2, factors), np.nan)
         return Indices(nothing[0], nothing[0], nothing, nothing, count)
-    drawn = np.random.default_rng(seed).integers(0, count, (RESAMPLES, count))
+    drawn = np.random.default_rng(0).integers(0, count, (RESAMPLES, count))
     first, total = np.stack([_estimated(blocks[:, sample]) for sample in drawn], axis=1)
     ends = (50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE))
     intervals = np.nanpercentile(first, ends, axis=0), np.nanpercentile(total, ends, axis=0)

@@ -41,9 +41,12 @@ def write_report(result: SweepResult, folder: Path, experiments: tuple[Experimen
                 within=manifest.FIGURES,
             )
             return _moved(work, folder)
-    except OSError as error:
+    except (OSError, InputError) as error:
+        cause = error.__cause__ if isinstance(error, InputError) else error
+        if not isinstance(cause, OSError):
+            raise
         raise InputError(
-            f"out = {folder}: tables and figures could not be written: {error.strerror or error}; the runs "
+            f"out = {folder}: tables and figures could not be written: {cause.strerror or cause}; the runs "
             "are kept, and the same command with --resume writes them"
         ) from error
 
@@ -54,18 +57,16 @@ def _moved(work: Path, folder: Path) -> list[Path]:
     tables = [name for name in (*TABLES, PAGE) if (work / name).is_file()]
     names = [*tables, *sorted(f"{manifest.FIGURES}/{path.name}" for path in work.glob("*/*.png"))]
     (folder / manifest.FIGURES).mkdir(exist_ok=True)
-    for name in names if ours else ():  # what earlier versions wrote stands in no manifest
-        if name not in ours:
-            manifest.set_aside(folder / name)
+    for name in {*names} - ours:
+        manifest.set_aside(folder / name)
     manifest.write(folder, ours | {*names}, work=work)
     return [(work / name).replace(folder / name) for name in names]
 
 
-def group_rows(result: SweepResult, column: str = "cof") -> list[dict[str, Any]]:
-    """For each group of runs: label, number of runs, mean, 5th and 95th percentile of an end value."""
-    values = (
-        result.ends(column) if any(row.ends for row in result.rows) else np.full(len(result.rows), np.nan)
-    )
+def group_rows(result: SweepResult) -> list[dict[str, Any]]:
+    """For each group of runs: label, number of runs, mean, 5th and 95th percentile of the end's CoF."""
+    known = any(row.ends for row in result.rows)
+    values = result.ends("cof") if known else np.full(len(result.rows), np.nan)
     rows = []
     for label, runs in result.plan.groups.items():
         known = values[runs][np.isfinite(values[runs])]

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from warpwear.engine.device import find_device, gpu_count, usable_cores
+from warpwear.engine.workers import WorkerDiedError, Workers, local_workers
 from warpwear.errors import InputError, explained
 from warpwear.results import manifest
 from warpwear.results.folder import LOCK, check_writable, held, refuse_if_held
@@ -19,9 +20,8 @@ from warpwear.runs.console import warn
 from warpwear.study.study import Study
 from warpwear.sweeps.plan import Plan, section_of
 from warpwear.sweeps.points import task_of
-from warpwear.sweeps.pool import WorkerDiedError, Workers, local_workers
 from warpwear.sweeps.report import PAGE, failed_sentence, write_report
-from warpwear.sweeps.run_one import Row, is_there, run_one
+from warpwear.sweeps.run_one import Row, Task, is_there, run_one
 from warpwear.sweeps.table import RUNS, TABLES, SweepResult
 
 #: How often it is looked after runs that take long [s].
@@ -134,7 +134,7 @@ def make_runs(
             continue
         if point.run not in futures:
             task = task_of(point, folder / RUNS, device=plan.device, threads=threads)
-            futures[point.run] = executor.submit(run_one, task)
+            futures[point.run] = _submitted(executor, task)
         waiting.setdefault(futures[point.run], []).append(point.number)
     begun: dict[Future[Row], float] = {}
     longest = 0.0
@@ -165,6 +165,16 @@ def make_runs(
             future.cancel()
         raise
     return [rows[number] for number in range(len(plan.points))]
+
+
+def _submitted(executor: Executor, task: Task) -> "Future[Row]":
+    """The future of a run; an executor that takes none any more has it fail."""
+    try:
+        return executor.submit(run_one, task)
+    except RuntimeError as error:
+        future: Future[Row] = Future()
+        future.set_exception(error)
+        return future
 
 
 def _row(future: "Future[Row]") -> Row:
@@ -208,7 +218,7 @@ def estimate(plan: Plan, folder: Path | None, executor: Executor, *, threads: in
         return Estimate(len(plan.points), len(runs), 0.0, 0.0)
     with opened_folder(None) if folder is None else nullcontext(folder) as place:
         task = task_of(runs[missing[0]], place / RUNS, device=plan.device, threads=threads)
-        row = _row(executor.submit(run_one, task))
+        row = _row(_submitted(executor, task))
         size = sum(path.stat().st_size for path in Path(task.folder).glob("*") if path.is_file())
     return Estimate(len(plan.points), len(runs) - len(missing), row.seconds, size)
 
@@ -232,7 +242,7 @@ def check_folder(folder: Path, *, resume: bool) -> None:
         )
     ours = manifest.written(folder)
     foreign = [name for name in (*TABLES, PAGE) if name in names and name not in ours]
-    if foreign and (ours or TABLES[0] not in names):  # earlier versions wrote no manifest
+    if foreign:
         raise InputError(
             f"out = {folder} holds {', '.join(foreign)}, which no sweep wrote and this one would replace: "
             "move what you want to keep, or give another folder (out)."
@@ -250,10 +260,6 @@ def check_runs(plan: Plan, folder: Path) -> None:
         with path.open(newline="", encoding="utf-8-sig") as file:
             reader = csv.DictReader(file)
             rows = [row for row in reader if None not in row.values()]
-            if path.name not in manifest.written(folder) and not {"run", "status"} <= {
-                *(reader.fieldnames or ())
-            }:
-                raise KeyError("columns run and status")
         stored = {row["run"] for row in rows if not row["status"].startswith("failed")}
     except FileNotFoundError:
         return

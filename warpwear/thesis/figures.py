@@ -52,11 +52,9 @@ def chart(
     return Chart("", Axis(x) if isinstance(x, str) else x, up, lines, note)
 
 
-def course(
-    history: Mapping[str, FloatArray], column: str, label: str, look: Look, factor: float = 1.0
-) -> Line:
+def course(history: Mapping[str, FloatArray], column: str, label: str, look: Look) -> Line:
     """Make the line of a column of a history over the distance slid."""
-    return Line(history["distance"], factor * history[column], label, look)
+    return Line(history["distance"], history[column], label, look)
 
 
 def versions(runs: Runs, column: str, *names: str, relative: bool = False) -> list[Line]:

@@ -22,7 +22,7 @@ TOGETHER = 64
 
 
 def radices_of(length: int) -> list[int]:
-    """Return the stages of a transform of a length; empty where it has larger primes."""
+    """Return the stages of a transform of a length; none where it has larger primes, or is 1."""
     stages = []
     for radix in (*SMALL_RADICES, *range(7, LARGEST_PRIME + 1, 2)):
         while length % radix == 0:
@@ -33,7 +33,7 @@ def radices_of(length: int) -> list[int]:
 
 def fits(shape: tuple[int, int]) -> bool:
     """Tell whether fields padded to a shape can be convolved here."""
-    return bool(radices_of(shape[0])) and bool(radices_of(_numbers(shape[1])))
+    return all(length == 1 or radices_of(length) for length in (shape[0], _numbers(shape[1])))
 
 
 class Convolution(Filter):

@@ -1,17 +1,26 @@
-"""Worker processes on this machine that stay alive from run to run, as an executor of concurrent.futures."""
+"""Worker processes on this machine that stay alive from call to call, as an executor of concurrent.futures.
+
+A process is `python -m warpwear.engine.workers`, which reads a call from standard input, makes it and writes
+what it gave. No worker of `multiprocessing` does it: that runs a user's script once more where it has no
+`if __name__ == "__main__"`.
+"""
 
 import os
 import pickle
+import signal
 import subprocess
 import sys
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 #: How often a call is made again whose worker died.
 RETRIES = 2
+#: What Python is asked to run as a worker.
+COMMAND = ("-m", __name__)
 #: Variables by which numerical libraries are told their number of threads.
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS")
 
@@ -23,13 +32,15 @@ class WorkerDiedError(RuntimeError):
 class Workers(ThreadPoolExecutor):
     """Processes that make calls, one each at a time; one that dies is started again and its call with it.
 
-    A process is `python -m warpwear.sweeps.worker`, so that a script that makes a sweep needs no
-    `if __name__ == "__main__"`. environments: of each worker what differs from this process's.
+    environments: of each worker what differs from this process's. retries: how often a call is made again.
+    quiet: whether what workers say on standard error is left unseen.
     """
 
-    def __init__(self, environments: Sequence[Mapping[str, str]]) -> None:
-        super().__init__(max_workers=len(environments), thread_name_prefix="sweep")
-        self._free = list(environments)
+    def __init__(
+        self, environments: Sequence[Mapping[str, str]], *, retries: int = RETRIES, quiet: bool = False
+    ) -> None:
+        super().__init__(max_workers=len(environments), thread_name_prefix="worker")
+        self._free, self._retries, self._quiet = list(environments), retries, quiet
         self._lock = threading.Lock()
         self._own = threading.local()
         self._processes: list[subprocess.Popen[bytes]] = []
@@ -41,7 +52,7 @@ class Workers(ThreadPoolExecutor):
         return super().submit(self._call, function, arguments)
 
     def _call(self, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-        for _ in range(RETRIES + 1):
+        for _ in range(self._retries + 1):
             process = self._process()
             assert process.stdin is not None
             assert process.stdout is not None
@@ -50,8 +61,8 @@ class Workers(ThreadPoolExecutor):
                 process.stdin.flush()
                 good, answer = pickle.load(process.stdout)
             except (BrokenPipeError, EOFError, ValueError, OSError, pickle.UnpicklingError):
-                process.kill()
-                process.wait()
+                with suppress(OSError), process:  # closes its pipes
+                    process.kill()
                 if self._stopping:
                     raise WorkerDiedError("the sweep was stopped") from None
                 continue
@@ -59,8 +70,8 @@ class Workers(ThreadPoolExecutor):
                 return answer
             raise answer
         raise WorkerDiedError(
-            f"its worker process died {RETRIES + 1} times (status {process.returncode}), perhaps for want of "
-            "memory"
+            f"its worker process died {self._retries + 1} times (status {process.returncode}), perhaps for "
+            "want of memory"
         )
 
     def _process(self) -> "subprocess.Popen[bytes]":
@@ -72,7 +83,7 @@ class Workers(ThreadPoolExecutor):
                     self._own.environment = self._free.pop()
                 else:
                     self._processes.remove(process)
-                process = _started(self._own.environment)
+                process = _started(self._own.environment, quiet=self._quiet)
                 self._processes.append(process)
             self._own.process = process
         return process
@@ -97,23 +108,21 @@ class Workers(ThreadPoolExecutor):
         super().shutdown(wait=wait, cancel_futures=cancel_futures)
         if wait:
             for process in self._processes:
-                assert process.stdin is not None
-                assert process.stdout is not None
-                process.stdin.close()
-                process.wait()
-                process.stdout.close()
+                with suppress(OSError), process:  # closes its pipes, and waits
+                    pass
 
 
-def _started(environment: Mapping[str, str]) -> "subprocess.Popen[bytes]":
+def _started(environment: Mapping[str, str], *, quiet: bool) -> "subprocess.Popen[bytes]":
     """A worker process that imports this very package, wherever this process found it."""
     home = str(Path(__file__).parents[2])
     path = os.pathsep.join([home, *filter(None, [os.environ.get("PYTHONPATH")])])
     return subprocess.Popen(
-        [sys.executable, "-m", "warpwear.sweeps.worker"],
+        [sys.executable, *COMMAND],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL if quiet else None,
         env={**os.environ, "PYTHONPATH": path, **environment},
-        start_new_session=True,  # Ctrl-C reaches the sweep alone, which ends them in order
+        start_new_session=True,  # Ctrl-C reaches this process alone, which ends them in order
     )
 
 
@@ -123,3 +132,28 @@ def local_workers(number: int, *, cores: int, gpus: Sequence[str] = ()) -> Worke
     shared = dict.fromkeys(THREADS, threads)
     each = [{"CUDA_VISIBLE_DEVICES": gpus[worker % len(gpus)]} if gpus else {} for worker in range(number)]
     return Workers([{**shared, **own} for own in each])
+
+
+def serve() -> None:
+    """Make calls until the input ends. What a call prints goes to standard error."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # a run then leaves a checkpoint
+    calls, answers = sys.stdin.buffer, os.fdopen(os.dup(sys.stdout.fileno()), "wb")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
+    while True:
+        try:
+            function, arguments = pickle.load(calls)
+        except EOFError:
+            return
+        try:
+            answer = (True, function(*arguments))
+        except Exception as error:
+            answer = (False, error)
+        pickle.dump(answer, answers, protocol=pickle.HIGHEST_PROTOCOL)
+        answers.flush()
+
+
+if __name__ == "__main__":
+    try:
+        serve()
+    except (KeyboardInterrupt, BrokenPipeError):
+        sys.exit(130)
