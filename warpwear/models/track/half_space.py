@@ -10,8 +10,8 @@ import warp as wp
 
 from warpwear.contact.balance import Balance, residual_of
 from warpwear.contact.certificate import Certificate, columns_of
-from warpwear.contact.half_space.contact import HalfSpaceContact
 from warpwear.contact.half_space.search import NO_CAP
+from warpwear.contact.half_space.solver import HalfSpaceContact
 from warpwear.contact.half_space.window import WindowedHalfSpace
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Mirror, Numbers
@@ -21,8 +21,7 @@ from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import contact, fourier, wear_from_pressure
 from warpwear.kernels.cells import MAXIMA, Layout, PressureSum, names_of
 from warpwear.kernels.half_space import passes
-from warpwear.kernels.slide import Slide
-from warpwear.kernels.sliding import Bodies, OfRows
+from warpwear.kernels.sliding import Bodies, OfRows, Slide
 from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.archard import BODIES
 from warpwear.laws.task import ContactTask
