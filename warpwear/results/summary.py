@@ -131,8 +131,8 @@ def _blocks(result: ResultFile) -> list[Row]:
         if circles := result.study.circles:
             numbers["track_radius_mm"] = radius = circles[result.study.circle_of(block)]
             where = f" on a track of {radius:.6g} mm radius"
-        text = f"{block.load:.4g} N over {with_unit(slid)}{where}: worn {shown(volumes)} mm³; deepest at its end "
-        text += f"{shown(depths)} µm; mean CoF {shown(finite(mean), 3)}"
+        text = f"{block.load:.4g} N over {with_unit(slid)}{where}: worn {shown(volumes)} mm³; deepest "
+        text += f"at its end {shown(depths)} µm; mean CoF {shown(finite(mean), 3)}"
         rows.append(Row(f"block {block.number}", "", numbers, sentence=text))
     return [*rows, Row("", "blocks", [{"number": n, **row.value} for n, row in enumerate(rows, 1)])]
 
