@@ -19,10 +19,11 @@ class Truth:
     overshoot: float
 
 
-def made(seed: int) -> tuple[FloatArray, Truth]:
+def made(seed: int, drift: float = 0.0) -> tuple[FloatArray, Truth]:
     """Return means of laps: low, a jump, an overshoot that decays, a level; noise of laps goes together.
 
     The noise is of first order, with a correlation of 0.3 to 0.9 from lap to lap: 2 to 19 laps are one.
+    drift: the level comes to its end from below or above by less than this part of it, in a straight line.
     """
     dice = np.random.default_rng(seed)
     laps = int(dice.integers(300, 800))
@@ -38,7 +39,8 @@ def made(seed: int) -> tuple[FloatArray, Truth]:
     noise = np.zeros(laps + 200)
     for k in range(1, noise.size):
         noise[k] = together * noise[k - 1] + steps[k]
-    cof = low + ramp * (high - low) + noise[200:] * np.where(ramp > 0.5, 1.0, 0.4)
+    to_end = (place - laps) / laps * dice.uniform(-drift, drift) * level
+    cof = low + ramp * (high + to_end - low) + noise[200:] * np.where(ramp > 0.5, 1.0, 0.4)
     return cof, Truth(start, width, low, level, over)
 
 

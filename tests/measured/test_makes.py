@@ -9,7 +9,7 @@ from cases_records import RECORDS, ROWS, cetr, course, rtec, written
 
 from warpwear.errors import InputError
 from warpwear.measured.course import read_experiment
-from warpwear.measured.formats import FORMATS
+from warpwear.measured.record import FORMATS
 from warpwear.measured.rows import read_rows
 
 HERE = Path(__file__).parent

@@ -19,6 +19,7 @@ from warpwear.measured.rows import read_rows
 RECORDS = Path(os.environ.get("WARPWEAR_RECORDS", "nowhere"))
 RTEC = "Dichimanaym/Tribometer-Data-Processing/Sample Data"
 PHOENIX = "kyembot/pin-on-disk-data-analysis/pod_data"
+CSM = "gokcemay/trib/inst/exdata/tribometer"
 KYOWA = "msritj79/data_processing/data/input_csv"
 RADII = {"radius": [6.0, 9.0, 12.0, 15.0]}
 LOGGED = {"columns": "Time(sec), CH2 [g], CH1 [g]", "speed": 10.0}
@@ -117,6 +118,24 @@ CASES: dict[str, tuple[str, dict[str, Any], list[tuple[str, int, float]]]] = {
             ("time", 299, 300.0),
             ("cof", 299, 0.0601),
         ],
+    ),
+    f"{CSM}/c1.csv": (
+        "plain table",  # cut by its owner to names and rows
+        {"columns": "Distance [m],mu"},
+        [
+            ("cof", 0, 0.18478),
+            ("distance", 1, 1e3 * 0.00271164323203266),
+            ("distance", 9, 1e3 * 0.0237268786877394),
+            ("cof", 9, 0.17345),
+            ("cof", -2, 0.41340),
+            ("distance", -1, 1e3 * 30.229398727417),
+            ("cof", -1, 0.45578),
+        ],
+    ),
+    f"{CSM}/c2.csv": (
+        "plain table",
+        {"columns": "2 [m],4"},  # its name of the coefficient is a question mark
+        [("cof", 0, 0.12055), ("cof", -1, 0.30414), ("distance", -1, 1e3 * 30.2422790527344)],
     ),
     **{
         f"{KYOWA}/nontex5000{number}_A0000.CSV": ("Kyowa logger", LOGGED, values)

@@ -1,9 +1,7 @@
 """Compute the dissipated energy ∫ μ F dL, frictional power and PV at one or several sliding speeds."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -15,39 +13,15 @@ from warpwear.measured.options import optional, quantity, refuse
 from warpwear.result import Result
 from warpwear.results.report import Row, lines, record, table, to_json
 
-
-@dataclass(frozen=True, kw_only=True)
-class AtSpeed:
-    """What depends on one sliding speed [mm/s].
-
-    time [s]; power, power_end: frictional power, mean and at the end [W]; pv: name of a pressure -> MPa·m/s.
-    """
-
-    speed: float
-    time: float
-    power: float
-    power_end: float
-    pv: dict[str, float]
-
-    @property
-    def rows(self) -> list[Row]:
-        """What depends on the speed, declared for a report."""
-        return [
-            Row("speed", "speed_mm_per_min", 60.0 * self.speed, digits=5),
-            Row("time", "", self.time / 60.0, digits=5, unit="min"),
-            Row("", "time_s", self.time),
-            Row("mean power", "power_mean_W", self.power),
-            Row("power at the end", "power_end_W", self.power_end),
-            Row("PV", "pv_MPa_m_per_s", self.pv),
-        ]
+#: Speeds that are shown where none is named.
+SPEEDS = ("10 mm/min", "20 mm/min", "50 mm/min", "100 mm/min")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Dissipation:
     """An energy [J] that friction dissipates over a distance [mm] under a load [N].
 
-    cof_end: coefficient at the end. pressures: name -> MPa, at the end. Raises InputError for an energy, a
-    distance or a load that is not positive.
+    cof_end: coefficient at the end. pressures: name -> MPa, at the end.
     """
 
     energy: float
@@ -55,11 +29,6 @@ class Dissipation:
     load: float
     cof_end: float
     pressures: dict[str, float]
-
-    def __post_init__(self) -> None:
-        options.check_positive("mm", distance=self.distance)
-        options.check_positive("N", load=self.load)
-        options.check_positive("J", energy=self.energy)
 
     @property
     def cof(self) -> float:
@@ -80,16 +49,18 @@ class Dissipation:
             Row("rate-independent", "", rate),
         ]
 
-    def at(self, speed: float) -> AtSpeed:
-        """Find what depends on the speed [mm/s], which the energy does not. Raises InputError."""
-        options.check_positive("mm/s", speed=speed)
-        return AtSpeed(
-            speed=speed,
-            time=self.distance / speed,
-            power=self.energy * speed / self.distance,
-            power_end=1e-3 * self.cof_end * self.load * speed,
-            pv={name: 1e-3 * pressure * speed for name, pressure in self.pressures.items()},
-        )
+    def at(self, speed: float) -> list[Row]:
+        """Declare what depends on the speed [mm/s], which the energy does not."""
+        time, end = self.distance / speed, 1e-3 * self.cof_end * self.load * speed
+        pv = {name: 1e-3 * pressure * speed for name, pressure in self.pressures.items()}
+        return [
+            Row("speed", "speed_mm_per_min", 60.0 * speed, digits=5),
+            Row("time", "", time / 60.0, digits=5, unit="min"),
+            Row("", "time_s", time),
+            Row("mean power", "power_mean_W", self.energy * speed / self.distance),
+            Row("power at the end", "power_end_W", end),
+            Row("PV", "pv_MPa_m_per_s", pv),
+        ]
 
 
 def calibrate_energy(
@@ -100,16 +71,13 @@ def calibrate_energy(
     cof: float | None = None,
     area: str | None = None,
     speed: tuple[str, ...] = (),
-    usual_speeds: Sequence[Any] = (),
     as_json: bool = False,
 ) -> str:
     """Say what a run, or a constant coefficient, dissipates: as text for people, or as JSON.
 
-    load, distance, area, speed: text with a unit. usual_speeds: each with a value and a unit, for where no
-    speed is given. Raises InputError.
+    load, distance, area, speed: text with a unit. Raises InputError.
     """
-    texts = speed or tuple(f"{s.value:g} {s.unit}" for s in usual_speeds)
-    speeds = [quantity("--speed", text, "mm/s") for text in texts]
+    speeds = [quantity("--speed", text, "mm/s") for text in speed or SPEEDS]
     if result is not None:
         beside = {"--load": load, "--distance": distance, "--cof": cof, "--area": area}
         refuse(beside, "and --result exclude each other: the run has its own")
@@ -126,7 +94,7 @@ def calibrate_energy(
         source, worn = f"a constant coefficient of {mu:g}", []
     in_joule = Row("", "energy_J", work.energy, digits=5)
     rows = [Row("source", "source", source), in_joule, *worn, *work.rows]
-    at_speeds = [work.at(speed).rows for speed in speeds]
+    at_speeds = [work.at(speed) for speed in speeds]
     if as_json:
         return to_json(record([*rows, Row("", "speeds", at_speeds)]))
     title = f"dissipated energy ∫ μ F dL = {in_joule.text}"

@@ -5,7 +5,6 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -28,20 +27,21 @@ class ShearFit:
     """Hold τ0 [MPa] with its standard error, and how well it fits; alone, with μ_p = 0, or beside μ_p.
 
     rms: of the residuals. r_squared compares with the mean coefficient, and may be negative of τ0 alone; None
-    of a constant coefficient.
+    of a constant coefficient. effective_points: how many independent ones scatter as much.
     """
 
     shear_strength: float
     shear_strength_error: float
     rms: float
     r_squared: float | None
+    effective_points: float
 
 
 @dataclass(frozen=True, kw_only=True)
 class FrictionFit(ShearFit):
     """Hold τ0 [MPa] and μ_p with their standard errors, and how well they fit.
 
-    The errors allow for points that scatter together: they are those of `effective_points` independent ones.
+    The errors allow for points that scatter together: they are those of `effective_points` ones.
     first, last: distances used [mm]; points used, and left_out beyond the run's distances. condition:
     condition index of the two unknowns; area_variation: standard deviation over mean of the areas used.
     """
@@ -52,7 +52,6 @@ class FrictionFit(ShearFit):
     last: float
     points: int
     left_out: int
-    effective_points: float
     condition: float
     area_variation: float
     without_ploughing: ShearFit
@@ -94,22 +93,11 @@ def fit_friction(
 ) -> FrictionFit:
     """Fit a measured coefficient over a run's area by least squares, the area interpolated at its distances.
 
-    distance [mm], cof: measured, (n,); run_distance [mm], rising, run_area [mm²]: a run's history, (m,);
-    load [N]. Points before the run's first step or beyond its end are left out. Errors are those of least
-    squares times √(n/n_eff), n_eff from the residuals' autocorrelation summed to its first zero.
-    InputError for values that are no numbers, too few points in the run's range, or areas that hardly vary.
+    distance [mm], cof: measured, (n,); run_distance [mm], run_area [mm²]: a run's history, (m,); distances
+    rise; load [N]. Points before the run's first step or beyond its end are left out. Errors are those of
+    least squares times √(n/n_eff), n_eff from the residuals' autocorrelation summed to its first zero.
+    InputError for too few points in the run's range, or areas that hardly vary.
     """
-    distance, cof = np.asarray(distance, dtype=np.float64), np.asarray(cof, dtype=np.float64)
-    if distance.ndim != 1 or distance.shape != cof.shape:
-        raise InputError(
-            f"measured distances and coefficients have shapes {distance.shape} and {cof.shape}: one "
-            "coefficient a distance is needed"
-        )
-    bad = int((~(np.isfinite(distance) & np.isfinite(cof))).sum())
-    if bad:
-        raise InputError(f"the measured curve has {bad} points that are no finite numbers: allowed are none")
-    if not 0.0 < load < math.inf:
-        raise InputError(f"load is {load:g} N: allowed is any positive number")
     used = (distance >= run_distance[0]) & (distance <= run_distance[-1])
     count = int(used.sum())
     if count < FEWEST:
@@ -117,67 +105,52 @@ def fit_friction(
             f"{count} measured points lie within the run's distances, {run_distance[0]:g} to "
             f"{run_distance[-1]:g} mm: at least {FEWEST} are needed"
         )
-    order = np.argsort(distance[used], kind="stable")
-    where, measured = distance[used][order], cof[used][order]
+    where, measured = distance[used], cof[used]
     area_over_load = np.interp(where, run_distance, run_area) / load
     mean = float(area_over_load.mean())
     varying = area_over_load - mean
-    scatter = _product(varying, varying)
-    spread = math.sqrt(scatter / count) / mean
-    condition = _condition(spread)
+    spread = math.sqrt(_product(varying, varying) / count) / mean
+    # of the columns 1 and A/F, each scaled to length 1
+    condition = (1.0 + math.hypot(1.0, spread)) / spread if spread else math.inf
     if condition > HOPELESS:
         raise InputError(
             f"the area varies by {spread:.1g} of its mean over {where[0]:g} to {where[-1]:g} mm: τ0 and μ_p "
             "cannot be told apart; --cof with --ploughing fixes both instead"
         )
-    slope = _product(varying, measured - measured.mean()) / scatter
-    offset = float(measured.mean()) - slope * mean
-    residual = measured - offset - slope * area_over_load
-    effective = effective_points(residual)
-    deviation = math.sqrt(_product(residual, residual) / (count - 2) * count / effective)
+    shear = _slope(varying, measured - measured.mean(), unknowns=2)
     return FrictionFit(
-        shear_strength=slope,
-        shear_strength_error=deviation / math.sqrt(scatter),
-        ploughing=offset,
-        ploughing_error=deviation * math.sqrt(1.0 / count + mean**2 / scatter),
-        **_quality(residual, measured),
+        **vars(shear),
+        ploughing=float(measured.mean()) - shear.shear_strength * mean,
+        ploughing_error=shear.shear_strength_error * math.hypot(spread * mean, mean),
         first=float(where[0]),
         last=float(where[-1]),
         points=count,
         left_out=int(distance.size) - count,
-        effective_points=effective,
         condition=condition,
         area_variation=spread,
-        without_ploughing=_shear_alone(area_over_load, measured),
+        without_ploughing=_slope(area_over_load, measured, unknowns=1),
     )
 
 
-def _shear_alone(area_over_load: FloatArray, measured: FloatArray) -> ShearFit:
-    """Fit τ0 alone. area_over_load: A/F [mm²/N], measured: coefficient, both (n,)."""
-    square = _product(area_over_load, area_over_load)
-    slope = _product(area_over_load, measured) / square
-    residual = measured - slope * area_over_load
-    count, effective = measured.size, effective_points(residual)
-    variance = _product(residual, residual) / (count - 1) * count / effective
-    error = math.sqrt(variance / square)
-    return ShearFit(shear_strength=slope, shear_strength_error=error, **_quality(residual, measured))
+def _slope(column: FloatArray, measured: FloatArray, *, unknowns: int) -> ShearFit:
+    """Fit τ0, of so many unknowns. column: A/F [mm²/N], measured: coefficient, (n,), of two without means."""
+    square, about_mean = _product(column, column), measured - measured.mean()
+    slope = _product(column, measured) / square
+    residual = measured - slope * column
+    count, left, total = measured.size, _product(residual, residual), _product(about_mean, about_mean)
+    effective = effective_points(residual)
+    return ShearFit(
+        shear_strength=slope,
+        shear_strength_error=math.sqrt(left / (count - unknowns) * count / effective / square),
+        rms=math.sqrt(left / count),
+        r_squared=1.0 - left / total if total else None,
+        effective_points=effective,
+    )
 
 
 def _within(value: float, error: float) -> str:
     """Say whether a value is within its error of 0."""
     return " (within two standard errors of 0)" if abs(value) < 2.0 * error else ""
-
-
-def _condition(spread: float) -> float:
-    """Find the condition index of the columns 1 and A/F, each scaled to length 1.
-
-    spread: standard deviation over mean of the area.
-
-    Their product is cos = 1/√(1 + spread²), the singular values are √(1 ± cos).
-    """
-    cos = 1.0 / math.sqrt(1.0 + spread * spread)
-    lack = spread * spread * cos / (math.sqrt(1.0 + spread * spread) + 1.0)  # 1 − cos, without cancelling
-    return math.sqrt((1.0 + cos) / lack) if lack else math.inf
 
 
 def _product(one: FloatArray, other: FloatArray) -> float:
@@ -196,10 +169,3 @@ def effective_points(residual: FloatArray) -> float:
     ends = np.flatnonzero(correlation <= 0.0)
     together = float(correlation[: ends[0] if ends.size else None].sum())
     return max(count / (1.0 + 2.0 * together), 1.0)
-
-
-def _quality(residual: FloatArray, measured: FloatArray) -> dict[str, Any]:
-    """Find rms and R² of residuals about a measured coefficient, both (n,), as fields of a fit."""
-    about_mean = measured - measured.mean()
-    total, left = _product(about_mean, about_mean), _product(residual, residual)
-    return {"rms": math.sqrt(left / residual.size), "r_squared": 1.0 - left / total if total else None}

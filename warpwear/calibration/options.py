@@ -1,23 +1,13 @@
 """Options that several commands of `warpwear calibrate` have: to numbers, with sentences for bad ones."""
 
 from warpwear.errors import InputError
-from warpwear.measured.options import optional, quantity
-from warpwear.study.units import NOT_NEGATIVE, Range
+from warpwear.measured.options import quantity
+from warpwear.study.units import Range
 
-#: Largest number that may be given, in mm, N or MPa, and largest K [mm²/N] or 1/K: beyond it powers overflow.
-LARGEST = 1e30
 #: A coefficient of friction.
 COF = Range(most=3.0)
 #: The part of it that does not shear.
 PLOUGHING = Range(or_equal=True, most=3.0)
-
-
-def check_positive(unit: str, **values: float) -> None:
-    """Raise InputError for a value in the unit that is not positive, or too large."""
-    for name, value in values.items():
-        if not 0.0 < value <= LARGEST:
-            called = name.replace("_", " ")
-            raise InputError(f"{called} is {value:g} {unit}: allowed is a positive number up to {LARGEST:g}")
 
 
 def number(option: str, value: float, allowed: Range) -> float:
@@ -48,8 +38,3 @@ def distance_of(distance: str | None, passes: int | None, stroke: str | None) ->
     if stroke is None:
         raise InputError("--passes needs --stroke, the length of one pass, such as '30 mm'")
     return passes * quantity("--stroke", stroke, "mm")
-
-
-def uncertainty(value: str | None, unit: str) -> float | None:
-    """Turn --uncertainty into a number in the unit of what was measured. Raises InputError."""
-    return optional("--uncertainty", value, unit, allowed=NOT_NEGATIVE)

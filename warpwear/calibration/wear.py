@@ -5,14 +5,15 @@ under their names: both take one body as unworn, G99 the disc for its ball and t
 """
 
 import math
-from collections.abc import Sequence
+import statistics
 from dataclasses import dataclass
 from typing import Any
 
-from warpwear.calibration.options import LARGEST, check_positive
 from warpwear.errors import InputError
 from warpwear.surfaces.worn.ball import cap_of_diagonals
 
+#: Largest K [mm²/N] and 1/K that are told.
+LARGEST = 1e30
 #: Ratio of a scar's diameters above which it is no flat cap.
 LONGER = 1.1
 #: Angle [rad] of a circular segment below which its area is summed as a series: φ − sin φ cancels.
@@ -50,6 +51,14 @@ class WearCalibration:
     distance: float
     hardness: float | None = None
 
+    def __post_init__(self) -> None:
+        for value in self.values:
+            if not 1.0 / LARGEST < value < LARGEST:
+                raise InputError(
+                    f"load {self.load:g} N and distance {self.distance:g} mm make a wear coefficient of "
+                    f"{value:g} mm²/N: allowed is {1.0 / LARGEST:g} to {LARGEST:g}"
+                )
+
     @property
     def values(self) -> tuple[float, ...]:
         """Return K of every test [mm²/N]."""
@@ -63,26 +72,18 @@ class WearCalibration:
     @property
     def mean(self) -> float:
         """K [mm²/N]: the mean over the tests."""
-        return math.fsum(self.values) / len(self.values)
+        return statistics.fmean(self.values)
 
     @property
     def deviation(self) -> float | None:
         """Return the standard deviation of the tests [mm²/N], divided by n − 1; None of a single one."""
-        if len(self.values) < 2:
-            return None
-        mean = self.mean
-        return math.sqrt(math.fsum((v - mean) ** 2 for v in self.values) / (len(self.values) - 1))
-
-    @property
-    def standard_error(self) -> float | None:
-        """Standard error of the mean [mm²/N], from the scatter between the tests; None of a single test."""
-        deviation = self.deviation
-        return None if deviation is None else deviation / math.sqrt(len(self.values))
+        return statistics.stdev(self.values) if len(self.values) > 1 else None
 
     @property
     def uncertainty(self) -> float | None:
         """Standard uncertainty of `mean` [mm²/N]: from the scatter of several tests, else of the volume."""
-        return self.errors[0] if len(self.values) == 1 else self.standard_error
+        deviation = self.deviation
+        return self.errors[0] if deviation is None else deviation / math.sqrt(len(self.values))
 
     @property
     def dimensionless(self) -> float | None:
@@ -90,33 +91,8 @@ class WearCalibration:
         return None if self.hardness is None else self.mean * self.hardness
 
 
-def wear_coefficient(
-    volumes: Sequence[WornVolume], *, load: float, distance: float, hardness: float | None = None
-) -> WearCalibration:
-    """Find K = V/(F L) (thesis eq 2.5) of tests of one load [N] and one sliding distance [mm].
-
-    InputError for a load, a distance, a hardness or a volume that is not positive, and for no volume.
-    """
-    check_positive("N", load=load)
-    check_positive("mm", distance=distance)
-    check_positive("MPa", **({} if hardness is None else {"hardness": hardness}))
-    if not volumes:
-        raise InputError("volumes is empty: a wear coefficient needs one or more")
-    for worn in volumes:
-        check_positive("mm³", worn_volume=worn.volume)
-    wear = WearCalibration(volumes=tuple(volumes), load=load, distance=distance, hardness=hardness)
-    for value in wear.values:
-        if not 1.0 / LARGEST < value < LARGEST:
-            raise InputError(
-                f"load {load:g} N and distance {distance:g} mm make a wear coefficient of {value:g} mm²/N: "
-                f"allowed is {1.0 / LARGEST:g} to {LARGEST:g}"
-            )
-    return wear
-
-
 def volume_given(volume: float, *, error: float | None = None) -> WornVolume:
     """Take a volume [mm³] as it was measured elsewhere, with its standard uncertainty [mm³] or None."""
-    check_positive("mm³", volume=volume)
     return WornVolume(volume=volume, measured=f"volume {volume:.6g} mm³", **_uncertainty(error, 1.0))
 
 
@@ -134,8 +110,6 @@ def cap(
     that wears with its plate): it is given beside. InputError for a scar wider than the ball.
     """
     other = first if second is None else second
-    check_positive("mm", diameter=first)
-    check_positive("mm", diameter=other, radius=radius)
     scar = cap_of_diagonals(first, other, radius=radius)
     source = "as given"
     if error is None and other != first:
@@ -165,7 +139,6 @@ def circular_track(
     uncertainty of the width, by dA/dd = d²/(2 √(4r² − d²)). InputError for a track wider than the ball, or
     than the circle it runs on.
     """
-    check_positive("mm", width=width, radius=radius, track_radius=track_radius)
     if width >= 2.0 * radius:
         raise InputError(f"width is {width:g} mm: allowed is below the ball's diameter, {2 * radius:g} mm")
     if width > 2.0 * track_radius:
@@ -189,8 +162,6 @@ def groove(section: float, *, length: float, error: float | None = None) -> Worn
 
     error: standard uncertainty of the section [mm²]. The ends, where the ball turns, are not in it.
     """
-    check_positive("mm²", section=section)
-    check_positive("mm", length=length)
     return WornVolume(
         volume=section * length,
         **_uncertainty(error, length),
@@ -213,8 +184,6 @@ def diameter_of_cap(volume: float, *, radius: float) -> float:
 
     InputError for more than half the ball: its scar would shrink again.
     """
-    check_positive("mm³", volume=volume)
-    check_positive("mm", radius=radius)
     if volume > 2.0 / 3.0 * math.pi * radius**3 * (1.0 + 1e-12):
         raise InputError(f"volume is {volume:g} mm³: allowed is up to half the ball of radius {radius:g} mm")
     low, high = 0.0, radius  # of the height
@@ -231,8 +200,4 @@ def _uncertainty(error: float | None, slope: float, *, source: str = "as given")
 
     error: of what was measured, None where unknown; slope: of the volume over it. Raises InputError.
     """
-    if error is None:
-        return {}
-    if not 0.0 <= error <= LARGEST:
-        raise InputError(f"uncertainty is {error:g}: allowed is any number from 0 to {LARGEST:g}")
-    return {"error": slope * error, "error_from": source}
+    return {} if error is None else {"error": slope * error, "error_from": source}

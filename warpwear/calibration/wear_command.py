@@ -11,7 +11,7 @@ from warpwear.calibration import options as command_options
 from warpwear.calibration import wear as volumes
 from warpwear.errors import InputError
 from warpwear.measured.options import optional, quantity
-from warpwear.measured.surface_command import changed_since, read_surface, scar_in, track_in
+from warpwear.measured.surface_command import read_surface, scar_in, track_in
 from warpwear.results.report import Row, lines, record, scientific, to_json
 from warpwear.study.units import NOT_NEGATIVE
 from warpwear.surfaces.worn.ball import find_worn_ball
@@ -84,12 +84,12 @@ def calibrate_wear(options: Options, *, preparation: Preparation, as_json: bool)
     distance = command_options.distance_of(options["--distance"], options["--passes"], options["--stroke"])
     lengths = _lengths(source, options)
     before = options["--before"] or [None] * len(options[source])
-    tests = [
+    tests = tuple(
         _volume(source, value, lengths, {**options, "--before": earlier}, preparation)
         for value, earlier in zip(options[source], before, strict=True)
-    ]
+    )
     hardness = optional("--hardness", options["--hardness"], "MPa")
-    wear = volumes.wear_coefficient(tests, load=load, distance=distance, hardness=hardness)
+    wear = volumes.WearCalibration(volumes=tests, load=load, distance=distance, hardness=hardness)
     relation = SOURCES[source].relation if standard is None else STANDARDS[standard][1]
     rows = wear_rows(wear, relation=relation, worn=SOURCES[source].worn)
     if as_json:
@@ -157,14 +157,9 @@ def _volume(
     source: str, value: Any, lengths: dict[str, float | None], options: Options, preparation: Preparation
 ) -> volumes.WornVolume:
     """Find the volume of one test. value: of the source's option; lengths [mm]. Raises InputError."""
-    radius, length = lengths["--radius"] or 0.0, lengths["--length"] or 0.0
-    if source == "--track":
-        width, earlier = lengths["--track-width"], options["--before"]
-        return _of_track(value, preparation, length=length, width=width, before=earlier)
-    if source == "--after":
-        return _of_scar(value, preparation, before=options["--before"])
-    if source == "--ball":
-        return _of_ball(value, preparation, radius=lengths["--radius"])
+    if source in TOPOGRAPHIES:
+        return _of_topography(source, value, lengths, options["--before"], preparation)
+    radius = lengths["--radius"] or 0.0
     unit = SOURCES[source].unit
     texts, uncertainties = zip(*map(_with_error, value if source == "--diagonals" else (value,)), strict=True)
     if any(uncertainties) and options["--uncertainty"] is not None:
@@ -174,13 +169,14 @@ def _volume(
     ]
     # of two diagonals, which count alike
     error = math.sqrt(sum(e * e for e in errors) / len(errors)) if errors else None
-    error = command_options.uncertainty(options["--uncertainty"], unit) if error is None else error
+    if error is None:
+        error = optional("--uncertainty", options["--uncertainty"], unit, allowed=NOT_NEGATIVE)
     sizes = [quantity(source, text, unit) for text in texts]
     match source:
         case "--volume":
             return volumes.volume_given(*sizes, error=error)
         case "--section":
-            return volumes.groove(*sizes, length=length, error=error)
+            return volumes.groove(*sizes, length=lengths["--length"] or 0.0, error=error)
         case "--width":
             track = lengths["--track-radius"] or 0.0
             return volumes.circular_track(*sizes, radius=radius, track_radius=track, error=error)
@@ -199,58 +195,41 @@ def _with_error(text: str) -> tuple[str, str | None]:
     return f"{parts['value']} {parts['unit']}", f"{parts['error']} {parts['unit']}"
 
 
-def _of_track(
-    file: Path, preparation: Preparation, *, length: float, width: float | None, before: Path | None
-) -> volumes.WornVolume:
-    """Find the volume of a track of a length [mm] from a topography of it, or of a piece of it.
-
-    width: of the track [mm], None to find it; before: the file of the same place before the test, or None.
-    Raises InputError.
-    """
-    surface = read_surface(file, {**preparation, "level": "none"})
-    heights = None if before is None else changed_since(surface, before, preparation).heights
-    track, degree = track_in(surface, level=preparation.get("level"), width=width, heights=heights)
-    if length < track.length * (1.0 - 1e-9):
-        raise InputError(
-            f"--length is {length:g} mm: allowed is at least the piece in {file}, {track.length:g} mm"
-        )
-    section = f"section {1e6 * track.net.mean():.5g} ± {1e6 * track.net_error:.2g} µm² × {length:g} mm"
-    scatter = f", and how sections scatter along the measured {track.length:.4g} mm"
-    volume, error = track.volume(length)
-    measured, more = f"{section}, degree {degree} beside it", scatter * (track.length < 0.9 * length)
-    return _of_topography(file, volume, error, depth=track.depth, measured=measured, more=more)
-
-
-def _of_scar(file: Path, preparation: Preparation, *, before: Path) -> volumes.WornVolume:
-    """Find the net volume that a scar has lost since an earlier measurement. Raises InputError."""
-    surface = read_surface(file, {**preparation, "level": "none"})
-    scar, _, _ = scar_in(surface, before, preparation)
-    measured = f"scar {scar.along:.4g} × {scar.across:.4g} mm, {before} laid over it and taken off"
-    return _of_topography(file, scar.net, scar.net_error, depth=scar.depth, measured=measured)
-
-
-def _of_ball(file: Path, preparation: Preparation, *, radius: float | None) -> volumes.WornVolume:
-    """Find what a ball lost, from its topography. radius [mm], None to fit it. Raises InputError."""
-    surface = read_surface(file, {**preparation, "level": "none"})
-    ball = find_worn_ball(surface.measured, pixel=surface.pixel, radius=radius)
-    counter = f"a radius of {ball.sphere.radius:.5g} mm ({'fitted' if radius is None else 'given'})"
-    measured = f"patch {ball.along:.4g} × {ball.across:.4g} mm on {counter}"
-    return _of_topography(file, ball.volume, ball.volume_error, depth=ball.depth, measured=measured)
-
-
 def _of_topography(
-    file: Path, volume: float, error: float, *, depth: float, measured: str, more: str = ""
+    source: str, file: Path, lengths: dict[str, float | None], before: Path | None, preparation: Preparation
 ) -> volumes.WornVolume:
-    """Make a worn volume [mm³] of what a file holds. Raises InputError where nothing was lost.
+    """Find the volume that a track, a scar or a ball lost from a topography of it, or of a piece of a track.
 
-    depth [mm]. more: what else the error is from.
+    lengths [mm]; before: the file of the same place before the test, or None. Raises InputError.
     """
+    surface, more = read_surface(file, {**preparation, "level": "none"}), ""
+    if source == "--track":
+        track, _, degree = track_in(surface, before, preparation, width=lengths["--track-width"])
+        length = lengths["--length"] or 0.0
+        if length < track.length * (1.0 - 1e-9):
+            raise InputError(
+                f"--length is {length:g} mm: allowed is at least the piece in {file}, {track.length:g} mm"
+            )
+        if track.length < 0.9 * length:
+            more = f", and how sections scatter along the measured {track.length:.4g} mm"
+        (volume, error), depth = track.volume(length), track.depth
+        section = f"section {1e6 * track.net.mean():.5g} ± {1e6 * track.net_error:.2g} µm² × {length:g} mm"
+        measured = f"{section}, degree {degree} beside it"
+    elif source == "--after":
+        scar, _, _ = scar_in(surface, before, preparation)
+        volume, error, depth = scar.net, scar.net_error, scar.depth
+        measured = f"scar {scar.along:.4g} × {scar.across:.4g} mm, {before} laid over it and taken off"
+    else:
+        ball = find_worn_ball(surface.measured, pixel=surface.pixel, radius=lengths["--radius"])
+        volume, error, depth = ball.volume, ball.volume_error, ball.depth
+        counter = f"{ball.sphere.radius:.5g} mm ({'given' if lengths['--radius'] else 'fitted'})"
+        measured = f"patch {ball.along:.4g} × {ball.across:.4g} mm on a radius of {counter}"
     if volume <= 0.0:
         raise InputError(
             f"{file} has lost no volume: {volume:.3g} ± {error:.2g} mm³; a wear coefficient needs a loss"
         )
-    source, measured = f"what the same sum finds on unworn surface{more}", f"{file}: {measured}"
-    return volumes.WornVolume(volume=volume, error=error, error_from=source, depth=depth, measured=measured)
+    origin, measured = f"what the same sum finds on unworn surface{more}", f"{file}: {measured}"
+    return volumes.WornVolume(volume=volume, error=error, error_from=origin, depth=depth, measured=measured)
 
 
 def wear_rows(wear: volumes.WearCalibration, *, relation: str, worn: str | None) -> list[Row]:
@@ -276,7 +255,7 @@ def wear_rows(wear: volumes.WearCalibration, *, relation: str, worn: str | None)
         Row("  or", "wear_coefficient_dimensionless", k, note=by_hardness, scientific=True),
         Row("", "count", count),
         Row("scatter", "standard_deviation_mm3_per_Nm", spread, digits=2, note=scatter, scientific=True),
-        Row("", "standard_error_mm3_per_Nm", _times(1e3, wear.standard_error)),
+        Row("", "standard_error_mm3_per_Nm", _times(1e3, error) if count > 1 else None),
         Row("", "uses", "exact"),
         Row("in a study", "", in_study),
         Row("", "tests", [_test_rows(wear, test) for test in range(count)]),

@@ -107,7 +107,7 @@ def friction(**options: Any) -> None:
 @AS_JSON
 def energy(**options: Any) -> None:
     """Find the dissipated energy ∫ μ F dL, and time, frictional power and PV at several speeds."""
-    click.echo(places.energy_of_test.calibrate_energy(**options, usual_speeds=places.printed.SPEEDS))
+    click.echo(places.energy_of_test.calibrate_energy(**options))
 
 
 @calibrate.command()

@@ -13,6 +13,7 @@ import sys
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -60,8 +61,8 @@ class Workers(ThreadPoolExecutor):
                 process.stdin.flush()
                 good, answer = pickle.load(process.stdout)
             except (BrokenPipeError, EOFError, ValueError, OSError, pickle.UnpicklingError):
-                process.kill()
-                process.wait()
+                with suppress(OSError), process:  # closes its pipes
+                    process.kill()
                 if self._stopping:
                     raise WorkerDiedError("the sweep was stopped") from None
                 continue
@@ -107,11 +108,8 @@ class Workers(ThreadPoolExecutor):
         super().shutdown(wait=wait, cancel_futures=cancel_futures)
         if wait:
             for process in self._processes:
-                assert process.stdin is not None
-                assert process.stdout is not None
-                process.stdin.close()
-                process.wait()
-                process.stdout.close()
+                with suppress(OSError), process:  # closes its pipes, and waits
+                    pass
 
 
 def _started(environment: Mapping[str, str], *, quiet: bool) -> "subprocess.Popen[bytes]":

@@ -9,8 +9,8 @@ import numpy as np
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.experiment import Experiment
-from warpwear.measured.formats import PLAIN
 from warpwear.measured.motion import doubts, moving, sliding_distance
+from warpwear.measured.record import PLAIN
 from warpwear.measured.rows import Paths, Rows, read_rows
 from warpwear.measured.tribometer import alternates, averaged, from_forces, one_sign
 
@@ -39,7 +39,7 @@ def read_experiment(
     columns: str | None = None,
     radius: float | Sequence[float] | None = None,
 ) -> Experiment:
-    """Read a record of friction as a machine wrote it, see `warpwear.measured.formats`, or a table of text.
+    """Read a record of friction as a machine wrote it, see `warpwear.measured.record`, or a table of text.
 
     Two kinds are told apart by the names of the columns: a coefficient of friction over distance, laps, speed
     and time, time or cycles; and forces with the position, or stroke by stroke, see

@@ -188,11 +188,7 @@ def _track(surface: Measured, options: SurfaceOptions) -> Outcome:
     """Measure the worn track in a surface. Raises InputError."""
     width = optional("--track-width", options.track_width, "mm")
     length = optional("--track-length", options.track_length, "mm")
-    changed = None
-    if options.before is not None:
-        changed = changed_since(surface, options.before, options.preparation)
-    heights = None if changed is None else changed.heights
-    track, degree = track_in(surface, level=options.preparation.get("level"), width=width, heights=heights)
+    track, changed, degree = track_in(surface, options.before, options.preparation, width=width)
     row = Row("", "track", surface_report.track_rows(track, length=length))
     return _worn(surface, options, changed, degree, row, lambda: track_figure(track, filled=track.missing))
 
@@ -232,17 +228,29 @@ def scar_in(
     before: the same place before it was worn, None to level the surface alone; preparation: keys of [disc].
     Raises InputError.
     """
-    degree = _degree(preparation.get("level"))
-    changed = None if before is None else changed_since(surface, before, preparation)
-    heights = surface.measured if changed is None else changed.heights
+    heights, changed, degree = _less_before(surface, before, preparation)
     hurst = ROUGH if changed is None else CHANGED
     return find_scar(heights, pixel=surface.pixel, degree=degree, hurst=hurst), changed, degree
 
 
-def changed_since(surface: Measured, before: Path, preparation: Mapping[str, str | None]) -> Difference:
-    """Lay the file of an earlier measurement over a surface and take it off. Raises InputError."""
+def track_in(
+    surface: Measured, before: Path | None, preparation: Mapping[str, str | None], *, width: float | None
+) -> tuple[Track, Difference | None, int]:
+    """Find the worn track of a surface, as `scar_in`; width [mm], None to find it. Raises InputError."""
+    heights, changed, degree = _less_before(surface, before, preparation)
+    return find_track(heights, pixel=surface.pixel, degree=degree, width=width), changed, degree
+
+
+def _less_before(
+    surface: Measured, before: Path | None, preparation: Mapping[str, str | None]
+) -> tuple[FloatArray, Difference | None, int]:
+    """Take an earlier measurement, if there is one, off a surface; and find the degree to level by."""
+    degree = _degree(preparation.get("level"))
+    if before is None:
+        return surface.measured, None, degree
     earlier = read_surface(before, {**preparation, "level": "none", "crop": None})
-    return difference(surface.measured, earlier.measured, pixel=surface.pixel, earlier_pixel=earlier.pixel)
+    changed = difference(surface.measured, earlier.measured, pixel=surface.pixel, earlier_pixel=earlier.pixel)
+    return changed.heights, changed, degree
 
 
 def _degree(level: str | None) -> int:
@@ -251,19 +259,6 @@ def _degree(level: str | None) -> int:
     if isinstance(degree, str):
         raise InputError(f"--level {degree} is for a ball or a roller: allowed is none, plane or a degree")
     return degree
-
-
-def track_in(
-    surface: Measured, *, level: str | None, width: float | None, heights: FloatArray | None = None
-) -> tuple[Track, int]:
-    """Find the worn track of a surface read with level none, and the degree taken off beside it.
-
-    level: as in [disc], as text; width [mm], None to find it; heights [mm], shape (nx, ny): how they changed,
-    to look at instead of the surface's. Raises InputError.
-    """
-    degree = _degree(level)
-    heights = surface.measured if heights is None else heights
-    return find_track(heights, pixel=surface.pixel, degree=degree, width=width), degree
 
 
 def _ball(surface: Measured, options: SurfaceOptions) -> Outcome:

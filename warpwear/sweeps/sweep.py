@@ -22,7 +22,7 @@ from warpwear.study.study import Study
 from warpwear.sweeps.plan import Plan, section_of
 from warpwear.sweeps.points import task_of
 from warpwear.sweeps.report import PAGE, failed_sentence, write_report
-from warpwear.sweeps.run_one import Row, is_there, run_one
+from warpwear.sweeps.run_one import Row, Task, is_there, run_one
 from warpwear.sweeps.table import RUNS, TABLES, SweepResult
 
 #: How often it is looked after runs that take long [s].
@@ -136,7 +136,7 @@ def make_runs(
     waiting: dict[Future[Row], list[int]] = {}
     for those in numbers.values():  # of one run
         task = task_of(plan.points[those[0]], folder / RUNS, device=plan.device, threads=threads)
-        waiting[executor.submit(run_one, task)] = those
+        waiting[_submitted(executor, task)] = those
     begun: dict[Future[Row], float] = {}
     longest = 0.0
     late: set[Future[Row]] = set()
@@ -168,6 +168,16 @@ def make_runs(
     return [rows[number] for number in range(len(plan.points))]
 
 
+def _submitted(executor: Executor, task: Task) -> "Future[Row]":
+    """The future of a run; an executor that takes none any more has it fail."""
+    try:
+        return executor.submit(run_one, task)
+    except RuntimeError as error:
+        future: Future[Row] = Future()
+        future.set_exception(error)
+        return future
+
+
 def _row(future: "Future[Row]") -> Row:
     """The row of a run; one whose worker was lost says so."""
     try:
@@ -191,7 +201,7 @@ def estimate(
     if missing:
         with opened_folder(None) if folder is None else nullcontext(folder) as place:
             task = task_of(runs[missing[0]], place / RUNS, device=plan.device, threads=threads)
-            seconds = _row(executor.submit(run_one, task)).seconds
+            seconds = _row(_submitted(executor, task)).seconds
             size = sum(path.stat().st_size for path in Path(task.folder).glob("*") if path.is_file())
     there = len(runs) - len(missing)
     to_do, already = len(plan.points) - there, f", {there} of them there already" if there else ""

@@ -36,7 +36,7 @@ class Patch:
 
 def _of_test(worn: volumes.WornVolume) -> volumes.WearCalibration:
     """Find K of a worn volume after the printed test."""
-    return volumes.wear_coefficient([worn], load=thesis.LOAD.value, distance=thesis.DISTANCE.value)
+    return volumes.WearCalibration(volumes=(worn,), load=thesis.LOAD.value, distance=thesis.DISTANCE.value)
 
 
 def table_4_1() -> dict[str, tuple[Printed, volumes.WearCalibration]]:

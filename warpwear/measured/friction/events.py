@@ -20,7 +20,7 @@ FEWEST, LEAST = 20, 5
 PENALTY = 3.0
 #: Changes by less than this part are rounding.
 ROUNDING = 1e-3
-#: Part of the last level that is left out of the steady value: it may still come down or rise.
+#: Part of the last level that is left out of the steady value: it may still settle.
 SETTLING = 1.0 / 3.0
 #: A rise from 10 to 90 % within this part of the course is a jump, ...
 LONGEST_JUMP = 0.2
@@ -34,15 +34,18 @@ OVER = 3.0
 
 @dataclass(frozen=True, kw_only=True)
 class Steady:
-    """A course comes to a value, with the half widths of its bands of 68 and 95 %.
+    """A course comes to a value at its end, with the half widths of its bands of 68 and 95 %.
 
-    start, end: of the part that it is the mean of [mm]; groups: of laps in it; independent: how many groups
-    scatter as much; share: part of the course that is the last level.
+    It is the end of a straight line through a part of the course. drift: by how much the line rises over the
+    part, drift_95: half the width of its band. start, end: of the part [mm]; groups: of laps in it;
+    independent: how many groups scatter as much; share: part of the course that is the last level.
     """
 
     value: float
     error: float
     error_95: float
+    drift: float
+    drift_95: float
     start: float
     end: float
     groups: int
@@ -97,27 +100,32 @@ def events_of(laps: Laps) -> Events:
     return Events(changes=changes, jump=jump, steady=steady, overshoot=overshoot)
 
 
-def mean_with_error(values: FloatArray) -> tuple[float, float, float]:
-    """Return the mean of values that scatter together, (n,), its standard error and the independent number.
+def line_with_error(values: FloatArray) -> tuple[float, float, float, float, float]:
+    """Fit a straight line to values that scatter together, (n,), one after another.
 
-    τ = 1 + 2 Σ ρ_k up to the first zero of the autocorrelation, each ρ_k (1 − k/n) τ/n higher than it is
-    computed about the mean of the same values (Marriott and Pope, Biometrika 41, 1954, to the first order).
+    Returns the line's middle and the standard error of that, how far the line rises, the standard error of
+    that, and the independent number n/τ: τ = 1 + 2 Σ ρ_k up to the first zero of the autocorrelation, each
+    ρ_k 2 (1 − k/n) τ/n higher than it is computed about the line through the same values (Marriott and Pope,
+    Biometrika 41, 1954, to the first order, for a line's two numbers).
     """
-    count = values.size
-    residual = values - values.mean()
+    count, middle = values.size, float(values.mean())
+    place = np.linspace(-0.5, 0.5, count)
+    square = float(place @ place)
+    rise = float(place @ values) / square
+    residual = values - middle - rise * place
     power = float(residual @ residual)
-    if power <= 1e-18 * count * float(values.mean()) ** 2:
-        return float(values.mean()), 0.0, float(count)
+    if power <= 1e-18 * count * middle**2:
+        return middle, 0.0, rise, 0.0, float(count)
     length = 1 << (2 * count - 1).bit_length()
     raw = np.fft.irfft(np.abs(np.fft.rfft(residual, length)) ** 2, length)[1:count] / power
     lags, tau = np.arange(1, count), 1.0
-    for _ in range(3):
-        correlation = raw + (1.0 - lags / count) * tau / count
+    for _ in range(6):
+        correlation = raw + 2.0 * (1.0 - lags / count) * tau / count
         ends = np.flatnonzero(correlation <= 0.0)
         last = min(int(ends[0]) if ends.size else count - 1, math.ceil(5.0 * tau) + 1)
-        tau = min(max(1.0 + 2.0 * float(correlation[:last].sum()), 1.0), count / 3.0)
-    variance = power / count / (1.0 - tau / count)
-    return float(values.mean()), math.sqrt(variance * tau / count), count / tau
+        tau = min(max(1.0 + 2.0 * float(correlation[:last].sum()), 1.0), count / 6.0)
+    error = math.sqrt(power / count / (1.0 - 2.0 * tau / count) * tau / count)
+    return middle, error, rise, error * math.sqrt(count / square), count / tau
 
 
 def _scatter(values: FloatArray) -> float:
@@ -132,34 +140,45 @@ def _levels(cof: FloatArray) -> list[int]:
 
     The squared error and a penalty for each change are least together (PELT, Killick, Fearnhead and Eckley
     2012). σ² τ is the median over the quarters of the course, so that a change in one of them does not count.
+    A drift comes out as stairs: from where on a straight line, at the price of one change, is no worse than
+    they are, the course is one level.
     """
-    strengths = []
-    for quarter in np.array_split(cof, 4):
-        place = np.arange(quarter.size, dtype=np.float64)
-        residual = quarter - np.polyval(np.polyfit(place, quarter, 1), place)
-        strengths.append(quarter.size * mean_with_error(residual)[1] ** 2)
+    quarters = np.array_split(cof, 4)
+    strengths = [quarter.size * line_with_error(quarter)[1] ** 2 for quarter in quarters]
     penalty = PENALTY * float(np.median(strengths)) * math.log(cof.size)
     penalty = max(penalty, ROUNDING**2 * float(cof @ cof) / cof.size)
     try:
         search = ruptures.KernelCPD(kernel="linear", min_size=LEAST)
     except ImportError as error:
         raise InputError("the levels of a record need ruptures: pip install 'warpwear[io]'") from error
-    return [0, *(int(place) for place in search.fit(cof[:, None]).predict(pen=penalty))]
+    bounds = [0, *(int(place) for place in search.fit(cof[:, None]).predict(pen=penalty))]
+    squares = [(b - a) * float(cof[a:b].var()) + penalty for a, b in pairwise(bounds)]
+    for number, start in enumerate(bounds[:-2]):
+        straight = (cof.size - start) * _scatter(cof[start:]) ** 2
+        if straight + 2.0 * penalty <= sum(squares[number:]):
+            return [*bounds[: number + 1], cof.size]
+    return bounds
 
 
 def _steady(laps: Laps, level: int) -> Steady | None:
-    """Return the mean of a level to the end without its first third, None where that is too short."""
+    """Return what a level comes to, by a line through it without its first third, None where it is too short.
+
+    The level at the end is as uncertain as a line's end, twice as much as a mean: whether it drifts is not
+    known. A mean of courses that do, by less than is seen, would be off by more than its error.
+    """
     first = level + math.floor(SETTLING * (laps.cof.size - level))
     cof = laps.cof[first:]
     if cof.size < 2 * LEAST:
         return None
-    value, error, independent = mean_with_error(cof)
-    factors = (float(stats.t.ppf(share, max(independent - 1.0, 1.0))) for share in (0.8413447, 0.975))
-    band, wide = (factor * error for factor in factors)
+    middle, error, drift, of_drift, independent = line_with_error(cof)
+    factors = (float(stats.t.ppf(share, max(independent - 2.0, 1.0))) for share in (0.8413447, 0.975))
+    band, wide = (factor * math.hypot(error, 0.5 * of_drift) for factor in factors)
     return Steady(
-        value=value,
+        value=middle + 0.5 * drift,
         error=band,
         error_95=wide,
+        drift=drift,
+        drift_95=wide * of_drift / math.hypot(error, 0.5 * of_drift) if error else 0.0,
         start=float(laps.distance[first]) - 0.5 * laps.length,
         end=float(laps.distance[-1]) + 0.5 * laps.length,
         groups=cof.size,

@@ -41,7 +41,8 @@ def _lines(step: Step, *, first: bool, second: bool) -> list[Line | Level]:
     if events.steady is not None:
         ends = 1e-3 * (step.before + np.array([events.steady.start, events.steady.end]))
         label = "steady value" if first else ""
-        lines.append(Line(ends, np.full(2, events.steady.value), label, Look(describe.COUNTER, width=2.0)))
+        values = events.steady.value - np.array([events.steady.drift, 0.0])
+        lines.append(Line(ends, values, label, Look(describe.COUNTER, width=2.0)))
     if events.jump is not None:
         for at, label in ((events.jump.start, "10 and 90 % of the jump"), (events.jump.end, "")):
             place = 1e-3 * (step.before + at)

@@ -21,8 +21,8 @@ CHANGES = 6
 HOW = (
     f"Levels: the least squared error with a penalty of {PENALTY:g} σ² τ ln n for each change (PELT of "
     "ruptures); σ is the scatter of n laps or groups of them, τ how many scatter together.",
-    "Steady value: mean of the last level without its first third; ± covers 68 %, noise that goes together "
-    "counted.",
+    "Steady value: end of a line through the last level without its first third; ± covers 68 %, noise that "
+    "goes together and a drift counted.",
     "Incubation and jump: 10 and 90 % of the way between the levels beside the steepest rise.",
     "Energy: load × coefficient over the distance.",
 )
@@ -82,6 +82,9 @@ def _doubts(step: Step) -> list[str]:
     steady = step.events.steady
     if steady is None:
         return ["There are too few means behind the last change of level for a steady value with an error"]
+    if abs(steady.drift) > steady.drift_95 > 0.0:
+        way = "rises" if steady.drift > 0.0 else "falls"
+        return [f"The course still {way}: it is not steady, and the steady value is that of its end"]
     if steady.share < SHARE:
         return ["The level changed late: the steady value is that of the end, and may go on changing"]
     if steady.independent < FEW:
@@ -132,7 +135,9 @@ def _steady_rows(steady: Steady) -> list[Row]:
     error = f"{steady.error:.2g}"
     decimals = len(error.partition(".")[2]) if "e" not in error else 5
     where = f"{1e-3 * steady.start:.4g} to {1e-3 * steady.end:.4g} m"
-    text = f"{steady.value:.{decimals}f} ± {error} (68 %; 95 %: ± {steady.error_95:.2g}), mean from {where}"
+    text = (
+        f"{steady.value:.{decimals}f} ± {error} (68 %; 95 %: ± {steady.error_95:.2g}), by a line from {where}"
+    )
     return [
         Row(
             "steady value",
@@ -142,6 +147,14 @@ def _steady_rows(steady: Steady) -> list[Row]:
             sentence=text,
         ),
         Row("", "steady_cof_error_95", steady.error_95),
+        Row(
+            "drift",
+            "steady_drift",
+            steady.drift,
+            error=("steady_drift_error_95", steady.drift_95),
+            digits=2,
+            note="of the line, 95 %",
+        ),
         Row("", "steady_from_mm", steady.start),
         Row("", "steady_to_mm", steady.end),
         Row(
