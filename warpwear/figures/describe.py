@@ -187,9 +187,9 @@ class Map:
 
 @dataclass(frozen=True)
 class Bars:
-    """A bar a name, the first on top, or upright the first at the left.
+    """A bar a name, the first on top.
 
-    ends: of an interval, (2, names). dots: second values, (names,). written: format of values over bars.
+    ends: of an interval, (2, names). dots: second values, (names,). written: format of values behind bars.
     """
 
     title: str
@@ -199,7 +199,6 @@ class Bars:
     ends: FloatArray | None = None
     dots: FloatArray | None = None
     colours: Sequence[str] = (COUNTER,)
-    upright: bool = False
     written: str = ""
     note: str = ""
 

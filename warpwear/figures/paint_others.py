@@ -149,27 +149,21 @@ PARTS: dict[type, Callable[..., None]] = {Glass: _glass, Towers: _towers, Surfac
 
 
 def paint_bars(axes: Axes, bars: Bars) -> None:
-    """Draw bars, with their intervals and dots, or upright with their values over them."""
-    places, colours = np.arange(len(bars.names)), [*bars.colours]
-    if bars.upright:
-        drawn = axes.bar(places, bars.values, color=colours, width=0.65)
-        axes.set_xticks(places, bars.names)
-        axes.set_ylabel(bars.axis.label)
-        axes.margins(y=0.2 if np.min(bars.values) < 0.0 else 0.12)
-        if bars.written:
-            axes.bar_label(drawn, [bars.written.format(v) for v in bars.values], fontsize=7, padding=2)
-        axes.axhline(0.0, color=describe.NEUTRAL, lw=0.6)
-    else:
-        axes.barh(-places, bars.values, color=colours)
-        for place in places:
-            if bars.ends is not None:
-                axes.plot(bars.ends[:, place], [-place, -place], color=describe.HARDNESS, lw=1.0)
-            if bars.dots is not None:
-                axes.plot(bars.dots[place], -place, "o", color=describe.SUM, ms=4)
-        axes.set_yticks(-places, bars.names)
-        axes.set_xlabel(bars.axis.label)
-        axes.set_xlim(bars.axis.low, bars.axis.high)
-        axes.axvline(0.0, color=describe.HARDNESS, lw=0.6)
+    """Draw bars, with their intervals and dots, or their values behind them."""
+    places = np.arange(len(bars.names))
+    drawn = axes.barh(-places, bars.values, color=[*bars.colours])
+    for place in places:
+        if bars.ends is not None:
+            axes.plot(bars.ends[:, place], [-place, -place], color=describe.HARDNESS, lw=1.0)
+        if bars.dots is not None:
+            axes.plot(bars.dots[place], -place, "o", color=describe.SUM, ms=4)
+    if bars.written:
+        axes.bar_label(drawn, [bars.written.format(v) for v in bars.values], fontsize=7, padding=2)
+        axes.margins(x=0.25)
+    axes.set_yticks(-places, bars.names)
+    axes.set_xlabel(bars.axis.label)
+    axes.set_xlim(bars.axis.low, bars.axis.high)
+    axes.axvline(0.0, color=describe.HARDNESS, lw=0.6)
     axes.set_title(bars.title)
 
 

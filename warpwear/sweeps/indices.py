@@ -63,7 +63,8 @@ def sobol(values: FloatArray, factors: int) -> Indices:
     drawn = np.random.default_rng(0).integers(0, count, (RESAMPLES, count))
     totals = np.stack([_estimated(blocks[:, sample])[1] for sample in drawn])
     ends = (50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE))
-    return Indices(*_estimated(blocks), np.nanpercentile(totals, ends, axis=0), count)
+    first, total = _estimated(blocks)
+    return Indices(first, total, np.nanpercentile(totals, ends, axis=0), count)
 
 
 def _estimated(blocks: FloatArray) -> FloatArray:

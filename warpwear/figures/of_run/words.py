@@ -20,7 +20,8 @@ from warpwear.results.formats.forms import prose
 from warpwear.study.rules import FEWEST_ACROSS
 
 #: What declares a figure of a run, and what says something of it.
-Declare, Say = Callable[[FigureData], Figure], Callable[[FigureData], str]
+Declare = Callable[[FigureData], Figure]
+Say = Callable[[FigureData], str]
 #: Name of a reason -> what is said of it.
 SENTENCES = prose("reasons")
 #: Pressures whose largest is less than this many times the mean are nearly the same.
