@@ -89,10 +89,9 @@ def page_of(template: str, content: Mapping[str, Any], pictures: Mapping[str, by
     still = {name: style.bytes_of(paint(figure), dpi=DPI) for name, figure in turned.items()}
     pictures = {**pictures, **still}
     plots = [plot for section in sections for plot in section["plots"]]
-    seen: set[str] = set()
+    first = {plot["static"]: plot for plot in reversed(plots)}  # of a figure's plots, which has its picture
     for plot in plots:
-        png = None if plot["static"] in seen else pictures.get(plot["static"])
-        seen.add(plot["static"])
+        png = pictures.get(plot["static"]) if plot is first[plot["static"]] else None
         plot["picture"] = f"data:image/png;base64,{_base64(png)}" if png else ""
     drawn = [{k: v for k, v in plot.items() if k not in ("picture", "caption", "static")} for plot in plots]
     places = np.linspace(0.0, 1.0, SHADES)

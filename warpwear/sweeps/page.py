@@ -9,7 +9,6 @@ import numpy as np
 
 from warpwear.figures.sections import Section, under_headings
 from warpwear.figures.wording import few_of, listed
-from warpwear.grid import FloatArray
 from warpwear.history.end_values import ENDS
 from warpwear.history.quantities import BY_NAME
 from warpwear.measured.experiment import Experiment
@@ -88,14 +87,6 @@ def _values_of(factor: Factor) -> str:
     return str(spread)
 
 
-def _ends(result: SweepResult, column: str) -> FloatArray | None:
-    """End values of a column; None where no run has any."""
-    if not any(f"{column} [" in name for row in result.rows for name in row.ends):
-        return None
-    values = result.ends(column)
-    return values if np.isfinite(values).any() else None
-
-
 def _answers(result: SweepResult) -> list[Answer]:
     """Give the numbers at the top: mean and band of a sampled design, least and most of a listed one."""
     answers = []
@@ -106,7 +97,7 @@ def _answers(result: SweepResult) -> list[Answer]:
     if result.plan.study.friction.ends_as_given:
         notes["cof"] = "An input: constant, or its shear strength is fitted so that it is met"
     for answer in ANSWERS:
-        if (values := _ends(result, answer.name)) is None:
+        if (values := result.known_ends(answer.name)) is None:
             continue
         known = answer.scaled(values[np.isfinite(values)])
         if result.plan.design.kind in SAMPLED:
@@ -122,7 +113,7 @@ def _answers(result: SweepResult) -> list[Answer]:
 
 def _decides(result: SweepResult) -> str:
     """Say in a sentence which key decides the coefficient of friction most."""
-    if len(result.plan.keys) < 2 or _ends(result, "cof") is None:
+    if len(result.plan.keys) < 2 or result.known_ends("cof") is None:
         return ""
     key, value = next(iter(result.influence().items()))
     if not np.isfinite(value) or value == 0.0:
@@ -143,7 +134,7 @@ def _sections(result: SweepResult, experiments: Sequence[Experiment]) -> list[Se
 
 def _rows(result: SweepResult) -> list[dict[str, Any]]:
     """Rows of the table of runs: what was varied, how it ended, and where its page or folder lies."""
-    ends = [_ends(result, answer.name) for answer in ANSWERS]
+    ends = [result.known_ends(answer.name) for answer in ANSWERS]
     rows = []
     for point, row in list(zip(result.plan.points, result.rows, strict=True))[:MOST_ROWS]:
         values = [

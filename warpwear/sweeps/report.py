@@ -65,11 +65,9 @@ def _moved(work: Path, folder: Path) -> list[Path]:
 
 def group_rows(result: SweepResult) -> list[dict[str, Any]]:
     """For each group of runs: label, number of runs, mean, 5th and 95th percentile of the end's CoF."""
-    known = any(row.ends for row in result.rows)
-    values = result.ends("cof") if known else np.full(len(result.rows), np.nan)
-    rows = []
+    ends, rows = result.known_ends("cof"), []
     for label, runs in result.plan.groups.items():
-        known = values[runs][np.isfinite(values[runs])]
+        known = np.zeros(0) if ends is None else ends[runs][np.isfinite(ends[runs])]
         low, high = np.percentile(known, (5.0, 95.0)) if known.size else (np.nan, np.nan)
         mean = float(known.mean()) if known.size else np.nan
         rows.append({"label": label or "all runs", "runs": len(runs), "mean": mean, "low": low, "high": high})

@@ -115,6 +115,11 @@ class SweepResult:
             raise InputError(f"'{name}' is no end value; there are {', '.join(columns)}.")
         return np.array([row.ends.get(column, np.nan) for row in self.rows])
 
+    def known_ends(self, name: str) -> FloatArray | None:
+        """End values as of `ends`; None where no run has any."""
+        known = any(f"{name} [" in key for row in self.rows for key in row.ends)
+        return self.ends(name) if known and np.isfinite(self.ends(name)).any() else None
+
     def band(self, name: str, runs: Sequence[int]) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Mean, 5th and 95th percentile of a column over some runs, each of shape (distances,)."""
         return band(self.courses(name)[list(runs)])

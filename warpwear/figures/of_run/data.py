@@ -19,15 +19,8 @@ from warpwear.grid import FloatArray, Grid
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.archard import BODIES
 from warpwear.laws.patches import Patches
-from warpwear.laws.settling import Settling
 from warpwear.models.patches.smooth import SmoothContact
-from warpwear.results.evolution import (
-    SurfaceEvolution,
-    settling,
-    settling_course,
-    spectrum_in_scar,
-    surface_evolution,
-)
+from warpwear.results.evolution import SurfaceEvolution, spectrum_in_scar, surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.formats.bodies import worn_heights
 from warpwear.results.track import is_short, whole_steps
@@ -199,12 +192,6 @@ class FigureData:
     def evolution(self) -> SurfaceEvolution:
         """Measure the roughness inside the scar and islands of contact at every snapshot."""
         return surface_evolution(self.result)
-
-    @cached_property
-    def settling(self) -> dict[str, tuple[FloatArray, FloatArray, Settling | str]]:
-        """Distances [mm] and Sq [µm] in the inner scar by body, with its fit or why there is none."""
-        result = self.result
-        return {body: (*settling_course(result, body), settling(result, body)) for body in BODIES}
 
     @cached_property
     def spectra(self) -> dict[str, list[tuple[float, Spectrum]]]:
