@@ -153,7 +153,7 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     name = ".".join(
         str(p + of_block if isinstance(p, int) else p)
         for p in first["loc"]
-        if not str(p).startswith(("literal[", "constrained-", "function-", "tuple[", "list[", "str"))
+        if p != "str" and not str(p).startswith(("literal[", "constrained-", "function-", "tuple[", "list["))
     )
     kind, value = first["type"], first.get("input")
     text = _SHOWN.repr(str(value) if is_quantity(value) else value)
