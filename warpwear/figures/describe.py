@@ -187,7 +187,7 @@ class Map:
 
 @dataclass(frozen=True)
 class Bars:
-    """A bar a name, the first on top.
+    """Draw a bar a name, the first on top.
 
     ends: of an interval, (2, names). dots: second values, (names,). written: format of values behind bars.
     """

@@ -1,4 +1,4 @@
-"""Figures under the headings of a page."""
+"""Lay figures under the headings of a page."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass

@@ -70,11 +70,11 @@ def infer(
     priors = dict(unknown) if isinstance(unknown, Mapping) else dict.fromkeys(unknown)
     unknowns, noise = unknowns_of(study, priors), noise_for(data, priors)
     _check_unknowns(study, unknowns, data)
-    kept = None if out is None else Path(out)
-    if kept is not None:
-        check_folder(kept, resume=True)
-        (kept / RUNS).mkdir(parents=True, exist_ok=True)
-    with opened_folder(None) if kept is None else nullcontext(kept) as folder:
+    place = None if out is None else Path(out)
+    if place is not None:
+        check_folder(place, resume=True)
+        (place / RUNS).mkdir(parents=True, exist_ok=True)
+    with opened_folder(None) if place is None else nullcontext(place) as folder:
 
         def model_of(other: Study, part: float | None = None) -> Model:
             how: Any = {"samples": runs, "seed": seed, "out": folder, "device": device, "part": part}
