@@ -17,14 +17,14 @@ from warpwear.kernels.wear import Course
 
 def test_numbers_are_saved_bit_for_bit(device: str) -> None:
     with Executor(Grid(8, 8, 0.1), device=device) as executor:
-        one, other = (Numbers(Course, executor.device, approach=0.1) for _ in range(2))
-        one.set(approach=np.nextafter(0.3, 1.0), rates=2, rate_0=-1e-300)
+        one, other = (Numbers(Course, executor.device, force=0.1) for _ in range(2))
+        one.set(force=np.nextafter(0.3, 1.0), steps=2, slope=-1e-300, extents=[0.1, 0.2, 0.3, 1e300])
         saved = json.loads(json.dumps(state.save(one)))
         state.restore(other, *saved)
         assert other.values == one.values
-        assert other["rates"] == 2
+        assert other["steps"] == 2
         with pytest.raises(KeyError):
-            other.values = {"approach": 1.0}
+            other.values = {"force": 1.0}
 
 
 def test_a_table_is_written_and_read_by_rows(device: str) -> None:

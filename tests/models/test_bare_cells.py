@@ -16,7 +16,7 @@ from warpwear.contact.search import LoadSearch
 from warpwear.engine.executor import Executor
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels.cells import PADDING
+from warpwear.kernels.cells import NO_INDEX, PADDING
 from warpwear.runs.make import model_of
 from warpwear.runs.order import RunOrder
 
@@ -192,7 +192,7 @@ def bared(study: Study, device: str, threads: int) -> tuple[FloatArray, dict[str
             if hasattr(holder, "state"):
                 holder.state.columns = (0, executor.grid.ny)
             if hasattr(holder, "_course"):
-                holder._course.set(first_column=0.0, last_column=executor.grid.ny - 1.0)
+                holder._course.set(extents=[NO_INDEX, NO_INDEX, 0.0, executor.grid.ny - 1.0])
         step = model.advance(order.plan[0][0], with_pressure=True)
         return step.pressure.copy(), step.row
 

@@ -17,7 +17,7 @@ from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, Grid, IntArray
 from warpwear.kernels.cells import PADDING
-from warpwear.kernels.slide import Slide
+from warpwear.kernels.sliding import Slide
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.junctions import critical_junction
 from warpwear.laws.pieces import Pieces

@@ -15,8 +15,7 @@ from warpwear.engine.executor import Executor, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.recorder import Step
-from warpwear.kernels.slide import Slide
-from warpwear.kernels.sliding import Bodies
+from warpwear.kernels.sliding import Bodies, Slide
 from warpwear.models.track import tiles
 from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.tiles import SlidingTiles

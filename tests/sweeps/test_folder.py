@@ -202,6 +202,27 @@ def test_a_cluster_without_workers_is_not_waited_for_in_silence(monkeypatch: pyt
         pass
 
 
+def test_a_cluster_that_loses_all_its_workers_is_given_up(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """It is told of, what waits fails, and so does what is begun after that."""
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(cluster, "LOOK", 0.1)
+    monkeypatch.setattr(cluster, "LOST", 1.0)
+    options: dict[str, Any] = {"dashboard_address": None, "protocol": "tcp", "threads_per_worker": 1}
+    plan = Plan(small(), section_of({"vary": VARY}, {}))
+    with (
+        distributed.LocalCluster(n_workers=1, processes=False, **options) as here,
+        cluster.connected(here.scheduler_address, insecure=True) as (executor, _),
+    ):
+        here.scale(0)
+        with pytest.warns(UserWarning, match=r"has lost all its workers: waiting 1 s for one to come back"):
+            (row,) = make_runs(plan, tmp_path, executor)
+        assert row.status == "failed: it was cancelled, as runs are whose cluster is gone"
+        (row,) = make_runs(plan, tmp_path, executor)
+        assert row.status.startswith("failed: ")
+
+
 def test_a_cluster_makes_runs_and_nothing_else() -> None:
     """xarray would ask the scheduler for a lock of the tables, in vain where it has died."""
     distributed = pytest.importorskip("distributed")

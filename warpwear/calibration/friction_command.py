@@ -168,7 +168,7 @@ def _of_curve(
         study, history = result.study, result.history
     load, law = study.contact.load, _law(study, folder, ploughing=0.0)
     area = law.area if area is None else area
-    measured = read_experiment(file, load=load, radius=study.sliding.track_radius, **reading)
+    measured = read_experiment(file, load=load, radius=study.same_radius, **reading)
     if history["distance"].size < 2:
         raise InputError(f"{folder} is a static contact: one area is no course to fit")
     distance, size = history["distance"], history[f"area_{area}"] * law.factor(history)

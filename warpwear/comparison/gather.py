@@ -88,7 +88,7 @@ def gather(
         [group.name for group in groups],
         speed=optional("--speed", speed, "mm/s") or _common(run.study.sliding.mean_speed for run in runs),
         stroke=optional("--stroke", stroke, "mm") or _common(run.study.sliding.stroke for run in runs),
-        radius=_common(run.study.sliding.track_radius for run in runs),
+        radius=_common(run.study.same_radius for run in runs),
         columns=columns,
     )
     scars = None if scar is None else compare_scar(scar, runs)

@@ -42,7 +42,9 @@ class Numbers:
 
     STATE: ClassVar = {"values": dict}
 
-    def __init__(self, kind: Any, device: Any, *, written: bool = True, **values: float) -> None:
+    def __init__(
+        self, kind: Any, device: Any, *, written: bool = True, **values: float | list[float]
+    ) -> None:
         self.array: Field = wp.zeros(1, dtype=kind, device=device)
         self._there = self.array if device.is_cpu else wp.zeros(1, dtype=kind, device="cpu")
         self._host, self._written = self._there.numpy(), written
@@ -61,9 +63,9 @@ class Numbers:
 
     @property
     def values(self) -> dict[str, Any]:
-        """Return all members by name, of a struct of plain numbers."""
+        """Return all members by name, of a struct of numbers, vectors and structs of such."""
         host = self._read()
-        return {name: host[name][0].item() for name in host.dtype.names}
+        return {name: host[name][0].tolist() for name in host.dtype.names}
 
     @values.setter
     def values(self, values: Mapping[str, Any]) -> None:

@@ -43,7 +43,8 @@ class Node(Protocol):
 class Launch:
     """Launches a kernel, shared among threads where its chunks say so.
 
-    chunks: ranges of slots for the threads; a function tells them anew each time.
+    chunks: ranges of slots for the threads; a function tells them anew each time. slots: None of a decision,
+    whose kernel takes neither first slot nor slots.
     """
 
     def __init__(
@@ -51,17 +52,17 @@ class Launch:
         executor: Executor,
         kernel: Any,
         arguments: Sequence[Any],
-        slots: int,
+        slots: int | None,
         chunks: Chunks | Callable[[], Chunks],
     ) -> None:
         self._executor, self._kernel, self._chunks = executor, kernel, chunks
         executor.load(kernel)  # which no recording can
-        self._arguments = [slots, *arguments]
+        self._slots, self._arguments = slots, arguments
         self._takes_range = kernel in RANGED
         self._commands: list[tuple[Any, tuple[int, int]]] = []
         self._is_shared = executor.is_shared and (callable(chunks) or len(chunks) > 1)
         if not self._is_shared:
-            self._command(0, (0, slots))
+            self._command(0, (0, slots or 1))
 
     @property
     def is_recordable(self) -> bool:
@@ -85,10 +86,11 @@ class Launch:
         width = 1 if device.is_cpu else BLOCK
         is_range = self._takes_range and device.is_cpu
         if number == len(self._commands):
+            place = [] if self._slots is None else [first, *[end] * self._takes_range, self._slots]
             command = wp.launch(
                 self._kernel,
                 dim=1 if is_range else (end - first) * width,
-                inputs=[first, *([end] if self._takes_range else []), *self._arguments],
+                inputs=[*place, *self._arguments],
                 device=device,
                 block_dim=width,
                 record_cmd=True,
@@ -230,8 +232,8 @@ class Program:
         self._add(Launch(executor, kernel, arguments, slots, chunks))
 
     def decide(self, kernel: Any, *arguments: Any) -> None:
-        """Add a decision: a kernel of one slot, with the arguments of a pass."""
-        self._add(Launch(self._executor, kernel, arguments, 1, [(0, 1)]))
+        """Add a decision: a kernel of one slot, which takes the arguments alone."""
+        self._add(Launch(self._executor, kernel, arguments, None, [(0, 1)]))
 
     def call(self, function: Callable[[], Any]) -> None:
         """Add a step of the host. On a GPU it is captured: it only queues work in the device's stream."""

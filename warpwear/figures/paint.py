@@ -18,6 +18,7 @@ from warpwear.figures.describe import Bodies, Chart, Empty, Figure, Map, Panel, 
 from warpwear.figures.paint_chart import paint_chart
 from warpwear.figures.paint_map import paint_map
 from warpwear.figures.paint_others import PAINT_3D, PAINT_OTHERS
+from warpwear.figures.units import far
 
 #: Inches that a character of a legend takes, and a line with its room beside the text.
 CHARACTER, LEGEND_LINE = 0.05, 0.45
@@ -48,7 +49,7 @@ class Sheet(sheets.Figure):
 
 def paint(figure: Figure) -> sheets.Figure:
     """Draw a figure."""
-    cells = [cell for panel in figure.panels for cell in _cells(panel)]
+    cells = [cell for panel in far(figure).panels for cell in _cells(panel)]
     if all(isinstance(cell, Map) and cell.square and _is_long(cell) for cell in cells):
         cells = [_stretched(cell) for cell in cells]
         figure = replace(figure, columns=1, width=describe.PAGE, height=LONG_ROW, shared="x")

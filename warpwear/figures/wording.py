@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 
+from warpwear.history.distances import with_unit
+
 #: How powers of ten are written, and from where on thousands are set apart by a narrow space, as SI does.
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 THOUSANDS = 1e4
@@ -16,7 +18,7 @@ def chosen(count: int, most: int) -> list[int]:
 
 def after(distance: float) -> str:
     """Say in words when a snapshot was taken. distance: [mm]"""
-    return f"after {distance:.4g} mm" if distance else "static contact"
+    return f"after {with_unit(distance, 4)}" if distance else "static contact"
 
 
 def counted(number: int, what: str) -> str:

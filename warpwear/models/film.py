@@ -14,7 +14,7 @@ from warpwear.grid import FloatArray
 from warpwear.kernels.cells import LANES
 from warpwear.kernels.running_in import film as kernels
 from warpwear.kernels.running_in.film import Coat, Films
-from warpwear.kernels.slide import Slide
+from warpwear.kernels.sliding import Slide
 from warpwear.laws.film import Film
 from warpwear.models.attachment import Attachment, Place
 

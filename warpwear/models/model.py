@@ -48,6 +48,14 @@ class Model(ABC):
         """Begin with the first step of this track, on a disc that has slid over another one before."""
         raise NotImplementedError
 
+    def change_circle(self, booked: Mapping[str, float]) -> dict[str, float]:
+        """Begin with the first step on another circle of the disc, whose state it has been given.
+
+        booked: what the ledger had returned of it, nothing where it is unworn. Returns that of the circle
+        which is left.
+        """
+        raise NotImplementedError
+
     def worn_depths(self) -> tuple[FloatArray, FloatArray]:
         """Return the depths worn off counter-body and disc [mm]; a CPU's are views."""
         raise NotImplementedError

@@ -9,6 +9,7 @@ import numpy as np
 
 from warpwear.figures import describe
 from warpwear.figures.describe import Bars, Bodies, Chart, Empty, Figure, Grid, Level, Line, Map
+from warpwear.figures.units import far
 from warpwear.figures.wording import chosen
 from warpwear.grid import FloatArray
 
@@ -50,7 +51,7 @@ class Coded:
 def plots_of(name: str, figure: Figure) -> list[dict[str, Any]]:
     """Turn the panels of a figure into plots; `name` is that of the picture where no script draws."""
     plots = []
-    for panel in figure.panels:
+    for panel in far(figure).panels:
         if not isinstance(panel, Empty) and type(panel) in KINDS:
             caption = getattr(panel, "note", "").replace("\n", "; ")
             about = {"id": panel.title.lower(), "title": panel.title, "caption": caption, "static": name}

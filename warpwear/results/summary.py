@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.grid import FloatArray
+from warpwear.history.distances import with_unit
 from warpwear.history.quantities import BY_NAME
 from warpwear.history.rows import Named
 from warpwear.history.verdict import verdict_of
@@ -65,7 +66,7 @@ def with_seconds(rows: Sequence[Row], seconds: Mapping[str, float]) -> list[Row]
 def summary_text(rows: Sequence[Row]) -> str:
     """Say in lines for people what a run amounts to. rows: as of `summarise`."""
     s = record(rows)
-    slid = f"{s['distance_mm']:g} mm slid in {s['steps']} steps, {s['elapsed_s']:.1f} s"
+    slid = f"{with_unit(s['distance_mm'])} slid in {s['steps']} steps, {s['elapsed_s']:.1f} s"
     return "\n".join([f"{s['name']}: {slid}", *lines(rows)])
 
 
@@ -126,8 +127,12 @@ def _blocks(result: ResultFile) -> list[Row]:
         slid = min(block.end, float(history["distance"][last])) - block.start
         numbers: dict[str, Any] = {"load_N": block.load, "distance_mm": slid, "steps": int(steps.size)}
         numbers |= {"volume_mm3": volumes, "depth_um": depths, "cof_mean": finite(mean)}
-        text = f"{block.load:.4g} N over {slid:.6g} mm: worn {shown(volumes)} mm³; deepest at its end "
-        text += f"{shown(depths)} µm; mean CoF {shown(finite(mean), 3)}"
+        where = ""
+        if circles := result.study.circles:
+            numbers["track_radius_mm"] = radius = circles[result.study.circle_of(block)]
+            where = f" on a track of {radius:.6g} mm radius"
+        text = f"{block.load:.4g} N over {with_unit(slid)}{where}: worn {shown(volumes)} mm³; deepest "
+        text += f"at its end {shown(depths)} µm; mean CoF {shown(finite(mean), 3)}"
         rows.append(Row(f"block {block.number}", "", numbers, sentence=text))
     return [*rows, Row("", "blocks", [{"number": n, **row.value} for n, row in enumerate(rows, 1)])]
 

@@ -13,6 +13,7 @@ from typing import Any, Self
 from tqdm import tqdm
 
 from warpwear.errors import StudyWarning
+from warpwear.history.distances import with_unit
 from warpwear.history.verdict import rank_of
 
 #: Longest and shortest silence of a run that writes plain lines [s].
@@ -60,7 +61,7 @@ class Progress:
             self._bar.update(steps)
             if self._done % 20 == 0:
                 self._bar.set_postfix_str(
-                    f"{row['distance']:.4g} mm, {row['area_contact']:.4g} mm²", refresh=False
+                    f"{with_unit(row['distance'], 4)}, {row['area_contact']:.4g} mm²", refresh=False
                 )
             return
         silent = time.perf_counter() - self._said
@@ -69,7 +70,7 @@ class Progress:
             elapsed = self._said - self._started
             left = elapsed / (self._done - self._before) * (self._steps - self._done)
             self.say(
-                f"{self._name}: step {self._done} of {self._steps}, {row['distance']:.4g} mm slid, "
+                f"{self._name}: step {self._done} of {self._steps}, {with_unit(row['distance'], 4)} slid, "
                 f"{row['area_contact']:.4g} mm² in contact, {elapsed:.0f} s gone, about {left:.0f} s left"
             )
             self._next = self._done / self._steps + 0.1

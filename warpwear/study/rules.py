@@ -93,16 +93,16 @@ def sliding_of_blocks(study: Content) -> Sliding:
             raise ValueError(f"block {number}: {here}") from error
     first = study.parts[0]
     for number, part in enumerate(study.parts, 1):
-        other = part.sliding.lap != first.sliding.lap and (part.is_swept or first.is_swept)
-        if other and (part.sliding.track_radius or first.sliding.track_radius or not part.is_swept):
+        moves = [(one.is_swept, one.sliding.track_radius is None) for one in (part, first)]
+        if any(swept for swept, _ in moves) and moves[0] != moves[1]:
             raise ValueError(
-                f"block {number}: a pass of {part.sliding.lap or 0.0:.6g} mm is not that of block 1, "
-                f"{first.sliding.lap or 0.0:.6g} mm; on a track only the stroke may change: another "
-                "track_radius is another circle of the disc, unworn, so that blocks of it are another test"
+                f"block {number}: it does not move as block 1 does; allowed are blocks of strokes alone, of "
+                "a track_radius alone, or at rest alone"
             )
+    _circles(study)
     laps = {block.lap for block in study.blocks}
     for block, after in pairwise(study.blocks):
-        turns = block.lap != after.lap  # which the counter-body does where it began
+        turns = block.lap != after.lap and not study.circles  # which the counter-body does where it began
         if first.is_swept and not is_whole(block.length / (block.lap or 1.0) / (2 if turns else 1)):
             raise ValueError(
                 f"block {block.number}: its length, {block.length:g} mm, is not a whole number of "
@@ -116,6 +116,19 @@ def sliding_of_blocks(study: Content) -> Sliding:
     sliding = study.sliding.model_copy(update=follows)
     sliding.model_fields_set.difference_update(follows)
     return sliding
+
+
+def _circles(study: Content) -> None:
+    """Refuse circles of a disc on one of which the contact would meet another."""
+    wide = study.grid.sides[1]
+    for radius, other in pairwise(sorted(study.circles)):
+        if study.is_line or other - radius < wide * (1.0 - WHOLE):
+            why = "goes on across" if study.is_line else f"is {wide:g} mm wide (grid.extent)"
+            raise ValueError(
+                f"block: tracks of {radius:g} and {other:g} mm radius would overlap, as the domain {why}; "
+                "allowed are one track_radius"
+                + (", and a counter-body that ends across" if study.is_line else f", or {wide:g} mm between")
+            )
 
 
 def _patches(study: Content) -> None:

@@ -2,6 +2,8 @@
 
 import ipaddress
 import logging
+import threading
+import time
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
@@ -18,6 +20,8 @@ distributed = lazy.module("distributed")
 RETRIES = 5
 #: How long the first worker is waited for [s].
 PATIENCE = 60.0
+#: How often it is looked whether a cluster still has workers, and how long it may have none [s].
+LOOK, LOST = 5.0, 300.0
 
 
 @contextmanager
@@ -40,7 +44,30 @@ def connected(address: str, *, insecure: bool = False, device: str = "cpu") -> I
         number = _check_workers(client, address)
         more = {"resources": {"GPU": 1}} if device.startswith("cuda") else {}
         # Not pure: the same run in two sweeps is two calls. Stealing would begin runs twice.
-        yield client.get_executor(pure=False, retries=RETRIES, **more), number
+        executor, ended = client.get_executor(pure=False, retries=RETRIES, **more), threading.Event()
+        threading.Thread(target=_watch, args=(client, executor, address, ended), daemon=True).start()
+        try:
+            yield executor, number
+        finally:
+            ended.set()
+
+
+def _watch(client: Any, executor: Executor, address: str, ended: threading.Event) -> None:
+    """Tell of a cluster that has lost all its workers, and give up its runs where none comes back."""
+    since: float | None = None
+    while not ended.wait(LOOK):
+        try:
+            alive = bool(client.nthreads())
+        except (OSError, RuntimeError, ValueError):
+            return  # without scheduler, runs are cancelled by its client
+        if alive:
+            since = None
+        elif since is None:
+            since = time.monotonic()
+            warn(f"--cluster {address} has lost all its workers: waiting {LOST:g} s for one to come back.")
+        elif time.monotonic() - since > LOST:
+            executor.shutdown(wait=False)  # cancels what is left
+            return
 
 
 def _check(address: str, *, insecure: bool) -> None:

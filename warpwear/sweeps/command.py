@@ -65,7 +65,7 @@ def command(
     """
     plan = read_plan(study, changes, options, device="cuda:0" if where["gpus"] else device)
     sliding, load = plan.study.sliding, plan.study.same_load
-    motion: Any = {"speed": sliding.speed, "stroke": sliding.stroke, "radius": sliding.track_radius}
+    motion: Any = {"speed": sliding.speed, "stroke": sliding.stroke, "radius": plan.study.same_radius}
     measured = tuple(read_experiment(path, load=load, **motion) for path in experiments)
     folder = out if out is not None else Path(f"{plan.study.study.name}-sweep")
     sweep.check_folder(folder, resume=resume)

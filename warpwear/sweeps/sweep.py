@@ -21,7 +21,7 @@ from warpwear.study.study import Study
 from warpwear.sweeps.plan import Plan, section_of
 from warpwear.sweeps.points import task_of
 from warpwear.sweeps.report import PAGE, failed_sentence, write_report
-from warpwear.sweeps.run_one import Row, is_there, run_one
+from warpwear.sweeps.run_one import Row, Task, is_there, run_one
 from warpwear.sweeps.table import RUNS, TABLES, SweepResult
 
 #: How often it is looked after runs that take long [s].
@@ -134,7 +134,7 @@ def make_runs(
             continue
         if point.run not in futures:
             task = task_of(point, folder / RUNS, device=plan.device, threads=threads)
-            futures[point.run] = executor.submit(run_one, task)
+            futures[point.run] = _submitted(executor, task)
         waiting.setdefault(futures[point.run], []).append(point.number)
     begun: dict[Future[Row], float] = {}
     longest = 0.0
@@ -165,6 +165,16 @@ def make_runs(
             future.cancel()
         raise
     return [rows[number] for number in range(len(plan.points))]
+
+
+def _submitted(executor: Executor, task: Task) -> "Future[Row]":
+    """The future of a run; an executor that takes none any more has it fail."""
+    try:
+        return executor.submit(run_one, task)
+    except RuntimeError as error:
+        future: Future[Row] = Future()
+        future.set_exception(error)
+        return future
 
 
 def _row(future: "Future[Row]") -> Row:
@@ -208,7 +218,7 @@ def estimate(plan: Plan, folder: Path | None, executor: Executor, *, threads: in
         return Estimate(len(plan.points), len(runs), 0.0, 0.0)
     with opened_folder(None) if folder is None else nullcontext(folder) as place:
         task = task_of(runs[missing[0]], place / RUNS, device=plan.device, threads=threads)
-        row = _row(executor.submit(run_one, task))
+        row = _row(_submitted(executor, task))
         size = sum(path.stat().st_size for path in Path(task.folder).glob("*") if path.is_file())
     return Estimate(len(plan.points), len(runs) - len(missing), row.seconds, size)
 

@@ -5,21 +5,21 @@ The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approac
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
+from warpwear.contact.certificate import Certificate
 from warpwear.contact.half_space import coarse_start
-from warpwear.contact.half_space.contact import HalfSpaceContact, residual_of, worst_of
 from warpwear.contact.half_space.influence import Influence, Operator
-from warpwear.contact.half_space.search import Search, SearchRules
+from warpwear.contact.half_space.search import Search
 from warpwear.contact.half_space.transforms import release
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.program import Program
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray
-from warpwear.kernels.half_space.solve import CONVERGED, UNBALANCED, Request
+from warpwear.kernels.half_space.solve import CONVERGED, UNBALANCED, Request, SearchRules
 
 #: Largest violation of complementarity, over the rms height of the gap.
 TOLERANCE = SearchRules.tolerance
@@ -29,6 +29,47 @@ LOOSE = 1.0e-5
 
 #: Own, streak and window, as of `influence.Operator.set_compliance`.
 Compliances = tuple[float, float, int | None]
+
+
+@dataclass(frozen=True)
+class HalfSpaceContact:
+    """Holds a solved contact. The fields are the solver's own and last until its next solve."""
+
+    approaches: FloatArray  # rigid, from the mean planes: of all cells, or row by row [mm]
+    mean_pressure: float  # [MPa]
+    violation: float  # largest violation of complementarity, over the rms height
+    load_residual: float  # mean pressure over the prescribed one, − 1, furthest from 0; 0 at an approach
+    cells_in_contact: int  # with p > 0
+    iterations: int
+    transforms: int  # pairs of Fourier transforms of the search; a certificate takes one more
+    pressure_field: Field
+    gradient_field: Field  # gap after deformation and wear, from the mean planes [mm]
+    executor: Executor
+    allowed: FloatArray  # violation that may be left, of each part [mm]
+    certificate: Certificate | None = None
+
+    @property
+    def approach(self) -> float:
+        """Return the one approach that all cells share [mm]."""
+        return float(self.approaches.item())
+
+    @property
+    def pressure(self) -> FloatArray:
+        """Return the pressure [MPa], shape (nx, ny)."""
+        return self.executor.to_numpy(self.pressure_field)
+
+
+def residual_of(total: FloatArray, loads: FloatArray | None) -> float:
+    """Return the relative residual of the load, of the part where it is furthest from 0; 0 at an approach."""
+    if loads is None:
+        return 0.0
+    over = np.divide(total, loads, out=1.0 + total, where=loads > 0.0) - 1.0
+    return float(over[np.argmax(np.abs(over))])
+
+
+def worst_of(violation: FloatArray, scale: FloatArray) -> float:
+    """Return the largest violation over the scale of its part."""
+    return float(np.divide(violation, scale, out=np.zeros_like(scale), where=violation > 0.0).max())
 
 
 class BoundedPressure:
@@ -197,7 +238,6 @@ class BoundedPressure:
             pressure_field=self._fields["pressure"],
             gradient_field=self._fields["gradient"],
             executor=self._executor,
-            cells=self._influence.cells,
             allowed=groups["allowed"].copy(),
         )
 

@@ -16,9 +16,8 @@ import numpy as np
 import warp as wp
 
 from warpwear.contact.certificate import columns_of
-from warpwear.contact.half_space.contact import HalfSpaceContact
 from warpwear.contact.half_space.search import NO_CAP
-from warpwear.contact.half_space.solver import BoundedPressure
+from warpwear.contact.half_space.solver import BoundedPressure, HalfSpaceContact
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
@@ -28,8 +27,7 @@ from warpwear.history.recorder_patches import PatchLedger, Worn
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import wear_from_pressure
 from warpwear.kernels.cells import PADDING, PATCH_MAXIMA, PATCH_SUMS, PressureMost, PressureSum
-from warpwear.kernels.slide import Slide
-from warpwear.kernels.sliding import Bodies, OfRows
+from warpwear.kernels.sliding import Bodies, OfRows, Slide
 from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask

@@ -73,9 +73,8 @@ class OneScaleModel(Model):
             tolerance=task.load_tolerance if task.rigid else None,
         )
         device = executor.device
-        none = {f"{end}_{line}": NO_INDEX for end in ("first", "last") for line in ("row", "column")}
         #: What the steps on the device remember.
-        self._course = Numbers(wear.Course, device, **none)
+        self._course = Numbers(wear.Course, device, extents=[NO_INDEX] * 4)
         columns = len(wear.BALANCE) + len(SUMS) + len(MAXIMA)
         self._plan = Table(LONGEST_ON_GPU + 1, len(wear.PLAN), device)
         self._history = Table(LONGEST_ON_GPU, columns, device)

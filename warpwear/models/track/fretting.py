@@ -6,8 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpwear import lazy
-from warpwear.contact.half_space.contact import HalfSpaceContact
-from warpwear.contact.half_space.solver import HalfSpace
+from warpwear.contact.half_space.solver import HalfSpace, HalfSpaceContact
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program

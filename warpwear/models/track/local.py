@@ -15,8 +15,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import balance, bearing, sliding, sliding_steps
 from warpwear.kernels.cells import NO_INDEX, PADDING, TrackMost, TrackSum, names_of
-from warpwear.kernels.slide import Slide
-from warpwear.kernels.sliding import Bodies, OfCells, OfRows, OfTiles, StepTables
+from warpwear.kernels.sliding import Bodies, OfCells, OfRows, OfTiles, Slide, StepTables
 from warpwear.kernels.wear import BALANCE
 from warpwear.laws.archard import distance_factor, wear_in_steps
 from warpwear.laws.bearing_curve import Logistic
@@ -123,9 +122,8 @@ class SlidingContact:
         self.ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
         #: Steps of a replay at most.
         self.longest = int(min(max(CELLS_OF_REPLAY / executor.grid.cells, 1), LONGEST))
-        extents = {f"{end}_{line}": NO_INDEX for end in ("first", "last") for line in ("row", "column")}
         #: What the steps on the device remember.
-        self._course = Numbers(sliding_steps.Course, device, **extents)
+        self._course = Numbers(sliding_steps.Course, device, extents=[NO_INDEX] * 4)
         self._changes: Field = wp.full(int(sliding_steps.CHANGES), -1.0, dtype=wp.float64, device=device)
         self._columns = (*COLUMNS, *(name for one in self.attachments for name in one.columns))
         self._steps = arguments(
@@ -229,6 +227,10 @@ class SlidingContact:
                 yield count - number - 1, step
             self._programs.search(rigid=rigid).check()
             done += count
+
+    def forget(self) -> None:
+        """Let the next search begin as the first one does: the disc is another."""
+        self._course.set(is_begun=0)
 
     def _run(self, program: Program) -> None:
         """Make steps, as often as something stops them before they are done."""

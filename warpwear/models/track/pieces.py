@@ -16,7 +16,7 @@ from warpwear.history.pieces import PieceBook
 from warpwear.kernels.cells import LANES
 from warpwear.kernels.running_in import pieces as kernels
 from warpwear.kernels.running_in import shedding
-from warpwear.kernels.slide import Slide
+from warpwear.kernels.sliding import Slide
 from warpwear.laws.archard import BODIES
 from warpwear.laws.pieces import ROUNDS
 from warpwear.laws.pieces import Pieces as PieceLaw
