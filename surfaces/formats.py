@@ -4,6 +4,7 @@ A format stands in one place, `FORMATS`: how it is known, its reader, its ending
 """
 
 import math
+import re
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -30,6 +31,8 @@ BLOCK = 2**20  # bytes of a file that are looked at together
 START = 64  # bytes by which a format may be known
 TEXT = (".xyz", ".txt", ".csv", ".asc", ".dat", ".tsv", ".hfm")
 CUT = "the file's last line has no end: it may have been cut short, and its last value with it"
+#: Begins the name of a column of places, in a table of several lines beside each other.
+PLACE = re.compile(r"\W*(lateral|distance|position|x)\b", re.IGNORECASE)
 #: Points that a file may declare for each of its bytes: packed zeros give 130.
 POINTS_A_BYTE = 200
 MOST_POINTS = 2**28  # 2 GiB of heights
@@ -215,6 +218,10 @@ def _read_text(source: Source, *, otherwise: InputError | None = None) -> Raw:
         else:
             extra = (f"columns after the third ignored, {table.width - 3}",) if table.width > 3 else ()
             return Raw(cloud.heights, "xyz", cloud.pixel, lateral, height, cloud.notes + extra + notes)
+    names = table.header[-1].split(table.separator) if table.header else []
+    if len(names) == table.width and PLACE.match(names[0]):
+        what = f"is a table whose first column, '{names[0].strip()}', is no height"
+        raise refusal(path, f"{what}, and no matrix of heights nor points x y z")
     if table.header:  # sizes and units as SurfaceTopography understands them
         # a header it does not know, or the package is not here: the numbers are read all the same
         with suppress(InputError):
