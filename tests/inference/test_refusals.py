@@ -101,12 +101,15 @@ def test_wrong_unknowns_end_in_one_sentence(unknown: dict[str, str | None], sent
     [
         ("infer = 3", "infer = 3 is not a section; write [infer]"),
         ("[infer]\nmeasured = 'x'", "infer.measured = 'x' is not a section; write [infer.measured]"),
-        ("[infer]\nmesured = {}", "'infer.mesured' is no key of a study; did you mean 'infer.measured'"),
-        ("[infer]\nexperiments = 'a.csv'", "infer.experiments = 'a.csv': must be a list in brackets"),
+        ("[infer]\nmesured = {}", "'infer.mesured' is no key of a study; did you mean 'infer.measured'?"),
+        (
+            "[infer]\nexperiments = 'a.csv'",
+            "infer.experiments = 'a.csv': must be a list in brackets, such as ['test-1.csv']",
+        ),
         ("[infer]\ntarget = 3", "infer.target = 3: must be text in quotes"),
         ("[infer.measured]\ndiameter = 0.8", "infer.measured.diameter = 0.8: must be text in quotes"),
-        ("[infer.measured]\nweight = '3 +- 1 mm'", "infer.measured.weight is nothing that can be measured"),
-        ("[infer.unknown]\nwear.counter = 3", "infer.unknown.wear.counter = 3: a prior such as"),
+        ("[infer.measured]\nweight = '3 +- 1 mm'", "'weight' is nothing that can be measured"),
+        ("[infer.unknown]\nwear.counter = 3", "infer.unknown.wear.counter = 3: must be text in quotes"),
     ],
 )
 def test_a_wrong_section_is_one_sentence(tmp_path: Path, section: str, sentence: str) -> None:

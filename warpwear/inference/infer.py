@@ -1,7 +1,7 @@
 """From what was measured to the unknowns of a study, with their uncertainty: `warpwear.infer`."""
 
+import tempfile
 from collections.abc import Mapping, Sequence
-from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,7 @@ from warpwear.laws.friction import FITTED, STRENGTH
 from warpwear.measured.experiment import Experiment
 from warpwear.study.keys import inapplicable
 from warpwear.study.study import Study
-from warpwear.sweeps.sweep import check_folder, opened_folder
+from warpwear.sweeps.sweep import check_folder
 from warpwear.sweeps.table import RUNS
 
 #: Draws of the priors that are compared with the data.
@@ -70,11 +70,11 @@ def infer(
     priors = dict(unknown) if isinstance(unknown, Mapping) else dict.fromkeys(unknown)
     unknowns, noise = unknowns_of(study, priors), noise_for(data, priors)
     _check_unknowns(study, unknowns, data)
-    place = None if out is None else Path(out)
-    if place is not None:
-        check_folder(place, resume=True)
-        (place / RUNS).mkdir(parents=True, exist_ok=True)
-    with opened_folder(None) if place is None else nullcontext(place) as folder:
+    with tempfile.TemporaryDirectory(prefix="warpwear-inference-", ignore_cleanup_errors=True) as place:
+        folder = Path(place if out is None else out)
+        if out is not None:
+            check_folder(folder, resume=True)
+            (folder / RUNS).mkdir(parents=True, exist_ok=True)
 
         def model_of(other: Study, part: float | None = None) -> Model:
             how: Any = {"samples": runs, "seed": seed, "out": folder, "device": device, "part": part}

@@ -113,9 +113,8 @@ def calibrated(inference: Inference) -> str:
         if inference.misses:  # every run of it says so
             name, text = inference.study.study.name, inference.study.study.description
             misses = f"FITTED TO DATA THAT IT MISSES, not calibrated. {inference.conflicts[0]} {text}".strip()
-            study = study.replace(
-                {"study.name": f"{name[:70]} - misses its data", "study.description": misses}
-            )
+            named = {"study.name": f"{name[:70]} - misses its data", "study.description": misses}
+            study = study.replace(named)
     except InputError as error:
         return f"# No study can have the medians of the unknowns: {error}\n"
     count = len(unknowns)
@@ -134,9 +133,8 @@ def calibrated(inference: Inference) -> str:
     if inference.misses:
         why = "".join(f"# {line}\n" for line in inference.conflicts)
         head = f"# FITTED, NOT CALIBRATED: this study misses the data.\n{why}# Fitted {how}\n"
-    return (
-        head + study.to_toml() + "\n" + note + tomli_w.dumps({"sweep": section | {"vary": vary | surfaces}})
-    )
+    tables = tomli_w.dumps({"sweep": section | {"vary": vary | surfaces}})
+    return head + study.to_toml() + "\n" + note + tables
 
 
 def _distribution(unknown: Unknown, inference: Inference) -> str:

@@ -73,7 +73,7 @@ class Unknown:
         return np.asarray(np.exp(scaled) if self.prior.is_logarithmic else scaled)
 
     def place_of(self, value: FloatArray) -> FloatArray:
-        """Turn values of the unknown into places for an emulator: even where the prior is, variance one."""
+        """Turn values into places for an emulator: even where the prior is, variance one."""
         z = self.normal(value)
         uniform = self.prior.kind.endswith("uniform")
         return np.asarray(math.sqrt(12.0) * (special.ndtr(z) - 0.5)) if uniform else z
