@@ -74,7 +74,8 @@ class Ledger:
         self._outline = 1.0 if task.form.is_line else math.pi / 4.0
         self.most = dict.fromkeys(MAXIMA, -math.inf)
         self.row = {column.name: 0.0 for column in per("step")}
-        #: What the disc of a stroke lost on other strokes, over what this one makes of the same depths.
+        #: What the disc of a stroke lost on other strokes, over what this one makes of the same depths; or on
+        #: other circles.
         self.before: dict[str, float] = {}
 
     def rebase(self, track_fraction: float) -> None:
@@ -83,6 +84,16 @@ class Ledger:
         for name in OF_THE_DISC if ratio != 1.0 else ():
             total, before = self.row.get(name, 0.0), self.before.get(name, 0.0)
             self.before[name] = total - (total - before) * ratio
+
+    def leave(self, own: Mapping[str, float]) -> dict[str, float]:
+        """Go on with another circle of the disc; return what is booked of the one that is left.
+
+        own: what is booked of the other by now, volumes and the deepest wear; nothing where it is unworn.
+        """
+        left = {n: self.row.get(n, 0.0) - self.before.get(n, 0.0) for n in OF_THE_DISC}
+        left["deepest"], self.most["wear_disc"] = self.most["wear_disc"], own.get("deepest", 0.0)
+        self.before = {n: self.row.get(n, 0.0) - own.get(n, 0.0) for n in OF_THE_DISC}
+        return left
 
     def restored(self) -> None:
         """Raise ValueError for books that no step has left."""

@@ -23,6 +23,7 @@ from warpwear.results.writer import ResultWriter
 from warpwear.runs import doubts
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.runs.checkpoint import Checkpoint, Checkpoints, StoredCheckpoint, opened
+from warpwear.runs.circles import Circles
 from warpwear.runs.console import Interrupts, Progress
 from warpwear.runs.invariants import Violation
 from warpwear.runs.jump import CycleJumps
@@ -78,6 +79,8 @@ class StepLoop:
             self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
             #: What plans the cycles where one may stand for many.
             self._jumps = CycleJumps(order, self._model, self._begin) if order.study.jumps else None
+            #: What the circles of the disc hold that the counter-body has left.
+            self._circles = Circles(self._model) if order.study.circles else None
             self._warn(*doubts.of_slope(order.study, prepared.record["on_the_grid"]["rms_slope"]))
             if order.track is not None and writer is not None:
                 writer.add_track(order.track, prepared.heights)
@@ -103,6 +106,8 @@ class StepLoop:
         with stored.reading():
             then = stored.read()
             state.restore(self._jumps or self._model, then.arrays, then.numbers)
+            if self._circles is not None:
+                state.restore(self._circles, then.arrays, then.numbers)
             self._writer.take_snapshots_from(stored.file)
         self._rows = then.rows
         self.warnings, self._reported = then.warnings, then.reported_violations
@@ -227,11 +232,15 @@ class StepLoop:
         state.restore(prepared.model, *state.save(model))
         prepared.model.longest_block = min(model.longest_block, prepared.model.longest_block)
         self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
-        if was[1] is not None and was[1] != now[1]:
-            self._model.set_out_anew(was[1])
+        study = self._order.study
+        circles = study.circle_of(before), study.circle_of(self._block)
         if self._jumps is not None:
             self._jumps.model = prepared.model
-            self._jumps.begin_anew()
+            self._jumps.begin_anew(*circles)
+        if self._circles is not None and circles[0] != circles[1]:
+            self._circles.change(self._model, *circles)
+        elif was[1] is not None and was[1] != now[1]:
+            self._model.set_out_anew(was[1])
 
     @cached_property
     def _tasks(self) -> dict[int, tuple[float, Track | None]]:
@@ -271,6 +280,8 @@ class StepLoop:
 
     def _checkpoint(self, checkpoints: Checkpoints) -> None:
         arrays, numbers = state.save(self._jumps or self._model)
+        for more, also in [state.save(self._circles)] if self._circles is not None else []:
+            arrays, numbers = arrays | more, numbers | also
         self._check(self._order.invariants.of_fields(arrays, self._rows.last))
         now = Checkpoint(arrays, numbers, self._rows, self.warnings, self._reported, self._elapsed)
         assert self._writer is not None

@@ -237,9 +237,8 @@ class Sliding(Section):
     @property
     def lap(self) -> float | None:
         """Distance of one pass [mm]: the stroke, or one revolution; of a force that of unworn bodies."""
-        return (
-            (self.stroke or self._travel) if self.track_radius is None else 2.0 * math.pi * self.track_radius
-        )
+        circle = None if self.track_radius is None else 2.0 * math.pi * self.track_radius
+        return circle or self.stroke or self._travel
 
     @property
     def turns(self) -> bool:
@@ -287,7 +286,7 @@ class BlockSection(Section):
     load: Annotated[float, Load("N")] | None = key(None, "normal load in the block")
     stroke: Length | None = key(None, "length of one pass; over a track in the middle of the longest")
     track_radius: Length | None = key(
-        None, "instead of stroke: radius of the track on a rotating disc; over a track all blocks have one"
+        None, "instead of stroke: radius of the track on a rotating disc; another one is unworn at first"
     )
     speed: Annotated[float, Quantity("mm/s")] | None = key(None, "sliding speed, for the time axis only")
     frequency: Annotated[float, Quantity("Hz")] | None = key(

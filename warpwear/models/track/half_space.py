@@ -142,17 +142,22 @@ class SlidingHalfSpace:
         margin = 1 if self.fretting is None else self.fretting.margin
         self.ledger = Ledger(task, executor.grid, margin=margin, track_fraction=track_fraction)
         #: Relative error of the area by each cell of a part, and by each beyond the first, as of late.
-        self._outline, self._asperities = math.inf if moves and not task.form.is_flat else 0.0, 0.0
+        self._outline = self._asperities = 0.0
         self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
         #: Whether bodies wear in pieces alone or in part: those of dust alone never leave.
         self._sheds = self.pieces is not None and task.dust < 1.0
-        if self._sheds:
-            self._outline = 0.0  # no mean shortens it
         #: Contacts without wear in the step, which start from nothing: those with it are as they would be.
         self._static = None
         if task.static_area_every:
             self._static = WindowedHalfSpace(executor, modulus=task.modulus, **law)
         self._steps_done = 0
+        self.forget()
+
+    def forget(self) -> None:
+        """Let the next contact begin as the first one does: the disc is another."""
+        self._half_space.forget()
+        if self._moves and not self.task.form.is_flat and not self._sheds:  # else no mean shortens it
+            self._outline = math.inf
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.

@@ -225,6 +225,10 @@ class SlidingContact:
             self._programs.search(rigid=rigid).check()
             done += count
 
+    def forget(self) -> None:
+        """Let the next search begin as the first one does: the disc is another."""
+        self._course.set(is_begun=0)
+
     def _run(self, program: Program) -> None:
         """Make steps, as often as something stops them before they are done."""
         program.run()

@@ -1,6 +1,6 @@
 """A ball that slides over a track: one contact, displaced step by step along the way of `track.Track`."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -66,6 +66,12 @@ class SweptModel(Model):
         """Begin with the first step of this track, on a disc that has slid over another one before."""
         self.contact.ledger.rebase(before.track_fraction)
         self._done = 0
+
+    def change_circle(self, booked: Mapping[str, float]) -> dict[str, float]:
+        """Begin with the first step on another circle of the disc, as `Model.change_circle` says."""
+        self.contact.forget()
+        self._done = 0
+        return self.contact.ledger.leave(booked)
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, slide on by the increment [mm] and wear both bodies."""
