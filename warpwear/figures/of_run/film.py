@@ -48,11 +48,15 @@ def animate(
     """
     path = _check(result, out, frames_per_second=frames_per_second, overwrite=overwrite)
     film, writer = _Film(result), WRITERS[path.suffix.lower()](fps=frames_per_second)
-    with explained(f"out = {path} cannot be written"):
-        with replacing(path) as new, style.style(), writer.saving(paint(film.frame(0)), str(new), DPI):
-            for index in range(result.snapshot_distances.size):
-                writer.fig = paint(film.frame(index))
-                writer.grab_frame()
+    with (
+        explained(f"out = {path} cannot be written"),
+        replacing(path) as new,
+        style.style(),
+        writer.saving(paint(film.frame(0)), str(new), DPI),
+    ):
+        for index in range(result.snapshot_distances.size):
+            writer.fig = paint(film.frame(index))
+            writer.grab_frame()
     return path
 
 
