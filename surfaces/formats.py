@@ -4,6 +4,7 @@ A format stands in one place, `FORMATS`: how it is known, its reader, its ending
 """
 
 import math
+import re
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -39,6 +40,8 @@ BCR, ISO = b"BCR-1.0", b"ISO-1.0"  # behind the first letter of an .sdf
 BY_ENDING = ("nms",)  # is looked for in files of this ending
 #: Its formats of plain text, whose readers take a minute for a few MB of anything else.
 PLAIN = ("asc", "xyz")
+#: Begins the name of a column of places, in a table of several lines beside each other.
+PLACE = re.compile(r"\W*(lateral|distance|position|x)\b", re.IGNORECASE)
 #: Points that a file may declare for each of its bytes: packed zeros give 130.
 POINTS_A_BYTE = 200
 MOST_POINTS = 2**28  # 2 GiB of heights
@@ -224,6 +227,10 @@ def _read_text(source: Source, *, otherwise: InputError | None = None) -> Raw:
         else:
             extra = (f"columns after the third ignored, {table.width - 3}",) if table.width > 3 else ()
             return Raw(cloud.heights, "xyz", cloud.pixel, lateral, height, cloud.notes + extra + notes)
+    names = table.header[-1].split(table.separator) if table.header else []
+    if len(names) == table.width and PLACE.match(names[0]):
+        what = f"is a table whose first column, '{names[0].strip()}', is no height"
+        raise refusal(path, f"{what}, and no matrix of heights nor points x y z")
     if table.header:  # sizes and units as SurfaceTopography understands them
         # a header it does not know, or the package is not here: the numbers are read all the same
         with suppress(InputError):

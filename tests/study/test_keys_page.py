@@ -72,6 +72,7 @@ def test_every_number_has_bounds() -> None:
         if "*allowed*" not in facts
     ]
     assert free == [
-        "study.name", "study.description", "counter.material", "counter.surface", "counter.array",
+        "study.name", "study.description", "study.author", "study.publisher", "study.license",
+        "counter.material", "counter.surface", "counter.array",
         "disc.material", "disc.surface", "disc.array", "disc.synthetic.like"
     ]  # fmt: skip

@@ -16,7 +16,7 @@ from warpwear.page.html import page_of, under_headings
 from warpwear.page.limits import limits_of
 from warpwear.page.words import Answer
 from warpwear.results import manifest
-from warpwear.results.ensemble import is_label, short_names
+from warpwear.results.ensemble import band, is_label, short_names
 from warpwear.study.text import assumptions
 from warpwear.sweeps.design import SAMPLED, Factor
 from warpwear.sweeps.figures import figures_of, groups_of
@@ -116,8 +116,8 @@ def _answers(result: SweepResult) -> list[Answer]:
             continue
         known = answer.scaled(values[np.isfinite(values)])
         if result.plan.design.kind in SAMPLED:
-            low, high = np.percentile(known, (5.0, 95.0))
-            text, error = f"{known.mean():.4g}", f"mean; 5 to 95 % of the runs: {low:.3g} to {high:.3g}"
+            mean, low, high = (float(part[0]) for part in band(known[:, None]))
+            text, error = f"{mean:.4g}", f"mean; 5 to 95 % of the runs: {low:.3g} to {high:.3g}"
         else:
             text = f"{known.min():.3g} to {known.max():.3g}" if np.ptp(known) > 0.0 else f"{known[0]:.4g}"
             error = f"least and most of {known.size} runs"

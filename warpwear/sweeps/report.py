@@ -12,6 +12,7 @@ from warpwear.errors import InputError
 from warpwear.measured.experiment import Experiment
 from warpwear.page.folder import write_report as write_folder
 from warpwear.results import manifest
+from warpwear.results.ensemble import band
 from warpwear.sweeps.figures import figures_of
 from warpwear.sweeps.page import page
 from warpwear.sweeps.table import TABLES, SweepResult
@@ -69,9 +70,7 @@ def group_rows(result: SweepResult) -> list[dict[str, Any]]:
     values = result.ends("cof") if known else np.full(len(result.rows), np.nan)
     rows = []
     for label, runs in result.plan.groups.items():
-        known = values[runs][np.isfinite(values[runs])]
-        low, high = np.percentile(known, (5.0, 95.0)) if known.size else (np.nan, np.nan)
-        mean = float(known.mean()) if known.size else np.nan
+        mean, low, high = (float(part[0]) for part in band(values[runs][:, None]))
         rows.append({"label": label or "all runs", "runs": len(runs), "mean": mean, "low": low, "high": high})
     return rows
 
