@@ -149,9 +149,7 @@ def pressure(data: FigureData) -> Figure:
     until = "" if last is None else with_unit(course["distance"][last], 4)
     note = until and f"after {until} no cell is at the hardness"
     axes = over_distance(course["distance"]), Axis(BY_NAME["pressure_mean"].family_axis, "auto")
-    return Figure(
-        [Chart("Pressure", *axes, lines, note)], legend=3
-    )
+    return Figure([Chart("Pressure", *axes, lines, note)], legend=3)
 
 
 @words.figure(words.NO_COURSE, words.NO_RADIUS)
