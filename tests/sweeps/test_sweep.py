@@ -186,7 +186,7 @@ def test_friction_over_wear_and_load_follows_the_closed_form() -> None:
     wear, load = found.numbers("wear.counter")[0], found.numbers("contact.load")[0]
     stiffness = np.array([point.study.bulk_stiffness() for point in found.plan.points])
     worn = 1.0e-3 * wear * load * 600.0
-    area = np.sqrt(4.0 * np.pi / study.counter.curvature * (worn + load / stiffness))
+    area = np.sqrt(4.0 * np.pi / study.counter.form.curvature * (worn + load / stiffness))
     assert found.ends("wear_volume_counter") == pytest.approx(worn, rel=1e-9)
     assert found.ends("area_contact") == pytest.approx(area, rel=0.01)
     assert found.ends("cof") == pytest.approx(study.friction.shear_strength * area / load, rel=0.01)

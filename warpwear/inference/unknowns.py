@@ -72,15 +72,11 @@ class Unknown:
             scaled = a + (b - a) * special.ndtr(z)
         return np.asarray(np.exp(scaled) if self.prior.is_logarithmic else scaled)
 
-    def place(self, z: FloatArray) -> FloatArray:
-        """Turn standard normal numbers into places for an emulator: even where the prior is, variance one."""
-        if self.prior.kind.endswith("uniform"):
-            return np.asarray(math.sqrt(12.0) * (special.ndtr(z) - 0.5))
-        return z
-
     def place_of(self, value: FloatArray) -> FloatArray:
-        """Turn values of the unknown into such places."""
-        return self.place(self.normal(value))
+        """Turn values into places for an emulator: even where the prior is, variance one."""
+        z = self.normal(value)
+        uniform = self.prior.kind.endswith("uniform")
+        return np.asarray(math.sqrt(12.0) * (special.ndtr(z) - 0.5)) if uniform else z
 
     def normal(self, value: FloatArray) -> FloatArray:
         """Turn values of the unknown back into standard normal numbers."""

@@ -45,7 +45,7 @@ def distance_factor(runs: Runs, numbers: Numbers) -> Figure:
     study = runs["v2"].study
     edge = worn_radius(study)
     y = np.linspace(-edge, edge, 401)
-    ball = np.sqrt(1.0 - (y * study.counter.curvature) ** 2)
+    ball = np.sqrt(1.0 - (y * study.counter.form.curvature) ** 2)
     lines: list[Line | Level] = [
         Level(1.0, "without (V1)", Look(describe.COUNTER, width=1.2)),
         Line(y, ball, "with, cos θ (V2)", Look(describe.DISC, "dash")),

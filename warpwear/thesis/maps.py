@@ -67,7 +67,7 @@ def pressure_of_v2(runs: Runs, numbers: Numbers) -> Figure:
     counter, disc = v2.study.wear_coefficients
     across, along = (_middle(last.pressure, axis) for axis in (1, 0))
     y = v2.y[across > 0.0]
-    cosine = np.sqrt(1.0 - (y * v2.study.counter.curvature) ** 2)
+    cosine = np.sqrt(1.0 - (y * v2.study.counter.form.curvature) ** 2)
     level = across[v2.y.size // 2] * (counter + disc)
     lines = [
         Line(v2.y, positive(across), "across", CONTACT),

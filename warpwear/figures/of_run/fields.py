@@ -169,7 +169,7 @@ def hertz(data: FigureData) -> Figure:
 def distance_factor(data: FigureData) -> Figure:
     """Sliding distance of cells of the disc over that of the middle."""
     study, window, kind = data.study, data.window, data.study.wear.distance_factor
-    factors = archard.distance_factor(study.cells, kind, curvature=study.counter.curvature)
+    factors = archard.distance_factor(study.cells, kind, curvature=study.counter.form.curvature)
     whole = np.broadcast_to(factors, study.cells.shape)
     part, label = whole[window.x, window.y], "relative sliding distance, –"
     scale = Scale(label, float(part.min()), float(part.max()), colours="heights")
