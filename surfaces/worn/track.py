@@ -13,6 +13,7 @@ from warpwear.grid import FloatArray
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.levelling import without_polynomial
 from warpwear.surfaces.outliers import robust_deviation
+from warpwear.surfaces.profiles.profile import Profile
 from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.waviness import ROUGH, regular_wave, waviness
 
@@ -177,6 +178,12 @@ def find_track(
             f"error of {1e6 * track.net_error:.2g} µm²; --track-width measures it anyway"
         )
     return track
+
+
+def find_groove(profile: Profile, *, degree: int = 1, width: float | None = None) -> Track:
+    """Find the groove in a profile across it, as `find_track` does: a track of one section."""
+    pixel = (profile.spacing, profile.spacing)
+    return find_track(profile.heights[None], pixel=pixel, degree=degree, width=width)
 
 
 def _profile(heights: FloatArray) -> FloatArray:

@@ -61,6 +61,5 @@ def bayes(study: str, changes: tuple[str, ...], **options: Any) -> None:
             measured[former[2:].replace("-", "_")] = values
             now = former.replace("sphere", "counter")
             click.echo(f"{former} has a new name, and the next release refuses the old one: {now}.", err=True)
-    click.echo(
-        inference_command.calibrate_bayes(study, parsed_changes(changes), measured=measured, **options)
-    )
+    changed = parsed_changes(changes)
+    click.echo(inference_command.calibrate_bayes(study, changed, measured=measured, **options))
