@@ -358,7 +358,7 @@ def test_dask_cluster_that_loses_a_worker(tmp_path: Path) -> None:
         with distributed.Client(address, timeout="60s") as client:
             client.wait_for_workers(3, timeout=60)
         plan = Plan(small(), section_of({"vary": {**VARY, "disc.synthetic.seed": "1:4"}}, {}))
-        with connected(address) as (executor, number):
+        with connected(address) as (executor, _, number):
             assert number == 3
             seen: list[int] = []
 

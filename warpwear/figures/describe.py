@@ -187,9 +187,9 @@ class Map:
 
 @dataclass(frozen=True)
 class Bars:
-    """A bar a name, the first on top, or upright the first at the left.
+    """Draw a bar a name, the first on top.
 
-    ends: of an interval, (2, names). dots: second values, (names,). written: format of values over bars.
+    ends: of an interval, (2, names). dots: second values, (names,). written: format of values behind bars.
     """
 
     title: str
@@ -199,7 +199,6 @@ class Bars:
     ends: FloatArray | None = None
     dots: FloatArray | None = None
     colours: Sequence[str] = (COUNTER,)
-    upright: bool = False
     written: str = ""
     note: str = ""
 
@@ -316,17 +315,6 @@ class Figure:
     shared: Literal["", "x", "y", "xy"] = ""
     width: float = 0.0
     height: float = ROW
-
-
-@dataclass(frozen=True)
-class Section:
-    """Hold figures by name under one heading of a page. one_legend: of all lines."""
-
-    title: str
-    figures: dict[str, Figure]
-    id: str = ""
-    text: str = ""
-    one_legend: bool = False
 
 
 def values_of(chart: Chart, which: str) -> list[FloatArray]:

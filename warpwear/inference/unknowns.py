@@ -95,14 +95,6 @@ class Unknown:
         value = float(f"{value:.6g}")
         return f"{value!r} {self.unit}" if self.unit else value
 
-    @property
-    def written(self) -> str:
-        """The prior as people write it."""
-        first, second = f"{self.prior.first:.4g}", f"{self.prior.second:.4g}"
-        between = ".." if self.prior.kind.endswith("uniform") else "±"
-        cut = "" if self.prior.within is None else " within {:.4g} .. {:.4g}".format(*self.prior.within)
-        return f"{self.prior.kind} {first} {between} {second}{cut} {self.unit}".rstrip()
-
 
 def unknowns_of(study: Study, priors: Mapping[str, str | None]) -> list[Unknown]:
     """Read the unknowns of a study. priors: by key, as in a sweep, or None for one about the study's value.
@@ -234,7 +226,7 @@ def _within_allowed(unknown: Unknown) -> Unknown:
     if ends is not None and (ends[0] < least or ends[1] > most):
         upper = f"to {most:g}" if math.isfinite(most) else "up"
         raise InputError(
-            f"the prior of '{unknown.key}', {unknown.written}, goes beyond what is allowed: from {least:g} "
+            f"the prior of '{unknown.key}', {unknown.prior}, goes beyond what is allowed: from {least:g} "
             f"{upper} {unknown.unit}".rstrip()
         )
     return unknown

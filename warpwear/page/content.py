@@ -12,7 +12,7 @@ from warpwear.errors import InputError, explained
 from warpwear.figures.of_run.table import Plotter
 from warpwear.page import paper, words
 from warpwear.page.limits import limits_of
-from warpwear.page.sections import SECTIONS
+from warpwear.page.sections import sections_of
 from warpwear.results import manifest
 from warpwear.results.file import ResultFile
 from warpwear.results.report import Row, record
@@ -39,8 +39,7 @@ def content_of(result: ResultFile, rows: Sequence[Row], plot: Plotter) -> dict[s
     rows: as of `summarise`. plot: of the same result, whose reduced data are used again.
     """
     with plot.data as data:
-        sections = [section for make in SECTIONS if (section := make(plot, data)).figures]
-    return words_of(result.study, rows) | {"sections": sections}
+        return words_of(result.study, rows) | {"sections": sections_of(plot, data)}
 
 
 def top_of(study: Study, summary: dict[str, Any]) -> dict[str, Any]:

@@ -66,11 +66,10 @@ def _moved(work: Path, folder: Path) -> list[Path]:
 
 def group_rows(result: SweepResult) -> list[dict[str, Any]]:
     """For each group of runs: label, number of runs, mean, 5th and 95th percentile of the end's CoF."""
-    known = any(row.ends for row in result.rows)
-    values = result.ends("cof") if known else np.full(len(result.rows), np.nan)
-    rows = []
+    ends, rows = result.known_ends("cof"), []
     for label, runs in result.plan.groups.items():
-        mean, low, high = (float(part[0]) for part in band(values[runs][:, None]))
+        values = np.full((len(runs), 1), np.nan) if ends is None else ends[runs][:, None]
+        mean, low, high = (float(part[0]) for part in band(values))
         rows.append({"label": label or "all runs", "runs": len(runs), "mean": mean, "low": low, "high": high})
     return rows
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from warpwear.grid import FloatArray
 from warpwear.history.snapshot import Snapshot
 from warpwear.result import Result
-from warpwear.results.summary import shape_of_growth
+from warpwear.results.track import shape_of_growth
 from warpwear.thesis import printed as thesis
 from warpwear.thesis import runs as plans
 from warpwear.thesis.coefficients import DIAMETER, K_OF_BALL, patch
@@ -74,9 +74,8 @@ def _of_version(result: Result) -> Numbers:
 def shape(result: Result, area: str) -> Numbers:
     """Find exponent m, levelling index λ and R² of a straight line of one area's growth."""
     distance, values = result.history["distance"], result.history[f"area_{area}"]
-    if distance.size < 20 or distance[0] > distance[-1] / 80.0:
-        return {"exponent_m": math.nan, "levelling_lambda": math.nan, "straightness_R2": math.nan}
-    return shape_of_growth(distance, values) | {"straightness_R2": straightness(distance, values)}
+    numbers = {"exponent_m": math.nan, "levelling_lambda": math.nan}
+    return numbers | shape_of_growth(distance, values) | {"straightness_R2": straightness(distance, values)}
 
 
 def straightness(x: FloatArray, y: FloatArray) -> float:

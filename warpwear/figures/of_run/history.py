@@ -15,6 +15,7 @@ from warpwear.figures.of_run.view import PASSES, last_at_hardness
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BY_NAME, Quantity
 from warpwear.laws.archard import BODIES
+from warpwear.results.summary import bare_course
 from warpwear.results.track import pass_numbers, whole_steps
 
 #: Areas in contact and of the scar.
@@ -105,7 +106,7 @@ def bare_fraction(data: FigureData) -> Figure:
     course.{passes}
     """
     lines = _course(data, "bare_fraction", "computed")
-    fit = data.bare_fit
+    fit = bare_course(data.result)
     if not isinstance(fit, str):
         places = np.linspace(0.0, float(data.course["distance"][-1]), 200)
         label = f"{fit.plateau:.2g} (1 − e^(−(L − {fit.start:.3g} mm)/{fit.length:.3g} mm))"

@@ -116,16 +116,8 @@ def _named(name: str, entity: Entity) -> Entity:
 
 
 def _quantity(quantity: Quantity) -> Entity:
-    return _named(
-        quantity.name,
-        {
-            "@id": f"#{quantity.name}",
-            "@type": "PropertyValue",
-            "name": quantity.name,
-            "description": quantity.meaning,
-            "unitText": quantity.units,
-        },
-    )
+    name, about = quantity.name, {"description": quantity.meaning, "unitText": quantity.units}
+    return _named(name, {"@id": f"#{name}", "@type": "PropertyValue", "name": name} | about)
 
 
 def _settings(sections: Mapping[str, Any]) -> Iterator[Entity]:
