@@ -64,7 +64,7 @@ def words_of(study: Study, rows: Sequence[Row]) -> dict[str, Any]:
     """Collect all texts of the page by name. rows: as of `summarise`."""
     summary = record(rows)
     top, methods = top_of(study, summary), paper.methods_of(study, summary)
-    table = paper.table_of(study.counter, summary, top["answers"])
+    table = paper.table_of(study, summary, top["answers"])
     return top | {
         "limits": limits_of(study),
         "summary": summary_text(rows),
