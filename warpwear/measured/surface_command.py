@@ -235,6 +235,23 @@ def track_in(
     return find_track(heights, pixel=surface.pixel, degree=degree, width=width), changed, degree
 
 
+def groove_in(
+    file: Path, before: Path | None, preparation: Mapping[str, str | None], *, width: float | None
+) -> tuple[Track, int]:
+    """Find the worn track in a file with a map of heights, or with a profile across it, and its degree.
+
+    Raises InputError.
+    """
+    try:
+        surface = read_surface(file, {**preparation, "level": "none"})
+    except HoldsAProfile:
+        refuse({"--before": before}, "is for a map of heights, and this is a profile")
+        degree = _degree(preparation.get("level"))
+        return find_groove(_profile_in(file, preparation), degree=degree, width=width), degree
+    track, _, degree = track_in(surface, before, preparation, width=width)
+    return track, degree
+
+
 def _less_before(
     surface: Measured, before: Path | None, preparation: Mapping[str, str | None]
 ) -> tuple[FloatArray, Difference | None, int]:
