@@ -23,8 +23,7 @@ from warpwear.study.surface import surface_of
 from warpwear.study.text import sentence
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.preparation import degree_of
-from warpwear.surfaces.profiles.parameters import parameters
-from warpwear.surfaces.profiles.profile import Profile, read_profile
+from warpwear.surfaces.profiles.profile import Profile, parameters, read_profile
 from warpwear.surfaces.reading import HoldsAProfile
 from warpwear.surfaces.worn.ball import cap_of_diagonals, find_worn_ball
 from warpwear.surfaces.worn.find_scar import find_scar

@@ -150,7 +150,7 @@ def _how(name: str, result: Result) -> dict[str, Any]:
     first, growth, largest = study.increments
     steps = f"{first:g} mm" if growth == 1.0 else f"{1e3 * first:g} µm growing to {largest:g} mm"
     law = (
-        f"foundation, {number(study.contact_law().stiffness)} N/mm³"
+        f"foundation, {number(study.stiffness)} N/mm³"
         if study.study.model == "macro"
         else f"hardness {study.hardness:g} MPa"
     )
