@@ -32,6 +32,8 @@ DASHES: tuple[Dash, ...] = ("solid", "dash", "dashdot", "dot", "longdash", "long
 MARKERS = ("o", "s", "^", "v", "D")
 #: Values over more than this many times the least are drawn on a logarithmic scale; distances alike.
 WIDE, WIDE_DISTANCE = 5.0, 30.0
+#: Length of a map over its width from which on it is drawn in a row of its own.
+LONG = 4.0
 DISTANCE, ALONG, ACROSS = "sliding distance, mm", "along sliding, x, mm", "across sliding, y, mm"
 
 Ends: TypeAlias = tuple[float, float, float, float]
@@ -183,6 +185,12 @@ class Map:
     stretch_note: str = ""
     x: str = ALONG
     y: str = ACROSS
+
+    @property
+    def is_long(self) -> bool:
+        """Tell whether it is too long to stand beside others, x and y of one scale."""
+        x0, x1, y0, y1 = self.extent
+        return bool(x1 - x0 > LONG * (y1 - y0))
 
 
 @dataclass(frozen=True)

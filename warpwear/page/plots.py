@@ -137,6 +137,7 @@ def _map(field: Map) -> dict[str, Any]:
         "labels": [*field.labels] or [""] * len(field.fields),
         "says": [*field.notes] or [""] * len(field.fields),
         "extent": field.extent,
+        "long": field.is_long,
         "fields": [vars(code) for code in coded],
         "unit": scale.label.rpartition(", ")[2],
         "colours": scale.colours,

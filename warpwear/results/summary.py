@@ -157,8 +157,9 @@ def _contact(result: ResultFile, end: dict[str, float]) -> list[Row]:
         Row("largest", "max", end["pressure_max"]),
     ]
     size, text = {"along": along, "across": across}, f"{shown([along, across])} mm (along × across)"
-    width = result.study.grid.sides[1]
-    strip = f"(of the domain's {width:.4g} mm across)" if result.study.counter.form.is_line else ""
+    volumes, strip = {b: end[f"wear_volume_{b}"] for b in BODIES}, result.study.strip
+    note = f"(of the domain's {strip:.4g} mm across)" if strip else ""
+    of_line = {body: volume / strip for body, volume in volumes.items()} if strip else None
     of_steps_all = {"smallest": float(means.min()), "largest": float(means.max()), "std": float(means.std())}
     return [
         Row("scar", "scar_mm", size, sentence=text),
@@ -171,7 +172,8 @@ def _contact(result: ResultFile, end: dict[str, float]) -> list[Row]:
         *_by_scheme(result),
         Row("", "pressure_mean_over_steps_MPa", of_steps_all),
         Row("deepest wear", "depth_um", {b: 1.0e3 * end[f"wear_depth_{b}"] for b in BODIES}),
-        Row("worn volume", "volume_mm3", {b: end[f"wear_volume_{b}"] for b in BODIES}, digits=5, note=strip),
+        Row("worn volume", "volume_mm3", volumes, digits=5, note=note),
+        *([Row("of a mm of line", "volume_mm3_per_mm", of_line, digits=5, unit="mm³/mm")] if of_line else []),
     ]
 
 
@@ -188,7 +190,7 @@ def _above_hardness(result: ResultFile) -> list[Row]:
 def _by_scheme(result: ResultFile) -> list[Row]:
     """Declare which area explicit and implicit steps give a rough contact that yields by wear alone."""
     study = result.study
-    yields = study.study.model != "micro" or study.contact.law != "local" or study.contact_law().compliance
+    yields = study.study.model != "micro" or study.contact.law != "local" or study.stiffness < math.inf
     if yields or study.wear.sheds or not study.is_rough or not study.sliding.total or not study.caps_pressure:
         return []
     explicit, area = study.stepping.scheme == "explicit", result.history["load"][-1] / study.hardness
@@ -266,6 +268,7 @@ def _energy(result: ResultFile, end: dict[str, float]) -> list[Row]:
     """Declare what friction has dissipated, and by the energy law what it wears."""
     law, energy = result.study.wear, finite(end.get("friction_energy", math.nan))
     note = f", wears {shown(law.per_energy)} mm³/J" if law.law == "energy" else ""
+    note += f" (of the domain's {strip:.4g} mm across)" if (strip := result.study.strip) else ""
     return [Row("friction energy", "friction_energy_J", energy, note=note)] if end["distance"] else []
 
 

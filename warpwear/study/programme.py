@@ -283,6 +283,11 @@ class Programme(Section):
         return along and not across and self.study.model != "two-scale"
 
     @property
+    def strip(self) -> float | None:
+        """Length of a line that areas, volumes, forces and energies are those of [mm]; None of what ends."""
+        return self.grid.sides[1] if self.is_line else None
+
+    @property
     def repeats(self) -> bool:
         """True where the domain, with the counter-body, is repeated beside itself."""
         elastic = self.contact.law == "half-space" and self.study.model == "micro"

@@ -151,7 +151,7 @@ def _how(name: str, result: Result) -> dict[str, Any]:
     steps = f"{first:g} mm" if growth == 1.0 else f"{1e3 * first:g} µm growing to {largest:g} mm"
     law = f"hardness {study.hardness:g} MPa"
     if study.study.model == "macro":
-        law = f"foundation, {number(study.contact_law().stiffness)} N/mm³"
+        law = f"foundation, {number(study.stiffness)} N/mm³"
     return {
         "name": LABELS.get(name, name),
         "law": law,

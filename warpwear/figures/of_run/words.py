@@ -16,6 +16,7 @@ from warpwear.figures.describe import Figure
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.view import PASSES, last_at_hardness
 from warpwear.figures.wording import listed
+from warpwear.history.distances import with_unit
 from warpwear.results.formats.forms import prose
 from warpwear.study.rules import FEWEST_ACROSS
 
@@ -123,6 +124,7 @@ class Entry(NamedTuple):
 FIGURES: dict[str, Entry] = {}
 #: Fields of a caption that are filled in where no run is at hand.
 OF_ANY_RUN = {"slider": "counter-body", "when": "at the snapshots", "end": "at the end", "groove": "groove"}
+OF_ANY_RUN["outline"] = "ellipse"
 OF_ANY_RUN["plane"] = "y = 0"
 
 
@@ -168,14 +170,17 @@ def law_of(data: FigureData) -> str:
 
 
 def _when(data: FigureData) -> str:
-    texts = [f"{distance:.4g}" for distance in data.distances]
-    if texts == ["0"]:
+    if [*data.distances] == [0.0]:
         return "without sliding"
-    return f"after {listed(texts)} mm"
+    texts = [with_unit(distance, 4) for distance in data.distances]
+    unit = texts[-1].partition(" ")[2]
+    if all(text.endswith(f" {unit}") for text in texts):
+        texts = [*(text.partition(" ")[0] for text in texts[:-1]), texts[-1]]
+    return f"after {listed(texts)}"
 
 
 def _end(data: FigureData) -> str:
-    return f"after {data.distances[-1]:.4g} mm" if data.distances[-1] else "without sliding"
+    return f"after {with_unit(data.distances[-1], 4)}" if data.distances[-1] else "without sliding"
 
 
 def _friction(data: FigureData) -> str:
@@ -247,6 +252,7 @@ def _smooth(data: FigureData) -> str:
 #: Field of a caption -> what it says of a run.
 FIELDS: dict[str, Say] = {
     "slider": lambda d: d.slider,
+    "outline": lambda d: "rectangle" if d.study.counter.form.is_line else "ellipse",
     "when": _when,
     "end": _end,
     "friction": _friction,
