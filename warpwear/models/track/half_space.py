@@ -183,7 +183,7 @@ class SlidingHalfSpace:
         of_film, of_shear = ["bare"] * (self.film is not None), ["rubbed"] * self.task.shears
         pooled = dict.fromkeys((*OF_A_PART, *of_film, *of_shear), 0.0)
         highest, removal, columns = 0.0, (0.0, 0.0), self.state.columns
-        shears = self.task.wear_per_contact(increment)
+        shears = self.task.wear_per_contact(before["distance"], increment)
         static = math.nan
         certificates: list[Certificate | None] = []
         solves_static = self._static is not None and self._steps_done % self.task.static_area_every == 0

@@ -258,7 +258,7 @@ class SlidingContact:
         alike = [0.0 if self._stiffness is not None else stiffness_of(one) for one in compliance.tolist()]
         ends = np.add.accumulate([row["distance"], *increments[: len(removals)]])
         owns = np.full(len(rows), own)
-        depths = [task.wear_per_contact(one) for one in increments[: len(removals)]]
+        depths = [task.wear_per_contact(*pair) for pair in zip(ends[:-1].tolist(), increments, strict=False)]
         shears = np.array(depths).T * np.array([[1.0], [track]])
         each = rows, ends[:-1], ends[1:], of_counter, of_disc, *pending, owns, compliance, alike, *shears
         removals = [(*of_both, *shear) for of_both, shear in zip(removals, depths, strict=True)]
