@@ -117,9 +117,11 @@ class FrictionLaw:
 
     def coefficient(self, history: Mapping[str, FloatArray], *, load: Load, **fit: Any) -> FloatArray:
         """Return the coefficient of friction of every step; NaN while τ waits for the end."""
-        tau = self.strength(history, load=load, **fit)
-        # By the energy law what shears wears, and an area is known that is the mean over the step.
-        area = history.get("area_sheared", history[f"area_{self.area}"])
+        area = history.get("area_sheared")
+        if area is not None:  # what shears wears: the mean over the step, as if all cells of it were bare
+            tau = self.final_strength(history, load=load, **fit) * self.factor(history)
+        else:
+            tau, area = self.strength(history, load=load, **fit), history[f"area_{self.area}"]
         return np.asarray(self.values[PLOUGHING] + tau * area / load)
 
     @property

@@ -154,7 +154,8 @@ class Content(Programme):
         on = film.bodies in ("both", "counter"), film.bodies in ("both", "disc")
         regrowth = math.inf if isinstance(film.regrowth, str) else film.regrowth
         parts = [1.0 if cap == hardness else cap / hardness for cap in self.caps]
-        return Film(film.thickness, on, regrowth, *parts)
+        bare = self.friction.shear_strength
+        return Film(film.thickness, on, regrowth, *parts, film.shear_strength / bare if bare else 1.0)
 
     @property
     def effective_modulus(self) -> float | None:

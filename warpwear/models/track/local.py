@@ -92,6 +92,8 @@ class SlidingContact:
         self.film = BareCells.of_bodies(task.film, executor, self.state.wear_counter, self.state.wear_disc)
         self._slides = Numbers(Slide, device)
         bodies = arguments(Bodies, **self.state.fields, gap=executor.zeros())
+        if self.film is not None and task.shears:
+            bodies.bare = self.film.bare
         self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
         self._recession = None if bearing_curve is None else Recession(bearing_curve, executor, bodies)
         factor = self._factor()
@@ -142,6 +144,7 @@ class SlidingContact:
             rows=executor.grid.nx,
             columns=executor.grid.ny,
             margin=sum(one.margin for one in self.attachments),
+            shear_filmed=1.0 if task.film is None else task.film.part_shear,
         )
         of_cells = arguments(OfCells, factor=factor, factored=int(self._factored))
         for name in ("stiffness", "bare", "parts"):
