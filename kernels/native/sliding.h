@@ -27,8 +27,8 @@ WARPWEAR_FN double of_team(double value, bool adds)
     return value;
 }
 
-// Make the gap of a tile; the lowest of the cells that a thread makes. bare: where cells lose a depth by their
-// shear that their film changes, none else; what they lose beyond the least is in the gap.
+// Make the gap of a tile; the lowest of the cells that a thread makes. bare: where cells lose a depth by
+// their shear that their film changes, none else; what they lose beyond the least is in the gap.
 template <typename Slide>
 WARPWEAR_FN Lanes gap_of_tile(int t, int of_row, const Stored* counter, const Stored* disc, Stored* gap,
                               const Stored* bare, const Slide& slide)

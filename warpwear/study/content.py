@@ -155,7 +155,9 @@ class Content(Programme):
         regrowth = math.inf if isinstance(film.regrowth, str) else film.regrowth
         parts = [1.0 if cap == hardness else cap / hardness for cap in self.caps]
         bare = self.friction.shear_strength
-        return Film(film.thickness, on, regrowth, *parts, film.shear_strength / bare if bare else 1.0)
+        return Film(
+            film.thickness, on, regrowth, *parts, part_shear=film.shear_strength / bare if bare else 1.0
+        )
 
     @property
     def effective_modulus(self) -> float | None:
