@@ -347,7 +347,7 @@ def unstable(study: Content) -> str | None:
         return None
     if study.is_swept:
         return rules_track.unstable(study)
-    limit = study.contact_law().stable_increment(sum(law.fastest for law in study.wear_laws))
+    limit = study.stable_increment(sum(law.fastest for law in study.wear_laws))
     if min(study.increments[2], study.sliding.total) < limit:
         return None
     return (
