@@ -198,10 +198,12 @@ def _profile(heights: FloatArray) -> FloatArray:
 
 
 def _standard_error(values: FloatArray) -> float:
-    """Return the standard error of a mean, from means over blocks.
+    """Return the standard error of a mean, from means over blocks; 0 of a single value, which tells none.
 
     Neighbouring blocks that go together count as fewer.
     """
+    if values.size == 1:
+        return 0.0
     blocks = np.array([block.mean() for block in np.array_split(values, min(BLOCKS, values.size))])
     rest = blocks - blocks.mean()
     variance = float(rest @ rest) / (blocks.size - 1)

@@ -8,7 +8,7 @@ from click.testing import CliRunner
 
 import warpwear
 from warpwear import InputError
-from warpwear.cli.calibrate_bayes import bayes
+from warpwear.cli.calibrate import bayes
 
 pytest.importorskip("emcee")
 

@@ -44,8 +44,7 @@ class Dissipation:
             Row("load", "load_N", self.load, digits=6),
             Row("coefficient", "", cof),
             Row("mean pressure", "pressure_MPa", self.pressures, note="at the end"),
-            Row("", "rate_independent", True),
-            Row("rate-independent", "", rate),
+            Row("rate-independent", "rate_independent", True, sentence=rate),
         ]
 
     def at(self, speed: float) -> list[Row]:

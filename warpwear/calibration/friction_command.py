@@ -176,8 +176,7 @@ def _of_curve(
         Row("experiment", "experiment", str(file)),
         Row("note", "notes", [*measured.warnings, *measured.notes]),
         Row("run", "result", str(folder)),
-        Row("", "area", area),
-        Row("area A", "", WORDS[area]),
+        Row("area A", "area", area, sentence=WORDS[area]),
         Row("load F", "load_N", load, digits=6),
     ]
     rows = [*source, *_fit_rows(fit)]

@@ -10,7 +10,7 @@ from typing import Any
 from warpwear.calibration import wear as volumes
 from warpwear.errors import InputError
 from warpwear.measured.options import distance_of, load_of, optional, quantity
-from warpwear.measured.surface_command import read_surface, scar_in, track_in
+from warpwear.measured.surface_command import groove_in, read_surface, scar_in
 from warpwear.results.report import Row, lines, record, scientific, times, to_json
 from warpwear.study.units import NOT_NEGATIVE
 from warpwear.surfaces.worn.ball import find_worn_ball
@@ -33,7 +33,7 @@ class Source:
 
 _CAP = "two diameters of the worn patch; flat cap, its width their mean"
 _SEGMENT = "width of a circular track; an unworn ball's circular section"
-_TRACK = "topography of the track; mean net section × length"
+_TRACK = "topography of the track, or a profile across it; mean net section × length"
 _AFTER = "topographies of the scar's place before and after; net volume lost"
 _BALL = "topography of the ball; lost below the counter-body through what is unworn"
 SOURCES = {
@@ -196,28 +196,31 @@ def _with_error(text: str) -> tuple[str, str | None]:
 def _of_topography(
     source: str, file: Path, lengths: dict[str, float | None], before: Path | None, preparation: Preparation
 ) -> volumes.WornVolume:
-    """Find the volume that a track, a scar or a ball lost from a topography of it, or of a piece of a track.
+    """Find the volume that a track, a scar or a ball lost from a topography, or from a profile of a track.
 
     lengths [mm]; before: the file of the same place before the test, or None. Raises InputError.
     """
-    surface, more = read_surface(file, {**preparation, "level": "none"}), ""
+    more = ""
     if source == "--track":
-        track, _, degree = track_in(surface, before, preparation, width=lengths["--track-width"])
+        track, degree = groove_in(file, before, preparation, width=lengths["--track-width"])
         length = lengths["--length"] or 0.0
         if length < track.length * (1.0 - 1e-9):
             raise InputError(
                 f"--length is {length:g} mm: allowed is at least the piece in {file}, {track.length:g} mm"
             )
-        if track.length < 0.9 * length:
+        if track.net.size == 1:
+            more = ", but not how sections scatter along the track, which several profiles tell"
+        elif track.length < 0.9 * length:
             more = f", and how sections scatter along the measured {track.length:.4g} mm"
         (volume, error), depth = track.volume(length), track.depth
         section = f"section {1e6 * track.net.mean():.5g} ± {1e6 * track.net_error:.2g} µm² × {length:g} mm"
         measured = f"{section}, degree {degree} beside it"
     elif source == "--after":
-        scar, _, _ = scar_in(surface, before, preparation)
+        scar, _, _ = scar_in(read_surface(file, {**preparation, "level": "none"}), before, preparation)
         volume, error, depth = scar.net, scar.net_error, scar.depth
         measured = f"scar {scar.along:.4g} × {scar.across:.4g} mm, {before} laid over it and taken off"
     else:
+        surface = read_surface(file, {**preparation, "level": "none"})
         ball = find_worn_ball(surface.measured, pixel=surface.pixel, radius=lengths["--radius"])
         volume, error, depth = ball.volume, ball.volume_error, ball.depth
         counter = f"{ball.sphere.radius:.5g} mm ({'given' if lengths['--radius'] else 'fitted'})"

@@ -12,8 +12,7 @@ from warpwear.measured.surface_figure import ZERO, stack
 from warpwear.measured.surface_report import DOUBTED, ERROR
 from warpwear.results.report import Row, lines, times
 from warpwear.surfaces.measured import Measured
-from warpwear.surfaces.profiles.parameters import Parameters, material_ratio
-from warpwear.surfaces.profiles.profile import Profile, checked
+from warpwear.surfaces.profiles.profile import Parameters, Profile, checked, material_ratio
 from warpwear.surfaces.roughness import material_ratio_curve
 from warpwear.surfaces.worn.track import Track
 
@@ -74,8 +73,7 @@ def parameter_rows(p: Parameters) -> list[Row]:
         Row("RSm", "", "none: fewer than two profile elements" if p.rsm is None else None),
         *(Row(f"R{name[1:]}", f"r{name[1:]}_um", 1e3 * core[name]) for name in ("sk", "spk", "svk")),
         *(Row(f"R{name[1:]}", f"r{name[1:]}_percent", core[name], digits=3) for name in ("smr1", "smr2")),
-        Row("Rmr(c)", "", ratios),
-        Row("", "rmr_percent_at_rq", [list(pair) for pair in by_level]),
+        Row("Rmr(c)", "rmr_percent_at_rq", [list(pair) for pair in by_level], sentence=ratios),
     ]
 
 

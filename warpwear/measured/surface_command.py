@@ -23,8 +23,7 @@ from warpwear.study.surface import surface_of
 from warpwear.study.text import sentence
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.preparation import degree_of
-from warpwear.surfaces.profiles.parameters import parameters
-from warpwear.surfaces.profiles.profile import Profile, read_profile
+from warpwear.surfaces.profiles.profile import Profile, parameters, read_profile
 from warpwear.surfaces.reading import HoldsAProfile
 from warpwear.surfaces.worn.ball import cap_of_diagonals, find_worn_ball
 from warpwear.surfaces.worn.find_scar import find_scar
@@ -234,6 +233,23 @@ def track_in(
     """Find the worn track of a surface, as `scar_in`; width [mm], None to find it. Raises InputError."""
     heights, changed, degree = _less_before(surface, before, preparation)
     return find_track(heights, pixel=surface.pixel, degree=degree, width=width), changed, degree
+
+
+def groove_in(
+    file: Path, before: Path | None, preparation: Mapping[str, str | None], *, width: float | None
+) -> tuple[Track, int]:
+    """Find the worn track in a file with a map of heights, or with a profile across it, and its degree.
+
+    Raises InputError.
+    """
+    try:
+        surface = read_surface(file, {**preparation, "level": "none"})
+    except HoldsAProfile:
+        refuse({"--before": before}, "is for a map of heights, and this is a profile")
+        degree = _degree(preparation.get("level"))
+        return find_groove(_profile_in(file, preparation), degree=degree, width=width), degree
+    track, _, degree = track_in(surface, before, preparation, width=width)
+    return track, degree
 
 
 def _less_before(

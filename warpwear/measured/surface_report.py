@@ -78,7 +78,8 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
     cut_offs = np.geomspace(2.0 * max(pixel), max(0.25 * min(surface.size), 4.0 * max(pixel)), CUT_OFFS)
     slopes = spectra.slope_against_cut_off(whole, pixel=pixel, cut_offs=cut_offs, measured=valid)
     lay = _lay(*(roughness.slope_along(heights, pixel=pixel, axis=axis) for axis in (0, 1)))
-    few = list(zip(slopes, 1e3 * cut_offs, strict=True))[::SHOWN_CUT_OFF]
+    some = list(zip(slopes, 1e3 * cut_offs, strict=True))[::SHOWN_CUT_OFF]
+    few = ", ".join(f"{slope:.3g} from {um:.3g} µm" for slope, um in some)
     core = vars(bearing)
     bearing_rows = [
         *(Row(name.title(), f"{name}_um", 1e3 * core[name]) for name in ("sk", "spk", "svk")),
@@ -102,13 +103,11 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
         Row("", "pixel_um", [1e3 * p for p in pixel]),
         Row("", "extent_mm", list(surface.size)),
         Row("", "ra", ra_rows),
-        Row("", "lay", lay),
-        Row("lay", "", "no clear lay" if lay == "none" else f"along {lay}"),
+        Row("lay", "lay", lay, sentence="no clear lay" if lay == "none" else f"along {lay}"),
         Row("bearing curve", "bearing", bearing_rows),
         Row("", "autocorrelation_length_um", times(1e3, correlation)),
         Row("roll-off", "roll_off", roll_off_rows),
-        Row("rms slope", "", ", ".join(f"{slope:.3g} from {um:.3g} µm" for slope, um in few), note="on"),
-        Row("", "slope_against_cut_off", by_cut_off),
+        Row("rms slope", "slope_against_cut_off", by_cut_off, sentence=f"{few} on"),
         Row("", "power_spectrum", {key: values.tolist() for key, values in by_wave.items()}),
         Row("warning", "warnings", surface.notices(*places((heights.shape[0], heights.shape[1]), pixel))),
     ]

@@ -94,8 +94,7 @@ def write_page(folder: Path, page: bytes) -> Path:
     with explained(f"{path} cannot be written"):
         if path.is_symlink() or (path.exists() and MARK not in path.read_bytes()[:20_000]):
             raise InputError(f"{path} is not a page of warpwear; move it away, the page needs its name.")
-        new = folder / f".{manifest.PAGE}.partial"
-        new.write_bytes(page)
-        new.replace(path)
+        with manifest.replacing(path) as new:
+            new.write_bytes(page)
         manifest.add(folder, manifest.PAGE)
     return path
