@@ -11,7 +11,7 @@ from warpwear.study.bodies import Synthetic
 from warpwear.study.content import Content
 from warpwear.study.rules import CELLS, diameter, um, unstable, without_unit
 from warpwear.study.rules_track import in_words, sides_worn, spared, worn_patch
-from warpwear.study.sections.loads import LineLoad
+from warpwear.study.units import LineLoad
 
 #: Extent over worn patch below which roughness may fill the domain.
 CLOSE = 1.05
