@@ -108,6 +108,8 @@ class SlidingHalfSpace:
         has_means = moves or self.fretting is not None
         self._gap, self._means = executor.zeros(), executor.zeros(executor.grid.nx if has_means else 1)
         self._bodies = arguments(Bodies, **self.state.fields)
+        if self.film is not None and task.shears:
+            self._bodies.bare = self.film.bare
         rows: Field = wp.array(np.arange(executor.grid.nx, dtype=np.int32), device=executor.device)
         self._layout = arguments(
             Layout, vectors=executor.vectors, first_row=rows, first_column=wp.zeros_like(rows)
@@ -172,7 +174,8 @@ class SlidingHalfSpace:
         of_film, of_shear = ["bare"] * (self.film is not None), ["rubbed"] * self.task.shears
         pooled = dict.fromkeys((*OF_A_PART, *of_film, *of_shear), 0.0)
         highest, removal, columns = 0.0, (0.0, 0.0), self.state.columns
-        shears = self.task.wear_per_contact(increment)
+        shears = self.task.wear_per_contact(before["distance"], increment)
+        filmed = 1.0 if self.task.film is None else self.task.film.part_shear
         static = math.nan
         certificates: list[Certificate | None] = []
         solves_static = self._static is not None and self._steps_done % self.task.static_area_every == 0
@@ -195,7 +198,9 @@ class SlidingHalfSpace:
                 self._begin_cycles(self.fretting, increment, removals)
             last = done + of_part == cells
             self._slides.set(
-                shear_counter=weight * shears[0], shear_disc=weight * self._track_fraction * shears[1]
+                shear_counter=weight * shears[0],
+                shear_disc=weight * self._track_fraction * shears[1],
+                shear_filmed=filmed,
             )
             contact = self._solve(
                 increment * weight, removals, certified=True if self.certified and last else None
@@ -215,8 +220,9 @@ class SlidingHalfSpace:
             left = total["pressure"] * self._executor.grid.cell_area - self.task.load
             left = checked_residual(left, self.task.load, approach=contact.approach)
             residual = max(residual, left, key=abs)
-            # What shear wears lowers cells in contact by one depth, so that it lifts the approach alone.
-            lift = weight * (shears[0] + self._track_fraction * shears[1])
+            # What shear wears lowers cells in contact by one depth, so that it lifts the approach alone; what
+            # it wears off some beyond that was in their gap.
+            lift = weight * (shears[0] + self._track_fraction * shears[1]) * min(filmed, 1.0)
             approach += weight * (contact.approach + lift)
             fretted = {}
             if self.fretting is not None:
@@ -330,6 +336,8 @@ class SlidingHalfSpace:
             pressed.parts = self._parts
         if self.task.shears:
             pressed.rubbed, pressed.rubbed_means = self._rubbed, self._rubbed_means
+            if self.film is not None:
+                pressed.bare = self.film.bare
             program.launch(wear_from_pressure.part_of_step, slides, pressed)
             program.launch(wear_from_pressure.means, slides, self._rubbed, self._rubbed_means)
         if self.fretting is not None:
