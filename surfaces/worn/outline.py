@@ -18,6 +18,7 @@ special = lazy.module("scipy.special")
 LEVELS = 5  # of depth, whose areas are taken on to depth 0
 LOWEST, HIGHEST = 3.0, 6.0  # of these, in standard deviations of the unworn surface: it hardly reaches them
 RANGE = 0.2  # of the depth, that they cover at least: fewer pixels lie between levels of a steep edge
+BENT = 2.0  # standard errors by which areas bend over these levels, to count
 HALF = 0.5  # of the depth, that they do not exceed
 CLEAR_OF_NOISE = 16.0  # standard deviations of the depth, for which means over more points are taken
 WIDEST = 9  # points along each side of these means
@@ -47,8 +48,9 @@ def outlined(
     The points deeper than several levels above the noise are counted, less those that noise brings there; the
     count is taken on to depth 0 by a straight line over the level, as of any parabola. Noise at an edge moves
     points both ways, so that no count is drawn by it. Where holes hide the outline it goes on as it bends
-    beside them. The error is of noise and form over the slope of the edge, of the straight runs of pixels,
-    and of the holes: of what is found if they lie elsewhere on the outline.
+    beside them. The error is of noise and form over the slope of the edge, of how the count bends over the
+    level where that is clear, of the straight runs of pixels, and of the holes: of what is found if they lie
+    elsewhere on the outline.
     """
     near = ndimage.binary_dilation(main | core, iterations=INWARDS + 1)
     for width in range(1, WIDEST + 1, 2):
@@ -64,9 +66,8 @@ def outlined(
     top = min(max(HIGHEST * noise, RANGE * depth), HALF * depth)
     levels = np.linspace(min(LOWEST * noise, 0.5 * top), top, LEVELS)
     # valleys between worn asperities, which are as deep as none of these levels
-    inner = (
-        ndimage.binary_erosion(core, iterations=SMOOTHED, border_value=1) & measured & (smooth <= levels[0])
-    )
+    inner = ndimage.binary_erosion(core, iterations=SMOOTHED, border_value=1)
+    inner &= measured & (smooth <= levels[0])
     chances = [float((smooth[unworn] > at).mean()) for at in levels]
     # what lies farther off than distances are taken on has no part in it
     box = tuple(slice(max(0, s.start - FAR), s.stop + FAR) for s in ndimage.find_objects(near * 1)[0])
@@ -76,9 +77,10 @@ def outlined(
     for n, (region, chance) in enumerate(zip(regions, chances, strict=True)):
         close = ndimage.binary_dilation(_largest(region), iterations=INWARDS) & near
         counts[n] = ((region & close).sum() - chance * float(close.sum())) / (1.0 - chance)
-    # the weights of a straight line's value at level 0
-    weights = np.linalg.pinv(np.stack([np.ones(LEVELS), levels], axis=1))[0]
-    slope, _ = np.polyfit(levels, counts, 1)
+    # the weights of the values at level 0 of a straight line and of a parabola
+    powers = np.stack([(levels / top) ** n for n in range(3)], axis=1)
+    weights, bent = (np.linalg.pinv(powers[:, :terms])[0] for terms in (2, 3))
+    slope = float(np.polyfit(levels, counts, 1)[0])
     region = _largest(regions[0])
     whole = _bent(region, measured)
     area = float(weights @ counts) + float(whole.sum()) - float(region.sum())
@@ -92,13 +94,15 @@ def outlined(
     apart = np.abs(np.subtract.outer(levels, levels)) / (math.sqrt(2.0) * noise)
     density = np.exp(-0.5 * np.square(apart)) / math.sqrt(2.0 * math.pi)
     shared = math.sqrt(2.0) * (density - apart * special.ndtr(-apart))
-    by_noise = alike * abs(slope) * noise * float(weights @ shared @ weights)
     # pixels are off like a sawtooth as an edge moves over them: by how many it does from level to level
     by_pixels, perimeter = _by_pixels(mostly(whole, SMOOTHED))
     steps = np.abs(np.subtract.outer(counts, counts)) / perimeter % 1.0
-    by_pixels *= float(weights @ (1.0 - 6.0 * steps * (1.0 - steps)) @ weights)
+    shared = alike * abs(slope) * noise * shared + by_pixels * (1.0 - 6.0 * steps * (1.0 - steps))
+    bend = float((bent - weights) @ counts) ** 2
+    by_bend = bend if bend > BENT**2 * float((bent - weights) @ shared @ (bent - weights)) else 0.0
     by_holes = float(np.mean(np.square(moved))) if moved else 0.0
-    return area, math.sqrt(by_noise + (slope * level) ** 2 + by_pixels + by_holes)
+    variance = float(weights @ shared @ weights) + by_bend + (slope * level) ** 2 + by_holes
+    return area, math.sqrt(variance)
 
 
 def _whole(region: BoolArray, measured: BoolArray) -> BoolArray:
