@@ -13,6 +13,7 @@ import warp as wp
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import ABSENT, LANES, NONE, ONE, TILE_VECTORS, ZERO, Cells, TileSums
 from warpwear.kernels.contact import Law, pressure_of
+from warpwear.kernels.native_code import most_of, sum_of
 from warpwear.kernels.newton import HALF, HOPELESS, LOOKS, STUCK, SURE, Bracket, bracket_at, next_trial
 from warpwear.kernels.tiles import SAMPLE, SAMPLED, Listing, Tiles, kept_of, limit_of, list_from, reached
 
@@ -221,14 +222,7 @@ def select(
 
 
 @wp.kernel
-def listed(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    lists: wp.array(dtype=Listing),
-    listing: wp.array(dtype=wp.int32),
-    tiles: Tiles,
-    least: wp.int32,
-):
+def listed(lists: wp.array(dtype=Listing), listing: wp.array(dtype=wp.int32), tiles: Tiles, least: wp.int32):
     """Decides whether a list holds enough tiles, or must reach deeper than it was asked to. On a CPU."""
     now = lists[0]
     now.is_fresh = 0
@@ -256,22 +250,10 @@ def begin_anew(springs: Springs, lowest: wp.float64, s: Search):
 
 
 @wp.kernel
-def begin(first_slot: wp.int32, slots: wp.int32, springs: Springs, lowest: wp.float64, softest: wp.float64):
+def begin(springs: Springs, lowest: wp.float64, softest: wp.float64):
     """Begins a search of which nothing is known. lowest: gap [mm]; softest: stiffness of a cell [N/mm³]."""
     if wp.tid() == 0:
         begin_anew(springs, lowest, search_from_lowest(springs, lowest, ZERO, softest))
-
-
-@wp.func_native("return sum_of_line(table, line, 0, table.shape[1]);")
-def sum_of(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64:
-    """Add up a line of a table, by all threads of a deciding slot."""
-    ...
-
-
-@wp.func_native("return most_of_line(table, line, 0, table.shape[1]);")
-def most_of(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64:
-    """Find the largest of a line of a table, by all threads of a deciding slot."""
-    ...
 
 
 @native_code.native_pass("carry")
@@ -288,7 +270,6 @@ def carried(
 
     stiffness, parts of the cap: of every cell, or no rows where the search has one, and all bear the cap.
     """
-    ...
 
 
 @wp.func
@@ -303,7 +284,7 @@ def judged_pass(springs: Springs):
 
 
 @wp.kernel
-def judge(first_slot: wp.int32, slots: wp.int32, springs: Springs):
+def judge(springs: Springs):
     """Decides what follows from a pass on springs."""
     s, lists = judged_pass(springs)
     if wp.tid() == 0:

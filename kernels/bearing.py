@@ -12,9 +12,10 @@ follows, on a smaller bracket. Few cells take one pass, many cells a few.
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.balance import Search, Springs, ask_for, begin_anew, most_of, sum_of
+from warpwear.kernels.balance import Search, Springs, ask_for, begin_anew
 from warpwear.kernels.cells import NONE, ZERO, Cells
 from warpwear.kernels.contact import Law
+from warpwear.kernels.native_code import most_of, sum_of
 from warpwear.kernels.newton import EVALUATIONS, GROWS, HALF, HOPELESS, LOOKS, MET, STUCK, bracket_at
 from warpwear.kernels.tiles import TWO, Listing, reached
 
@@ -234,7 +235,7 @@ def conclude_area(springs: Springs, s: Search, lists: Listing, law: Law):
 
 
 @wp.kernel
-def begin(first_slot: wp.int32, slots: wp.int32, springs: Springs, lowest: wp.float64):
+def begin(springs: Springs, lowest: wp.float64):
     """Begins a search of which nothing is known, on any list. lowest: gap [mm]."""
     if wp.tid() == 0:
         begin_anew(springs, lowest, area_between(springs, lowest, ZERO))
@@ -252,11 +253,10 @@ def counted_below(
 
     Those inside the bracket are gathered; the lowest and the highest gap are found.
     """
-    ...
 
 
 @wp.kernel
-def judge_area(first_slot: wp.int32, slots: wp.int32, springs: Springs):
+def judge_area(springs: Springs):
     """Decides what follows from a pass over a bearing area."""
     s, lists, law = judged_area(springs)
     if wp.tid() == 0:

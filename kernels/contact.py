@@ -26,7 +26,6 @@ class Law:
 @wp.func_native("return pressure_by(law, gap, stiffness);")
 def pressure_of(law: Law, gap: wp.float64, stiffness: wp.float64) -> wp.float64:
     """Return a capped foundation's pressure; cells tied with the approach (within ± tie_width) share one."""
-    ...
 
 
 @wp.func

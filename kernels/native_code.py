@@ -76,3 +76,39 @@ def _text(header: str) -> str:
     """Read a header without the lines that are for editors, and compilers of single files."""
     text = (FOLDER / header).read_text(encoding="utf-8")
     return INCLUDE.sub("", text).replace("#pragma once\n", "")
+
+
+@wp.func_native("return lane_of_slot();")
+def lane() -> wp.int32:
+    """Return the number of a thread in its slot."""
+
+
+@wp.func_native("return width_of_slot();")
+def width() -> wp.int32:
+    """Tell how many threads a slot has."""
+
+
+@wp.func_native("return of_slot(value, adds);")
+def of_slot(value: wp.float64, adds: wp.bool) -> wp.float64:
+    """Bring what the threads of a slot have to one number."""
+
+
+@wp.func_native("return sum_of_line(table, line, 0, table.shape[1]);")
+def sum_of(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64:
+    """Add up a line of a table, by all threads of a deciding slot."""
+
+
+@wp.func_native("return most_of_line(table, line, 0, table.shape[1]);")
+def most_of(table: wp.array2d(dtype=wp.float64), line: wp.int32) -> wp.float64:
+    """Find the largest of a line of a table, by all threads of a deciding slot."""
+
+
+#: Numbers of the lines of a table.
+Lines = wp.types.vector(length=14, dtype=wp.float64)
+
+
+@wp.func_native("return lines_of_table<14>(table, columns, sums, lines);")
+def lines_of_table(
+    table: wp.array2d(dtype=wp.float64), columns: wp.int32, sums: wp.int32, lines: wp.int32
+) -> Lines:
+    """Bring the first lines of a table to a number each, over some columns: so many sums, then maxima."""

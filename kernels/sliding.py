@@ -12,7 +12,6 @@ import warp as wp
 from warpwear.kernels import native_code
 from warpwear.kernels.balance import Springs
 from warpwear.kernels.cells import ABSENT, NONE, TILE_VECTORS, Cells, lowest_of
-from warpwear.kernels.slide import Slide
 from warpwear.kernels.tiles import Listing
 
 wp.set_module_options(native_code.options("sliding.h"))
@@ -22,6 +21,35 @@ wp.set_module_options(native_code.options("sliding.h"))
 FIRST_DEPTH = wp.constant(wp.float64(1.0e-5))
 DEEPER = wp.constant(wp.float64(4.0))
 DEEPEST = wp.constant(wp.float64(0.1))
+
+
+@wp.struct
+class Slide:
+    """Describes a step of a pair of bodies, or a part of one; passes read it from an array of one."""
+
+    number: wp.int32  # of the step in its replay
+    rows: wp.int32  # of cells that are visited
+    shift: wp.int32  # the disc's row under the counter-body's first
+    window: wp.int32  # rows of the disc that pass over one of the counter-body
+    first_column: wp.int32  # first column that was ever touched, and the one after the last
+    end_column: wp.int32
+    start: wp.float64  # sliding distance at its start and at its end [mm]
+    end: wp.float64
+    of_counter: wp.float64  # K ΔL of what leaves at once [mm³/N]
+    of_disc: wp.float64
+    pending_counter: wp.float64  # K ΔL of what leaves in pieces [mm³/N]
+    pending_disc: wp.float64
+    shear_counter: wp.float64  # depth that a cell in contact all the step loses by its shear [mm]
+    shear_disc: wp.float64
+    own: wp.float64  # compliance that is not wear [mm³/N]
+    full_depth: wp.float64  # overlap of a cell at the hardness [mm]; NONE: the disc springs back
+    approach: wp.float64  # [mm]
+    slip_of_gap: wp.float64  # of a cycle [mm], over a gap [mm]
+    ahead: wp.float64  # of what slips grew by in the last jump, to the end of this one
+    slipping_counter: wp.float64  # K ΔL over the distance of a cycle, of what slips by cells [mm²/N]
+    slipping_disc: wp.float64
+    counter_moves: wp.int32  # 1 where pressures move with the counter-body, so that the disc sees their mean
+    reference: wp.float64  # squares are those of the deviation from it [MPa]
 
 
 @wp.struct
@@ -124,7 +152,6 @@ def select(
     count_out: wp.array(dtype=wp.int32),
 ):
     """Lists, row by row, the tiles with a gap that does not exceed the limit, and writes their gaps."""
-    ...
 
 
 @wp.func_native("return count_listed(count);")
@@ -133,8 +160,6 @@ def _count_listed(count: wp.array(dtype=wp.int32)) -> wp.int32: ...
 
 @wp.kernel
 def listed(
-    first_slot: wp.int32,
-    slots: wp.int32,
     lists: wp.array(dtype=Listing),
     listing: wp.array(dtype=wp.int32),
     depth: wp.array(dtype=wp.float64),
@@ -175,4 +200,3 @@ def wear_step(
     gap, the bounds and the sums are made anew, also of their rows. Columns count that lie beyond the
     known ones.
     """
-    ...

@@ -11,8 +11,7 @@ from warpwear.kernels.balance import Springs, ask_for, search_from, search_from_
 from warpwear.kernels.bearing import area_between, area_near
 from warpwear.kernels.cells import NONE, ONE, ZERO, TrackMost, TrackSum
 from warpwear.kernels.newton import HALF, STUCK
-from warpwear.kernels.slide import Slide
-from warpwear.kernels.sliding import OfRows, StepTables
+from warpwear.kernels.sliding import OfRows, Slide, StepTables
 from warpwear.kernels.tiles import reached
 from warpwear.kernels.wear import BALANCE, enter_balance, is_within, total_of
 
@@ -50,10 +49,7 @@ class Course:
     is_begun: wp.int32  # 0 before the first step
     mean: wp.float64  # pressure of the last step [MPa]
     oldest: wp.int32  # of the last changes of the approach
-    first_row: wp.float64  # extents of what was ever touched, the first ones negated
-    last_row: wp.float64
-    first_column: wp.float64
-    last_column: wp.float64
+    extents: wp.vec4d  # of what was ever touched, by `kernels.cells.EXTENTS`
     step: wp.int32  # row of the plan
     steps: wp.int32  # to be made
     smallest: wp.float64  # before the first step: no gap is lower [mm]
@@ -150,28 +146,28 @@ def with_columns(before: Slide, c: Course, steps: Steps):
     slide = before
     slide.first_column = 0
     slide.end_column = 0
-    if c.last_column >= ZERO:
-        slide.first_column = wp.max(-wp.int32(c.first_column) - steps.margin, 0)
-        slide.end_column = wp.min(wp.int32(c.last_column) + 1 + steps.margin, steps.columns)
+    if c.extents[3] >= ZERO:
+        slide.first_column = wp.max(-wp.int32(c.extents[2]) - steps.margin, 0)
+        slide.end_column = wp.min(wp.int32(c.extents[3]) + 1 + steps.margin, steps.columns)
     return slide
 
 
 @wp.kernel(module=TOGETHER)
-def begin(first_slot: wp.int32, slots: wp.int32, steps: Steps):
+def begin(steps: Steps):
     """Begins the steps of a plan, or goes on with them."""
     if wp.tid() == 0:
         steps.stepping[0] = wp.where(steps.course[0].step < steps.course[0].steps, 1, 0)
 
 
 @wp.kernel(module=TOGETHER)
-def begin_search(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps):
+def begin_search(springs: Springs, steps: Steps):
     """Begins the search of a step."""
     if wp.tid() == 0:
         begin_step(springs, steps)
 
 
 @wp.kernel(module=TOGETHER)
-def end_search(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps):
+def end_search(springs: Springs, steps: Steps):
     """Learns from the balance of a step, and tells the pass that wears of it."""
     if wp.tid() == 0:
         c = steps.course[0]
@@ -201,14 +197,7 @@ def _end_of(of_rows: wp.array(dtype=wp.float64), is_last: wp.int32) -> wp.float6
 
 
 @wp.kernel(module=TOGETHER)
-def record(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    springs: Springs,
-    steps: Steps,
-    tables: StepTables,
-    of_rows: OfRows,
-):
+def record(springs: Springs, steps: Steps, tables: StepTables, of_rows: OfRows):
     """Writes the row of a step, and tells whether another one follows.
 
     Steps end where the contact reaches the edge or the rim, as a run may stop there and be kept as it is, and
@@ -239,14 +228,10 @@ def record(
         contact = history[row, TOTALS + wp.static(int(TrackSum.CONTACT))]
         first_column = history[row, MAXIMA + wp.static(int(TrackMost.FIRST_COLUMN))]
         last_column = history[row, MAXIMA + wp.static(int(TrackMost.LAST_COLUMN))]
-        before = wp.vec4d(c.first_row, c.last_row, c.first_column, c.last_column)
-        now = wp.max(before, wp.vec4d(first_row, last_row, first_column, last_column))
+        now = wp.max(c.extents, wp.vec4d(first_row, last_row, first_column, last_column))
         goes_on = steps.solved[0] == 1 and contact > ZERO and pressure < NONE
-        goes_on = goes_on and is_within(before, now, steps.within)
-        c.first_row = now[0]
-        c.last_row = now[1]
-        c.first_column = now[2]
-        c.last_column = now[3]
+        goes_on = goes_on and is_within(c.extents, now, steps.within)
+        c.extents = now
         if steps.solved[0] == 1:
             c.mean = pressure / wp.max(contact, ONE)
             c.step = row + 1

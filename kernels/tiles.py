@@ -82,4 +82,3 @@ def limit_of(
     lowest: wp.array2d(dtype=wp.float64), rows_apart: wp.int32, tiles: wp.int32, limit: wp.float64
 ) -> wp.float64:
     """Return the limit up to which so many tiles of a sample of the rows have a cell."""
-    ...

@@ -3,8 +3,7 @@
 Both bodies open one gap and wear in one proportion: what is worn of them together is the gap less the gap of
 the bodies as they were. A step is a search for the load balance, see `balance` and `bearing`, a pass that
 wears, and a row of the history. The pass that wears evaluates what the approach expected next carries as
-well: most steps on springs need no other. That approach lies on the line through the last two rates at which
-it grew with what a unit of pressure removes: that is the mean pressure where wear alone moves the contact.
+well: most steps on springs need no other, see `foresight`.
 """
 
 import warp as wp
@@ -14,7 +13,8 @@ from warpwear.kernels.balance import Search, Springs
 from warpwear.kernels.bearing import area_between, conclude_area, judged_area
 from warpwear.kernels.cells import NONE, ONE, ZERO, Cells, TileSums, WearMost, WearSum
 from warpwear.kernels.contact import Law
-from warpwear.kernels.newton import HALF, LOOKS, STUCK
+from warpwear.kernels.foresight import Trend, foreseen_step, learnt
+from warpwear.kernels.newton import LOOKS, STUCK
 from warpwear.kernels.tiles import Listing, list_from, reached
 
 wp.set_module_options(native_code.options("wear.h"))
@@ -58,25 +58,15 @@ class Tables:
 class Course:
     """What steps remember, and how far they are."""
 
-    approach: wp.float64  # of the last step [mm]
-    is_begun: wp.int32  # 0 before the first step
+    trend: Trend  # of the approach
     mean: wp.float64  # pressure of the last step [MPa]
-    slid: wp.float64  # Σ K ΔL of both bodies [mm³/N]
-    rates: wp.int32  # known of the approach, 2 at most: where [mm³/N], and which [MPa]
-    where_0: wp.float64
-    rate_0: wp.float64
-    where_1: wp.float64
-    rate_1: wp.float64
     is_ahead: wp.int32  # 1 where the next approach was evaluated before its step
     ahead: wp.float64  # how far beyond the last one it was expected [mm]
     stiffness_ahead: wp.float64  # 1/c that it was evaluated for [N/mm³]
     force: wp.float64  # what it carries, its slope, and how near a cell is to changing that
     slope: wp.float64
     near: wp.float64
-    first_row: wp.float64  # extents of what was ever touched, the first ones negated
-    last_row: wp.float64
-    first_column: wp.float64
-    last_column: wp.float64
+    extents: wp.vec4d  # of what was ever touched, by `kernels.cells.EXTENTS`
     step: wp.int32  # row of the plan
     steps: wp.int32  # to be made
     known: wp.int32  # rows of the plan: one more where the step after is known
@@ -104,15 +94,16 @@ def begin_step(springs: Springs, steps: Steps):
     removal = steps.plan[c.step, 0]
     stiffness = steps.plan[c.step, 1]
     lists = springs.lists[0]
-    if c.is_begun == 0 or steps.is_rigid == 1:
+    last = c.trend
+    if last.is_begun == 0 or steps.is_rigid == 1:
         lists = list_from(lists, steps.smallest)
     steps.stepping[0] = 1
     if steps.is_rigid == 1:
         balance.ask_for(springs, lists)
-        start = wp.where(c.is_begun == 1, c.approach, steps.smallest)
+        start = wp.where(last.is_begun == 1, last.approach, steps.smallest)
         springs.search[0] = area_between(springs, start, balance.STEPS_AHEAD * removal * springs.cap)
         springs.searching[0] = 1
-    elif c.is_begun == 0:
+    elif last.is_begun == 0:
         balance.ask_for(springs, lists)
         springs.search[0] = balance.search_from_lowest(springs, steps.smallest, stiffness, stiffness)
         springs.searching[0] = 1
@@ -120,8 +111,8 @@ def begin_step(springs: Springs, steps: Steps):
         is_known = c.is_ahead == 1 and c.stiffness_ahead == stiffness
         # A worn contact recedes by K p ΔL: where the last mean pressure puts it is a close first guess.
         step = wp.where(is_known, c.ahead, removal * c.mean)
-        s = balance.search_from(c.approach, step, ZERO, stiffness)
-        lists = reached(lists, c.approach + step, s.margin)
+        s = balance.search_from(last.approach, step, ZERO, stiffness)
+        lists = reached(lists, last.approach + step, s.margin)
         if is_known:
             s, lists = balance.judged(springs, s, lists, c.force, c.slope, c.near)
         conclude_step(springs, steps, s, lists)
@@ -151,42 +142,18 @@ def expect(steps: Steps, s: Search, lists_before: Listing, approach: wp.float64,
         now.reference = cap
     now.base_next = approach
     now.stiffness_next = now.stiffness
-    now.first_column = -wp.int32(c.first_column)
-    now.last_column = wp.int32(c.last_column)
+    now.first_column = -wp.int32(c.extents[2])
+    now.last_column = wp.int32(c.extents[3])
     if s.bracket.state == STUCK:
         c.failed = 1
         now.wear_per_pressure = ZERO
     else:
-        where = c.slid + HALF * removal
-        last = wp.where(c.rates == 2, c.where_1, c.where_0)
-        # A law that decays ends with steps too small to be told apart by where they are.
-        if c.is_begun == 1 and removal > ZERO and (c.rates == 0 or where > last):
-            rate = (approach - c.approach) / removal
-            if c.rates == 2:
-                c.where_0 = c.where_1
-                c.rate_0 = c.rate_1
-            if c.rates == 0:
-                c.where_0 = where
-                c.rate_0 = rate
-            else:
-                c.where_1 = where
-                c.rate_1 = rate
-            c.rates = wp.min(c.rates + 1, 2)
-        c.slid = c.slid + removal
-        c.approach = approach
-        c.is_begun = 1
+        trend = learnt(c.trend, approach, removal)
+        c.trend = trend
         c.ahead = ZERO
         if c.step + 1 < c.known and steps.is_rigid == 0:
-            removal_next = steps.plan[c.step + 1, 0]
             now.stiffness_next = steps.plan[c.step + 1, 1]
-            there = c.slid + HALF * removal_next
-            if c.rates == 1:
-                c.ahead = removal_next * c.rate_0
-            if c.rates == 2:  # Lagrange's line
-                c.ahead = removal_next * (
-                    c.rate_0 * ((there - c.where_1) / (c.where_0 - c.where_1))
-                    + c.rate_1 * ((there - c.where_0) / (c.where_1 - c.where_0))
-                )
+            c.ahead = foreseen_step(trend, steps.plan[c.step + 1, 0])
             lists = reached(lists, approach + wp.max(c.ahead, ZERO), balance.STEPS_AHEAD * wp.abs(c.ahead))
         now.offset_next = c.ahead
         c.stiffness_ahead = now.stiffness_next
@@ -196,7 +163,7 @@ def expect(steps: Steps, s: Search, lists_before: Listing, approach: wp.float64,
 
 
 @wp.kernel
-def judge(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps):
+def judge(springs: Springs, steps: Steps):
     """Decides what follows from a pass of the search of a step."""
     if steps.is_rigid == 1:
         s, lists, law = judged_area(springs)
@@ -225,7 +192,6 @@ def wear_step(
 
     rest: sums of the tiles of each row that are not listed. Sums and maxima of the step go to `tables`.
     """
-    ...
 
 
 @wp.func_native("total_lines(table, adds != 0, &wp::index(history, row, column));")
@@ -237,7 +203,6 @@ def total_of(
     column: wp.int32,
 ) -> None:
     """Brings each line of a table to a number, in a row from a column on. All threads of a slot call it."""
-    ...
 
 
 @wp.func_native("return total_step(tables, &wp::index(history, row, column));")
@@ -245,7 +210,6 @@ def total_step(
     tables: Tables, history: wp.array2d(dtype=wp.float64), row: wp.int32, column: wp.int32
 ) -> wp.vec3d:
     """Brings the tables to numbers, in a row from a column on; returns those of what was looked at ahead."""
-    ...
 
 
 @wp.func
@@ -292,15 +256,11 @@ def write_row(springs: Springs, steps: Steps, tables: Tables, thread: wp.int32):
         if steps.is_rigid == 0:
             left = wp.abs(pressure * springs.cell_area - springs.load)
             goes_on = goes_on and left <= LEFT * springs.tolerance
-        before = wp.vec4d(c.first_row, c.last_row, c.first_column, c.last_column)
-        now = before
+        now = wp.vec4d()
         for end in range(4):
-            now[end] = wp.max(before[end], history[row, MAXIMA + wp.static(int(WearMost.FIRST_ROW)) + end])
-        goes_on = goes_on and is_within(before, now, steps.within)
-        c.first_row = now[0]
-        c.last_row = now[1]
-        c.first_column = now[2]
-        c.last_column = now[3]
+            now[end] = wp.max(c.extents[end], history[row, MAXIMA + wp.static(int(WearMost.FIRST_ROW)) + end])
+        goes_on = goes_on and is_within(c.extents, now, steps.within)
+        c.extents = now
         c.is_ahead = wp.where(c.ahead != ZERO, 1, 0)
         c.force = force
         c.slope = slope
@@ -315,7 +275,7 @@ def write_row(springs: Springs, steps: Steps, tables: Tables, thread: wp.int32):
 
 
 @wp.kernel
-def record(first_slot: wp.int32, slots: wp.int32, springs: Springs, steps: Steps, tables: Tables):
+def record(springs: Springs, steps: Steps, tables: Tables):
     """Writes the row of a step that was worn, if any, and begins the next one, if there is one.
 
     It does nothing while a search goes on. Steps end where the contact reaches the edge or the rim, as a run

@@ -11,8 +11,7 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import Cells, Layout
-from warpwear.kernels.slide import Slide
-from warpwear.kernels.sliding import Bodies, OfRows
+from warpwear.kernels.sliding import Bodies, OfRows, Slide
 
 wp.set_module_options(native_code.options("film.h", "wear_from_pressure.h"))
 
@@ -39,7 +38,6 @@ def means(
     means_out: wp.array2d(dtype=Cells),
 ):
     """Means of a field over the rows that pass over each, `Slide.window` of them; of one row none is made."""
-    ...
 
 
 @native_code.native_pass("meet")
@@ -53,7 +51,6 @@ def gaps(
 
     means_in: of the counter-body's wear along that way, instead of the wear at its middle.
     """
-    ...
 
 
 @native_code.native_pass("part_of_step")
@@ -62,7 +59,6 @@ def part_of_step(slides: wp.array(dtype=Slide), pressed: Pressed):
 
     Cells that bear were so all of it; those whose gap at its end is less than what shear wears, for a part.
     """
-    ...
 
 
 @native_code.native_pass("wear_by_pressure")
@@ -84,7 +80,6 @@ def wear(
     displaced for good by what is beyond the gap after the step. Sums are lines of `PressureSum`, maxima of
     `PressureMost`, over what is visited; those of the disc are left in `of_rows`, a sum a row.
     """
-    ...
 
 
 @native_code.native_pass("slip_of_gaps")
@@ -96,7 +91,6 @@ def slip(
     grown_out: wp.array2d(dtype=Cells),
 ):
     """Return what cells slip in a cycle by their gap beyond the approach, and how much that grew [mm]."""
-    ...
 
 
 @native_code.native_pass("yields_of_slips")
@@ -107,4 +101,3 @@ def yields(
     yields_out: wp.array2d(dtype=Cells),
 ):
     """Return the compliance that a jump lends cells by their slips at its end [mm/MPa]."""
-    ...

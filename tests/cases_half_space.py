@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from warpwear.contact.half_space.solver import HalfSpaceContact
 from warpwear.grid import FloatArray, Grid
 
 MODULUS = 3.0
@@ -130,3 +131,13 @@ def bounded(matrix: FloatArray, gap: FloatArray, approach: float, hardness: floa
     right = np.linalg.solve(root.T, approach - gap.ravel())
     found = lsq_linear(root, right, bounds=(0.0, hardness), method="bvls", tol=1e-15, max_iter=5000)
     return np.asarray(found.x.reshape(gap.shape))
+
+
+def area_fraction_of(contact: HalfSpaceContact) -> float:
+    """The contact area over the nominal one."""
+    return contact.cells_in_contact / contact.executor.grid.cells
+
+
+def separation_of(contact: HalfSpaceContact) -> FloatArray:
+    """The gap left by deformation and implicit wear [mm]; negative where p = H."""
+    return np.asarray(contact.executor.to_numpy(contact.gradient_field) - contact.approach)

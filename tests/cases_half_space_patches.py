@@ -6,8 +6,7 @@ import numpy as np
 from cases_half_space import MODULUS, dense_free, dense_periodic, rough
 
 from warpwear import Study
-from warpwear.contact.half_space.contact import HalfSpaceContact
-from warpwear.contact.half_space.solver import BoundedPressure
+from warpwear.contact.half_space.solver import BoundedPressure, HalfSpaceContact
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import PADDING

@@ -23,7 +23,7 @@ def list_open(solve: Solve, few: ActiveSet):
 
 
 @wp.kernel(module=TOGETHER)
-def place_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet):
+def place_open(solve: Solve, few: ActiveSet):
     """Give the open cells of every slot their places in the list; tell whether there are few enough."""
     if wp.tid() == 0:
         place = ZERO
@@ -39,11 +39,10 @@ def place_open(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: ActiveS
 @wp.func_native("return move_few(solve, few, count);")
 def move_few(solve: Solve, few: ActiveSet, count: wp.int32) -> wp.bool:
     """Move the few open cells in the trial; tell whether there is a way."""
-    ...
 
 
 @wp.kernel(module=TOGETHER)
-def aim_few(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet):
+def aim_few(solve: Solve, few: ActiveSet):
     """Make the trial pressure the best one for the few cells that are open."""
     if wp.tid() == 0:
         solve.flags[Flag.AIMED_AT_FEW] = wp.where(move_few(solve, few, few.count[0]), 1, 0)
@@ -53,7 +52,7 @@ def aim_few(first_slot: wp.int32, slots: wp.int32, solve: Solve, few: ActiveSet)
 
 
 @wp.kernel(module=TOGETHER)
-def go_few(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+def go_few(solve: Solve):
     """Take the step of the few whole if it leads down; else a common step follows."""
     lines = all_lines(solve, 2, 4)
     if wp.tid() == 0:
@@ -78,13 +77,7 @@ def _best_of_few(few: ActiveSet, count: wp.int32) -> wp.bool: ...
 
 
 @wp.kernel(module=TOGETHER)
-def solve_few(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    few: ActiveSet,
-    count: wp.int32,
-    solved_out: wp.array(dtype=wp.int32),
-):
+def solve_few(few: ActiveSet, count: wp.int32, solved_out: wp.array(dtype=wp.int32)):
     """Find the best changes of some cells' pressures alone; tell whether there are such."""
     if wp.tid() == 0:
         solved_out[0] = wp.where(_best_of_few(few, count), 1, 0)

@@ -83,7 +83,7 @@ def excess(proof: Proof):
 
 
 @wp.kernel
-def bracket(first_slot: wp.int32, slots: wp.int32, proof: Proof):
+def bracket(proof: Proof):
     """Note extremes, and between which of them the level λ' lies: it is the lowest gap where there is no cap.
 
     Cells with t below the lowest gap where p < H all bear their hardness, and none with t above the highest
@@ -117,7 +117,7 @@ def bracket(first_slot: wp.int32, slots: wp.int32, proof: Proof):
 
 
 @wp.kernel
-def narrow(first_slot: wp.int32, slots: wp.int32, proof: Proof):
+def narrow(proof: Proof):
     """Narrow the bracket of the level of every group to where its cells carry the load at the cap.
 
     The slope of the bound in λ' is what the cells below λ' carry at the cap less the load. So the bound at
@@ -159,7 +159,7 @@ def narrow(first_slot: wp.int32, slots: wp.int32, proof: Proof):
 
 
 @wp.kernel
-def conclude(first_slot: wp.int32, slots: wp.int32, proof: Proof):
+def conclude(proof: Proof):
     """Note the bound of every group."""
     i = search.first_group(proof)
     while i < search.groups_of(proof):

@@ -14,14 +14,14 @@ from warpwear.kernels.newton import HALF, LOOKS, STUCK, bracket_at, next_trial
 
 
 @wp.kernel(module=TOGETHER)
-def begin(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+def begin(solve: Solve):
     """Begin to search, as often as it takes until a pressure is certified."""
     if search.lane() == 0:
         solve.flags[Flag.SOLVING] = 1
 
 
 @wp.kernel(module=TOGETHER)
-def start(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+def start(solve: Solve):
     """Begin a search as the host asks, or go on with one that waited for the host."""
     resumes = solve.request[Request.RESUMES] > ZERO
     at_load = solve.request[Request.AT_LOAD] > ZERO
@@ -63,7 +63,7 @@ def start(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 
 
 @wp.kernel(module=TOGETHER)
-def measure(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+def measure(solve: Solve):
     """Measure the gap: its mean, its rms height and its lowest point, about 0, then about the mean."""
     n = solve.numbers[0]
     i = search.first_group(solve)
@@ -133,19 +133,19 @@ def balanced(solve: Solve, begins: wp.bool):
 
 
 @wp.kernel(module=TOGETHER)
-def begin_balance(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+def begin_balance(solve: Solve):
     """Begin to shift the trial of each group until it carries its load."""
     balanced(solve, True)
 
 
 @wp.kernel(module=TOGETHER)
-def balance(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+def balance(solve: Solve):
     """Shift the trial of each group on until it carries its load."""
     balanced(solve, False)
 
 
 @wp.kernel(module=TOGETHER)
-def renew(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+def renew(solve: Solve):
     """Note how far off the gradient may be that was made anew."""
     largest = search.all_lines(solve, 0, 1)
     if search.lane() == 0:
@@ -185,7 +185,7 @@ def level_of(
 
 
 @wp.kernel(module=TOGETHER)
-def judge(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+def judge(solve: Solve):
     """Judge the pressure: is it the solution, and if not of what kind is the next step?"""
     rules = solve.rules[0]
     n = solve.numbers[0]
@@ -271,7 +271,7 @@ def judge(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 
 
 @wp.kernel(module=TOGETHER)
-def conclude(first_slot: wp.int32, slots: wp.int32, solve: Solve, proof: Proof):
+def conclude(solve: Solve, proof: Proof):
     """End a search: what has been found is certified, where that is asked for."""
     at_load = solve.numbers[0].at_load == 1
     for i in range(search.lane(), search.groups_of(solve), search.width()):
@@ -291,7 +291,7 @@ def conclude(first_slot: wp.int32, slots: wp.int32, solve: Solve, proof: Proof):
 
 
 @wp.kernel(module=TOGETHER)
-def accept(first_slot: wp.int32, slots: wp.int32, solve: Solve, proof: Proof):
+def accept(solve: Solve, proof: Proof):
     """Search on from a pressure that could not be certified: what the search added up has drifted."""
     rules = solve.rules[0]
     faults = ZERO

@@ -9,7 +9,7 @@ import warp as wp
 
 from warpwear.kernels.cells import NONE, ONE, ZERO, Cells
 from warpwear.kernels.half_space.solve import CONVERGED, LED_NOWHERE, RUNS
-from warpwear.kernels.native_code import native_pass, options
+from warpwear.kernels.native_code import Lines, lane, lines_of_table, native_pass, options
 
 wp.set_module_options(options("half_space/shear.h"))
 
@@ -134,26 +134,10 @@ def shifts(shear: Shear):
     """Shift the trial, each cell within its circle."""
 
 
-@wp.func_native("return lane_of_slot();")
-def lane() -> wp.int32:
-    """Return the number of a thread in its slot."""
-    ...
-
-
-#: Numbers of the lines of a table.
-Lines = wp.types.vector(length=LINES, dtype=wp.float64)
-
-
-@wp.func_native("return lines_of_table<14>(table, columns, sums, lines);")
-def _lines_of_table(
-    table: wp.array2d(dtype=wp.float64), columns: wp.int32, sums: wp.int32, lines: wp.int32
-) -> Lines: ...
-
-
 @wp.func
 def lines_of(shear: Shear, sums: wp.int32, lines: wp.int32):
     """Bring the first lines of the table to a number each: so many sums, then maxima."""
-    return _lines_of_table(shear.table, shear.table.shape[1], sums, lines)
+    return lines_of_table(shear.table, shear.table.shape[1], sums, lines)
 
 
 @wp.func
@@ -198,7 +182,7 @@ def unshifted(before: ShearNumbers):
 
 
 @wp.kernel
-def begin(first_slot: wp.int32, slots: wp.int32, shear: Shear):
+def begin(shear: Shear):
     """Begin with no traction, or with the force on all cells alike."""
     lines = lines_of(shear, 6, 7)
     if lane() == 0:
@@ -212,7 +196,7 @@ def begin(first_slot: wp.int32, slots: wp.int32, shear: Shear):
 
 
 @wp.kernel
-def shift(first_slot: wp.int32, slots: wp.int32, shear: Shear):
+def shift(shear: Shear):
     """Shift on, until the force is met."""
     lines = lines_of(shear, 5, 6)
     if lane() == 0:
@@ -220,7 +204,7 @@ def shift(first_slot: wp.int32, slots: wp.int32, shear: Shear):
 
 
 @wp.kernel
-def arrive(first_slot: wp.int32, slots: wp.int32, shear: Shear):
+def arrive(shear: Shear):
     """Note what a step has led to, and shift where it misses the force."""
     lines = lines_of(shear, 5, 6)
     if lane() == 0:
@@ -232,7 +216,7 @@ def arrive(first_slot: wp.int32, slots: wp.int32, shear: Shear):
 
 
 @wp.kernel
-def level(first_slot: wp.int32, slots: wp.int32, shear: Shear):
+def level(shear: Shear):
     """Find the rigid displacement: under a force, that by which cells slip least where they may move."""
     lines = lines_of(shear, 8, 8)
     if lane() == 0:
@@ -245,7 +229,7 @@ def level(first_slot: wp.int32, slots: wp.int32, shear: Shear):
 
 
 @wp.kernel
-def judge(first_slot: wp.int32, slots: wp.int32, shear: Shear):
+def judge(shear: Shear):
     """Judge the traction: is it the solution?"""
     lines = lines_of(shear, 0, 2)
     if lane() == 0:
@@ -261,7 +245,7 @@ def judge(first_slot: wp.int32, slots: wp.int32, shear: Shear):
 
 
 @wp.kernel
-def aim(first_slot: wp.int32, slots: wp.int32, shear: Shear):
+def aim(shear: Shear):
     """Decide how the way is made of descent and last way; under a force it moves none on the whole."""
     lines = lines_of(shear, 14, 14)
     if lane() == 0:
@@ -287,7 +271,7 @@ def aim(first_slot: wp.int32, slots: wp.int32, shear: Shear):
 
 
 @wp.kernel
-def go(first_slot: wp.int32, slots: wp.int32, shear: Shear):
+def go(shear: Shear):
     """Decide how far to go along the way: to the least energy along it."""
     lines = lines_of(shear, 1, 1)
     if lane() == 0:

@@ -3,13 +3,16 @@
 A group carries one load at one approach: all rows together, or each row for itself.
 """
 
+from dataclasses import dataclass, fields
 from enum import IntEnum
 from typing import Any
 
+import numpy as np
 import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import Cells
+from warpwear.kernels.native_code import Lines, lane, lines_of_table, of_slot, width
 from warpwear.kernels.newton import Bracket
 
 #: Kernels of a search are compiled together: each file of its own would compile Warp's headers again.
@@ -61,32 +64,60 @@ class Flag(IntEnum):
     CERTIFIES = 16
 
 
+@dataclass(frozen=True)
+class SearchRules:
+    """Holds the rules of a search, which decisions go by."""
+
+    #: Where a smaller fraction of the cells in contact is below the cap, |q| is no guide: steps then follow
+    #: the plain gradient.
+    elastic_fraction: float = 0.1
+    #: Plain steps of a solve; |q| leads on where this many have not led to its end.
+    patience: int = 16
+    #: A step is taken whole, bounds and all, if it is at least this fraction of the best length; else the
+    #: best length is taken.
+    whole_step: float = 0.9
+    #: A preconditioned step whose best length is below this led nowhere: plain steps follow.
+    shortest_useful_step: float = 0.05
+    #: Plain steps that follow then.
+    plain_steps: int = 5
+    #: Cells at a bound are pushed outward this many times harder than free cells move, in a preconditioned
+    #: step.
+    outward: float = 1.0e3
+    #: Largest violation of complementarity, over the rms height of the gap.
+    tolerance: float = 1.0e-6
+    #: Smaller differences of displacements, relative to them, are those of the last digits.
+    rounding: float = 16.0 * float(np.finfo(np.float64).eps)
+    #: What a trial may miss of the load, relatively: the next step makes up for it.
+    rough_balance: float = 1.0e-3
+    iterations: int = 1000
+    #: Ends of the lines of cells between the bounds, over these cells, from which their gradient is extended
+    #: to others: 0.4 where waves are two cells long, 0.08 where they are sixteen, 0.01 under a smooth ball.
+    scattered: float = 0.15
+    #: One of this many rows is looked at for that.
+    every: int = 8
+    #: Error of the gradient, over the violation left, from which it is made anew.
+    drift: float = 0.2
+    #: Error of a response in single precision, over its largest value: measured were 4e-7 to 7e-7.
+    single_rounding: float = 8.0 * float(np.finfo(np.float32).eps)
+    #: Cells that are moved at once, exactly, at most.
+    few: int = 256
+    #: Gap or overlap of a cell that may change sides then, over the largest violation of complementarity.
+    near: float = 0.25
+    #: Restarts after a failed certificate.
+    renewals: int = 3
+
+
 @wp.struct
 class Rules:
-    """Holds what a search goes by; see `contact.half_space.search.SearchRules`."""
+    """Holds the rules of a search as kernels take them, and what depends on what is searched."""
 
-    elastic_fraction: wp.float64
-    patience: wp.int32
-    whole_step: wp.float64
-    shortest_useful_step: wp.float64
-    plain_steps: wp.int32
-    outward: wp.float64
-    tolerance: wp.float64
-    rounding: wp.float64
-    load_tolerance: wp.float64
-    rough_balance: wp.float64
-    iterations: wp.int32
-    scattered: wp.float64
-    every: wp.int32
-    tiled: wp.int32  # 1 where what is extended is gathered tile by tile, apart from the trial
-    drift: wp.float64
-    single_rounding: wp.float64  # 0 where responses to steps are made in double precision
-    few: wp.int32  # cells that are moved at once, at most; 0 where they are not
-    near: wp.float64
-    renewals: wp.int32
-    certified_load: wp.float64
-    has_coefficients: wp.int32  # of the operator, for them
-    group_cells: wp.float64  # of the surface, in a group
+    __annotations__ = {f.name: wp.int32 if f.type is int else wp.float64 for f in fields(SearchRules)} | {
+        "load_tolerance": wp.float64,  # residual of the load, relative to it
+        "certified_load": wp.float64,  # that a certified pressure may miss, relatively
+        "tiled": wp.int32,  # 1 where what is extended is gathered tile by tile, apart from the trial
+        "has_coefficients": wp.int32,  # of the operator, for few cells
+        "group_cells": wp.float64,  # of the surface, in a group
+    }
 
 
 @wp.struct
@@ -206,34 +237,6 @@ class Solve:
     flags: wp.array(dtype=wp.int32)  # of the program, by `Flag`
 
 
-@wp.func_native("return lane_of_slot();")
-def lane() -> wp.int32:
-    """Return the number of a thread in its slot."""
-    ...
-
-
-@wp.func_native("return width_of_slot();")
-def width() -> wp.int32:
-    """Tell how many threads a slot has."""
-    ...
-
-
-@wp.func_native("return of_slot(value, adds);")
-def of_slot(value: wp.float64, adds: wp.bool) -> wp.float64:
-    """Bring what the threads of a slot have to one number."""
-    ...
-
-
-#: Numbers of the lines of a table.
-Lines = wp.types.vector(length=12, dtype=wp.float64)
-
-
-@wp.func_native("return lines_of_table<12>(table, columns, sums, lines);")
-def _lines_of_table(
-    table: wp.array2d(dtype=wp.float64), columns: wp.int32, sums: wp.int32, lines: wp.int32
-) -> Lines: ...
-
-
 # A decision is one slot. Where there is one group all of its threads look at it together; of many groups each
 # thread looks at some.
 
@@ -271,7 +274,7 @@ def writes(solve: Any):
 @wp.func
 def all_lines(solve: Any, sums: wp.int32, lines: wp.int32):
     """Bring the first lines of the table to a number each, over all slots: so many sums, then maxima."""
-    return _lines_of_table(solve.table, wp.min(solve.visited[0], solve.table.shape[1]), sums, lines)
+    return lines_of_table(solve.table, wp.min(solve.visited[0], solve.table.shape[1]), sums, lines)
 
 
 @wp.func

@@ -15,7 +15,7 @@ TWO = wp.constant(wp.float64(2.0))
 
 
 @wp.kernel(module=TOGETHER)
-def judge_scatter(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+def judge_scatter(solve: Solve):
     """Decide whether extending the gradient pays: cells between the bounds lie in small spots then."""
     lines = search.all_lines(solve, 2, 2)
     if search.lane() == 0:
@@ -28,7 +28,7 @@ def judge_scatter(first_slot: wp.int32, slots: wp.int32, solve: Solve):
 
 
 @wp.kernel(module=TOGETHER)
-def aim(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+def aim(solve: Solve):
     """Decide how the next trial is made of descent and last step, and whether that leads down at all."""
     n = solve.numbers[0]
     zy = ZERO
@@ -130,7 +130,7 @@ def drifted(before: search.Numbers):
 
 
 @wp.kernel(module=TOGETHER)
-def go(first_slot: wp.int32, slots: wp.int32, solve: Solve):
+def go(solve: Solve):
     """Decide how far to go along the step."""
     lines = search.all_lines(solve, 2, 4)
     if search.lane() == 0:

@@ -10,7 +10,7 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import Cells
-from warpwear.kernels.slide import Slide
+from warpwear.kernels.sliding import Slide
 
 #: Where wear by a stored pressure is compiled, too: a file of its own would compile Warp's headers again.
 TOGETHER = wp.get_module("warpwear.kernels.wear_from_pressure")
@@ -44,13 +44,11 @@ class Films:
 @native_code.native_pass("look_at_film", module=TOGETHER)
 def look(slides: wp.array(dtype=Slide), films: Films):
     """See which of the cells ever touched are bare as a step begins, and what their caps are."""
-    ...
 
 
 @native_code.native_pass("rub_film", module=TOGETHER)
 def rub(slides: wp.array(dtype=Slide), films: Films):
     """Note the distance at the end of a step where the bodies were worn in it; of films that form anew."""
-    ...
 
 
 @native_code.native_pass("count_bare", module=TOGETHER)
@@ -61,4 +59,3 @@ def bare_under_pressure(
     sums_out: wp.array2d(dtype=wp.float64),
 ):
     """Count bare cells among those with a pressure, of the rows visited."""
-    ...

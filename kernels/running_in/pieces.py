@@ -12,8 +12,7 @@ import warp as wp
 from warpwear.kernels import native_code
 from warpwear.kernels.balance import Springs, pressures_at
 from warpwear.kernels.cells import LANES, ONE, TILE_VECTORS, ZERO, Cells
-from warpwear.kernels.slide import Slide, beneath
-from warpwear.kernels.sliding import OfCells
+from warpwear.kernels.sliding import OfCells, Slide
 
 wp.set_module_options({**native_code.options("law.h", "bodies.h"), "fuse_fp": False})
 
@@ -96,6 +95,13 @@ def add_pending(row: wp.int32, column: wp.int32, depth: wp.float64, footprint: F
         c = column + footprint.across[n]
         if r >= 0 and c >= 0 and c < body.columns:
             list_cell(r * body.pending.shape[1] + c, body)
+
+
+@wp.func
+def beneath(row: wp.int32, shift: wp.int32, rows: wp.int32):
+    """Return the disc's row under a row of the counter-body; 0 ≤ shift < rows."""
+    displaced = row + shift
+    return wp.where(displaced < rows, displaced, displaced - rows)
 
 
 @wp.func

@@ -10,7 +10,7 @@ import warp as wp
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import LANES, ONE, ZERO, Cells
 from warpwear.kernels.contact import Law
-from warpwear.kernels.slide import Slide
+from warpwear.kernels.sliding import Slide
 
 wp.set_module_options(native_code.options())
 

@@ -8,8 +8,8 @@ then.
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.balance import most_of, sum_of
 from warpwear.kernels.cells import NONE, ONE, ZERO, Cells
+from warpwear.kernels.native_code import most_of, sum_of
 from warpwear.kernels.running_in.pieces import (
     CANDIDATES,
     CUT,
@@ -26,7 +26,7 @@ from warpwear.kernels.running_in.pieces import (
     Footprint,
     row_at,
 )
-from warpwear.kernels.slide import Slide
+from warpwear.kernels.sliding import Slide
 
 #: All kernels of pieces are compiled together.
 TOGETHER = wp.get_module("warpwear.kernels.running_in.pieces")
@@ -163,7 +163,7 @@ def cut_at(peak: wp.int32, place: wp.int32, footprint: Footprint, body: Body, re
 
 
 @wp.kernel(module=TOGETHER)
-def begin_rounds(first_slot: wp.int32, slots: wp.int32, body: Body, release: Release):
+def begin_rounds(body: Body, release: Release):
     """A body begins to shed, or goes on with it."""
     if wp.tid() == 0:
         if body.counts[STAGE] == TAKES:
@@ -192,7 +192,7 @@ def find_peaks(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body
 
 
 @wp.kernel(module=TOGETHER)
-def begin_cut(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Body, release: Release):
+def begin_cut(footprint: Footprint, body: Body, release: Release):
     """The peaks of a round are cut if the table has room for them, and another round follows."""
     if wp.tid() == 0:
         peaks = body.counts[PEAKS]
@@ -226,7 +226,7 @@ def cut(
 
 
 @wp.kernel(module=TOGETHER)
-def end_rounds(first_slot: wp.int32, slots: wp.int32, body: Body, release: Release):
+def end_rounds(body: Body, release: Release):
     """Tell whether a body is done with its rounds."""
     if wp.tid() == 0:
         release.closes[0] = wp.where(body.counts[STAGE] == SHEDS and release.full[0] == 0, 1, 0)
@@ -253,17 +253,11 @@ def total_rows(
     pending_in: wp.array2d(dtype=Cells),
 ):
     """Sum up the rows that a step may have changed: under the contact, or all where pieces had overflowed."""
-    ...
 
 
 @wp.kernel(module=TOGETHER)
 def note(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    slides: wp.array(dtype=Slide),
-    body: Body,
-    first_column: wp.int32,
-    rows_out: wp.array2d(dtype=wp.float64),
+    slides: wp.array(dtype=Slide), body: Body, first_column: wp.int32, rows_out: wp.array2d(dtype=wp.float64)
 ):
     """Enter what a body has lost in the row of the step: pieces, sums of wear and pending, deepest wear."""
     worn = sum_of(body.of_rows, 0)
@@ -280,14 +274,7 @@ def note(
 
 
 @wp.kernel(module=TOGETHER)
-def end_step(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    counter: Body,
-    disc: Body,
-    release: Release,
-    goes_out: wp.array(dtype=wp.int32),
-):
+def end_step(counter: Body, disc: Body, release: Release, goes_out: wp.array(dtype=wp.int32)):
     """A step ends when both bodies are done with it; the program stops where the table is full."""
     if wp.tid() == 0:
         ends = wp.where(release.full[0] == 0, 1, 0)

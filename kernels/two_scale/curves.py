@@ -48,28 +48,14 @@ class Curves:
     room: wp.array2d(dtype=wp.float64)  # where numbers lie that are added up
 
 
-@wp.func_native("return lane_of_slot();")
-def lane() -> wp.int32:
-    """Return the thread of the slot."""
-    ...
-
-
-@wp.func_native("return width_of_slot();")
-def width() -> wp.int32:
-    """Return how many threads the slot has."""
-    ...
-
-
 @wp.func_native("return next_number(number, to);")
 def next_number(number: wp.float64, to: wp.float64) -> wp.float64:
     """Return the number after another one in a direction."""
-    ...
 
 
 @wp.func_native("wait_for_slot();")
 def wait_for_slot():
     """Wait for all threads of the slot: what they have read may change then."""
-    ...
 
 
 @wp.func

@@ -3,10 +3,10 @@
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.balance import sum_of
 from warpwear.kernels.cells import ONE, ZERO
+from warpwear.kernels.native_code import lane, sum_of, width
 from warpwear.kernels.newton import HALF, LOOKS, MET, STUCK, Bracket, bracket_at, next_trial
-from warpwear.kernels.two_scale.curves import PRESSURE, SLOPE, Curves, lane, wait_for_slot, width
+from warpwear.kernels.two_scale.curves import PRESSURE, SLOPE, Curves, wait_for_slot
 from warpwear.kernels.two_scale.sharing import Flags, Load, Search, set_flags
 from warpwear.kernels.two_scale.steps import Courses, Steps, begun, first_guess, flexibility_of, guess_of
 
@@ -80,34 +80,24 @@ def prescribe(smooth: Smooth, load: Load, flexibility: wp.float64, removal: wp.f
 
 
 @wp.kernel
-def press_smoothly(
-    first_slot: wp.int32, slots: wp.int32, smooth: Smooth, load: Load, step: wp.array(dtype=wp.float64)
-):
+def press_smoothly(smooth: Smooth, load: Load, step: wp.array(dtype=wp.float64)):
     """Prescribe the loads of a step by itself. step: 1/K_N, and K ΔL of both bodies [mm³/N]."""
     prescribe(smooth, load, step[0], step[1])
 
 
 @wp.kernel
-def begin(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    steps: Steps,
-    curves: Curves,
-    courses: Courses,
-    smooth: Smooth,
-    brackets: wp.array(dtype=Bracket),
-):
+def begin(steps: Steps, curves: Curves, courses: Courses, smooth: Smooth, brackets: wp.array(dtype=Bracket)):
     """Begin a step whose loads a smooth contact prescribes: a search of every patch."""
-    m = steps.memory[0]
+    trend = steps.memory[0].trend
     now = begun(steps)
     s = Search()
     s.common_base = prescribe(smooth, steps.load, flexibility_of(steps, now), now.removal)
     for k in range(lane(), curves.base.shape[0], width()):
         is_pressed = smooth.target[0, k] > ZERO
-        touched = is_pressed and m.steps > ZERO and curves.answer[PRESSURE, k] > ZERO
+        touched = is_pressed and trend.is_begun == 1 and curves.answer[PRESSURE, k] > ZERO
         curves.base[k] = wp.where(touched, curves.base[k] + curves.offset[k], curves.lowest[k])
         beyond = wp.where(is_pressed, first_guess(steps, now), ZERO)
-        curves.offset[k] = wp.where(touched, guess_of(m, now), beyond)
+        curves.offset[k] = wp.where(touched, guess_of(trend, now), beyond)
         brackets[k] = bracket_at(curves.offset[k], wp.abs(curves.offset[k]))
     wait_for_slot()
     if lane() == 0:
@@ -118,8 +108,6 @@ def begin(
 
 @wp.kernel
 def judge(
-    first_slot: wp.int32,
-    slots: wp.int32,
     load: Load,
     curves: Curves,
     smooth: Smooth,

@@ -13,8 +13,8 @@ the solution, which together hold more digits than their sum.
 import warp as wp
 
 from warpwear.kernels import newton as roots
-from warpwear.kernels.balance import most_of, sum_of
 from warpwear.kernels.cells import NONE, ONE, ZERO
+from warpwear.kernels.native_code import lane, most_of, sum_of, width
 from warpwear.kernels.newton import HALF, Bracket
 from warpwear.kernels.two_scale.curves import (
     PRESSURE,
@@ -25,9 +25,7 @@ from warpwear.kernels.two_scale.curves import (
     End,
     clear_bracket,
     enter_point,
-    lane,
     next_number,
-    width,
 )
 
 #: Evaluations after which the approach of the bodies is held while the patches are solved at it, in brackets.
@@ -317,14 +315,7 @@ def evaluated(curves: Curves, load: Load, before: Search):
 
 
 @wp.kernel(module=TOGETHER)
-def judge(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    load: Load,
-    curves: Curves,
-    search_out: wp.array(dtype=Search),
-    flags: Flags,
-):
+def judge(load: Load, curves: Curves, search_out: wp.array(dtype=Search), flags: Flags):
     """Decide after an evaluation whether the load is shared, and at what approaches to look next."""
     s = evaluated(curves, load, search_out[0])
     if lane() == 0:

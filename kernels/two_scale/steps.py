@@ -4,10 +4,11 @@ import math
 
 import warp as wp
 
-from warpwear.kernels.balance import most_of, sum_of
 from warpwear.kernels.cells import NO_INDEX, NONE, ONE, ZERO, WearMost, WearSum
+from warpwear.kernels.foresight import Trend, foreseen_step, learnt
+from warpwear.kernels.native_code import lane, most_of, sum_of, width
 from warpwear.kernels.newton import HALF, LOOKS
-from warpwear.kernels.two_scale.curves import PRESSURE, TOGETHER, Curves, lane, wait_for_slot, width
+from warpwear.kernels.two_scale.curves import PRESSURE, TOGETHER, Curves, wait_for_slot
 from warpwear.kernels.two_scale.sharing import Flags, Load, Search, search_from, set_flags
 
 #: Columns of a row that a step leaves, before its sums and maxima.
@@ -38,16 +39,9 @@ class Now:
 
 @wp.struct
 class Memory:
-    """Holds what the next step goes by of those before, one number each; rates are of the last two steps."""
+    """Holds what the next step goes by of those before."""
 
-    steps: wp.float64  # made so far
-    approach: wp.float64  # of the bodies [mm]
-    slid: wp.float64  # Σ K ΔL of both bodies [mm³/N]
-    rates: wp.float64  # how many are known
-    where_0: wp.float64  # of each, the earlier one first [mm³/N]
-    rate_0: wp.float64  # of the approach [MPa]
-    where_1: wp.float64
-    rate_1: wp.float64
+    trend: Trend  # of the bodies' approach
     gives: wp.float64  # 1 where it is known how fast springs give way
     ahead: wp.float64  # K ΔL for which the patches have answered ahead; negative where they have not
 
@@ -98,48 +92,11 @@ class Books:
 
 
 @wp.func
-def foreseen_step(m: Memory, removal: wp.float64):
-    """Return how far a step goes on [mm], on the line through the rates at which the approach grew."""
-    where = m.slid + HALF * removal
-    rate = m.rate_0
-    if m.rates > ONE:  # Lagrange's line
-        rate = m.rate_0 * ((where - m.where_1) / (m.where_0 - m.where_1))
-        rate = rate + m.rate_1 * ((where - m.where_0) / (m.where_1 - m.where_0))
-    return removal * rate
-
-
-@wp.func
-def learnt(before: Memory, approach: wp.float64, removal: wp.float64):
-    """Return what is known after a step that ended at an approach [mm], and removed K ΔL [mm³/N]."""
-    m = before
-    where = m.slid + HALF * removal
-    last = wp.where(m.rates > ONE, m.where_1, m.where_0)
-    # A law that decays ends with steps too small to be told apart by where they are.
-    is_new = m.rates == ZERO or where > last
-    if m.steps > ZERO and removal > ZERO and is_new:
-        rate = (approach - m.approach) / removal
-        if m.rates > ONE:
-            m.where_0 = m.where_1
-            m.rate_0 = m.rate_1
-        if m.rates == ZERO:
-            m.where_0 = where
-            m.rate_0 = rate
-        else:
-            m.where_1 = where
-            m.rate_1 = rate
-        m.rates = wp.min(m.rates + ONE, ONE + ONE)
-    m.approach = approach
-    m.slid += removal
-    m.steps += ONE
-    return m
-
-
-@wp.func
-def guess_of(m: Memory, now: Now):
+def guess_of(trend: Trend, now: Now):
     """Return how far the solution is expected from where a search begins [mm]."""
     guess = now.removal * now.mean
-    if m.rates > ZERO:
-        guess = foreseen_step(m, now.removal)
+    if trend.rates > 0:
+        guess = foreseen_step(trend, now.removal)
     return guess
 
 
@@ -176,23 +133,24 @@ def flexibility_of(steps: Steps, now: Now):
 
 
 @wp.kernel(module=TOGETHER)
-def begin(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses):
+def begin(steps: Steps, curves: Curves, courses: Courses):
     """Begin a step whose load is shared: a search from the last approaches, or from the lowest cell."""
     m = steps.memory[0]
     now = begun(steps)
     s = Search()
     s.flexibility = flexibility_of(steps, now)
-    is_first = m.steps == ZERO
-    guess = guess_of(m, now)
+    trend = m.trend
+    is_first = trend.is_begun == 0
+    guess = guess_of(trend, now)
     if is_first:
         guess = first_guess(steps, now)
     for k in range(lane(), curves.base.shape[0], width()):
         curves.base[k] = wp.where(is_first, steps.lowest, courses.start[k])
         curves.offset[k] = guess
-        if m.rates > ZERO and m.gives > ZERO:
+        if trend.rates > 0 and m.gives > ZERO:
             curves.offset[k] = guess - now.removal * courses.giving[k]
     now.answered = wp.where(m.ahead == now.removal, 1, 0)
-    common_base = wp.where(is_first, steps.lowest, m.approach)
+    common_base = wp.where(is_first, steps.lowest, trend.approach)
     s = search_from(curves, steps.load, s, common_base, guess, wp.where(is_first, ZERO, -NONE))
     wait_for_slot()
     if lane() == 0:
@@ -203,20 +161,22 @@ def begin(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, c
 
 
 @wp.kernel(module=TOGETHER)
-def foresee(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses):
+def foresee(steps: Steps, curves: Curves, courses: Courses):
     """Learn from the approaches of a step, and tell at which ones the pass that wears looks ahead."""
     s = steps.search[0]
     now = steps.now[0]
     m = steps.memory[0]
     approach = s.common_base + s.bracket.offset
-    gives = steps.sprung != 0 and m.steps > ZERO and now.removal > ZERO
-    m = learnt(m, approach, now.removal)
+    trend = m.trend
+    gives = steps.sprung != 0 and trend.is_begun == 1 and now.removal > ZERO
+    trend = learnt(trend, approach, now.removal)
+    m.trend = trend
     m.gives = wp.where(gives, ONE, ZERO)
     m.ahead = -ONE
-    if steps.looks_ahead != 0 and m.rates > ZERO and steps.plan[now.number + 1, REMOVAL] >= ZERO:
+    if steps.looks_ahead != 0 and trend.rates > 0 and steps.plan[now.number + 1, REMOVAL] >= ZERO:
         m.ahead = steps.plan[now.number + 1, REMOVAL]
         now.stiffness_next = steps.plan[now.number + 1, STIFFNESS]
-    step = foreseen_step(m, m.ahead)
+    step = foreseen_step(trend, m.ahead)
     for k in range(lane(), curves.base.shape[0], width()):
         start = wp.where(curves.answer[PRESSURE, k] > ZERO, curves.base[k] + curves.offset[k], approach)
         deflection = approach - start
@@ -238,7 +198,7 @@ def foresee(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves,
 
 
 @wp.kernel(module=TOGETHER)
-def end(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, courses: Courses, books: Books):
+def end(steps: Steps, curves: Curves, courses: Courses, books: Books):
     """Enter a step that has worn into the books, and see whether another one follows."""
     s = steps.search[0]
     now = steps.now[0]

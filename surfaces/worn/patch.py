@@ -40,9 +40,7 @@ class Patch:
     rim: BoolArray  # those beside them that are neither worn nor fitted, shape (nx, ny)
     unworn: BoolArray  # those that the form went through, shape (nx, ny)
     volume: float  # sum of `lost` over the patch, roughness averaged out [mm³]
-    volume_error: (
-        float  # its standard error: of the outline, and of roughness and waviness, also under the fit
-    )
+    volume_error: float  # its standard error: of outline, roughness and waviness, also under the fit [mm³]
     piled_up: float  # net volume above the form in the rim [mm³]; roughness may make it negative
     piled_up_error: float  # its standard error [mm³]
     net: float  # volume less what is piled up [mm³]
@@ -99,8 +97,8 @@ class Body:
         outlined = worn - float(lost[reach.other].sum()) * area
         along, across = extents(patch, self.pixel)
         # both ends are off as the whole outline is, of an ellipse of these axes, and told to a pixel each
-        pixels = [d / math.sqrt(6.0) for d in self.pixel]
         outline = 4.0 * reach.blur / (math.pi * max(along + across, max(self.pixel)))
+        end_errors = [math.hypot(outline, d / math.sqrt(6.0)) for d in self.pixel]
         return Patch(
             pixel=self.pixel,
             lost=lost,
@@ -119,10 +117,7 @@ class Body:
             depth=float(lost[patch].max()),
             along=along,
             across=across,
-            length_errors=(
-                math.hypot(outline, pixels[0]),
-                math.hypot(outline, pixels[1]),
-            ),
+            length_errors=(end_errors[0], end_errors[1]),
             noise=noise,
         )
 

@@ -13,13 +13,13 @@ import pytest
 
 from warpwear import ConvergenceError, solve_contact
 from warpwear.contact.certificate import Certificate, Proof
-from warpwear.contact.half_space.contact import HalfSpaceContact
-from warpwear.contact.half_space.search import Search, SearchRules
-from warpwear.contact.half_space.solver import BoundedPressure, HalfSpace
+from warpwear.contact.half_space.search import Search
+from warpwear.contact.half_space.solver import BoundedPressure, HalfSpace, HalfSpaceContact
 from warpwear.engine.executor import Executor
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import PADDING
+from warpwear.kernels.half_space.solve import SearchRules
 from warpwear.laws.patches import Patches
 from warpwear.models.patches.influence import PatchInfluence
 

@@ -8,11 +8,12 @@ import warp as wp
 from cases_half_space import MODULUS, rough
 from numpy.testing import assert_allclose
 
-from warpwear.contact.half_space.search import SearchRules, room_for_few
+from warpwear.contact.half_space.search import room_for_few
 from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid, IntArray
 from warpwear.kernels.half_space import active_set
+from warpwear.kernels.half_space.solve import SearchRules
 
 GRID = Grid(60, 53, 0.5)
 
@@ -33,7 +34,7 @@ def best_of_few(
     room.rows = room.columns = 10**6
     for name, values in {"row": rows, "column": columns, "slope": slope, "low": low, "high": high}.items():
         getattr(room, name).numpy()[:] = values
-    wp.launch(active_set.solve_few, dim=1, inputs=[0, 1, room, len(rows), count], device="cpu")
+    wp.launch(active_set.solve_few, dim=1, inputs=[room, len(rows), count], device="cpu")
     return room.change.numpy() if count.numpy()[0] else None
 
 

@@ -7,11 +7,12 @@ import pytest
 from scipy import fft, ndimage
 
 from warpwear.contact.half_space.influence import Influence
-from warpwear.contact.half_space.search import Search, SearchRules
+from warpwear.contact.half_space.search import Search
 from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.engine.executor import Executor
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, Grid
+from warpwear.kernels.half_space.solve import SearchRules
 
 MODULUS, CAP, LEVEL = 2.0, 1.0, 0.1
 #: Less than a tile, over the edges of tiles along both axes, and beyond what eight cells fill.
@@ -91,7 +92,9 @@ def test_the_descent_is_that_of_a_slow_formula(
         extended = drawn.asked + bound * around(drawn.asked)
         extended = drawn.asked + bound * around(extended)
         inverse = executor.field(extended)
-        drawn.influence.invert(inverse, inverse)
+        program = Program(executor)
+        drawn.influence.say_inverse(program, inverse, inverse)
+        program.run()
         made = np.array(executor.to_numpy(inverse))
         given = bound * made
         given = given + bound * around(given)

@@ -8,7 +8,7 @@ from numpy.testing import assert_array_equal
 
 from warpwear.engine import state
 from warpwear.engine.executor import Executor
-from warpwear.engine.numbers import Numbers, Table
+from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.engine.tiles import NO_LIMIT, Tiles
 from warpwear.grid import Grid
@@ -17,22 +17,14 @@ from warpwear.kernels.wear import Course
 
 def test_numbers_are_saved_bit_for_bit(device: str) -> None:
     with Executor(Grid(8, 8, 0.1), device=device) as executor:
-        one, other = (Numbers(Course, executor.device, approach=0.1) for _ in range(2))
-        one.set(approach=np.nextafter(0.3, 1.0), rates=2, rate_0=-1e-300)
+        one, other = (Numbers(Course, executor.device, force=0.1) for _ in range(2))
+        one.set(force=np.nextafter(0.3, 1.0), steps=2, slope=-1e-300, extents=[0.1, 0.2, 0.3, 1e300])
         saved = json.loads(json.dumps(state.save(one)))
         state.restore(other, *saved)
         assert other.values == one.values
-        assert other["rates"] == 2
+        assert other["steps"] == 2
         with pytest.raises(KeyError):
-            other.values = {"approach": 1.0}
-
-
-def test_a_table_is_written_and_read_by_rows(device: str) -> None:
-    with Executor(Grid(8, 8, 0.1), device=device) as executor:
-        table = Table(5, 2, executor.device)
-        table.write([(1.0, 2.0), (3.0, 4.0)])
-        assert_array_equal(table.read(3), [[1.0, 2.0], [3.0, 4.0], [0.0, 0.0]])
-        assert table.read(0).shape == (0, 2)
+            other.values = {"force": 1.0}
 
 
 @pytest.mark.parametrize("seed", range(5))

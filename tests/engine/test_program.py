@@ -47,7 +47,7 @@ class Collatz:
 
 
 @wp.kernel
-def begin(first_slot: wp.int32, slots: wp.int32, c: Collatz):
+def begin(c: Collatz):
     """Take the next number."""
     if wp.tid() == 0:
         c.number[0] = c.start[0]
@@ -55,9 +55,7 @@ def begin(first_slot: wp.int32, slots: wp.int32, c: Collatz):
 
 
 @wp.kernel
-def change(
-    first_slot: wp.int32, slots: wp.int32, times: wp.int32, plus: wp.int32, parts: wp.int32, c: Collatz
-):
+def change(times: wp.int32, plus: wp.int32, parts: wp.int32, c: Collatz):
     """Multiply the number, add to it, divide it."""
     if wp.tid() == 0:
         c.number[0] = (times * c.number[0] + plus) // parts
@@ -66,7 +64,7 @@ def change(
 
 
 @wp.kernel
-def judge(first_slot: wp.int32, slots: wp.int32, c: Collatz):
+def judge(c: Collatz):
     """Say what is to be done with the number."""
     if wp.tid() == 0:
         c.is_odd[0] = c.number[0] % 2
@@ -75,7 +73,7 @@ def judge(first_slot: wp.int32, slots: wp.int32, c: Collatz):
 
 
 @wp.kernel
-def end(first_slot: wp.int32, slots: wp.int32, c: Collatz):
+def end(c: Collatz):
     """Go to the next number, as long as there are some."""
     if wp.tid() == 0:
         c.start[0] = c.start[0] - 1
@@ -102,8 +100,6 @@ def grow(
 
 @wp.kernel
 def weigh(
-    first_slot: wp.int32,
-    slots: wp.int32,
     limit: wp.float64,
     table: wp.array2d(dtype=wp.float64),
     searching: wp.array(dtype=wp.int32),

@@ -1,5 +1,6 @@
 """Figures in axes that are there, of one run or of two, and films of a run."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +13,14 @@ from PIL import Image
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.cli.main import main
-from warpwear.figures.describe import Chart
+from warpwear.figures.describe import DISTANCE, Axis, Chart, Level, Line
+from warpwear.figures.describe import Figure as Declared
 from warpwear.figures.of_run import film
 from warpwear.figures.of_run.film import FFMpegWriter, animate
+from warpwear.figures.overlay import paint_over
+from warpwear.figures.paint import paint
+from warpwear.figures.wording import after
+from warpwear.page.plots import plots_of
 
 
 def lines_of(result: Result) -> dict[str, int]:
@@ -104,6 +110,35 @@ def test_times_of_two_runs_have_one_unit(results: dict[str, Result]) -> None:
     assert slow_first.get_xlim()[1] >= 30.0
     ends = [line.get_xdata()[-1] for line in slow_first.lines if len(line.get_xdata()) > 1]
     np.testing.assert_allclose(ends, [30.0, 1.5])
+
+
+def test_long_distances_are_shown_in_metres() -> None:
+    """All panels alike, with levels and ends; over axes that are there in the unit of these."""
+    x = Axis(DISTANCE, low=0.0, high=2.1e7)
+    charts = [
+        Chart("a", x, Axis("y, –"), [Line(np.array([1e6, end]), np.ones(2)), Level(5e6, axis="x")])
+        for end in (2e7, 3e6)
+    ]
+    for panel, end in zip(paint(Declared(charts)).axes, (20.0, 3.0), strict=True):
+        assert panel.get_xlabel() == "sliding distance, km"
+        assert panel.lines[0].get_xdata().tolist() == [1.0, end]
+        assert panel.lines[1].get_xdata()[0] == 5.0
+        assert panel.get_xlim() == (0.0, 21.0)
+    short = replace(charts[0], lines=[Line(np.array([0.0, 9e3]), np.ones(2))])
+    plots = plots_of("a", Declared(charts[:1])), plots_of("a", Declared([short]))
+    assert [plot[0]["x"] for plot in plots] == ["sliding distance, km", "sliding distance, mm"]
+    axes = Figure().subplots()
+    for chart in (short, charts[1]):
+        paint_over(Declared([chart]), [axes])
+    assert axes.get_xlabel() == "sliding distance, mm"
+    assert axes.lines[1].get_xdata().tolist() == [1e6, 3e6]
+    assert [after(d) for d in (0.0, 9999.0, 1e4, 12345.6, 1e7)] == [
+        "static contact",
+        "after 9999 mm",
+        "after 10 m",
+        "after 12.35 m",
+        "after 10 km",
+    ]
 
 
 def test_a_colour_that_is_none_is_refused(results: dict[str, Result]) -> None:

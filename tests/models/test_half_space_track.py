@@ -21,7 +21,7 @@ from warpwear.engine.program import Program
 from warpwear.errors import InvariantError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels import wear_from_pressure
-from warpwear.kernels.slide import Slide
+from warpwear.kernels.sliding import Slide
 from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.model import SweptModel

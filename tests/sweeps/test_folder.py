@@ -164,15 +164,14 @@ def test_an_unreadable_run_folder_does_not_end_the_sweep(
         return stat(path, *more, **others)
 
     monkeypatch.setattr(os, "stat", refused)
-    assert estimate(plan, tmp_path, Dies()).there == 0
+    assert "there already" not in estimate(plan, tmp_path, Dies())
     (row,) = make_runs(plan, tmp_path, Here())
     assert row.status.startswith("failed: ")
 
 
 def test_a_pilot_whose_worker_dies_is_no_traceback(tmp_path: Path) -> None:
     plan = Plan(small(), section_of({"vary": VARY}, {}))
-    cost = estimate(plan, tmp_path, Dies())
-    assert cost.runs == 1
+    assert estimate(plan, tmp_path, Dies()).startswith("1 runs: about")
 
 
 def test_runs_that_a_cluster_takes_with_it_are_told(tmp_path: Path) -> None:
@@ -200,6 +199,27 @@ def test_a_cluster_without_workers_is_not_waited_for_in_silence(monkeypatch: pyt
         cluster.connected(here.scheduler_address, insecure=True),
     ):
         pass
+
+
+def test_a_cluster_that_loses_all_its_workers_is_given_up(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """It is told of, what waits fails, and so does what is begun after that."""
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(cluster, "LOOK", 0.1)
+    monkeypatch.setattr(cluster, "LOST", 1.0)
+    options: dict[str, Any] = {"dashboard_address": None, "protocol": "tcp", "threads_per_worker": 1}
+    plan = Plan(small(), section_of({"vary": VARY}, {}))
+    with (
+        distributed.LocalCluster(n_workers=1, processes=False, **options) as here,
+        cluster.connected(here.scheduler_address, insecure=True) as (executor, *_),
+    ):
+        here.scale(0)
+        with pytest.warns(UserWarning, match=r"has lost all its workers: waiting 1 s for one to come back"):
+            (row,) = make_runs(plan, tmp_path, executor)
+        assert row.status == "failed: it was cancelled, as runs are whose cluster is gone"
+        (row,) = make_runs(plan, tmp_path, executor)
+        assert row.status.startswith("failed: ")
 
 
 def test_a_cluster_makes_runs_and_nothing_else() -> None:
@@ -245,6 +265,8 @@ def test_one_interrupt_stops_a_pilot(tmp_path: Path) -> None:
     _, errors = process.communicate(timeout=60)
     assert process.returncode == 130
     assert "Traceback" not in errors
+    for log in (tmp_path / "s").glob("runs/*/log.txt"):  # its run was not waited for
+        assert "finished:" not in log.read_text(encoding="utf-8")
 
 
 #: Steps beyond what a test waits for.

@@ -25,6 +25,8 @@ from warpwear.figures import style
 write = style.bytes_of
 style.bytes_of = lambda figure, kind="png", **more: BLANK if kind == "png" else write(figure, kind, **more)
 from warpwear.cli import main as cli
+from warpwear.sweeps import cluster
+cluster.LOOK, cluster.LOST = 0.5, 5.0
 cli.main(sys.argv[1:])
 """
 ENVIRONMENT = os.environ | {"PYTHONPATH": os.pathsep.join((str(ROOT), str(ROOT / "tests")))}
@@ -136,7 +138,7 @@ def kill(process: Any) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("victim", ["scheduler", "a worker", "parent"])
+@pytest.mark.parametrize("victim", ["scheduler", "a worker", "all workers", "parent"])
 def test_a_dask_cluster_loses(victim: str, study: Path, alone: list[dict[str, str]], tmp_path: Path) -> None:
     """A sentence each and no traceback; the same command goes on here to the same rows."""
     pytest.importorskip("distributed")
@@ -155,6 +157,7 @@ def test_a_dask_cluster_loses(victim: str, study: Path, alone: list[dict[str, st
         victims: dict[str, list[Callable[[], Any]]] = {
             "scheduler": [lambda: kill(started[0])],
             "a worker": [lambda: kill(started[1])],
+            "all workers": [lambda: kill(started[1]), lambda: kill(started[2])],
             "parent": [lambda: process.send_signal(signal.SIGKILL)],
         }
         for strike in victims[victim]:
@@ -163,7 +166,9 @@ def test_a_dask_cluster_loses(victim: str, study: Path, alone: list[dict[str, st
     print(victim, process.returncode, errors)
     assert "Traceback" not in errors
     assert process.returncode == (-signal.SIGKILL if victim == "parent" else 1), errors
-    if victim == "scheduler":
+    if victim == "all workers":
+        assert "has lost all its workers: waiting 5 s for one to come back" in errors
+    if victim in ("scheduler", "all workers"):
         assert "it was cancelled, as runs are whose cluster is gone" in errors
         assert "could not be written" not in errors
     check_end(begin(study, out), out, alone)

@@ -3,34 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
-import numpy as np
 import warp as wp
 
 from warpwear.engine.executor import Field
-from warpwear.grid import FloatArray
-
-
-class Table:
-    """Holds a table of numbers, rows × columns, that kernels read or write, and the host by rows."""
-
-    def __init__(self, rows: int, columns: int, device: Any) -> None:
-        self.array: Field = wp.zeros((rows, columns), dtype=wp.float64, device=device)
-        self._host = self.array.numpy() if device.is_cpu else None
-
-    def write(self, rows: Sequence[Sequence[float]]) -> None:
-        """Give the first rows other values."""
-        if self._host is not None:
-            self._host[: len(rows)] = rows
-        else:
-            host: Field = wp.array(np.array(rows), dtype=wp.float64, device="cpu")
-            wp.copy(self.array, host, count=host.size)
-
-    def read(self, rows: int) -> FloatArray:
-        """Return the first rows; on a CPU a view."""
-        if self._host is not None:
-            return self._host[:rows]
-        values: FloatArray = self.array[:rows].numpy() if rows else np.zeros((0, self.array.shape[1]))
-        return values
 
 
 class Numbers:
@@ -42,7 +17,9 @@ class Numbers:
 
     STATE: ClassVar = {"values": dict}
 
-    def __init__(self, kind: Any, device: Any, *, written: bool = True, **values: float) -> None:
+    def __init__(
+        self, kind: Any, device: Any, *, written: bool = True, **values: float | list[float]
+    ) -> None:
         self.array: Field = wp.zeros(1, dtype=kind, device=device)
         self._there = self.array if device.is_cpu else wp.zeros(1, dtype=kind, device="cpu")
         self._host, self._written = self._there.numpy(), written
@@ -61,9 +38,9 @@ class Numbers:
 
     @property
     def values(self) -> dict[str, Any]:
-        """Return all members by name, of a struct of plain numbers."""
+        """Return all members by name, of a struct of numbers, vectors and structs of such."""
         host = self._read()
-        return {name: host[name][0].item() for name in host.dtype.names}
+        return {name: host[name][0].tolist() for name in host.dtype.names}
 
     @values.setter
     def values(self, values: Mapping[str, Any]) -> None:

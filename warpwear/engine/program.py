@@ -19,7 +19,8 @@ a generic kernel need names of their own.
 import gc
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, Protocol
+from dataclasses import dataclass
+from typing import Any
 
 import warp as wp
 
@@ -29,21 +30,11 @@ from warpwear.kernels.native_code import RANGED
 Chunks = Sequence[tuple[int, int]]
 
 
-class Node(Protocol):
-    """A part of a program runs at once, or is added to a recording."""
-
-    @property
-    def is_recordable(self) -> bool:
-        """Tell whether a CPU can replay this part from a recording."""
-
-    def run(self) -> None:
-        """Do it now; in a recording, add it to that."""
-
-
 class Launch:
     """Launches a kernel, shared among threads where its chunks say so.
 
-    chunks: ranges of slots for the threads; a function tells them anew each time.
+    chunks: ranges of slots for the threads; a function tells them anew each time. slots: None of a decision,
+    whose kernel takes neither first slot nor slots.
     """
 
     def __init__(
@@ -51,26 +42,22 @@ class Launch:
         executor: Executor,
         kernel: Any,
         arguments: Sequence[Any],
-        slots: int,
+        slots: int | None,
         chunks: Chunks | Callable[[], Chunks],
     ) -> None:
         self._executor, self._kernel, self._chunks = executor, kernel, chunks
         executor.load(kernel)  # which no recording can
-        self._arguments = [slots, *arguments]
+        self._slots, self._arguments = slots, arguments
         self._takes_range = kernel in RANGED
         self._commands: list[tuple[Any, tuple[int, int]]] = []
-        self._is_shared = executor.is_shared and (callable(chunks) or len(chunks) > 1)
-        if not self._is_shared:
-            self._command(0, (0, slots))
-
-    @property
-    def is_recordable(self) -> bool:
-        """Tell whether the launch is one loop on one core."""
-        return not self._is_shared
+        #: Whether it is one loop on one core.
+        self.is_recordable = not executor.is_shared or not (callable(chunks) or len(chunks) > 1)
+        if self.is_recordable:
+            self._command(0, (0, slots or 1))
 
     def run(self) -> None:
         """Launch the kernel over all of its slots."""
-        if not self._is_shared:
+        if self.is_recordable:
             with GATE:
                 self._commands[0][0].launch()
             return
@@ -85,10 +72,11 @@ class Launch:
         width = 1 if device.is_cpu else BLOCK
         is_range = self._takes_range and device.is_cpu
         if number == len(self._commands):
+            place = [] if self._slots is None else [first, *[end] * self._takes_range, self._slots]
             command = wp.launch(
                 self._kernel,
                 dim=1 if is_range else (end - first) * width,
-                inputs=[first, *([end] if self._takes_range else []), *self._arguments],
+                inputs=[*place, *self._arguments],
                 device=device,
                 block_dim=width,
                 record_cmd=True,
@@ -106,20 +94,12 @@ class Launch:
         return command
 
 
+@dataclass(frozen=True)
 class Call:
     """Calls a step of the host, such as a transform of a library; on a GPU one that a stream can capture."""
 
-    def __init__(self, function: Callable[[], Any], *, is_recordable: bool) -> None:
-        self._function, self._is_recordable = function, is_recordable
-
-    @property
-    def is_recordable(self) -> bool:
-        """Tell whether the parts are launches alone."""
-        return self._is_recordable
-
-    def run(self) -> None:
-        """Call the function."""
-        self._function()
+    run: Callable[[], Any]
+    is_recordable: bool
 
 
 class Block:
@@ -129,7 +109,7 @@ class Block:
     """
 
     def __init__(self, flag: Field | None = None, *, repeats: bool = False) -> None:
-        self.nodes: list[Node] = []
+        self.nodes: list[Node] = []  # parts
         self._flag, self._repeats = flag, repeats
 
     @property
@@ -184,6 +164,10 @@ class Recording:
         wp.capture_launch(self._graph)
 
 
+#: A part of a program runs at once, or is added to a recording where it is recordable.
+Node = Launch | Call | Block | Recording
+
+
 @contextmanager
 def _nothing_collected() -> Iterator[None]:
     """Keep Python's garbage collector still: a plan of cuFFT that it frees ends a GPU's recording."""
@@ -230,12 +214,12 @@ class Program:
         self._add(Launch(executor, kernel, arguments, slots, chunks))
 
     def decide(self, kernel: Any, *arguments: Any) -> None:
-        """Add a decision: a kernel of one slot, with the arguments of a pass."""
-        self._add(Launch(self._executor, kernel, arguments, 1, [(0, 1)]))
+        """Add a decision: a kernel of one slot, which takes the arguments alone."""
+        self._add(Launch(self._executor, kernel, arguments, None, [(0, 1)]))
 
     def call(self, function: Callable[[], Any]) -> None:
         """Add a step of the host. On a GPU it is captured: it only queues work in the device's stream."""
-        self._add(Call(function, is_recordable=self._executor.device.is_cuda))
+        self._add(Call(function, self._executor.device.is_cuda))
 
     @contextmanager
     def loop(self, flag: Field) -> Iterator[None]:

@@ -12,7 +12,7 @@ of numbers, arrays and None are made anew. A part that must do more, once it is 
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
-from typing import Any, Protocol, get_origin
+from typing import Any, Protocol, get_args, get_origin
 
 import numpy as np
 import warp as wp
@@ -116,7 +116,8 @@ def _take(kind: Any, before: Any, saved: Any, path: str, arrays: Mapping[str, np
         if (get_origin(kind) or kind) not in (dict, Mapping):
             raise TypeError(f"{path} was saved by the names of its members, which {kind!r} does not have")
         items = before if isinstance(before, Mapping) else {}
-        return {n: _take(None, items.get(n), item, f"{path}.{n}", arrays) for n, item in saved.items()}
+        _, of = get_args(kind) or (None, None)
+        return {n: _take(of, items.get(n), item, f"{path}.{n}", arrays) for n, item in saved.items()}
     if isinstance(saved, list):
         same = isinstance(before, list) and len(before) == len(saved)
         parts = before if same else [None] * len(saved)

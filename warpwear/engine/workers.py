@@ -13,6 +13,7 @@ import sys
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -60,8 +61,8 @@ class Workers(ThreadPoolExecutor):
                 process.stdin.flush()
                 good, answer = pickle.load(process.stdout)
             except (BrokenPipeError, EOFError, ValueError, OSError, pickle.UnpicklingError):
-                process.kill()
-                process.wait()
+                with suppress(OSError), process:  # closes its pipes
+                    process.kill()
                 if self._stopping:
                     raise WorkerDiedError("the sweep was stopped") from None
                 continue
@@ -107,11 +108,8 @@ class Workers(ThreadPoolExecutor):
         super().shutdown(wait=wait, cancel_futures=cancel_futures)
         if wait:
             for process in self._processes:
-                assert process.stdin is not None
-                assert process.stdout is not None
-                process.stdin.close()
-                process.wait()
-                process.stdout.close()
+                with suppress(OSError), process:  # closes its pipes, and waits
+                    pass
 
 
 def _started(environment: Mapping[str, str], *, quiet: bool) -> "subprocess.Popen[bytes]":
@@ -141,17 +139,18 @@ def serve() -> None:
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # a run then leaves a checkpoint
     calls, answers = sys.stdin.buffer, os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
-    while True:
-        try:
-            function, arguments = pickle.load(calls)
-        except EOFError:
-            return
-        try:
-            answer = (True, function(*arguments))
-        except Exception as error:
-            answer = (False, error)
-        pickle.dump(answer, answers, protocol=pickle.HIGHEST_PROTOCOL)
-        answers.flush()
+    with answers:
+        while True:
+            try:
+                function, arguments = pickle.load(calls)
+            except EOFError:
+                return
+            try:
+                answer = (True, function(*arguments))
+            except Exception as error:
+                answer = (False, error)
+            pickle.dump(answer, answers, protocol=pickle.HIGHEST_PROTOCOL)
+            answers.flush()
 
 
 if __name__ == "__main__":

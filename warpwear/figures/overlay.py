@@ -11,16 +11,15 @@ from matplotlib.figure import Figure as Sheet
 from warpwear.figures.describe import Chart, Figure, Line
 from warpwear.figures.paint import handles_of
 from warpwear.figures.paint_chart import paint_chart
+from warpwear.figures.units import far, in_unit
 
-#: Seconds of a unit of time.
-SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0}
 #: Mark of a title that is ours, before its text.
 OURS = "warpwear: "
 
 
 def paint_over(figure: Figure, axes: Sequence[Axes]) -> Sheet:
     """Draw charts into axes that are there, over what they show; return the outermost figure of these."""
-    for panel, chart in zip(axes, figure.panels, strict=True):
+    for panel, chart in zip(axes, far(figure).panels, strict=True):
         assert isinstance(chart, Chart)
         _over(panel, chart)
     handles = handles_of(axes)
@@ -63,7 +62,7 @@ def _over(axes: Axes, chart: Chart) -> None:
     ends = {n: (getattr(axes, f"get_{n}scale")(), *getattr(axes, f"get_{n}lim")()) for n in "xy" if has_data}
     is_ours = axes.title.get_label() == OURS + title
     axes.autoscale(True)
-    paint_chart(axes, _in_unit_of(axes, chart))
+    paint_chart(axes, in_unit(chart, axes.get_xlabel()))
     for axis, (scale, start, end) in ends.items():
         if scale == getattr(axes, f"get_{axis}scale")():
             both = sorted([start, end, *getattr(axes, f"get_{axis}lim")()])
@@ -74,15 +73,3 @@ def _over(axes: Axes, chart: Chart) -> None:
         if has_data and axes.get_title() != title:
             axes.set_title("")
         axes.title.set_label(OURS + axes.get_title())
-
-
-def _in_unit_of(axes: Axes, chart: Chart) -> Chart:
-    """Give times of a chart the unit of time that stands at the axis already."""
-    (what, _, unit), (there, _, held) = (
-        label.rpartition(", ") for label in (chart.x.label, axes.get_xlabel())
-    )
-    if what != there or unit == held or unit not in SECONDS:
-        return chart
-    factor = SECONDS[unit] / SECONDS[held]
-    lines = [replace(line, x=factor * line.x) if isinstance(line, Line) else line for line in chart.lines]
-    return replace(chart, lines=lines, x=replace(chart.x, label=axes.get_xlabel()))

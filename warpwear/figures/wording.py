@@ -1,8 +1,11 @@
 """How numbers, times and choices of many are told in figures and on pages."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
+
+from warpwear.history.distances import with_unit
 
 #: How powers of ten are written, and from where on thousands are set apart by a narrow space, as SI does.
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -16,12 +19,22 @@ def chosen(count: int, most: int) -> list[int]:
 
 def after(distance: float) -> str:
     """Say in words when a snapshot was taken. distance: [mm]"""
-    return f"after {distance:.4g} mm" if distance else "static contact"
+    return f"after {with_unit(distance, 4)}" if distance else "static contact"
 
 
 def counted(number: int, what: str) -> str:
     """Count things: 1 run, 2 runs."""
     return f"{number} {what}{'s' * (number != 1)}"
+
+
+def listed(names: Sequence[str]) -> str:
+    """List names as people do: a, b and c."""
+    return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
+
+
+def few_of(texts: Sequence[str], most: int) -> str:
+    """List so many texts at most, and say how many more there are."""
+    return ", ".join(texts[:most]) + (f" and {len(texts) - most} more" if len(texts) > most else "")
 
 
 def short(value: float) -> str:

@@ -1,5 +1,6 @@
 """The steps of a contact are added up, and each gives a row of the history."""
 
+import functools
 import math
 import operator
 from collections.abc import Mapping
@@ -73,7 +74,8 @@ class Ledger:
         self._outline = 1.0 if task.form.is_line else math.pi / 4.0
         self.most = dict.fromkeys(MAXIMA, -math.inf)
         self.row = {column.name: 0.0 for column in per("step")}
-        #: What the disc of a stroke lost on other strokes, over what this one makes of the same depths.
+        #: What the disc of a stroke lost on other strokes, over what this one makes of the same depths; or on
+        #: other circles.
         self.before: dict[str, float] = {}
 
     def rebase(self, track_fraction: float) -> None:
@@ -82,6 +84,16 @@ class Ledger:
         for name in OF_THE_DISC if ratio != 1.0 else ():
             total, before = self.row.get(name, 0.0), self.before.get(name, 0.0)
             self.before[name] = total - (total - before) * ratio
+
+    def leave(self, own: Mapping[str, float]) -> dict[str, float]:
+        """Go on with another circle of the disc; return what is booked of the one that is left.
+
+        own: what is booked of the other by now, volumes and the deepest wear; nothing where it is unworn.
+        """
+        left = {n: self.row.get(n, 0.0) - self.before.get(n, 0.0) for n in OF_THE_DISC}
+        left["deepest"], self.most["wear_disc"] = self.most["wear_disc"], own.get("deepest", 0.0)
+        self.before = {n: self.row.get(n, 0.0) - own.get(n, 0.0) for n in OF_THE_DISC}
+        return left
 
     def restored(self) -> None:
         """Raise ValueError for books that no step has left."""
@@ -129,7 +141,8 @@ class Ledger:
         for name in RUNNING:
             row[name] += self.row[name]
         self.row = row
-        return Step(balance, row, *self._flags(), pressure)
+        at_edge, at_rim = map(bool, self._flags(self.most))
+        return Step(balance, row, at_edge, at_rim, pressure)
 
     def enter_all(
         self,
@@ -140,14 +153,10 @@ class Ledger:
         total: Mapping[str, FloatArray],
         most: Mapping[str, FloatArray],
     ) -> list[Step]:
-        """Book steps in a row, of which none grows beyond `within`, as `enter` does one.
-
-        All are arrays of one number a step, those of the balance too.
-        """
+        """Book steps in a row as `enter` does one: all are arrays of one number a step."""
         count = len(increment)
         if not count:
             return []
-        flags = self._flags()
         grown = {
             name: np.maximum.accumulate(np.maximum(most[name], before)) for name, before in self.most.items()
         }
@@ -158,9 +167,10 @@ class Ledger:
         table = np.stack([np.broadcast_to(values, count) for values in row.values()], axis=1)
         rows = [dict(zip(row, values, strict=True)) for values in table.tolist()]
         balances = [Balance(*numbers) for numbers in zip(*(part.tolist() for part in balance), strict=True)]
+        at_edge, at_rim = (reaches.tolist() for reaches in self._flags(grown))
         self.row = rows[-1]
         self.most = {name: float(values[-1]) for name, values in grown.items()}
-        return [Step(*step, *flags) for step in zip(balances, rows, strict=True)]
+        return [Step(*step) for step in zip(balances, rows, at_edge, at_rim, strict=True)]
 
     def _row(
         self,
@@ -225,8 +235,10 @@ class Ledger:
         """Return the extents of what leaves so many rows and columns along each edge."""
         return -rows, self._grid.nx - rows - 1, -columns, self._grid.ny - columns - 1
 
-    def _flags(self) -> tuple[bool, bool]:
+    def _flags(self, most: Mapping[str, Number]) -> list[Number]:
         """Tell whether what was touched reaches the domain's edge, and whether the counter-body's rim."""
-        extents = [self.most[name] for name in EXTENTS]
-        at_edge, at_rim = (any(map(operator.gt, extents, limits)) for limits in (self._edge, self._rim))
-        return at_edge, at_rim
+        pairs = [
+            [most[name] > limit for name, limit in zip(EXTENTS, limits, strict=True)]
+            for limits in (self._edge, self._rim)
+        ]
+        return [functools.reduce(operator.or_, reaches) for reaches in pairs]

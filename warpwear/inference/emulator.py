@@ -5,8 +5,10 @@ Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sections 
 """
 
 import math
+from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, field
-from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -55,17 +57,18 @@ class GaussianProcess:
         return inverse @ self.values / diagonal, self.scale / diagonal
 
     @property
-    def factors(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return what predicts: R⁻¹, R⁻¹ times the basis, C, and R⁻¹ times the values.
+    def numbers(self) -> tuple[Any, ...]:
+        """Return what predicts: R⁻¹, R⁻¹ times the basis, C, R⁻¹ times the values, and what was fitted.
 
         R Rᵀ is the covariance of the runs, (runs, runs), C Cᵀ that of the trend, (terms, terms). The second
-        has the shape (runs, terms), the last (runs,).
+        has the shape (runs, terms), the fourth (runs,).
         """
         count = self.values.size
         whitened = np.column_stack([np.eye(count), self._basis, self.values])
         whitened = linalg.solve_triangular(self._factor[0], whitened, lower=True)
         trend = np.linalg.cholesky(np.linalg.inv(self._of_trend))
-        return whitened[:, :count], whitened[:, count:-1], trend, whitened[:, -1]
+        factors = whitened[:, :count], whitened[:, count:-1], trend, whitened[:, -1]
+        return *factors, self.lengths, [self.nugget], self.trend, [self.scale]
 
     def _solve(self, logs: FloatArray) -> float:
         """Solve with length scales and nugget; return the logarithm of the likelihood."""
@@ -79,10 +82,10 @@ class GaussianProcess:
         self._of_trend = self._basis.T @ weighted
         self.trend = np.linalg.solve(self._of_trend, weighted.T @ self.values)
         rest = self.values - self._basis @ self.trend
-        freedom = count - self._basis.shape[1]
-        self.scale = max(float(rest @ linalg.cho_solve(self._factor, rest)) / freedom, 1e-300)
+        self.freedom = count - self._basis.shape[1]
+        self.scale = max(float(rest @ linalg.cho_solve(self._factor, rest)) / self.freedom, 1e-300)
         determinants = 2.0 * np.log(np.diag(self._factor[0])).sum() + np.linalg.slogdet(self._of_trend)[1]
-        return -0.5 * (freedom * math.log(self.scale) + float(determinants))
+        return -0.5 * (self.freedom * math.log(self.scale) + float(determinants))
 
     def _misfit(self, logs: FloatArray) -> float:
         """Return minus the logarithm of the likelihood; very much where the covariance has no root."""
@@ -111,9 +114,8 @@ class Emulator:
         self._processes: list[GaussianProcess] = []
         self.error, self._wider, self.scatter = 0.0, np.zeros(0), np.zeros(self.mean.size)
         varying = scaled - self.mean
-        if len(scaled) == 1 or not np.ptp(varying, axis=0).max() > 1e-12 * max(
-            1.0, float(np.abs(scaled).max())
-        ):
+        largest = float(np.abs(scaled).max())
+        if len(scaled) == 1 or not np.ptp(varying, axis=0).max() > 1e-12 * max(1.0, largest):
             return
         _, sizes, shapes = np.linalg.svd(varying, full_matrices=False)
         part = np.cumsum(sizes**2) / np.sum(sizes**2)
@@ -123,38 +125,47 @@ class Emulator:
         freedom = max(len(scaled) - 1 - count, 1)
         self.scatter = np.sqrt(np.sum((varying - weights @ self.shapes) ** 2, axis=0) / freedom)
         self._processes = [GaussianProcess(self.places, column) for column in weights.T]
-        errors, variances = (
-            np.array(part) for part in zip(*(p.left_out for p in self._processes), strict=True)
-        )
+        self._stacked = [np.stack(some) for some in zip(*(p.numbers for p in self._processes), strict=True)]
+        errors, variances = map(np.array, zip(*(p.left_out for p in self._processes), strict=True))
         self._wider = np.maximum(1.0, np.mean(errors**2 / variances, axis=1))
         predicted = self.mean + (weights - errors.T) @ self.shapes
-        size = 1.0 if self.logarithmic else float(np.abs(scaled).max())
+        size = 1.0 if self.logarithmic else largest
         self.error = float(np.sqrt(np.mean((predicted - scaled) ** 2))) / size
+
+    @classmethod
+    def together(cls, places: FloatArray, courses: Sequence[FloatArray]) -> list["Emulator"]:
+        """Emulate several courses of the same runs, each (runs, points): one a course, of the same weights.
+
+        What one surface adds to a course it adds to the others, so their errors are shared.
+        """
+        positive = [bool((course > 0.0).all()) for course in courses]
+        sizes = [
+            1.0 if log else max(float(np.abs(c).max()), 1e-300)
+            for c, log in zip(courses, positive, strict=True)
+        ]
+        plain = [
+            c if log else np.exp(c / size) for c, log, size in zip(courses, positive, sizes, strict=True)
+        ]
+        whole = cls(places, np.concatenate(plain, axis=1))
+        parts, end = [], 0
+        for course, log, size in zip(courses, positive, sizes, strict=True):
+            part, rows = copy(whole), slice(end, end := end + course.shape[1])
+            part.courses, part.logarithmic, part.mean = course, log, size * whole.mean[rows]
+            part.shapes, part.scatter = size * whole.shapes[:, rows], size * whole.scatter[rows]
+            parts.append(part)
+        return parts
 
     def weights(self, places: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Predict weights of the shapes and their variances at places (n, inputs), both (n, shapes)."""
         if not self._processes:
             return np.zeros((len(places), 0)), np.zeros((len(places), 0))
-        among, basis, trend, values = self._factors
-        lengths, nuggets, trends, scales = self._numbers
+        among, basis, trend, values, lengths, nuggets, trends, scales = self._stacked
         near = _correlation(places, self.places, lengths[:, None, None]) @ among.transpose(0, 2, 1)
         terms = np.column_stack([np.ones(len(places)), places])
         rest = terms - near @ basis
         mean = (near @ values[..., None] + rest @ trends[..., None])[..., 0]
         variance = 1.0 + nuggets - np.sum(near**2, axis=-1) + np.sum((rest @ trend) ** 2, axis=-1)
         return mean.T, (scales * np.maximum(variance, 0.0)).T * self._wider
-
-    @cached_property
-    def _factors(self) -> list[FloatArray]:
-        """Stack `GaussianProcess.factors` of all shapes, (shapes, …)."""
-        return [np.stack(some) for some in zip(*(p.factors for p in self._processes), strict=True)]
-
-    @cached_property
-    def _numbers(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Stack lengths (shapes, inputs), trends (shapes, terms); nuggets and scales, (shapes, 1)."""
-        numbers = [(p.lengths, [p.nugget], p.trend, [p.scale]) for p in self._processes]
-        lengths, nuggets, trends, scales = (np.array(some) for some in zip(*numbers, strict=True))
-        return lengths, nuggets, trends, scales
 
 
 def _correlation(first: FloatArray, second: FloatArray, lengths: FloatArray) -> FloatArray:

@@ -9,6 +9,7 @@ import numpy as np
 
 from warpwear.figures import describe
 from warpwear.figures.describe import Bars, Bodies, Chart, Empty, Figure, Grid, Level, Line, Map
+from warpwear.figures.units import far
 from warpwear.figures.wording import chosen
 from warpwear.grid import FloatArray
 
@@ -50,7 +51,7 @@ class Coded:
 def plots_of(name: str, figure: Figure) -> list[dict[str, Any]]:
     """Turn the panels of a figure into plots; `name` is that of the picture where no script draws."""
     plots = []
-    for panel in figure.panels:
+    for panel in far(figure).panels:
         if not isinstance(panel, Empty) and type(panel) in KINDS:
             caption = getattr(panel, "note", "").replace("\n", "; ")
             about = {"id": panel.title.lower(), "title": panel.title, "caption": caption, "static": name}
@@ -88,12 +89,8 @@ def _chart(chart: Chart) -> dict[str, Any]:
         "log_x": describe.scaled(chart.x, *describe.values_of(chart, "x")).scale == "log",
         "log_y": log_y,
         "inverted": [chart.x.inverted, chart.y.inverted],
-        "ends": [[_end(axis.low), _end(axis.high)] for axis in (chart.x, chart.y)],
+        "ends": [[axis.low, axis.high] for axis in (chart.x, chart.y)],
     }
-
-
-def _end(value: float | None) -> float | None:
-    return None if value is None else float(value)
 
 
 def _across(level: Level, lines: list[Line], log_y: bool) -> Line:
@@ -140,6 +137,7 @@ def _map(field: Map) -> dict[str, Any]:
         "labels": [*field.labels] or [""] * len(field.fields),
         "says": [*field.notes] or [""] * len(field.fields),
         "extent": field.extent,
+        "long": field.is_long,
         "fields": [vars(code) for code in coded],
         "unit": scale.label.rpartition(", ")[2],
         "colours": scale.colours,

@@ -29,7 +29,7 @@ from warpwear.errors import OVERWRITE_IT, RESUME_IT, InputError
 from warpwear.grid import FloatArray
 from warpwear.history.rows import Rows
 from warpwear.results.check import check_snapshots
-from warpwear.results.ensemble import dotted
+from warpwear.results.ensemble import NO_MATTER, dotted
 from warpwear.results.seal import HEADER, digest_of, has_mark, read_header, seal
 from warpwear.results.writer import SPACE_FOR_THE_REST, ResultWriter, require_free_space
 from warpwear.runs.order import RunOrder
@@ -39,14 +39,14 @@ from warpwear.version import __version__
 
 FILE_NAME = "checkpoint.h5"
 #: Number of the content's layout. A file of another one is refused.
-FORMAT = 10
+FORMAT = 11
 MAGIC = "warpwear checkpoint"
 #: Heights that differ by no more are of the same surface, made on another kind of processor [mm].
 SAME_HEIGHTS = 1.0e-12
 #: Fields of a `Checkpoint` beside its arrays and rows.
 OF_THE_RUN = ("numbers", "warnings", "reported_violations", "elapsed")
 #: Sections and keys that no result depends on.
-LABELS = ("study.name", "study.description", "run", "checks", "assumed")
+LABELS = (*(f"study.{key}" for key in NO_MATTER["study"] or ()), "run", "checks", "assumed")
 #: Sections and keys that no step depends on: a run may go on with others.
 FREE = (*LABELS, "friction", "junctions")
 #: Keys of these that steps do depend on, and one more where junctions grow: they change the caps of cells. By
@@ -206,6 +206,12 @@ class StoredCheckpoint:
             )
         self.heights_differ = True
         return stored
+
+    @property
+    def block(self) -> int:
+        """Return the number of the block that the run was in."""
+        with self.reading():
+            return int(self._rows.last["block"])
 
     def read(self) -> Checkpoint:
         """Where the run was: all that is stored but the snapshots."""

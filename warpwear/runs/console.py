@@ -13,6 +13,7 @@ from typing import Any, Self
 from tqdm import tqdm
 
 from warpwear.errors import StudyWarning
+from warpwear.history.distances import with_unit
 from warpwear.history.verdict import rank_of
 
 #: Longest and shortest silence of a run that writes plain lines [s].
@@ -39,11 +40,14 @@ class Progress:
         self._bar: tqdm | None = None
         self._steps = self._done = self._before = 0
         self._made = self._started = self._said = time.perf_counter()
-        self._next, self._compiles = 0.1, False
+        self._next, self._compiles, self._by_cycles = 0.1, False, False
 
-    def start(self, steps: int, *, done: int = 0) -> None:
-        """The run of `steps` steps begins, or goes on where `done` of them are done."""
-        self._steps, self._done, self._before = steps, done, done
+    def start(self, steps: int, *, done: int = 0, by_cycles: bool = False) -> None:
+        """The run of `steps` steps begins, or goes on where `done` of them are done.
+
+        by_cycles: whether a step counts as often as the cycles that it stands for.
+        """
+        self._steps, self._done, self._before, self._by_cycles = steps, done, done, by_cycles
         self._next = done / steps + 0.1
         self._started = self._said = time.perf_counter()
         if not self._quiet and sys.stderr.isatty():
@@ -53,14 +57,14 @@ class Progress:
         """One step is done."""
         if self._quiet:
             return
-        steps = int(row.get("cycles", 1))
+        steps = int(row["cycles"]) if self._by_cycles else 1
         self._done += steps
         self._tell_early()
         if self._bar is not None:
             self._bar.update(steps)
             if self._done % 20 == 0:
                 self._bar.set_postfix_str(
-                    f"{row['distance']:.4g} mm, {row['area_contact']:.4g} mm²", refresh=False
+                    f"{with_unit(row['distance'], 4)}, {row['area_contact']:.4g} mm²", refresh=False
                 )
             return
         silent = time.perf_counter() - self._said
@@ -69,7 +73,7 @@ class Progress:
             elapsed = self._said - self._started
             left = elapsed / (self._done - self._before) * (self._steps - self._done)
             self.say(
-                f"{self._name}: step {self._done} of {self._steps}, {row['distance']:.4g} mm slid, "
+                f"{self._name}: step {self._done} of {self._steps}, {with_unit(row['distance'], 4)} slid, "
                 f"{row['area_contact']:.4g} mm² in contact, {elapsed:.0f} s gone, about {left:.0f} s left"
             )
             self._next = self._done / self._steps + 0.1

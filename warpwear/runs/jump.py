@@ -20,7 +20,6 @@ from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.laws.archard import BODIES
 from warpwear.laws.track import Track
-from warpwear.models.model import Model
 from warpwear.runs.order import RunOrder
 from warpwear.runs.plan import Leg, Planned, kept_after, legs_of
 
@@ -47,11 +46,11 @@ class CycleJumps:
     """Plans the cycles of a run one by one, as steps of a model, and keeps the books of their error.
 
     Snapshots, ends of blocks and the end are met: their cycles, and the last whole one, stand for themselves.
-    begin: makes the model ready for a step.
+    model: of a track. begin: makes it ready for a step.
     """
 
     STATE: ClassVar = {
-        "model": Model,
+        "model": object,
         "stands_for": int,
         "contacts": int,
         "_number": int,
@@ -66,11 +65,12 @@ class CycleJumps:
         "_age": int,
         "_errors": dict,
         "_earlier": dict,
+        "_circles": dict,
         "_jumped": bool,
         "_again": int,
     }
 
-    def __init__(self, order: RunOrder, model: Model, begin: Callable[[Planned], None]) -> None:
+    def __init__(self, order: RunOrder, model: Any, begin: Callable[[Planned], None]) -> None:
         study = order.study
         self.model, self._begin = model, begin
         self._legs, self._total = legs_of(study), study.sliding.total
@@ -92,6 +92,8 @@ class CycleJumps:
         self._errors = dict.fromkeys(BODIES, 0.0)
         #: Those of the blocks before.
         self._earlier = dict.fromkeys(BODIES, 0.0)
+        #: Of circles of the disc that were left: the error there, and the depth, root of the sum over cells.
+        self._circles: dict[str, list[float]] = {}
 
     def parts(self) -> Iterator[list[Planned]]:
         """Yield the steps that are left of the cycle at hand, then those of each cycle to be computed."""
@@ -109,11 +111,18 @@ class CycleJumps:
                 return
             yield part
 
-    def begin_anew(self) -> None:
-        """Begin a coarse state anew, as the model is another block's; what was told stays."""
+    def begin_anew(self, before: int, after: int) -> None:
+        """Begin a coarse state anew, as the model is another block's; what was told stays.
+
+        before, after: numbers of the circles of the disc of the blocks. The model is still on the first.
+        """
         self._coarse, self._numbers, self._left = {}, "", 0
         self._again, self._age, self._earlier = self._cycle, 0, dict(self._told)
         self._jumped = False
+        if before != after:
+            self._circles[str(before)] = [self._earlier["disc"], _norm(self._worn()["disc"])]
+            self._earlier["disc"] = self._circles.pop(str(after), [0.0])[0]
+            self._errors = dict(self._earlier)
 
     def count(self, row: Mapping[str, float]) -> None:
         """Book a step that was made."""
@@ -125,11 +134,13 @@ class CycleJumps:
 
     def told(self) -> dict[str, Any]:
         """Return what a result says of its jumps: errors relative to the rms depth of the whole run."""
+        every = {body: [error] for body, error in self._relative(self._told).items()}
+        every["disc"] += [error / depth for error, depth in self._circles.values() if depth]
         return {
             "contacts": self.contacts,
             "contacts_of_every_cycle": sum(int(leg.track.steps(leg.length)) for leg in self._legs),
             "cycles": sum(leg.length / leg.track.cycle for leg in self._legs),
-            "depth_error": self._relative(self._told),
+            "depth_error": {body: max(errors) for body, errors in every.items()},
         }
 
     @property

@@ -17,17 +17,16 @@ from warpwear.engine.executor import Executor
 from warpwear.errors import RESUME_IT, ConvergenceError, InvariantError
 from warpwear.history.rows import Rows
 from warpwear.history.snapshot import Snapshot
-from warpwear.laws.passes import Block
 from warpwear.laws.track import Track
 from warpwear.results.seal import versions
 from warpwear.results.writer import ResultWriter
 from warpwear.runs import doubts
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.runs.checkpoint import Checkpoint, Checkpoints, StoredCheckpoint, opened
+from warpwear.runs.circles import Circles
 from warpwear.runs.console import Interrupts, Progress
 from warpwear.runs.invariants import Violation
 from warpwear.runs.jump import CycleJumps
-from warpwear.runs.make import model_in, model_of
 from warpwear.runs.order import RunOrder
 from warpwear.runs.plan import Planned, legs_of
 from warpwear.runs.step import RunStep
@@ -68,18 +67,20 @@ class StepLoop:
         self._progress = progress
         self.warnings: list[str] = []
         self._warn(*order.notes, kind="note")
-        self._processor = executor.device
         self._rows = Rows()
         with opened(folder / CHECKPOINT if folder and resume else None) as stored:
             if stored is not None:
                 stored.refuse_changes(order, device=str(executor.device))
+            self._block = order.blocks[stored.block - 1 if stored else 0]
             original = stored.heights_for if stored else np.asarray
-            prepared = model_of(order, executor, original=original)
-            self._executor, self._heights, self._block = executor, prepared.heights, order.blocks[0]
+            prepared = order.model(executor, block=self._block, original=original)
+            self._executor, self._heights = executor, prepared.heights
             self._surface_record, self._filled = prepared.record, prepared.filled
             self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
             #: What plans the cycles where one may stand for many.
             self._jumps = CycleJumps(order, self._model, self._begin) if order.study.jumps else None
+            #: What the circles of the disc hold that the counter-body has left.
+            self._circles = Circles(self._model) if order.study.circles else None
             self._warn(*doubts.of_slope(order.study, prepared.record["on_the_grid"]["rms_slope"]))
             if order.track is not None and writer is not None:
                 writer.add_track(order.track, prepared.heights)
@@ -105,9 +106,10 @@ class StepLoop:
         with stored.reading():
             then = stored.read()
             state.restore(self._jumps or self._model, then.arrays, then.numbers)
+            if self._circles is not None:
+                state.restore(self._circles, then.arrays, then.numbers)
             self._writer.take_snapshots_from(stored.file)
         self._rows = then.rows
-        self._go_on(self._order.blocks[int(then.rows.last["block"]) - 1])
         self.warnings, self._reported = then.warnings, then.reported_violations
         self._elapsed_before = then.elapsed
         LOG.info("goes on after step %d, from a checkpoint by warpwear %s", len(self._rows), stored.version)
@@ -122,7 +124,7 @@ class StepLoop:
         assert self._writer is not None
         self._started = time.perf_counter()
         done = int(self._rows.column("cycles").sum()) if self._jumps and self._rows else len(self._rows)
-        self._progress.start(self._count, done=done)
+        self._progress.start(self._count, done=done, by_cycles=self._jumps is not None)
         try:
             with phase("steps"):
                 self._make_steps(callback)
@@ -146,7 +148,7 @@ class StepLoop:
             "warnings": self.warnings,
             "notes": self._order.notes,
             "elapsed_s": self._elapsed,
-            "made_with": versions(self._processor),
+            "made_with": versions(self._executor.device),
         }
         if self._jumps is not None:
             record["cycle_jump"] = self._jumps.told()
@@ -155,7 +157,7 @@ class StepLoop:
 
     def steps(self) -> Iterator[RunStep]:
         """Every step of the study, with its fields; nothing is written."""
-        self._progress.start(self._count)
+        self._progress.start(self._count, by_cycles=self._jumps is not None)
         for step, wrong in self._steps(with_fields=True):
             yield step
             if wrong is not None:
@@ -222,36 +224,30 @@ class StepLoop:
 
     def _begin(self, step: Planned) -> None:
         """Make the model ready for a step: under another load a new one takes over the bodies as they are."""
-        before = self._block
-        if not self._go_on(self._order.block_of(step)):
+        before, self._block = self._block, self._order.block_of(step)
+        was, now = self._tasks[before.number], self._tasks[self._block.number]
+        if was == now:
             return
-        if self._task_of(before)[1] != self._task_of(self._block)[1]:
-            self._model.set_out_anew(self._order.study.tracks[before.number - 1])
-        if self._jumps is not None:
-            self._jumps.begin_anew()
-
-    @cached_property
-    def _tasks(self) -> dict[int, tuple[float, Track | None]]:
-        """Map the number of a block to what its model is made for."""
-        return {block.number: self._task_of(block) for block in self._order.blocks}
-
-    def _task_of(self, block: Block) -> tuple[float, Track | None]:
-        """Return what a block's model is made for: its load [N], and its track."""
-        study = self._order.study
-        return block.load, study.tracks[block.number - 1] if study.is_swept else None
-
-    def _go_on(self, block: Block) -> bool:
-        """Let the model of a block take over the bodies as they are; tell whether that is another one."""
-        before, self._block = self._block, block
-        if self._task_of(block) == self._task_of(before):
-            return False
-        prepared, model = model_in(self._order, block, self._heights, self._executor, {}), self._model
+        prepared, model = self._order.model_in(self._block, self._heights, self._executor, {}), self._model
         state.restore(prepared.model, *state.save(model))
         prepared.model.longest_block = min(model.longest_block, prepared.model.longest_block)
         self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
+        study = self._order.study
+        circles = study.circle_of(before), study.circle_of(self._block)
         if self._jumps is not None:
             self._jumps.model = prepared.model
-        return True
+            self._jumps.begin_anew(*circles)
+        if self._circles is not None and circles[0] != circles[1]:
+            self._circles.change(self._model, *circles)
+        elif was[1] is not None and was[1] != now[1]:
+            self._model.set_out_anew(was[1])
+
+    @cached_property
+    def _tasks(self) -> dict[int, tuple[float, Track | None]]:
+        """Map the number of a block to what its model is made for: its load [N], and its track."""
+        blocks, study = self._order.blocks, self._order.study
+        tracks = study.tracks if study.is_swept else [None] * len(blocks)
+        return {block.number: (block.load, track) for block, track in zip(blocks, tracks, strict=True)}
 
     def _snapshot_of(self, index: int) -> Snapshot | None:
         """Return the fields after a row's step, views of the model's on a CPU; None after a later one."""
@@ -284,6 +280,8 @@ class StepLoop:
 
     def _checkpoint(self, checkpoints: Checkpoints) -> None:
         arrays, numbers = state.save(self._jumps or self._model)
+        for more, also in [state.save(self._circles)] if self._circles is not None else []:
+            arrays, numbers = arrays | more, numbers | also
         self._check(self._order.invariants.of_fields(arrays, self._rows.last))
         now = Checkpoint(arrays, numbers, self._rows, self.warnings, self._reported, self._elapsed)
         assert self._writer is not None

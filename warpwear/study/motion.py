@@ -10,8 +10,7 @@ from pydantic import Field, PrivateAttr
 
 from warpwear.laws.fretting import HONEST_MEAN
 from warpwear.study.keys import Length, LengthOrZero, Section, excludes, key, needs, needs_compliance, when
-from warpwear.study.sections.loads import Load
-from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, Range, is_pair, one_by_one
+from warpwear.study.units import NOT_NEGATIVE, Load, Number, Quantity, Range, is_pair, one_by_one
 
 #: Parts of a distance at rest that no increment exceeds, unless given.
 LARGEST_PARTS = 800
@@ -237,9 +236,8 @@ class Sliding(Section):
     @property
     def lap(self) -> float | None:
         """Distance of one pass [mm]: the stroke, or one revolution; of a force that of unworn bodies."""
-        return (
-            (self.stroke or self._travel) if self.track_radius is None else 2.0 * math.pi * self.track_radius
-        )
+        circle = None if self.track_radius is None else 2.0 * math.pi * self.track_radius
+        return circle or self.stroke or self._travel
 
     @property
     def turns(self) -> bool:
@@ -287,7 +285,7 @@ class BlockSection(Section):
     load: Annotated[float, Load("N")] | None = key(None, "normal load in the block")
     stroke: Length | None = key(None, "length of one pass; over a track in the middle of the longest")
     track_radius: Length | None = key(
-        None, "instead of stroke: radius of the track on a rotating disc; over a track all blocks have one"
+        None, "instead of stroke: radius of the track on a rotating disc; another one is unworn at first"
     )
     speed: Annotated[float, Quantity("mm/s")] | None = key(None, "sliding speed, for the time axis only")
     frequency: Annotated[float, Quantity("Hz")] | None = key(

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any, Self, TypeVar
 
 import numpy as np
@@ -17,14 +18,16 @@ from warpwear.study.contact import Contact
 from warpwear.study.keys import Section, key, needs, when
 from warpwear.study.sections.fatigue import Fatigue
 from warpwear.study.sections.friction import Friction, Junctions
-from warpwear.study.sections.loads import LineLoad
 from warpwear.study.sections.settings import About, Checks, Output, PatchesSection, Run
 from warpwear.study.sections.wear import Wear
+from warpwear.study.units import LineLoad
 
 #: Parts of the sliding distance after which fields are kept of themselves.
 SNAPSHOTS = (0.001, 0.01, 0.1)
 #: Depths below the surface at which stresses are computed of themselves.
 STRESS_DEPTHS = 20
+#: What fatigue needs of the contact.
+STAYS = "a contact that stays where it is, by sliding.kinematics = 'stationary' or 'fretting'"
 #: Blocks of a programme that a sentence names.
 NAMED = 5
 Loaded = TypeVar("Loaded", Contact, motion.BlockSection)
@@ -49,7 +52,8 @@ class Programme(Section):
     fatigue: Fatigue | None = key(
         None,
         "fatigue limits of the disc, for the stress of a cycle",
-        demands=needs("output.stress_depths", what="output.stress_depths = 'auto', or depths"),
+        demands=needs("output.stress_depths", what="output.stress_depths = 'auto', or depths")
+        + needs("is_swept", False, what=STAYS, why=": on a track it leaves before its friction turns round"),
     )
     patches: PatchesSection = key(
         PatchesSection(),
@@ -84,12 +88,36 @@ class Programme(Section):
         loads = (self.contact.load if block.load is None else block.load for block in self.block)
         contacts = (self.contact.model_copy(update={"load": load}) for load in loads)
         slidings = (block.over(self.sliding) for block in self.block)
-        if self.is_swept:  # steps of one length
-            slidings = (sliding.model_copy(update={"shift": self.shift}) for sliding in slidings)
+        if self.is_swept:  # steps of one length, and circles of one, as each is a part of the same disc
+            same = {"shift": self.shift} | ({"track": self._shortest_lap} if self.circles else {})
+            slidings = (sliding.model_copy(update=same) for sliding in slidings)
         return tuple(
             alone.model_copy(update={"contact": contact, "sliding": sliding})
             for contact, sliding in zip(contacts, slidings, strict=True)
         )
+
+    @property
+    def circles(self) -> tuple[float, ...]:
+        """Return the track radii of a swept programme that has several [mm], in the order of their first use.
+
+        Each is a circle of the disc by itself, unworn at first.
+        """
+        radii = dict.fromkeys(block.over(self.sliding).track_radius for block in self.block or ())
+        several = tuple(radius for radius in radii if radius is not None) if self.is_swept else ()
+        return several if len(several) > 1 else ()
+
+    @property
+    def _shortest_lap(self) -> float | str:
+        """Return the length of disc that stands for every circle [mm]: as named, or the shortest lap."""
+        if self.sliding.track != "full":
+            return self.sliding.track
+        step = self.shift * self.grid.cell
+        return max(1, math.floor(2.0 * math.pi * min(self.circles) / step * (1.0 + WHOLE))) * step
+
+    def circle_of(self, block: Block) -> int:
+        """Return the number of the circle of the disc that a block slides on, from 0; 0 of other tracks."""
+        laps = [2.0 * math.pi * radius for radius in self.circles]
+        return laps.index(block.lap) if block.lap in laps else 0
 
     @property
     def blocks(self) -> tuple[Block, ...]:
@@ -113,11 +141,20 @@ class Programme(Section):
         return loads.pop() if len(loads) == 1 else None
 
     @property
+    def same_radius(self) -> float | None:
+        """Return the track radius of the whole test [mm]; None without one, and where blocks differ in it."""
+        return None if self.circles else self.sliding.track_radius
+
+    @property
     def programme(self) -> str | None:
         """Return the blocks of the programme in words, the first of many; None without a programme."""
         if self.block is None:
             return None
-        parts = [f"{block.load:.4g} N over {block.length:.6g} mm" for block in self.blocks]
+        parts = [
+            f"{block.load:.4g} N over {block.length:.6g} mm"
+            + (f" on a track of {self.circles[self.circle_of(block)]:.6g} mm radius" if self.circles else "")
+            for block in self.blocks
+        ]
         return ", ".join(parts[:NAMED]) + (f" and {len(parts) - NAMED} more" if len(parts) > NAMED else "")
 
     @property
@@ -188,7 +225,7 @@ class Programme(Section):
         if not self.is_swept or first.lap is None or last.lap is None:
             return None
         start = max((block.end for block in self.blocks if block.lap != last.lap), default=0.0)
-        return Laps(last.lap, self.sliding.track_radius is None, start, first.lap)
+        return Laps(last.lap, self.tracks[-1].reverses, start, first.lap)
 
     def passes_at(self, distance: Any) -> Any:
         """Return how many passes of a swept study a distance is [mm], or each of many."""
@@ -246,6 +283,11 @@ class Programme(Section):
         return along and not across and self.study.model != "two-scale"
 
     @property
+    def strip(self) -> float | None:
+        """Length of a line that areas, volumes, forces and energies are those of [mm]; None of what ends."""
+        return self.grid.sides[1] if self.is_line else None
+
+    @property
     def repeats(self) -> bool:
         """True where the domain, with the counter-body, is repeated beside itself."""
         elastic = self.contact.law == "half-space" and self.study.model == "micro"
@@ -259,6 +301,12 @@ class Programme(Section):
 
     @property
     def snapshot_distances(self) -> tuple[float, ...]:
-        """Sliding distances [mm] that fields are kept at, or where the next step ends, beside the end."""
-        snapshots = self.output.snapshots
-        return tuple(part * self.sliding.total for part in SNAPSHOTS) if snapshots == "auto" else snapshots
+        """Sliding distances [mm] that fields are kept at, or where the next step ends, beside the end.
+
+        Of themselves they are also those at which the counter-body leaves a circle of the disc.
+        """
+        snapshots, blocks = self.output.snapshots, self.blocks
+        if snapshots != "auto":
+            return snapshots
+        left = (b.end for b, after in pairwise(blocks) if self.circle_of(b) != self.circle_of(after))
+        return *(part * self.sliding.total for part in SNAPSHOTS), *left

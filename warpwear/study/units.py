@@ -5,7 +5,7 @@ import re
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from numbers import Real
-from typing import Any
+from typing import Any, Self
 
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
@@ -107,9 +107,7 @@ def _read(value: str, unit: str) -> float:
             quantity = _registry().Quantity(
                 float(match["number"]), f"1{reading}" if reading[0] == "/" else reading
             )
-        except (
-            Exception
-        ):  # pint raises whatever its parser meets, AttributeError and tokenize errors included
+        except Exception:  # whatever pint's parser meets: AttributeError, errors of tokenize
             problems.append(ValueError(f"cannot be read: {EXAMPLES[unit]} is expected"))
             continue
         try:
@@ -243,11 +241,47 @@ class Quantity:
         return value if isinstance(value, str) else text(value, self.unit)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_before_validator_function(
-            self.read,
-            handler(source),
-            serialization=core_schema.plain_serializer_function_ser_schema(self.write),
-        )
+        written = core_schema.plain_serializer_function_ser_schema(self.write)
+        return core_schema.no_info_plain_validator_function(self.read, serialization=written)
+
+
+class LineLoad(float):
+    """A load [N] that was given as one of a length [N/mm] is that times the length it acts on [mm]."""
+
+    per_length: float
+    length: float
+
+    def __new__(cls, per_length: float, length: float = 1.0) -> Self:
+        load = super().__new__(cls, per_length * length)
+        load.per_length, load.length = per_length, length
+        return load
+
+    def __reduce__(self) -> tuple[type[Self], tuple[float, float]]:
+        return type(self), (self.per_length, self.length)
+
+
+@dataclass(frozen=True)
+class Load(Quantity):
+    """This annotates a load: a force, or a force of a length, which is times a length known later."""
+
+    def read(self, value: Any) -> Any:
+        """Return the load [N], or a `LineLoad`. Raises ValueError, saying what is allowed."""
+        if isinstance(value, LineLoad):
+            return value
+        try:
+            return super().read(value)
+        except ValueError as refused:
+            if "dimension" not in str(refused):
+                raise
+            try:
+                return LineLoad(float(Quantity("N/mm").read(value)))
+            except ValueError as error:
+                either = ValueError(f"{refused}, or of a line contact one of its length, '18.5 N/mm'")
+                raise (either if "dimension" in str(error) else error) from None
+
+    def write(self, value: Any) -> str:
+        """Return text that `read` reads back without loss."""
+        return text(value.per_length, "N/mm") if isinstance(value, LineLoad) else text(value, self.unit)
 
 
 @dataclass(frozen=True)

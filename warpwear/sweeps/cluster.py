@@ -2,6 +2,9 @@
 
 import ipaddress
 import logging
+import threading
+import time
+from asyncio import CancelledError
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
@@ -18,11 +21,15 @@ distributed = lazy.module("distributed")
 RETRIES = 5
 #: How long the first worker is waited for [s].
 PATIENCE = 60.0
+#: How often it is looked whether a cluster still has workers, and how long it may have none [s].
+LOOK, LOST = 5.0, 300.0
 
 
 @contextmanager
-def connected(address: str, *, insecure: bool = False, device: str = "cpu") -> Iterator[tuple[Executor, int]]:
-    """The executor of a Dask scheduler, and how many workers it has.
+def connected(
+    address: str, *, insecure: bool = False, device: str = "cpu"
+) -> Iterator[tuple[Executor, int, int]]:
+    """The executor of a Dask scheduler, the threads of a run, and how many workers it has.
 
     Raises InputError for an address that is refused or not reached, and for workers that will not do. A plain
     TCP address that is not of this machine is refused unless insecure: whoever reaches such a scheduler runs
@@ -40,7 +47,30 @@ def connected(address: str, *, insecure: bool = False, device: str = "cpu") -> I
         number = _check_workers(client, address)
         more = {"resources": {"GPU": 1}} if device.startswith("cuda") else {}
         # Not pure: the same run in two sweeps is two calls. Stealing would begin runs twice.
-        yield client.get_executor(pure=False, retries=RETRIES, **more), number
+        executor, ended = client.get_executor(pure=False, retries=RETRIES, **more), threading.Event()
+        threading.Thread(target=_watch, args=(client, executor, address, ended), daemon=True).start()
+        try:
+            yield executor, 1, number
+        finally:
+            ended.set()
+
+
+def _watch(client: Any, executor: Executor, address: str, ended: threading.Event) -> None:
+    """Tell of a cluster that has lost all its workers, and give up its runs where none comes back."""
+    since: float | None = None
+    while not ended.wait(LOOK):
+        try:
+            alive = bool(client.nthreads())
+        except (Exception, CancelledError):  # the sweep has ended, or the scheduler
+            return
+        if alive:
+            since = None
+        elif since is None:
+            since = time.monotonic()
+            warn(f"--cluster {address} has lost all its workers: waiting {LOST:g} s for one to come back.")
+        elif time.monotonic() - since > LOST:
+            executor.shutdown(wait=False)  # cancels what is left
+            return
 
 
 def _check(address: str, *, insecure: bool) -> None:

@@ -12,6 +12,7 @@ from warpwear.errors import InputError
 from warpwear.measured.experiment import Experiment
 from warpwear.page.folder import write_report as write_folder
 from warpwear.results import manifest
+from warpwear.results.ensemble import band
 from warpwear.sweeps.figures import figures_of
 from warpwear.sweeps.page import page
 from warpwear.sweeps.table import TABLES, SweepResult
@@ -65,13 +66,10 @@ def _moved(work: Path, folder: Path) -> list[Path]:
 
 def group_rows(result: SweepResult) -> list[dict[str, Any]]:
     """For each group of runs: label, number of runs, mean, 5th and 95th percentile of the end's CoF."""
-    known = any(row.ends for row in result.rows)
-    values = result.ends("cof") if known else np.full(len(result.rows), np.nan)
-    rows = []
+    ends, rows = result.known_ends("cof"), []
     for label, runs in result.plan.groups.items():
-        known = values[runs][np.isfinite(values[runs])]
-        low, high = np.percentile(known, (5.0, 95.0)) if known.size else (np.nan, np.nan)
-        mean = float(known.mean()) if known.size else np.nan
+        values = np.full((len(runs), 1), np.nan) if ends is None else ends[runs][:, None]
+        mean, low, high = (float(part[0]) for part in band(values))
         rows.append({"label": label or "all runs", "runs": len(runs), "mean": mean, "low": low, "high": high})
     return rows
 
@@ -84,14 +82,10 @@ def summary_text(result: SweepResult) -> str:
     width = max(len(row["label"]) for row in rows)
     lines += [f"{row['label']:<{width}}  {row['runs']:4d} runs   {_end_of(row)}" for row in rows]
     if len(result.plan.keys) > 1 and done > 1:
-        what = (
-            "Sobol's total index, 95 % interval"
-            if result.plan.design.kind == "saltelli"
-            else "rank correlation; of words and seeds η²"
-        )
+        indices, what = result.sobol(), "rank correlation; of words and seeds η²"
+        what = what if indices is None else "Sobol's total index, 95 % interval"
         shares = ", ".join(f"{key} {words}" for key, words in result.influence_in_words().items())
         lines.append(f"what decides it ({what}): {shares}")
-        indices = result.sobol()
         lines += [indices.doubt] if indices is not None and indices.doubt else []
         lines += _without_influence(result)
     return "\n".join([*lines, *failures(result)])

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases_half_space import MODULUS, bounded, dense_of, dense_streak, rough
+from cases_half_space import MODULUS, bounded, dense_of, dense_streak, rough, separation_of
 
 from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.contact.half_space.window import WindowedHalfSpace
@@ -45,7 +45,7 @@ def test_against_active_sets_on_the_dense_matrix(
         assert contact.certificate is not None
         separation = (matrix @ expected.ravel()).reshape(gap.shape) + gap
         np.testing.assert_allclose(
-            contact.separation + contact.approach, separation, atol=1e-8 * np.abs(separation).max()
+            separation_of(contact) + contact.approach, separation, atol=1e-8 * np.abs(separation).max()
         )
         solver.forget()
         plain = solver.solve(field, mean_pressure=expected.mean(), **streak)

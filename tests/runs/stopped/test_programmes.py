@@ -17,7 +17,7 @@ from warpwear import InputError, Study
 from warpwear.cli.main import commands, main
 from warpwear.laws.friction import friction_energy
 from warpwear.results.summary import summarise, summary_text
-from warpwear.runs.make import model_in
+from warpwear.runs.order import RunOrder
 
 HALF_SPACE = {"contact.law": "half-space", "counter.radius": "3 mm"}
 TRACKS = ("full", "representative", "rotating")
@@ -205,17 +205,19 @@ def test_the_command_line_refuses_and_sweeps_blocks(
 def test_a_model_is_given_up_with_its_block(case: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """No circle of references keeps its fields until the collector comes."""
     models: list[weakref.ref[Any]] = []
+    model_in = RunOrder.model_in
 
     def watched(*order: Any) -> Any:
         prepared = model_in(*order)
         models.append(weakref.ref(prepared.model))
         return prepared
 
-    monkeypatch.setattr("warpwear.runs.loop.model_in", watched)
+    monkeypatch.setattr(RunOrder, "model_in", watched)
     gc.disable()
     try:
         warpwear.run(programme(case, [4.0, 16.0, 6.0]))
-        assert [model() for model in models] == [None, None]
+        assert len(models) > 2
+        assert not any(model() for model in models)
     finally:
         gc.enable()
 
@@ -327,9 +329,8 @@ def test_strokes_that_do_not_follow_each_other_are_refused() -> None:
         InputError, match=r"block 1: its length, 0\.9 mm, is not a whole number of pairs of pass"
     ):
         small("full").replace(block=[{"passes": 1}, {"cycles": 2, "stroke": "0.5 mm"}])
-    radii = [{"revolutions": 2, "track_radius": f"{radius} mm"} for radius in (0.161, 0.2)]
-    with pytest.raises(InputError, match=r"block 2: .* another track_radius is another circle of the disc"):
-        small("rotating").replace(block=radii)
+    with pytest.raises(InputError, match=r"block 2: it does not move as block 1 does"):
+        small("full").replace(block=[{"passes": 2}, {"revolutions": 2, "track_radius": "1 mm"}])
     track = small("full").replace(block=[{"passes": 2, "stroke": "1.8 mm"}] * 2)
     assert track.track.stroke == 1.8
     assert Study.stored(track.to_toml()) == track
@@ -368,3 +369,96 @@ def test_a_record_lists_the_blocks(device: str) -> None:
     mean = np.average(history["cof"][second], weights=history["increment"][second])
     assert blocks[1]["cof_mean"] == mean
     assert "block 2          16 N over 0.0625 mm: worn" in summary_text(summarise(result))
+
+
+RADII = (0.161, 0.9, 0.161)
+ON_CIRCLES: dict[str, dict[str, Any]] = {
+    "local": {"sliding.plastic": "keep"} | SOFT,
+    "half-space": HALF_SPACE,
+    "part of the lap": {"sliding.track": "0.8 mm", "sliding.shift": 8},
+    "pieces": {
+        "wear.particle": "60 um",
+        "wear.particle_thickness": "0.6 um",
+        "contact.law": "half-space",
+        "counter.radius": "3 mm",
+    },
+    "film": {"friction.film.thickness": "20 nm", "friction.film.shear_strength": "10 MPa"},
+}
+
+
+def of_circles(case: str, revolutions: tuple[int, ...] = (3, 1, 2), **changes: Any) -> Study:
+    """A programme on two circles of a disc, to the first of which it returns."""
+    loads = (4, 9, 6)
+    blocks = [
+        {"track_radius": f"{radius} mm", "load": f"{load} N", "revolutions": turns}
+        for radius, load, turns in zip(RADII, loads, revolutions, strict=True)
+    ]
+    return small("rotating").replace(ON_CIRCLES[case] | changes).replace(block=blocks)
+
+
+@pytest.mark.parametrize("case", ON_CIRCLES)
+def test_a_programme_slides_on_circles_of_its_disc(case: str, tmp_path: Path, device: str) -> None:
+    """Volumes are Σ K F L, the ball keeps its wear, and a run that is stopped on either circle goes on."""
+    study = of_circles(case)
+    assert Study.stored(study.to_toml()) == study
+    one, other = tmp_path / "alone", tmp_path / "stopped"
+    with warpwear.run(study, out=one, plots=False, threads=1, device=device) as result:
+        history, number = result.history, result.history["block"]
+        assert [block["track_radius_mm"] for block in result.summary["blocks"]] == [*RADII]
+        assert "on a track of 0.9 mm radius" in summary_text(summarise(result))
+        kept = [float(distance) for distance in result.snapshot_distances]
+    assert study.blocks[0].end in kept or not study.output.snapshots
+    for body, law in zip(("counter", "disc"), study.wear_laws, strict=True):
+        gone = history[f"wear_volume_{body}"] + history.get(f"pending_volume_{body}", 0.0)
+        for block in study.blocks:
+            volume = sum(
+                b.load * law.wear_per_pressure(b.start, b.length) for b in study.blocks[: block.number]
+            )
+            assert_allclose(gone[number == block.number][-1], volume, rtol=1e-12)
+    firsts = [int(np.flatnonzero(number == block)[0]) for block in (2.0, 3.0)]
+    run_stopped(study, other, firsts[0] + 2, threads=2, device=device)
+    run_stopped(study, other, firsts[1] - firsts[0], resume=True, threads=1, device=device)
+    warpwear.run(study, out=other, plots=False, resume=True, threads=1, device=device).close()
+    assert differences(one, other) == []
+
+
+@pytest.mark.parametrize("case", ["local", "half-space"])
+def test_each_circle_goes_its_own_way(case: str, device: str) -> None:
+    """Under a ball that does not wear circles know nothing of each other, to the last bit."""
+    alone = {"wear.counter": 0.0, "contact.load": "6 N", "counter.radius": "3 mm"}
+    alone |= {"sliding.shift": 1}  # of one part, however wide the contact was before
+    study = of_circles(case, **alone).replace({f"block.{n}.load": "6 N" for n in (1, 2, 3)})
+    history = warpwear.run(study, device=device).history
+    part = {"sliding.track": f"{study.tracks[0].cells * CELL!r} mm"}
+    for radius, turns, blocks in ((0.161, 5, (1.0, 3.0)), (0.9, 1, (2.0,))):
+        way = {"sliding.track_radius": f"{radius} mm", "sliding.revolutions": turns}
+        own = warpwear.run(study.replace({"block": None} | way | part), device=device).history
+        mine = np.isin(history["block"], blocks)
+        for name in ("area_contact", "pressure_max", "wear_depth_disc", "position"):
+            assert_allclose(history[name][mine], own[name], rtol=1e-9, atol=1e-15, err_msg=name)
+
+
+def test_cycles_on_circles_stand_for_their_own(tmp_path: Path, device: str) -> None:
+    study = of_circles("local", (24, 16, 24), **{"stepping.jump": 3})
+    one, other = tmp_path / "alone", tmp_path / "stopped"
+    with warpwear.run(study, out=one, plots=False, threads=1, device=device) as result:
+        history, jumps = result.history, result.summary["track"]["jumps"]
+    assert history["cycles"].max() == 3.0
+    assert jumps["cycles"] == pytest.approx(64)
+    assert 0.0 < jumps["depth_error_percent"]["disc"] < 20.0
+    volume = study.wear_coefficients[1] * sum(block.load * block.length for block in study.blocks)
+    assert_allclose(history["wear_volume_disc"][-1], volume, rtol=1e-12)
+    run_stopped(study, other, int(np.flatnonzero(history["block"] == 2.0)[0]) + 12, threads=1, device=device)
+    warpwear.run(study, out=other, plots=False, resume=True, threads=1, device=device).close()
+    assert differences(one, other) == []
+
+
+def test_circles_that_overlap_are_refused() -> None:
+    radii = [{"revolutions": 2, "track_radius": f"{radius} mm"} for radius in (1.0, 1.2)]
+    with pytest.raises(InputError, match=r"tracks of 1 and 1\.2 mm radius would overlap, .* 0\.62 mm wide"):
+        small("rotating").replace(block=radii)
+    ring = {"counter.shape": "cylinder", "counter.radius": "1 mm"}
+    with pytest.raises(InputError, match=r"would overlap, as the domain goes on across"):
+        small("rotating").replace(ring).replace(block=[radii[0], {**radii[0], "track_radius": "5 mm"}])
+    with pytest.raises(InputError, match=r"block 1: its length, 5 mm, is not a whole number of passes"):
+        small("rotating").replace(block=[{"distance": "5 mm", "track_radius": "3 mm"}, radii[0]])

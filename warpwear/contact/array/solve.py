@@ -27,7 +27,6 @@ from warpwear.contact.array.memory import check_memory, giving_back
 from warpwear.contact.array.springs import solve_cells
 from warpwear.contact.array.task import ROUNDING, Gap, Solution, Task, gap_field, surface_of
 from warpwear.contact.certificate import Certificate, Proof
-from warpwear.contact.half_space.search import SearchRules
 from warpwear.contact.half_space.solver import TOLERANCE
 from warpwear.engine.device import check_threads
 from warpwear.engine.executor import Executor
@@ -35,6 +34,7 @@ from warpwear.engine.staging import download, each
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import LANES, Cells
+from warpwear.kernels.half_space.solve import SearchRules
 from warpwear.surfaces.form import Form
 
 #: Largest difference between the load carried and the load asked for, relatively.

@@ -43,8 +43,6 @@ class Operator(ABC):
     #: Ranges of slots for the threads, from 0 on; None: all, by whole rows.
     chunks: list[tuple[int, int]] | None = None
 
-    #: Whether it is one convolution of all cells, so that there are `coefficients`.
-    of_one_grid = False
     #: Whether that repeats beyond the edges of the grid, along and across.
     wraps = False, False
 
@@ -61,16 +59,11 @@ class Operator(ABC):
         self.neighbours = wp.zeros(3, dtype=wp.float32, device=executor.device)
         #: How many rows of the fields it is about, the first ones; an array of one number.
         self.visited = wp.full(1, executor.grid.nx, dtype=wp.int32, device=executor.device)
-        self._last: tuple[tuple[Field, Field, bool], Program] | None = None
 
     @property
     def rows_visited(self) -> int:
         """Return how many rows of the fields the operator is about, the first ones."""
         return int(self.visited.numpy()[0])
-
-    def coefficients(self) -> tuple[Any, Any]:
-        """Return the coefficients by distance, of an operator of one grid."""
-        raise NotImplementedError
 
     @abstractmethod
     def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
@@ -87,9 +80,9 @@ class Operator(ABC):
         """Return what makes the response, in double precision."""
 
     @property
-    @abstractmethod
     def _far_single(self) -> Filter:
         """Return what makes the response in single precision, where that is quicker."""
+        return self._far
 
     @property
     @abstractmethod
@@ -114,20 +107,9 @@ class Operator(ABC):
 
     def respond(self, pressure: Field, displacement: Field) -> None:
         """Compute the displacement [mm] under a pressure [MPa], compliances included, at once."""
-        self._run(pressure, displacement, inverse=False)
-
-    def invert(self, displacement: Field, pressure: Field) -> None:
-        """Compute about the pressure [MPa] of a displacement [mm], at once."""
-        self._run(displacement, pressure, inverse=True)
-
-    def _run(self, field_in: Field, field_out: Field, *, inverse: bool) -> None:
-        """Run a program of one filter; the last one is there for the next time."""
-        fields = field_in, field_out, inverse
-        if self._last is None or any(a is not b for a, b in zip(fields, self._last[0], strict=True)):
-            program = Program(self._executor)
-            (self.say_inverse if inverse else self.say_response)(program, field_in, field_out)
-            self._last = fields, program
-        self._last[1].run()
+        program = Program(self._executor)
+        self.say_response(program, pressure, displacement)
+        program.run()
 
 
 class Influence(Operator):
@@ -140,8 +122,6 @@ class Influence(Operator):
     as well). datum: of a line, distance at which a line of pressure displaces nothing [mm]; by default the
     grid's length along x.
     """
-
-    of_one_grid = True
 
     def __init__(
         self, executor: Executor, *, modulus: float, boundary: str, datum: float | None = None
@@ -209,10 +189,10 @@ class Influence(Operator):
             return
         self._compliance = compliance
         for line, rows in ((self.line, self.far_shape[0]), (self.near_line, self._executor.grid.nx)):
-            write(line, self._line(rows, *compliance))
-        write(self.neighbours, self._weights(*compliance))
+            self._executor.put(line, self._line(rows, *compliance))
+        self._executor.put(self.neighbours, self._weights(*compliance))
         if self._along is not None:
-            write(self._along, self._along_x)
+            self._executor.put(self._along, self._along_x)
 
     def _within(self, window: int | None) -> int:
         rows = self._executor.grid.nx
@@ -290,14 +270,6 @@ def _sums(shape: tuple[int, int], along: IntArray, across: IntArray) -> FloatArr
     y = counts * np.cos(2.0 * math.pi / shape[1] * across)
     one = np.ones((along.size, 1))
     return np.stack([one * counts, x * counts, one * y, x * y]).reshape(4, -1)
-
-
-def write(array: Any, values: FloatArray) -> None:
-    """Give an array other values, which recorded programs read."""
-    if array.device.is_cpu:
-        array.numpy()[:] = values
-    else:
-        array.assign(values)
 
 
 def displace(executor: Executor, pressure: Field, displacement: Field, *, modulus: float, box: Box) -> None:

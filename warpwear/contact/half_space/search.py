@@ -13,7 +13,6 @@ The passes are in `kernels.half_space.passes`, the rules in `decisions` and `ste
 
 from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,66 +20,19 @@ import warp as wp
 
 from warpwear.contact.balance import TOLERANCE
 from warpwear.contact.certificate import LOAD_TOLERANCE, Certificate, Proof
-from warpwear.contact.half_space.influence import Operator
+from warpwear.contact.half_space.influence import Influence, Operator
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Mirror
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.kernels.cells import LANES, NONE
 from warpwear.kernels.half_space import active_set, decisions, passes, solve, steps
-from warpwear.kernels.half_space.solve import Flag, Request
+from warpwear.kernels.half_space.solve import Flag, Request, SearchRules
 
 #: Stands for no cap: kernels compare with it.
 NO_CAP = float(NONE)
 #: Cells of a grid from which responses to steps are made in single precision.
 LEAST_SINGLE = 2**14
-
-
-@dataclass(frozen=True)
-class SearchRules:
-    """Holds the rules of a search; the decisions of `kernels.half_space` go by them."""
-
-    #: Where a smaller fraction of the cells in contact is below the cap, |q| is no guide: steps then follow
-    #: the plain gradient.
-    elastic_fraction: float = 0.1
-    #: Plain steps of a solve; |q| leads on where this many have not led to its end.
-    patience: int = 16
-    #: A step is taken whole, bounds and all, if it is at least this fraction of the best length; else the
-    #: best length is taken.
-    whole_step: float = 0.9
-    #: A preconditioned step whose best length is below this led nowhere: plain steps follow.
-    shortest_useful_step: float = 0.05
-    #: Plain steps that follow then.
-    plain_steps: int = 5
-    #: Cells at a bound are pushed outward this many times harder than free cells move, in a preconditioned
-    #: step.
-    outward: float = 1.0e3
-    #: Largest violation of complementarity, over the rms height of the gap.
-    tolerance: float = 1.0e-6
-    #: Smaller differences of displacements, relative to them, are those of the last digits.
-    rounding: float = 16.0 * float(np.finfo(np.float64).eps)
-    #: Residual of the load, relative to it.
-    load_tolerance: float = TOLERANCE
-    #: What a trial may miss of the load, relatively: the next step makes up for it.
-    rough_balance: float = 1.0e-3
-    iterations: int = 1000
-    #: Ends of the lines of cells between the bounds, over these cells, from which their gradient is extended
-    #: to others: 0.4 where waves are two cells long, 0.08 where they are sixteen, 0.01 under a smooth ball.
-    scattered: float = 0.15
-    #: One of this many rows is looked at for that.
-    every: int = 8
-    #: Error of the gradient, over the violation left, from which it is made anew.
-    drift: float = 0.2
-    #: Error of a response in single precision, over its largest value: measured were 4e-7 to 7e-7.
-    single_rounding: float = 8.0 * float(np.finfo(np.float32).eps)
-    #: Cells that are moved at once, exactly, at most.
-    few: int = 256
-    #: Gap or overlap of a cell that may change sides then, over the largest violation of complementarity.
-    near: float = 0.25
-    #: Restarts after a failed certificate.
-    renewals: int = 3
-    #: Load that a certified pressure may miss, relatively.
-    certified_load: float = LOAD_TOLERANCE
 
 
 class Search:
@@ -109,11 +61,11 @@ class Search:
         self._executor, self._operator, self._rules = executor, operator, rules
         device, grid = executor.device, executor.grid
         on_cpu = device.is_cpu
-        self._single = operator.of_one_grid and on_cpu and operator.cells >= LEAST_SINGLE
+        of_one_grid = isinstance(operator, Influence)
+        self._single = of_one_grid and on_cpu and operator.cells >= LEAST_SINGLE
         self._yields = yields is not None
-        plain = operator.of_one_grid and not self._yields
-        self._extends = plain
-        self._few = rules.few if plain and on_cpu and hardness < NO_CAP and groups == 1 else 0
+        self._extends = of_one_grid and not self._yields
+        self._few = rules.few if self._extends and on_cpu and hardness < NO_CAP and groups == 1 else 0
         #: Whether what is extended is gathered tile by tile.
         self._tiled = on_cpu if tiled is None else tiled
         rows = grid.nx * (1 if self._tiled else 2) * self._extends
@@ -125,6 +77,7 @@ class Search:
 
         self._solve = arguments(
             solve.Solve,
+            device,
             columns=grid.ny,
             wraps_along=int(operator.wraps[0]),
             wraps_across=int(operator.wraps[1]),
@@ -141,7 +94,6 @@ class Search:
             loads=array(groups, wp.float64),
             visited=operator.visited,
             groups=array(groups, solve.Group),
-            numbers=array(1, solve.Numbers),
             table=array((solve.LINES, slots), wp.float64),
             flags=array(len(Flag), wp.int32),
         )
@@ -344,13 +296,15 @@ class Search:
 
     def _kernel_rules(self, groups: int) -> Any:
         """Return the rules as kernels take them."""
-        rules = dict(vars(self._rules)) | {"few": self._few, "tiled": int(self._tiled)}
+        rules = vars(self._rules) | {"few": self._few, "tiled": int(self._tiled)}
         rules["single_rounding"] *= self._single
         cells = self._operator.cells / (self._executor.grid.nx if groups > 1 else 1)
-        return arguments(solve.Rules, **rules, group_cells=float(cells))
+        loads = {"load_tolerance": TOLERANCE, "certified_load": LOAD_TOLERANCE}
+        return arguments(solve.Rules, **rules, **loads, group_cells=float(cells))
 
     def _take_coefficients(self) -> None:
         """Give the operator's coefficients to the search, which is said anew."""
+        assert isinstance(self._operator, Influence)  # or no few cells are moved
         elastic, along = self._operator.coefficients()
         room, (rows, columns) = self._room, self._operator.far_shape
         room.elastic, room.along, room.rows, room.columns = elastic, along, rows, columns

@@ -72,7 +72,7 @@ class ShearInfluence:
             wp.zeros(rows // 2 + 1, dtype=wp.float64, device=executor.device)
             for rows in (far_shape[0], grid.nx)
         ]
-        grids = Grids.pair(executor) if axes == 2 else None
+        grids = Grids.whole(executor, 2) if axes == 2 else None
 
         def filter_by(tables: FloatArray, shape: tuple[int, int], kind: Any) -> Filter:
             return filter_of(executor, tables if axes == 2 else tables[0], shape, kind, grids=grids)
@@ -139,10 +139,10 @@ class ShearSearch:
         vectors = "traction", "start", "response", "gradient", "change", "trial", "way"
         self._shear = arguments(
             kernels.Shear,
+            device,
             **{name: executor.zeros(2 * grid.nx) for name in vectors},
             tie=executor.zeros(),
             bound=executor.zeros(),
-            numbers=wp.zeros(1, dtype=kernels.ShearNumbers, device=device),
             table=wp.zeros((kernels.LINES, executor.slots_of(grid.nx)), dtype=wp.float64, device=device),
             flags=wp.zeros(len(ShearFlag), dtype=wp.int32, device=device),
         )

@@ -37,16 +37,10 @@ class Grids:
     visited: Any
 
     @classmethod
-    def whole(cls, executor: Executor) -> Self:
-        """Return the grid of an executor."""
+    def whole(cls, executor: Executor, count: int = 1) -> Self:
+        """Return the grid of an executor; or two, of a field with twice as many rows."""
         grid = executor.grid
-        return cls(1, grid.nx, grid.ny, executor.vectors * LANES, _visited(executor, 1))
-
-    @classmethod
-    def pair(cls, executor: Executor) -> Self:
-        """Return two grids of an executor, of a field with twice as many rows."""
-        grid = executor.grid
-        return cls(2, grid.nx, grid.ny, executor.vectors * LANES, _visited(executor, 2))
+        return cls(count, grid.nx, grid.ny, executor.vectors * LANES, _visited(executor, count))
 
     @classmethod
     def squares(cls, executor: Executor, side: int) -> Self:
@@ -61,7 +55,7 @@ class Filter(ABC):
     The table is even in both directions, as all responses are: rows 0 … n//2 and columns 0 … m//2 tell the
     others. To each of its rows a number of a line adds, an array that may change.
 
-    Of the two grids of `Grids.pair` a filter with three tables multiplies the modes by a symmetric matrix of
+    Of two grids of an executor a filter with three tables multiplies the modes by a symmetric matrix of
     them, and heeds no line: even ones on the diagonal, first and last, one odd in both directions off it.
     """
 

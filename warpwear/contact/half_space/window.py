@@ -16,9 +16,8 @@ import numpy as np
 import warp as wp
 
 from warpwear import lazy
-from warpwear.contact.half_space.contact import HalfSpaceContact
 from warpwear.contact.half_space.search import Search
-from warpwear.contact.half_space.solver import TOLERANCE, HalfSpace
+from warpwear.contact.half_space.solver import TOLERANCE, HalfSpace, HalfSpaceContact
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Mirror
 from warpwear.engine.program import Program, launch_once
@@ -279,10 +278,7 @@ class WindowedHalfSpace:
             assert here is not None
             here.take(gap, self._pressure, fractions=parts, yields=yields)
             self._clear_beside(window)
-            if self._started:
-                here.solver.go_on()
-            else:
-                here.solver.forget()
+            here.solver.started = self._started
             contact = here.solver.solve(
                 here.gap,
                 mean_pressure=load / window.grid(whole).area,
@@ -314,7 +310,6 @@ class WindowedHalfSpace:
             pressure_field=self._pressure,
             gradient_field=self._gradient,
             executor=self._executor,
-            cells=whole.cells,
         )
 
     def _after(self, here: OnWindow, gap: Field, search: Search) -> Program:

@@ -16,9 +16,8 @@ import numpy as np
 import warp as wp
 
 from warpwear.contact.certificate import columns_of
-from warpwear.contact.half_space.contact import HalfSpaceContact
 from warpwear.contact.half_space.search import NO_CAP
-from warpwear.contact.half_space.solver import BoundedPressure
+from warpwear.contact.half_space.solver import BoundedPressure, HalfSpaceContact
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
@@ -28,8 +27,7 @@ from warpwear.history.recorder_patches import PatchLedger, Worn
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import wear_from_pressure
 from warpwear.kernels.cells import PADDING, PATCH_MAXIMA, PATCH_SUMS, PressureMost, PressureSum
-from warpwear.kernels.slide import Slide
-from warpwear.kernels.sliding import Bodies, OfRows
+from warpwear.kernels.sliding import Bodies, OfRows, Slide
 from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
@@ -109,7 +107,7 @@ class HalfSpacePatches(Model):
 
         Raises ConvergenceError when the contact cannot be solved.
         """
-        removals = self._ledger.removals(0.0, increment)
+        removals = self.task.wear_per_pressure(self._ledger.row["distance"], increment)
         start, certified = self._ledger.row["distance"], self.certified or None
         if self._film:
             self._film.look(start)
@@ -125,7 +123,7 @@ class HalfSpacePatches(Model):
         if self._film:
             worn = replace(worn, bare=self._film.under(contact.pressure_field, self.visited))
             self._film.rub(start + increment)
-        step = self._ledger.enter(worn, increment, removals, pressure)
+        step = self._ledger.enter_worn(worn, increment, removals, pressure)
         step.row.update(columns_of(contact.certificate))
         return step
 

@@ -45,10 +45,6 @@ class PatchInfluence(influence.Operator):
     def _far(self) -> Filter:
         return filter_of(self._executor, self._far_table, self.far_shape, np.float64, grids=self._grids)
 
-    @property
-    def _far_single(self) -> Filter:
-        return self._far
-
     @cached_property
     def _near(self) -> Filter:
         shape = self._grids.rows, self._grids.columns
@@ -58,7 +54,7 @@ class PatchInfluence(influence.Operator):
 
     def visit(self, patches: int) -> None:
         """Leave out all but the first `patches`; the pressures of the others stay, which must be 0."""
-        influence.write(self._grids.visited, np.full(1, patches, dtype=np.int32))
+        self._executor.put(self._grids.visited, patches)
         self.chunks = self._executor.split_rows(np.full(patches, self._executor.grid.ny))
 
     def set_bulk(self, flexibility: float) -> None:
@@ -75,7 +71,7 @@ class PatchInfluence(influence.Operator):
         if own != self._own:
             self._own = own
             for line in (self.line, self.near_line):
-                influence.write(line, np.full(line.size, own))
+                self._executor.put(line, own)
             self._set_means()
 
     def _set_means(self) -> None:

@@ -6,8 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpwear import lazy
-from warpwear.contact.half_space.contact import HalfSpaceContact
-from warpwear.contact.half_space.solver import HalfSpace
+from warpwear.contact.half_space.solver import HalfSpace, HalfSpaceContact
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
@@ -62,13 +61,8 @@ class CyclicSlip:
         self._stuck = self._approach = self._first = math.nan
         self._solver: HalfSpace | None = None
         if not slides:
-            grid = executor.grid
-            law: dict[str, Any] = {
-                "modulus": task.modulus,
-                "boundary": task.boundary,
-                "hardness": task.hardness,
-            }
-            self._solver = HalfSpace(executor, tolerance=TOLERANCE, datum=grid.nx * grid.cell, **law)
+            law: dict[str, Any] = {"boundary": task.boundary, "hardness": task.hardness}
+            self._solver = HalfSpace(executor, modulus=task.modulus, tolerance=TOLERANCE, **law)
 
     def restored(self) -> None:
         """Slide as this drive does, whatever another one did."""

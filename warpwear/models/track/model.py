@@ -1,6 +1,6 @@
 """A ball that slides over a track: one contact, displaced step by step along the way of `track.Track`."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -49,7 +49,6 @@ class SweptModel(Model):
             self.contact = SlidingHalfSpace(task, heights, executor, **options)
         else:
             self.contact = SlidingContact(task, heights, executor, bearing_curve=bearing_curve, **options)
-        self._keeps = self.contact.keeps_dents
         self._done = self._row = 0
         self._middle = track.place(0)  # of the counter-body, before it moves [mm]
 
@@ -67,6 +66,12 @@ class SweptModel(Model):
         """Begin with the first step of this track, on a disc that has slid over another one before."""
         self.contact.ledger.rebase(before.track_fraction)
         self._done = 0
+
+    def change_circle(self, booked: Mapping[str, float]) -> dict[str, float]:
+        """Begin with the first step on another circle of the disc, as `Model.change_circle` says."""
+        self.contact.forget()
+        self._done = 0
+        return self.contact.ledger.leave(booked)
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, slide on by the increment [mm] and wear both bodies."""
@@ -127,7 +132,7 @@ class SweptModel(Model):
             wear_counter=to_numpy(state.wear_counter),
             wear_disc=to_numpy(state.wear_disc),
             gap=to_numpy(state.counter) - self._track.beneath(disc, row),
-            plastic_disc=to_numpy(state.plastic_disc) if self._keeps else None,
+            plastic_disc=to_numpy(state.plastic_disc) if self.contact.task.keeps_dents else None,
             bare=to_numpy(self.contact.film.bare) if self.contact.film else None,
             slip=self._slip(step.pressure),
             row=row if self._track.moves else None,
