@@ -91,6 +91,8 @@ class SlidingContact:
         self.film = BareCells.of_bodies(task.film, executor, self.state.wear_counter, self.state.wear_disc)
         self._slides = Numbers(Slide, device)
         bodies = arguments(Bodies, **self.state.fields, gap=executor.zeros())
+        if self.film is not None and task.shears:
+            bodies.bare = self.film.bare
         self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
         self._recession = None if bearing_curve is None else Recession(bearing_curve, executor, bodies)
         factor = self._factor()
@@ -140,6 +142,7 @@ class SlidingContact:
             rows=executor.grid.nx,
             columns=executor.grid.ny,
             margin=sum(one.margin for one in self.attachments),
+            shear_filmed=1.0 if task.film is None else task.film.part_shear,
         )
         of_cells = arguments(OfCells, factor=factor, factored=int(self._factored))
         for name in ("stiffness", "bare", "parts"):
@@ -255,7 +258,7 @@ class SlidingContact:
         alike = [0.0 if self._stiffness is not None else stiffness_of(one) for one in compliance.tolist()]
         ends = np.add.accumulate([row["distance"], *increments[: len(removals)]])
         owns = np.full(len(rows), own)
-        depths = [task.wear_per_contact(one) for one in increments[: len(removals)]]
+        depths = [task.wear_per_contact(*pair) for pair in zip(ends[:-1].tolist(), increments, strict=False)]
         shears = np.array(depths).T * np.array([[1.0], [track]])
         each = rows, ends[:-1], ends[1:], of_counter, of_disc, *pending, owns, compliance, alike, *shears
         removals = [(*of_both, *shear) for of_both, shear in zip(removals, depths, strict=True)]
