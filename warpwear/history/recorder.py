@@ -2,7 +2,7 @@
 
 import math
 import operator
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -26,10 +26,9 @@ Number = Any
 
 
 class Step(NamedTuple):
-    """A step holds what one increment left: its balance, its row, and what it touched."""
+    """A step holds what one increment left: its row, and what it touched."""
 
-    balance: Balance
-    row: dict[str, float]  # the columns of warpwear.history except time and cof
+    row: dict[str, float]  # the columns of warpwear.history that a ledger knows; a run adds to them
     touches_edge: bool  # of the domain
     touches_rim: bool  # of the counter-body: the contact is as wide as the counter-body itself
     pressure: FloatArray | None = None  # [MPa], shape (nx, ny), when it was asked for
@@ -139,8 +138,8 @@ class Ledger:
         row["pressure_std"] = math.sqrt(max(row["pressure_std"], 0.0))
         for name in RUNNING:
             row[name] += self.row[name]
-        self.row = row
-        return Step(balance, row, *self._flags(), pressure)
+        self.row = row.copy()
+        return Step(row, *self._flags(), pressure)
 
     def enter_all(
         self,
@@ -150,15 +149,12 @@ class Ledger:
         reference: FloatArray,
         total: Mapping[str, FloatArray],
         most: Mapping[str, FloatArray],
-    ) -> list[Step]:
+    ) -> Iterator[Step]:
         """Book steps in a row, of which none grows beyond `within`, as `enter` does one.
 
         All are arrays of one number a step, those of the balance too.
         """
-        count = len(increment)
-        if not count:
-            return []
-        flags = self._flags()
+        count, flags = len(increment), self._flags()
         grown = {
             name: np.maximum.accumulate(np.maximum(most[name], before)) for name, before in self.most.items()
         }
@@ -167,11 +163,10 @@ class Ledger:
         for name in RUNNING:
             row[name] = np.add.accumulate([self.row[name], *row[name]])[1:]
         table = np.stack([np.broadcast_to(values, count) for values in row.values()], axis=1)
-        rows = [dict(zip(row, values, strict=True)) for values in table.tolist()]
-        balances = [Balance(*numbers) for numbers in zip(*(part.tolist() for part in balance), strict=True)]
-        self.row = rows[-1]
+        self.row = dict(zip(row, table[-1].tolist(), strict=True))
         self.most = {name: float(values[-1]) for name, values in grown.items()}
-        return [Step(*step, *flags) for step in zip(balances, rows, strict=True)]
+        # One by one: many at a time would be looked through for garbage.
+        return (Step(dict(zip(row, values, strict=True)), *flags) for values in table.tolist())
 
     def _row(
         self,

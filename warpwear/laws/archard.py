@@ -70,7 +70,7 @@ class WearLaw:
         """
         return self.steady * increment
 
-    def wear_per_contact(self, increment: float) -> float:
+    def wear_per_contact(self, increment: Number) -> Number:
         """Return the depth that an increment wears off a cell in contact, whatever its pressure [mm]."""
         return 0.0 * increment
 
@@ -144,7 +144,7 @@ class EnergyLaw(WearLaw):
 
     shear: float = 0.0  # α τ0, a depth over a distance
 
-    def wear_per_contact(self, increment: float) -> float:
+    def wear_per_contact(self, increment: Number) -> Number:
         """Return α τ0 ΔL [mm]; see `WearLaw`."""
         return self.shear * increment
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 from warpwear.grid import FloatArray
-from warpwear.laws.archard import WearLaw
+from warpwear.laws.archard import Number, WearLaw
 from warpwear.laws.elastic import Hertz
 from warpwear.laws.film import Film
 from warpwear.laws.fretting import Fretting
@@ -89,10 +89,10 @@ class ContactTask:
         counter, disc = (law.wear_per_pressure(start, increment) for law in self.wear)
         return counter, disc
 
-    def wear_per_contact(self, increment: float) -> tuple[float, float]:
+    def wear_per_contact(self, increment: Number) -> tuple[Number, Number]:
         """Return the depths [mm] that an increment [mm] wears off cells in contact by their shear."""
-        counter, disc = (law.wear_per_contact(increment) for law in self.wear)
-        return counter, disc
+        counter, disc = self.wear
+        return counter.wear_per_contact(increment), disc.wear_per_contact(increment)
 
     @property
     def shears(self) -> bool:

@@ -1,6 +1,6 @@
 """Steps that were made many at a time, entered into the books in one piece."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,13 +24,13 @@ def booked(
     block: Found,
     ledger: Ledger,
     increments: FloatArray,
-    removals: Sequence[tuple[float, ...]],
+    removals: FloatArray,
     enter: Callable[..., Step],
 ) -> Iterator[Step]:
     """Enter steps into the books, and yield them.
 
-    enter: books one as a step made by itself: the last, and those from the first that widens the contact to
-    where that is told.
+    removals: a row a step. enter: books one as a step made by itself: the last, and those from the first that
+    widens the contact to where that is told.
     """
     count, balance, reference, total, most = block
     if not count:
@@ -48,7 +48,7 @@ def booked(
         yield from ledger.enter_all(
             balance._make(column[before] for column in balance),
             increments[before],
-            tuple(np.array(removals[before]).T),
+            tuple(removals[before].T),
             reference[before],
             part(total, before),
             part(most, before),
@@ -56,4 +56,5 @@ def booked(
     for one in range(before.stop, count):
         alone = balance._make(float(column[one]) for column in balance)
         sums, maxima = ({n: float(v) for n, v in part(values, one).items()} for values in (total, most))
-        yield enter(alone, float(increments[one]), removals[one], float(reference[one]), sums, maxima)
+        removed = tuple(removals[one].tolist())
+        yield enter(alone, float(increments[one]), removed, float(reference[one]), sums, maxima)

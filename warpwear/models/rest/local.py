@@ -95,7 +95,7 @@ class OneScaleModel(Model):
         self._tables = arguments(wear.Tables, **tables)
         # Many steps; and one, between whose search and wear its pressures can be seen.
         self._many = Program(executor)
-        self._to_search, self._to_wear = (Program(executor, records=False) for _ in range(2))
+        self._to_search, self._to_wear = (Program(executor, records=2) for _ in range(2))
         self._begin(self._many)
         with self._many.loop(self._steps.stepping):
             self._add_search(self._many)
@@ -210,7 +210,7 @@ class OneScaleModel(Model):
         numbers: Any = (base, offset, cap, residual, width, tied, evaluations)
         total, most = (divided(part, self.state.fractions) for part in (total, most))
         block = Found(steps, Balance(*numbers), reference, total, most)
-        return booked(block, self._ledger, np.array(increments), removals, self._enter)
+        return booked(block, self._ledger, np.array(increments), np.array(removals), self._enter)
 
     def _enter(
         self,
