@@ -7,6 +7,7 @@ prints a table a part, writes them as artifact.json and draws artifact.png. Abou
 
 import json
 import time
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from measure.machine import machine
 from scipy import ndimage
 
 import warpwear
-from warpwear.results.summary import shape_of_growth
+from warpwear.results.track import shape_of_growth
 from warpwear.study.surface import surface_of
 
 Table = list[dict[str, Any]]
@@ -37,25 +38,11 @@ def um(length: float) -> str:
 def tolerance_part(cells: list[float], distance: float) -> Table:
     """Scatter of the mean pressure over the steps, p = F/A, at either load tolerance."""
     table = []
-    for tolerance in ("0.5 N", "one cell"):
-        for cell in cells:
-            history = run(
-                "v3",
-                {
-                    "grid.cell": um(cell),
-                    "stepping.load_tolerance": tolerance,
-                    "sliding.distance": f"{distance} mm",
-                },
-            ).history
-            table.append(
-                {
-                    "tolerance": tolerance,
-                    "cell_um": cell,
-                    "steps": history["distance"].size,
-                    "pressure_mean_MPa": history["pressure_mean"].mean(),
-                    "pressure_std_MPa": history["pressure_mean"].std(),
-                }
-            )
+    for tolerance, cell in product(("0.5 N", "one cell"), cells):
+        changes = {"grid.cell": um(cell), "stepping.load_tolerance": tolerance}
+        means = run("v3", changes | {"sliding.distance": f"{distance} mm"}).history["pressure_mean"]
+        row = {"tolerance": tolerance, "cell_um": cell, "steps": means.size}
+        table.append(row | {"pressure_mean_MPa": means.mean(), "pressure_std_MPa": means.std()})
     return table
 
 

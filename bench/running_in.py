@@ -1,17 +1,16 @@
 """Courses of contact area and friction of bodies that wear in pieces, all variants in one picture.
 
-    python bench/running_in.py --jobs 16 --csv courses.csv
+    python bench/running_in.py --jobs 16 --out courses.json
     python bench/running_in.py --jobs 16 --only seed --only half
-    python bench/running_in.py --read courses.csv --draw bench/pictures/running_in.png
+    python bench/running_in.py --read courses.json --draw bench/pictures/running_in.png
 
 Every case is a run of the reference of wear in pieces (a ball on a self-affine disc of 1.2 mm, half-space,
 5 µm cells) with a few keys changed, in a process of its own with one thread. The table has means over the
 30 mm before some distances: of the coefficient of friction where there is a film, else of the area in
-contact over F/H. With --read the courses are those of a table of --csv, and nothing is run.
+contact over F/H. With --read the courses are those of a file of --out, and nothing is run.
 """
 
-import csv
-import math
+import json
 from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
@@ -153,25 +152,6 @@ def course_of(what: str, changes: Keys) -> Course:
     return course
 
 
-def write_csv(path: Path, courses: Mapping[str, Course]) -> None:
-    """Write a row a case: its name and the means at `ENDS`, nan where it does not go so far."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["case", *(f"{end:g} mm" for end in ENDS)])
-        writer.writerows(
-            [name, *(course.get(end, math.nan) for end in ENDS)] for name, course in courses.items()
-        )
-
-
-def read_csv(path: Path) -> dict[str, Course]:
-    """Return the courses that `write_csv` wrote."""
-    with path.open(newline="", encoding="utf-8") as file:
-        return {
-            row["case"]: {end: value for end in ENDS if math.isfinite(value := float(row[f"{end:g} mm"]))}
-            for row in csv.DictReader(file)
-        }
-
-
 def draw(courses: Mapping[str, Course]) -> Figure:
     """Draw all courses: friction above, areas over F/H below, each beside the seeds of its reference."""
     figure = Figure(figsize=(13.0, 7.6), layout="constrained")
@@ -247,18 +227,18 @@ def compute(names: list[str], jobs: int) -> dict[str, Course]:
 @click.command()
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Runs at a time.")
 @click.option("--only", multiple=True, help="Run the cases whose name has this; may be given again.")
-@click.option("--csv", "table", type=click.Path(path_type=Path), help="Write the courses there.")
+@click.option("--out", type=click.Path(path_type=Path), help="Write the courses there, as JSON.")
 @click.option("--draw", "picture", type=click.Path(path_type=Path), help="Draw the courses there.")
-@click.option(
-    "--read", "read", type=click.Path(path_type=Path), help="Run nothing: take this table of --csv."
-)
-def main(
-    jobs: int, only: tuple[str, ...], table: Path | None, picture: Path | None, read: Path | None
-) -> None:
+@click.option("--read", type=click.Path(path_type=Path), help="Run nothing: take the courses of this --out.")
+def main(jobs: int, only: tuple[str, ...], out: Path | None, picture: Path | None, read: Path | None) -> None:
     """Run, tabulate and draw the courses of bodies that wear in pieces."""
-    courses = compute([*only], jobs) if read is None else read_csv(read)
-    if table is not None:
-        write_csv(table, courses)
+    if read is None:
+        courses = compute([*only], jobs)
+    else:
+        stored = json.loads(read.read_text(encoding="utf-8"))
+        courses = {name: {float(end): mean for end, mean in of.items()} for name, of in stored.items()}
+    if out is not None:
+        out.write_text(json.dumps(courses, indent=1, ensure_ascii=False), encoding="utf-8")
     if picture is not None:
         draw(courses).savefig(picture, dpi=150)
 

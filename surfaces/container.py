@@ -6,7 +6,7 @@ import re
 import tempfile
 import zipfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
@@ -80,20 +80,13 @@ def check_archive(path: Path) -> None:
                 raise ValueError(
                     f"{part.file_size} bytes of {part.filename} in {path.stat().st_size} of a .zip"
                 )
-    check_sums(path)
-
-
-def check_sums(path: Path) -> None:
-    """Raise ValueError where a part of a .x3p has not the MD5 that its description gives; no MD5 is none."""
-    with zipfile.ZipFile(path) as archive:
         if X3P not in archive.namelist() or archive.getinfo(X3P).file_size > MOST_LIST:
             return
         description = archive.read(X3P).decode("utf-8", errors="replace")
         for link, element in X3P_SUMS:
-            name, stated = (
-                re.search(rf"<(?:\w+:)?{tag}>\s*([^<]*?)\s*<", description) for tag in (link, element)
-            )
-            if name is None or stated is None or not stated[1].strip("0"):
+            parts = (re.search(rf"<(?:\w+:)?{tag}>\s*([^<]*?)\s*<", description) for tag in (link, element))
+            name, stated = parts
+            if name is None or stated is None or not stated[1].strip("0"):  # no MD5 is none
                 continue
             digest = hashlib.md5(archive.read(name[1]), usedforsecurity=False).hexdigest()
             if digest != stated[1].lower():
@@ -150,33 +143,21 @@ def choose(path: Path, members: list[Member], name: str | None) -> Member:
 
 
 @contextmanager
-def unpacked(path: Path, name: str) -> Iterator[Path]:
-    """Unpack a file of an archive, for as long as it is read. Raises ValueError for one that is too large."""
-    with (
-        zipfile.ZipFile(path) as archive,
-        archive.open(name) as packed,
-        _poured(path, packed, name, kind=".zip") as file,
-    ):
-        yield file
-
-
-@contextmanager
-def unzipped(path: Path) -> Iterator[Path]:
-    """Unpack a .gz, for as long as it is read. Raises ValueError for one that is too large."""
-    with gzip.open(path) as packed, _poured(path, packed, path.stem, kind=".gz") as file:
-        yield file
-
-
-@contextmanager
-def _poured(path: Path, packed: IO[bytes] | gzip.GzipFile, name: str, *, kind: str) -> Iterator[Path]:
-    """Write what comes out of a packed file into one of its own, with the ending of a name."""
+def unpacked(path: Path, name: str | None = None) -> Iterator[Path]:
+    """Unpack a .gz, or a file of a .zip, for as long as it is read. Raises ValueError for one too large."""
     most, size = most_unpacked(path), 0
-    with tempfile.TemporaryDirectory(prefix="warpwear-") as folder:
-        out = Path(folder) / f"member{Path(name).suffix[:10]}"
+    with ExitStack() as stack:
+        if name is None:
+            packed: IO[bytes] | gzip.GzipFile = stack.enter_context(gzip.open(path))
+        else:
+            packed = stack.enter_context(stack.enter_context(zipfile.ZipFile(path)).open(name))
+        folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="warpwear-"))
+        out = Path(folder) / f"member{Path(name or path.stem).suffix[:10]}"
         with out.open("wb") as file:
             while block := packed.read(BLOCK):
                 size += len(block)
                 if size > most:
-                    raise ValueError(f"more than {most} bytes in {path.stat().st_size} of a {kind}")
+                    packing = ".gz" if name is None else ".zip"
+                    raise ValueError(f"more than {most} bytes in {path.stat().st_size} of a {packing}")
                 file.write(block)
         yield out

@@ -4,12 +4,12 @@ A format stands in one place, `FORMATS`: how it is known, its reader, its ending
 """
 
 import math
+import re
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,6 @@ from warpwear.errors import InputError
 from warpwear.surfaces import container
 from warpwear.surfaces.container import ORIGINAL, Member, check_archive, is_container
 from warpwear.surfaces.files import layouts
-from warpwear.surfaces.files.profiles import PRF, read_prf, x3p_profile
 from warpwear.surfaces.point_cloud import gridded, spaced, units_in
 from warpwear.surfaces.text import NoTable, read_table
 
@@ -32,13 +31,8 @@ BLOCK = 2**20  # bytes of a file that are looked at together
 START = 64  # bytes by which a format may be known
 TEXT = (".xyz", ".txt", ".csv", ".asc", ".dat", ".tsv", ".hfm")
 CUT = "the file's last line has no end: it may have been cut short, and its last value with it"
-#: Formats of SurfaceTopography that are not looked for: those without a mark, for which other files pass (of
-#: hgt any 2n² bytes, of nms two small numbers), and what is read here.
-NOT_SOUGHT = ("hgt", "npy", "npz")
-BCR, ISO = b"BCR-1.0", b"ISO-1.0"  # behind the first letter of an .sdf
-BY_ENDING = ("nms",)  # is looked for in files of this ending
-#: Its formats of plain text, whose readers take a minute for a few MB of anything else.
-PLAIN = ("asc", "xyz")
+#: Begins the name of a column of places, in a table of several lines beside each other.
+PLACE = re.compile(r"\W*(lateral|distance|position|x)\b", re.IGNORECASE)
 #: Points that a file may declare for each of its bytes: packed zeros give 130.
 POINTS_A_BYTE = 200
 MOST_POINTS = 2**28  # 2 GiB of heights
@@ -111,7 +105,8 @@ def read_raw(source: Source) -> Raw:
         format = next(format for format in FORMATS if format.fits(source))
     except OSError as error:
         raise InputError(f"disc.surface '{source.path}' cannot be read: {error.strerror}") from error
-    return format.read(source)
+    with _refused(source.path, f"as {format.endings[0]}"):
+        return format.read(source)
 
 
 def refusal(path: Path, what: str) -> InputError:
@@ -143,7 +138,7 @@ def _first_line(error: Exception) -> str:
 
 
 def _read_npy(source: Source) -> Raw:
-    with _refused(source.path, "as .npy"), source.path.open("rb") as file:
+    with source.path.open("rb") as file:
         array = np.load(file, allow_pickle=False)
         if file.read(1):
             raise ValueError("there is more in it than its array")
@@ -162,9 +157,8 @@ def _is_npz(source: Source) -> bool:
 
 def _read_npz(source: Source) -> Raw:
     path, name = source.path, source.array
-    with _refused(path, "as .npz"):
-        check_archive(path)
-    with _refused(path, "as .npz"), np.load(path, allow_pickle=False) as content:
+    check_archive(path)
+    with np.load(path, allow_pickle=False) as content:
         names = list(content.files)
         fitting = [n for n in names if n == name or (name is None and n.lower() in HEIGHT_NAMES)]
         if name is None and len(names) == 1:
@@ -224,6 +218,10 @@ def _read_text(source: Source, *, otherwise: InputError | None = None) -> Raw:
         else:
             extra = (f"columns after the third ignored, {table.width - 3}",) if table.width > 3 else ()
             return Raw(cloud.heights, "xyz", cloud.pixel, lateral, height, cloud.notes + extra + notes)
+    names = table.header[-1].split(table.separator) if table.header else []
+    if len(names) == table.width and PLACE.match(names[0]):
+        what = f"is a table whose first column, '{names[0].strip()}', is no height"
+        raise refusal(path, f"{what}, and no matrix of heights nor points x y z")
     if table.header:  # sizes and units as SurfaceTopography understands them
         # a header it does not know, or the package is not here: the numbers are read all the same
         with suppress(InputError):
@@ -235,29 +233,26 @@ def _read_text(source: Source, *, otherwise: InputError | None = None) -> Raw:
 
 def _read_tmd(source: Source) -> Raw:
     """Read a .tmd, whose comment may have any length."""
-    with _refused(source.path, "as .tmd"):
-        heights, pixel = layouts.read_tmd(source.path)
+    heights, pixel = layouts.read_tmd(source.path)
     return Raw(heights, "tmd", pixel, "mm", "mm")
 
 
 def _read_prf(source: Source) -> Raw:
     """Read a .prf of text, which a stylus instrument's program exports."""
-    with _refused(source.path, "as .prf"):
-        heights, step = read_prf(source.path)
+    heights, step = layouts.read_prf(source.path)
     return Raw(heights, "prf", (step,), "mm", "mm")
 
 
 def _read_x3p(source: Source) -> Raw:
     """Read the profile in an .x3p, or the map."""
-    with _refused(source.path, "as .x3p"):
-        check_archive(source.path)
-        profile = x3p_profile(source.path)
+    check_archive(source.path)
+    profile = layouts.x3p_profile(source.path)
     return _read_topography(source) if profile is None else Raw(profile[0], "x3p", (profile[1],), "m", "m")
 
 
 def _read_packed(source: Source) -> Raw:
     """Read any of these that gzip has packed."""
-    with _refused(source.path, "as .gz"), container.unzipped(source.path) as file:
+    with container.unpacked(source.path) as file:
         if Source(file).start.startswith(GZIP):
             raise ValueError("a packed file in a packed one")
         try:
@@ -325,31 +320,6 @@ def _as_listed(raw: Raw, member: Member, kind: str) -> Raw:
     )
 
 
-def _open_topography(path: Path, *, plain: bool) -> Any:
-    """Open a file with the first reader of SurfaceTopography that knows it. plain: those of text, too."""
-    io = lazy.load("SurfaceTopography").IO  # 2 s, so only when needed
-    with path.open("rb") as file:
-        start = file.read(io.MAGIC_BUFFER_SIZE)
-    content: Any = str(path)
-    if start[1:8] == BCR:  # the layout of ISO 25178-71 under its older name
-        start = start[:1] + ISO + start[8:]
-        content = BytesIO(start + path.read_bytes()[len(start) :])
-    known: Exception | None = None
-    for reader in io.readers:
-        fit, name = reader.can_read(start), reader.format()
-        if fit is io.MagicMatch.NO or name in NOT_SOUGHT or (name in PLAIN and not plain):
-            continue
-        if name in BY_ENDING and path.suffix.lower() != f".{name}":
-            continue
-        try:
-            if name == "ibw":
-                layouts.check_wave(path)
-            return reader(content)
-        except Exception as error:  # the reader is foreign: whatever it raises, another may do
-            known = error if fit is io.MagicMatch.YES else known
-    raise known or ValueError("no reader knows the format")
-
-
 def _read_instrument(source: Source) -> Raw:
     """Read a height map that SurfaceTopography knows, or the numbers of a text that it does not."""
     try:
@@ -371,7 +341,7 @@ def _read_topography(source: Source, *, plain: bool = False) -> Raw:
     if source.start.startswith(ZIP):
         with _refused(path, "as an archive"):
             check_archive(path)
-    with _refused(path, "as a surface"), _open_topography(path, plain=plain) as reader:
+    with _refused(path, "as a surface"), layouts.open_topography(path, plain=plain) as reader:
         name, channel = str(reader.format()), layouts.channel_of_heights(reader, source.channel)
         shape, room = channel.nb_grid_pts, path.stat().st_size
         if math.prod(shape) > min(MOST_POINTS, BLOCK + POINTS_A_BYTE * room):
@@ -407,7 +377,7 @@ FORMATS = (
     ),
     Format("a packed one of these", (".gz",), lambda s: s.start.startswith(GZIP), _read_packed),
     Format("a map of TrueMap", (".tmd",), lambda s: s.start.lower().startswith(layouts.TMD), _read_tmd),
-    Format("a profile", (".prf",), lambda s: s.start.split(b"\n")[0].strip() == PRF, _read_prf),
+    Format("a profile", (".prf",), lambda s: s.start.split(b"\n")[0].strip() == layouts.PRF, _read_prf),
     Format("an archive of ISO 25178-72", (".x3p",), lambda s: s.ending == ".x3p", _read_x3p),
     Format("text of points x y z or of a matrix", TEXT, lambda s: s.is_text and s.ending in TEXT, _read_text),
     Format(

@@ -21,7 +21,6 @@ ndimage = lazy.module("scipy.ndimage")
 sparse = lazy.module("scipy.sparse")
 
 DEFAULT = Preparation()  # takes the plane off
-EXTENSIONS = ("refuse", "mirror", "periodic")
 CUT_OFF_CELLS = 2.0  # cut-off wavelength of the filter against aliasing: the shortest wave cells can carry
 SLACK = 1e-9  # relative, for lengths that should be equal
 SLOPE_CHANGE = 0.1  # of the rms slope when the shortest wavelength doubles: more is worth a notice
@@ -52,9 +51,6 @@ class Measured:
     filled: BoolArray | None = None
     is_profile: bool = False
     details: dict[str, Any]
-
-    def __post_init__(self) -> None:
-        _check_extend(self.extend)
 
     @property
     def size(self) -> tuple[float, float]:
@@ -119,9 +115,7 @@ class Measured:
         """
         notices = list(self.details.get("overrides", []))
         if self.is_profile:
-            notices.append(
-                "disc.surface is a profile: the disc is taken alike across sliding, as if by its lay"
-            )
+            notices.append("disc.surface is a profile: the disc is taken alike across sliding, as by a lay")
         reach = _reach(x, y)
         if self.extend != "refuse" and self._is_exceeded(reach):
             copies = " × ".join(f"{r / s:.1f}" for r, s in zip(reach, self.size, strict=True))
@@ -250,7 +244,6 @@ def read_measured(
     which of a .npz. extend: see `Measured`. Raises InputError, naming the field of ``disc``, for anything
     that is no plausible areal measurement.
     """
-    _check_extend(extend)
     reading = read(path, pixel=pixel, height_unit=height_unit, array=array, profile=profile)
     whole = _alike_across(reading, preparation) if profile else reading
     heights, filled, pixel, record = prepare(whole, preparation, name=str(path))
@@ -297,11 +290,6 @@ def _of_file(path: Path, reading: Reading) -> dict[str, Any]:
         "height_max_um": float(np.nanmax(reading.heights)) * 1e3,
         "sq_as_read_um": float(np.nanstd(reading.heights)) * 1e3,
     }
-
-
-def _check_extend(extend: str) -> None:
-    if extend not in EXTENSIONS:
-        raise InputError(f'disc.extend is {extend!r}: allowed is "refuse", "mirror" or "periodic"')
 
 
 def _reach(x: FloatArray, y: FloatArray) -> tuple[float, float]:

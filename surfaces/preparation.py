@@ -21,7 +21,6 @@ HIGHEST_DEGREE = 12  # of a polynomial taken off
 LARGEST_SQ = 1.0  # mm: above it a unit is wrong
 #: Median slope above which a unit is wrong, as no instrument sees a surface of 79° over half its area.
 STEEPEST = 5.0
-FEWEST_DEVIATIONS = 3.0  # robust standard deviations: fewer would take off the surface's own peaks
 LARGEST_MISSING = 0.5  # share of the points: beyond it the surface would be invented, not measured
 
 
@@ -52,19 +51,6 @@ class Preparation:
     s_filter: float | None = None
     l_filter: float | None = None
 
-    def __post_init__(self) -> None:
-        if self.height_sign not in ("up", "down"):
-            raise InputError(f'disc.height_sign is {self.height_sign!r}: allowed is "up" or "down"')
-        if self.sliding_axis not in ("x", "y"):
-            raise InputError(f'disc.sliding_axis is {self.sliding_axis!r}: allowed is "x" or "y"')
-        degree_of(self.level)
-        limit = self.outliers
-        if limit is not None and not FEWEST_DEVIATIONS <= limit < math.inf:
-            raise InputError(
-                f"disc.outliers is {limit!r}: allowed is a number of robust standard deviations, at least "
-                f"{FEWEST_DEVIATIONS:g}"
-            )
-
 
 class Prepared(NamedTuple):
     """A prepared measurement is complete, over its mean, and says what was done to it."""
@@ -81,8 +67,7 @@ def prepare(reading: Reading, preparation: Preparation, *, name: str) -> Prepare
     Raises InputError, naming the field of ``disc``, for operations that the measurement does not allow and
     for heights that no measurement has.
     """
-    heights, (along, across) = reading.heights, reading.pixel
-    pixel = along, across
+    heights, pixel = reading.heights, reading.pixel
     done = list(reading.notes)
     if preparation.height_sign == "down":
         heights = -heights
@@ -169,8 +154,6 @@ def _cropped(
         f"allowed is x0, x1, y0, y1 within the measurement, {extent[0]:.6g} × {extent[1]:.6g} mm, or a size "
         "along x and y up to that"
     )
-    if len(bounds) != 4:
-        raise InputError(f"disc.crop is ({text}) mm: {allowed}")
     slices = []
     for low, high, size, step in zip(bounds[::2], bounds[1::2], extent, pixel, strict=True):
         slack = 1e-6 * step

@@ -17,19 +17,8 @@ if TYPE_CHECKING:
 # reads tables, containers and clouds of points: a surface that is made needs none of it
 formats = lazy.module("warpwear.surfaces.formats")
 
-MILLIMETRES = {
-    "km": 1e6,
-    "m": 1e3,
-    "cm": 10.0,
-    "mm": 1.0,
-    "µm": 1e-3,
-    "um": 1e-3,
-    "nm": 1e-6,
-    "Å": 1e-7,
-    "A": 1e-7,
-    "pm": 1e-9,
-    "fm": 1e-12,
-}
+MILLIMETRES = {"km": 1e6, "m": 1e3, "cm": 10.0, "mm": 1.0, "µm": 1e-3, "um": 1e-3, "nm": 1e-6}
+MILLIMETRES |= {"Å": 1e-7, "A": 1e-7, "pm": 1e-9, "fm": 1e-12}
 UNITS = "m, mm, um, µm, nm"  # that a study may give; a file may state any of MILLIMETRES
 SMALLEST_PIXEL = 1e-7  # mm: no instrument for roughness goes below
 LARGEST_PIXEL = 1.0  # mm: nor beyond

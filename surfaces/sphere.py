@@ -8,7 +8,7 @@ import numpy as np
 from warpwear import lazy
 from warpwear.grid import FloatArray
 from warpwear.laws.linear import least_squares
-from warpwear.surfaces.base import BoolArray
+from warpwear.surfaces.base import BoolArray, IntArray
 
 optimize = lazy.module("scipy.optimize")
 
@@ -58,12 +58,8 @@ def fit_sphere(
     are fewer than ten points, they have no curvature to speak of, or they lie beyond the equator.
     """
     x, y = places(heights.shape, pixel)
-    valid = np.isfinite(heights) if where is None else np.isfinite(heights) & where
-    i, j = np.nonzero(valid)
-    if i.size < FEWEST_POINTS:
-        raise NoSphere("fewer than ten points")
-    keep = slice(None, None, max(1, i.size // FIT_POINTS))
-    px, py, z = x[i[keep]], y[j[keep]], heights[i[keep], j[keep]]
+    i, j = _fitted(np.isfinite(heights) if where is None else np.isfinite(heights) & where)
+    px, py, z = x[i], y[j], heights[i, j]
     scale = max(float(np.hypot(np.ptp(px), np.ptp(py))) / 2.0, 1e-12)
     design = np.stack([np.ones_like(px), px / scale, py / scale, (px**2 + py**2) / scale**2], axis=1)
     z0, bx, by, bend = least_squares(design, z)
@@ -108,9 +104,8 @@ class Cylinder:
         along, across = (x, y) if self.axis == 0 else (y, x)
         with np.errstate(invalid="ignore"):
             arc = self.crest[1] - _sag((across - self.crest[0]) ** 2, 1.0 / self.radius)
-        return (
-            np.add.outer(self.tilt * along, arc) if self.axis == 0 else np.add.outer(arc, self.tilt * along)
-        )
+        tilted = self.tilt * along
+        return np.add.outer(tilted, arc) if self.axis == 0 else np.add.outer(arc, tilted)
 
 
 def fit_cylinder(heights: FloatArray, *, pixel: tuple[float, float]) -> Cylinder:
@@ -119,13 +114,10 @@ def fit_cylinder(heights: FloatArray, *, pixel: tuple[float, float]) -> Cylinder
     heights, pixel: as of `fit_sphere`. A parabola starts the fit. Raises NoSphere where there are fewer
     than ten points or they have no curvature to speak of.
     """
-    i, j = np.nonzero(np.isfinite(heights))
-    if i.size < FEWEST_POINTS:
-        raise NoSphere("fewer than ten points")
-    keep = slice(None, None, max(1, i.size // FIT_POINTS))
-    axes, z = places(heights.shape, pixel), heights[i[keep], j[keep]]
+    i, j = _fitted(np.isfinite(heights))
+    axes, z = places(heights.shape, pixel), heights[i, j]
     scale = max(float(np.ptp(places)) for places in axes) / 2.0
-    points = axes[0][i[keep]] / scale, axes[1][j[keep]] / scale
+    points = axes[0][i] / scale, axes[1][j] / scale
     z0, *slopes, bend_x, bend_y = least_squares(
         np.stack([np.ones_like(z), *points, points[0] ** 2, points[1] ** 2], axis=1), z / scale
     )
@@ -142,6 +134,15 @@ def fit_cylinder(heights: FloatArray, *, pixel: tuple[float, float]) -> Cylinder
     with np.errstate(invalid="ignore"):
         x0, top, curvature, tilt = optimize.least_squares(rest, start, method="lm", xtol=1e-14, ftol=1e-14).x
     return Cylinder(axis, (float(x0 * scale), float(top * scale)), float(scale / curvature), float(tilt))
+
+
+def _fitted(valid: BoolArray) -> tuple[IntArray, IntArray]:
+    """Return the indices along both axes of the valid points that are fitted to. Raises NoSphere for few."""
+    i, j = np.nonzero(valid)
+    if i.size < FEWEST_POINTS:
+        raise NoSphere("fewer than ten points")
+    every = max(1, i.size // FIT_POINTS)
+    return i[::every], j[::every]
 
 
 def _sag(squared: FloatArray, curvature: float) -> FloatArray:

@@ -59,9 +59,8 @@ class Table:
         try:
             values = np.loadtxt(rows, delimiter=self.separator, usecols=wanted, ndmin=2, comments=None)
         except ValueError:  # words for what is missing, or what is no number
-            values = np.array(
-                [self._row(row, line, columns) for row, line in zip(rows, self.lines, strict=True)]
-            )
+            numbered = zip(rows, self.lines, strict=True)
+            values = np.array([self._row(row, line, columns) for row, line in numbered])
         return np.where(np.isfinite(values), values, np.nan)
 
     def _with_points(self, wanted: Sequence[int]) -> list[str]:

@@ -1,5 +1,6 @@
 """What the tests with broken input share: mutations of text, of nested keys and of bytes, and watches."""
 
+import json
 import os
 import random
 import signal
@@ -7,16 +8,22 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
 import pytest
 
+from warpwear.errors import InputError
+
 #: Nothing that is only read may take longer, of the processor's time [s].
 LONGEST = 5.0
 
+#: Longest that a file of 5 MB may take of the processor's time [s].
+LARGE, LONGEST_LARGE = 5_000_000, 10.0
+#: Bytes at either end of a file in which most of what it says of itself stands.
+ENDS = 2048
 #: More memory than once everything is loaded [bytes].
 MOST_MEMORY = 2**30
 #: "k/n" in this variable leaves of every fuzz the k-th of n shares, k from 0, so that n processes make all.
@@ -172,3 +179,56 @@ def mutated_bytes(content: bytes, dice: random.Random) -> bytes:
     else:
         found[a:b] = bytes(b - a)
     return bytes(found)
+
+
+def mutated_file(content: bytes, dice: random.Random) -> bytes:
+    """Content of some MB, mostly at its ends: broken as above, cut, with garbage in it or a huge count."""
+    place = dice.randrange(3)
+    at = dice.randrange(len(content)) if place == 0 else dice.randrange(ENDS) - ENDS * (place == 2)
+    at %= len(content)
+    how = dice.randrange(5)
+    if how == 0:
+        return content[: dice.randrange(len(content))]
+    if how == 1:
+        return content[:at] + dice.randbytes(dice.choice((1, 100, 100_000))) + content[at:]
+    if how == 2:
+        count = dice.choice((b"\xff\xff\xff\x7f", b"\x7f\xff\xff\xff", b"99999999", b"\0" * 8, b"-1e999"))
+        return content[:at] + count + content[at + len(count) :]
+    start = max(at - ENDS // 2, 0) if how == 3 else 0
+    stop = start + ENDS if how == 3 else len(content)
+    return content[:start] + mutated_bytes(content[start:stop], dice) + content[stop:]
+
+
+def in_a_child(work: Callable[[], object]) -> tuple[str, float, int]:
+    """Do work on a file of some MB in a process of its own, within what it may cost.
+
+    Return the sentence by which it was refused, or nothing, its processor's time [s] and most memory [bytes].
+    """
+    resource = pytest.importorskip("resource")
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        told = ["defect", "ended without a word"]
+        try:
+            resource.setrlimit(resource.RLIMIT_CPU, (int(2 * LONGEST_LARGE), int(3 * LONGEST_LARGE)))
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+            work()
+            told = ["read", ""]
+        except InputError as error:
+            check_sentence(error)
+            told = ["refused", str(error)]
+        except BaseException as error:
+            told = ["defect", repr(error) if isinstance(error, AssertionError) else located(error)]
+        finally:
+            os.write(writing, json.dumps(told).encode()[:4000])
+            os._exit(0)
+    os.close(writing)
+    with os.fdopen(reading, "rb") as answer:
+        how, said = json.loads(answer.read() or b'["defect", "was killed"]')
+    used = os.wait4(child, 0)[2]
+    seconds = used.ru_utime + used.ru_stime
+    memory = used.ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+    assert how != "defect", said
+    assert seconds < LONGEST_LARGE, f"takes {seconds:.1f} s: {said}"
+    assert memory < MOST_MEMORY, f"takes {memory / 2**30:.2f} GiB: {said}"
+    return said, seconds, memory

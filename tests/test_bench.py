@@ -57,7 +57,7 @@ def test_contenders_agree(kind: str) -> None:
         traces[name] = [loop.advance(d) for d in increments]
     in_numpy = NumpyLoop(problem, gap_of(study))
     traces["NumPy"] = [in_numpy.advance(d) for d in increments]
-    counter = sag_of(study.cells.x, study.cells.y, study.counter.curvature)
+    counter = sag_of(study.cells.x, study.cells.y, study.counter.form.curvature)
     published = PublishedLoop(problem, counter, heights_of(study).copy())
     tolerance = None if kind == "explicit" else TIGHT * problem.load
     traces["published"] = [published.advance(d, tolerance=tolerance) for d in increments]
@@ -112,7 +112,7 @@ def test_published_way_goes_on_from_a_loop() -> None:
     for loop in loops:
         for d in INCREMENTS:
             loop.advance(d)
-    published = PublishedLoop.after(loops[0], study.cells.x, study.cells.y, study.counter.curvature)
+    published = PublishedLoop.after(loops[0], study.cells.x, study.cells.y, study.counter.form.curvature)
     found = published.advance(3.0, tolerance=TIGHT * problem.load)
     check("after", {"NumPy": [loops[1].advance(3.0)], "published": [found]})
 

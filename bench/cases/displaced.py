@@ -51,7 +51,7 @@ class InNumpy:
     def __init__(self, study: Study, track: FloatArray) -> None:
         self.trace: Trace = []
         self._problem = problem = Problem.of(study)
-        self._unworn = sag_of(study.cells.x, study.cells.y, study.counter.curvature)
+        self._unworn = sag_of(study.cells.x, study.cells.y, study.counter.form.curvature)
         self._counter = self._unworn.copy()
         self._track = track.copy()
         self._work = work_for(self._counter)

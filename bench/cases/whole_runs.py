@@ -126,7 +126,7 @@ def published_run(case: str, study: Study, plan: Sequence[float], look: Sequence
         step = min(step, len(plan) - 1)
         here = copy(loop)
         here.gap, here.overlap = loop.gap.copy(), np.empty_like(loop.gap)
-        published = PublishedLoop.after(here, study.cells.x, study.cells.y, study.counter.curvature)
+        published = PublishedLoop.after(here, study.cells.x, study.cells.y, study.counter.form.curvature)
         units.append(unit.seconds())
         start = time.perf_counter()
         trials.append(published.advance(plan[step]).evaluations)
@@ -179,5 +179,5 @@ def whole_run(case: str, study: Study, unit: Unit, setting: Setting, *, share: f
 
 def unworn_published(study: Study) -> PublishedLoop:
     """The published way from the start."""
-    counter: FloatArray = sag_of(study.cells.x, study.cells.y, study.counter.curvature)
+    counter: FloatArray = sag_of(study.cells.x, study.cells.y, study.counter.form.curvature)
     return PublishedLoop(Problem.of(study), counter, heights_of(study).copy())

@@ -50,7 +50,7 @@ class Problem:
         """From a study with constant K and a factor that is none or across (eq 4.22)."""
         y = study.cells.y
         across = study.wear.distance_factor == "across"
-        factor = np.sqrt(1.0 - (y * study.counter.curvature) ** 2) if across else np.ones_like(y)
+        factor = np.sqrt(1.0 - (y * study.counter.form.curvature) ** 2) if across else np.ones_like(y)
         counter, disc = (law.steady for law in study.wear_laws)
         return cls(
             load=study.contact.load,

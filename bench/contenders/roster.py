@@ -106,7 +106,7 @@ def heights_of(study: Study) -> FloatArray:
 
 def gap_of(study: Study) -> FloatArray:
     """Return the gap of the unworn bodies [mm], made by NumPy."""
-    gap = sag_of(study.cells.x, study.cells.y, study.counter.curvature)
+    gap = sag_of(study.cells.x, study.cells.y, study.counter.form.curvature)
     gap -= heights_of(study)
     return gap
 
@@ -177,7 +177,7 @@ def steps(
         timed(name, made())
     in_numpy = NumpyLoop(Problem.of(study), gap_of(study))
     timed("NumPy", in_numpy)
-    published = PublishedLoop.after(in_numpy, study.cells.x, study.cells.y, study.counter.curvature)
+    published = PublishedLoop.after(in_numpy, study.cells.x, study.cells.y, study.counter.form.curvature)
     del in_numpy
     # Compared in the step after those of NumPy, balanced as tightly; timed as published.
     compared = published.advance(increment, tolerance=TIGHT * study.contact.load)

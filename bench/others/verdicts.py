@@ -8,7 +8,6 @@ The rule stands in README.md of this folder, the readings in words in each `pred
 """
 
 import hashlib
-import io
 import math
 import tomllib
 import urllib.request
@@ -21,6 +20,8 @@ import click
 import numpy as np
 import pandas as pd
 import tomli_w
+
+from warpwear.measured.rows import read_rows
 
 HERE = Path(__file__).parent
 #: A band whose ends differ by more says nothing; a rigid form's point counts with this part on either side.
@@ -87,39 +88,20 @@ def trib(data: Path) -> Values:
     for case in ("c1", "c2"):
         values[case] = groove(data / f"profile_{case.upper()}.csv")
         if (data / f"{case}.csv").exists():
-            text = (data / f"{case}.csv").read_bytes().decode("latin-1")
-            table = pd.read_csv(io.StringIO(text), sep=r"\s+", decimal=",")
-            values[case] |= course(table["Distance"].to_numpy(float), table.iloc[:, 3].to_numpy(float))
+            table = read_rows(data / f"{case}.csv", "2 [m],4").table
+            values[case] |= course(1e-3 * table["distance"], table["cof"])
     return values
 
 
-def below_head(path: Path, head: str, separator: str) -> pd.DataFrame:
-    """Read what stands below the line that begins so, whatever ends the lines, with decimal points."""
-    lines = path.read_text(encoding="latin-1").splitlines()
-    start = next(row for row, line in enumerate(lines) if line.startswith(head))
-    names = [name.strip() for name in lines[start].split(separator)]
-    rows = [line.split(separator) for line in lines[start + 1 :]]
-    if separator != ",":
-        rows = [[cell.replace(",", ".") for cell in row] for row in rows]
-    table = pd.DataFrame([row for row in rows if len(row) == len(names)], columns=names)
-    return table.loc[:, ~table.columns.duplicated()]
-
-
-def steps_of(path: Path) -> list[tuple[float, float]]:
-    """Speed [rpm] and mean coefficient, of the second half of each long step of a Rtec record."""
-    table = below_head(path, "Step, Timestamp", ",")
-    numbers = table.apply(pd.to_numeric, errors="coerce").dropna(subset=["DAQ.Fz (N)", "DAQ.Fx (N)", "Step"])
-    turning = numbers[(numbers["Rotary.Velocity (rpm)"].abs() > 1.0) & (numbers["DAQ.Fz (N)"].abs() > 0.5)]
-    groups = [rows for _, rows in turning.groupby("Step", sort=False)]
-    longest = max(map(len, groups))
-    halves = [rows.iloc[len(rows) // 2 :] for rows in groups if len(rows) > longest / 2]
-    return [
-        (
-            float(h["Rotary.Velocity (rpm)"].abs().median()),
-            float((h["DAQ.Fx (N)"] / h["DAQ.Fz (N)"]).abs().mean()),
-        )
-        for h in halves
-    ]
+def steps_of(path: Path) -> list[float]:
+    """Mean coefficient of the second half of each long step of a Rtec record."""
+    rows = read_rows(path)
+    normal, friction = rows.table["normal force"], rows.table["friction force"]
+    turning = (np.abs(rows.table["rpm"]) > 1.0) & (np.abs(normal) > 0.5)
+    groups = [np.flatnonzero(turning & (rows.step == number)) for number in range(len(rows.steps))]
+    longest = max(group.size for group in groups)
+    halves = [group[group.size // 2 :] for group in groups if group.size > longest / 2]
+    return [float(np.abs(friction[half] / normal[half]).mean()) for half in halves]
 
 
 def saint_gobain(data: Path) -> Values:
@@ -129,7 +111,7 @@ def saint_gobain(data: Path) -> Values:
         ratios = []
         for low, high in zip(light, heavy, strict=True):
             pairs = zip(steps_of(data / f"{low:03d}.csv"), steps_of(data / f"{high:03d}.csv"), strict=True)
-            ratios += [above[1] / below[1] for below, above in pairs]
+            ratios += [above / below for below, above in pairs]
         values[case] = {
             "coefficient at 9 N over that at 3 N": math.exp(float(np.log(ratios).mean())),
             "standard deviation of its eight": float(np.std(ratios, ddof=1)),
@@ -139,13 +121,13 @@ def saint_gobain(data: Path) -> Values:
 
 def pin(path: Path) -> tuple[float, float]:
     """Coefficient and wear depth a metre [µm/m] of the second half of a TE67 record."""
-    table = below_head(path, "\tTime\tThis Step", "\t")
-    names = ["Speed", "Distance", "Friction Coefficient", "Displacement"]
-    rows = table[names].apply(pd.to_numeric, errors="coerce").dropna()
-    moving = rows[rows["Speed"] > 1.0]
-    half = moving.iloc[len(moving) // 2 :]
-    slope = np.polyfit(half["Distance"].to_numpy(float), half["Displacement"].to_numpy(float), 1)[0]
-    return float(half["Friction Coefficient"].mean()), abs(float(slope))
+    table = read_rows(path).table
+    # Picked where a coefficient would stand: a record of friction has no place for a wear depth.
+    depth = read_rows(path, "Distance [m],Displacement").table["cof"]
+    moving = np.flatnonzero(table["rpm"] > 1.0)
+    half = moving[moving.size // 2 :]
+    slope = np.polyfit(1e-3 * table["distance"][half], depth[half], 1)[0]
+    return float(table["cof"][half].mean()), abs(float(slope))
 
 
 def pps(data: Path) -> Values:

@@ -4,7 +4,10 @@ import itertools
 import math
 import re
 import struct
+import xml.etree.ElementTree as ElementTree
+import zipfile
 from collections.abc import Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +24,22 @@ TMD_START = 32  # bytes before its comment, which a byte of value 0 ends
 TMD_SIZES = struct.Struct("<2I4f")  # points along x and y, lengths and offsets of both [mm]
 IBW_VERSION = 5  # of an Igor wave whose header is known
 IBW_DIMENSIONS = 132  # bytes before the numbers of its points along its four dimensions
+#: Formats of SurfaceTopography that are not looked for: those without a mark, for which other files pass (of
+#: hgt any 2n² bytes, of nms two small numbers), and what is read here.
+NOT_SOUGHT = ("hgt", "npy", "npz")
+BCR, ISO = b"BCR-1.0", b"ISO-1.0"  # behind the first letter of an .sdf
+BY_ENDING = ("nms",)  # is looked for in files of this ending
+#: Its formats of plain text, whose readers take a minute for a few MB of anything else.
+PLAIN = ("asc", "xyz")
 LENGTH = re.compile(rf"#[^:]+:\s*(\d+(?:[.,]\d*)?(?:[eE][+-]?\d+)?)\s*({UNIT})\s*")
 NAMED_UNIT = re.compile(rf"#[^:]+:\s*({UNIT})\s*")
+PRF = b"1 2"  # the first line of a .prf
+FEATURE = "{*}Record1/{*}FeatureType"
+SIZE = "{*}Record3/{*}MatrixDimension/{*}SizeX"
+LINK = "{*}Record3/{*}DataLink/"
+AXES = "{*}Record1/{*}Axes/"
+#: Types of an .x3p's values, little endian: 16 and 32 bit integers and floats of 32 and 64 bit.
+TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 
 
 def read_tmd(path: Path) -> tuple[FloatArray, tuple[float, float]]:
@@ -70,6 +87,31 @@ def looked_into(path: Path) -> tuple[str | None, bool]:
     return (away[0] if away else None), is_result
 
 
+def open_topography(path: Path, *, plain: bool) -> Any:
+    """Open a file with the first reader of SurfaceTopography that knows it. plain: those of text, too."""
+    io = lazy.load("SurfaceTopography").IO  # 2 s, so only when needed
+    with path.open("rb") as file:
+        start = file.read(io.MAGIC_BUFFER_SIZE)
+    content: Any = str(path)
+    if start[1:8] == BCR:  # the layout of ISO 25178-71 under its older name
+        start = start[:1] + ISO + start[8:]
+        content = BytesIO(start + path.read_bytes()[len(start) :])
+    known: Exception | None = None
+    for reader in io.readers:
+        fit, name = reader.can_read(start), reader.format()
+        if fit is io.MagicMatch.NO or name in NOT_SOUGHT or (name in PLAIN and not plain):
+            continue
+        if name in BY_ENDING and path.suffix.lower() != f".{name}":
+            continue
+        try:
+            if name == "ibw":
+                check_wave(path)
+            return reader(content)
+        except Exception as error:  # the reader is foreign: whatever it raises, another may do
+            known = error if fit is io.MagicMatch.YES else known
+    raise known or ValueError("no reader knows the format")
+
+
 def check_wave(path: Path) -> None:
     """Raise ValueError where an Igor wave declares more values than its file has bytes."""
     with path.open("rb") as file:
@@ -92,3 +134,59 @@ def channel_of_heights(reader: Any, number: int | None) -> Any:
     if not fitting and number is not None:
         raise ValueError(f"no channel of heights number {number}")
     return (fitting or channels)[0]
+
+
+def read_prf(path: Path) -> tuple[FloatArray, float]:
+    """Return heights [mm], shape (n,), and spacing [mm] of a .prf. Raises ValueError.
+
+    Its records are lines of text that end with EOR: axes with number of points, unit and scale, then keys
+    such as the spacing, then whole numbers of steps (the softgauges of NPL write it so).
+    """
+    records = path.read_text(encoding="latin-1").split("EOR")
+    if len(records) < 4:
+        raise ValueError("it is cut short: fewer than three records that end with EOR")
+    lines = {words[0]: words for line in "\n".join(records[:2]).splitlines() if (words := line.split())}
+    axis, spacing = lines.get("CZ", []), lines.get("SPACING", [])
+    if len(axis) < 5 or len(spacing) < 3 or spacing[1] != "CX":
+        raise ValueError("it lacks the scale of its heights, CZ, or SPACING CX")
+    if {axis[3], lines.get("CX", axis)[3]} != {"MM"}:
+        raise ValueError(f"its unit is {axis[3]!r}: allowed is MM")
+    values = np.array([float(word) for word in records[2].split()])
+    if values.size != round(float(axis[2])):
+        raise ValueError(f"it holds {values.size} heights, and says that there are {axis[2]}")
+    return values * float(axis[4]), float(spacing[2])
+
+
+def x3p_profile(path: Path) -> tuple[FloatArray, float] | None:
+    """Return heights [m] and spacing [m] of a profile in an .x3p, None where it holds a map; shape (n,).
+
+    ISO 25178-72: evenly spaced, with the heights in a file of their own. Raises ValueError, KeyError or
+    zipfile.BadZipFile for what is damaged or not so.
+    """
+    with zipfile.ZipFile(path) as archive:
+        main = ElementTree.fromstring(archive.read("main.xml"))
+        if _text(main, FEATURE) != "PRF":
+            return None
+        if _text(main, f"{AXES}{{*}}CX/{{*}}AxisType") != "I":
+            raise ValueError("its points are not evenly spaced")
+        kind = TYPES[_text(main, f"{AXES}{{*}}CZ/{{*}}DataType")]
+        values = np.frombuffer(archive.read(_text(main, f"{LINK}{{*}}PointDataLink")), kind)
+        mask = main.findtext(f"{LINK}{{*}}ValidPointsLink")
+        packed = archive.read(mask.strip()) if mask else b""
+    count = int(_text(main, SIZE))
+    if values.size != count:
+        raise ValueError(f"it holds {values.size} heights, and says that there are {count}")
+    step, scale = (float(main.findtext(f"{AXES}{{*}}{axis}/{{*}}Increment") or 1.0) for axis in ("CX", "CZ"))
+    heights = values * (scale if kind[1] == "i" else 1.0)
+    if packed:
+        valid = np.unpackbits(np.frombuffer(packed, np.uint8), count=count, bitorder="little")
+        heights = np.where(valid == 1, heights, np.nan)
+    return heights, step
+
+
+def _text(main: ElementTree.Element, place: str) -> str:
+    """Return the text at a place of a main.xml. Raises ValueError where there is none."""
+    text = (main.findtext(place) or "").strip()
+    if not text:
+        raise ValueError(f"its main.xml has no {place.rpartition('}')[2]}")
+    return text

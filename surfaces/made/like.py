@@ -229,9 +229,8 @@ def _edges(largest: int, least: float) -> FloatArray:
     """Return the edges of bands of waves from 1 to `largest`, each at least `least` waves wide."""
     edges = [1.0]
     while edges[-1] < largest + 1.0:
-        edges.append(
-            min(max(round(edges[-1] * 10 ** (1.0 / BANDS)), edges[-1] + math.ceil(least)), largest + 1.0)
-        )
+        wide = max(round(edges[-1] * 10 ** (1.0 / BANDS)), edges[-1] + math.ceil(least))
+        edges.append(min(wide, largest + 1.0))
     return np.array(edges)
 
 

@@ -40,8 +40,6 @@ class Milled(RandomPart):
     def __post_init__(self) -> None:
         super().__post_init__()
         self._check("feed", self.feed > self.cut_off, f"more than cut_off ({self.cut_off:g} mm)")
-        self._check("fine_ra", self.fine_ra >= 0.0, "0 or a positive length")
-        self._check("lay", abs(self.lay) <= 180.0, "an angle from -180 to 180 degrees", unit="degrees")
         if self.fine_ra >= self._target[1]:  # Ra is below Sq, so this refuses nothing sound
             raise self._too_fine()
 

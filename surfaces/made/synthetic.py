@@ -45,8 +45,6 @@ class Periodic:
         resolved = self.period / self.cut_off <= LARGEST_MODE * (1 + SLACK)
         shortest = self.period / LARGEST_MODE
         self._check("cut_off", resolved, f"at least period/{LARGEST_MODE} ({shortest:g} mm)")
-        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
-            raise InputError(f"disc.synthetic.seed is {self.seed!r}: allowed is a whole number from 0")
 
     def _check(self, name: str, allowed: bool, expected: str, *, unit: str = "mm") -> None:
         """Raise InputError unless the value of a parameter is finite and allowed."""
@@ -90,16 +88,6 @@ class RandomPart(Periodic):
     sq: float | None = None
 
     def __post_init__(self) -> None:
-        if (self.ra is None) == (self.sq is None):
-            both = f"both are given ({self.ra:g} mm and {self.sq:g} mm)" if self.ra is not None else ""
-            raise InputError(
-                f"disc.synthetic.ra and disc.synthetic.sq: {both or 'neither is given'}, "
-                "allowed is exactly one of the two, a positive length"
-            )
-        self._check(self._target[0], self._target[1] > 0.0, "a positive length")
-        self._check("hurst", 0.0 < self.hurst <= 1.0, "more than 0 and at most 1", unit="")
-        self._check("cut_off", self.cut_off > 0.0, "a positive length")
-        self._check("period", self.period > 0.0, "a positive length")
         between = f"more than cut_off ({self.cut_off:g} mm) and less than period ({self.period:g} mm)"
         self._check("roll_off", self.cut_off < self.roll_off < self.period, between)
         self._check_waves()

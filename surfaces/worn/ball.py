@@ -19,9 +19,7 @@ ndimage = lazy.module("scipy.ndimage")
 
 THRESHOLD = 4.0  # robust standard deviations of the unworn surface by which the worn patch lies below
 FIRST_RING = 0.5  # of the field's half width: the unworn part is looked for outside of it first
-CORNERS = (
-    1.0 - math.pi / 4.0
-)  # of what is measured, the outermost: a second start; of a whole field its corners
+CORNERS = 1.0 - math.pi / 4.0  # of what is measured, the outermost, as a field's corners: a second start
 LEAST_UNWORN = 0.1  # of the field
 LEAST_FOR_RADIUS = 0.25  # of the field, where the radius is to be fitted too
 AGREEMENT = 0.03  # of the volume, or three standard errors, by which two starts may differ

@@ -122,10 +122,8 @@ def _lengths(
     is filled beyond.
     """
     main = _main(reach.patch, lost)
-    whole, spread = (
-        extents(main, pixel),
-        [SMOOTHED / math.sqrt(12.0) * d * bool(reach.doubtful) for d in pixel],
-    )
+    whole = extents(main, pixel)
+    spread = [SMOOTHED / math.sqrt(12.0) * d * bool(reach.doubtful) for d in pixel]
     # a median keeps an edge where it is
     windows = np.pad(np.where(measured, lost, np.nan), SMOOTHED // 2, constant_values=np.nan)
     windows = np.lib.stride_tricks.sliding_window_view(windows, (SMOOTHED, SMOOTHED))

@@ -39,9 +39,7 @@ class Patch:
     rim: BoolArray  # those beside them that are neither worn nor fitted, shape (nx, ny)
     unworn: BoolArray  # those that the form went through, shape (nx, ny)
     volume: float  # sum of `lost` over the patch, roughness averaged out [mm³]
-    volume_error: (
-        float  # its standard error: of the outline, and of roughness and waviness, also under the fit
-    )
+    volume_error: float  # its standard error: of outline, roughness and waviness, also under the fit [mm³]
     piled_up: float  # net volume above the form in the rim [mm³]; roughness may make it negative
     piled_up_error: float  # its standard error [mm³]
     net: float  # volume less what is piled up [mm³]
@@ -95,8 +93,8 @@ class Body:
         outlined = worn - float(lost[reach.other].sum()) * area
         along, across = extents(patch, self.pixel)
         # both ends are off as the whole outline is, of an ellipse of these axes, and told to a pixel each
-        pixels = [d / math.sqrt(6.0) for d in self.pixel]
         outline = 4.0 * reach.blur / (math.pi * max(along + across, max(self.pixel)))
+        end_errors = [math.hypot(outline, d / math.sqrt(6.0)) for d in self.pixel]
         return Patch(
             pixel=self.pixel,
             lost=lost,
@@ -114,10 +112,7 @@ class Body:
             depth=float(lost[patch].max()),
             along=along,
             across=across,
-            length_errors=(
-                math.hypot(outline, pixels[0]),
-                math.hypot(outline, pixels[1]),
-            ),
+            length_errors=(end_errors[0], end_errors[1]),
             noise=noise,
         )
 
@@ -158,7 +153,8 @@ class Body:
             crossing = np.abs(ring - edge + 0.5) < inwards
             doubtful = crossing & (np.abs(lost) <= CLEAR * noise)
             patch = np.where(crossing, lost > 0.0, patch)
-            patch, other = (np.where(doubtful, _mostly(lost > 0.0, size), patch) for size in (SMOOTHED, 3))
+            means = (ndimage.uniform_filter((lost > 0.0) * 1.0, n, mode="nearest") for n in (SMOOTHED, 3))
+            patch, other = (np.where(doubtful, mean > 0.5, patch) for mean in means)
         whole = math.sqrt(float(patch.sum()) * area / math.pi)
         outer = min(edge, count.size - 1)
         steps = float(error[outer]) / max(float(mean[edge - 1] - mean[outer]), float(error[outer]) + 1e-300)
@@ -239,11 +235,6 @@ def extents(region: BoolArray, pixel: tuple[float, float]) -> tuple[float, float
     ends = [np.flatnonzero(region.any(axis=1 - axis)) for axis in (0, 1)]
     along, across = (float(e[-1] - e[0] + 1) * d if e.size else 0.0 for e, d in zip(ends, pixel, strict=True))
     return along, across
-
-
-def _mostly(chosen: BoolArray, size: int) -> BoolArray:
-    """Return where most points of a square of so many pixels are chosen, shape (nx, ny)."""
-    return np.asarray(ndimage.uniform_filter(chosen * 1.0, size, mode="nearest") > 0.5)
 
 
 def check_points(shape: tuple[int, ...]) -> None:

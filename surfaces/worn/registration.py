@@ -116,11 +116,10 @@ def difference(
     later, earlier = (without_polynomial(heights, degree=1) for heights in (later, earlier))
     maps = _Map(later, pixel), _Map(earlier, earlier_pixel)
     _check_alike(*maps)
-    absent = np.isnan(earlier)
     # filled, a hole does not ring in the splines beside it: lost points cost themselves alone
     splines = ndimage.spline_filter(filled(earlier), order=3, mode="nearest")
-    missing = absent.astype(np.float64) if absent.any() else None
-    sampled = _Earlier(splines, missing, earlier_pixel)
+    absent = np.isnan(earlier)
+    sampled = _Earlier(splines, absent * 1.0 if absent.any() else None, earlier_pixel)
     place, correlation = _coarse_place(*maps)
     if correlation >= LEAST_COARSE:
         place, correlation = _fitted(later, sampled, place, pixel=pixel)
@@ -287,9 +286,8 @@ def _fitted(
     changes = small * np.eye(3)[:2]
     for _ in range(rounds):
         below = earlier.at(x, y, place)
-        slopes = [
-            (earlier.at(x, y, place + c) - earlier.at(x, y, place - c)) / (2.0 * small) for c in changes
-        ]
+        ends = [(earlier.at(x, y, place + c), earlier.at(x, y, place - c)) for c in changes]
+        slopes = [(above - beneath) / (2.0 * small) for above, beneath in ends]
         cosine, sine = math.cos(place[2]), math.sin(place[2])
         turning = (cosine * x - sine * y) * slopes[1] - (sine * x + cosine * y) * slopes[0]
         design = np.stack([*slopes, turning, np.ones_like(x), x, y], axis=1)

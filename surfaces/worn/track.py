@@ -13,6 +13,7 @@ from warpwear.grid import FloatArray
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.levelling import without_polynomial
 from warpwear.surfaces.outliers import robust_deviation
+from warpwear.surfaces.profiles.profile import Profile
 from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.waviness import ROUGH, regular_wave, waviness
 
@@ -179,6 +180,12 @@ def find_track(
     return track
 
 
+def find_groove(profile: Profile, *, degree: int = 1, width: float | None = None) -> Track:
+    """Find the groove in a profile across it, as `find_track` does: a track of one section."""
+    pixel = (profile.spacing, profile.spacing)
+    return find_track(profile.heights[None], pixel=pixel, degree=degree, width=width)
+
+
 def _profile(heights: FloatArray) -> FloatArray:
     """Return the mean profile across of heights, shape (nx, ny), NaN where missing: shape (ny,).
 
@@ -191,10 +198,12 @@ def _profile(heights: FloatArray) -> FloatArray:
 
 
 def _standard_error(values: FloatArray) -> float:
-    """Return the standard error of a mean, from means over blocks.
+    """Return the standard error of a mean, from means over blocks; 0 of a single value, which tells none.
 
     Neighbouring blocks that go together count as fewer.
     """
+    if values.size == 1:
+        return 0.0
     blocks = np.array([block.mean() for block in np.array_split(values, min(BLOCKS, values.size))])
     rest = blocks - blocks.mean()
     variance = float(rest @ rest) / (blocks.size - 1)

@@ -51,9 +51,7 @@ ROUNDING = 1e-12  # of the largest height
 class Waviness:
     """The waviness of an unworn surface is known by spectra that its heights allow."""
 
-    covariances: (
-        FloatArray  # of bands between n places for a variance of 1, (bands, n, n); first the shortest
-    )
+    covariances: FloatArray  # of bands between n places for a variance of 1, shortest first, (bands, n, n)
     spectra: FloatArray  # variances [mm²] of the bands, one spectrum a row, shape (draws, bands)
     chances: FloatArray  # of each spectrum, with the sum 1, shape (draws,)
 

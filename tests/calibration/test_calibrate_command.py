@@ -139,6 +139,22 @@ def test_topographies(files: Path) -> None:
     assert ball["standard_deviation_mm3_per_Nm"] == 0.0
 
 
+def test_a_profile_across_a_track(tmp_path: Path) -> None:
+    """A parabolic groove of depth h and width b has the section 2/3 h b."""
+    place = np.arange(0.0, 3.0, 0.0005)
+    rough = 1e-2 * np.random.default_rng(7).normal(size=place.size)
+    heights = rough - np.clip(2.0 * (1.0 - ((place - 1.5) / 0.11) ** 2), 0.0, None) + 0.4 * place
+    path = tmp_path / "across.csv"
+    table = np.column_stack([place, heights])
+    np.savetxt(path, table, delimiter=";", header="x [mm];z [um]", comments="")
+    found = record("wear", "--track", path, "--length", "31.4 mm", *TEST)
+    expected = 31.4 * 2 / 3 * 2e-3 * 0.22 / 19.2
+    assert found["wear_coefficient_mm3_per_Nm"] == pytest.approx(expected, rel=5e-3)
+    refused = calibrate("wear", "--track", path, "--before", path, "--length", "31.4 mm", *TEST)
+    assert isinstance(refused.exception, InputError)
+    assert "--before is for a map of heights" in str(refused.exception)
+
+
 def test_a_value_brings_its_own_uncertainty() -> None:
     for text in ("0.018 +- 0.001 mm^3", "0.018 ± 0.001 mm^3", "(0.018 +- 0.001) mm^3"):
         found = record("wear", "--volume", text, *TEST)["tests"][0]

@@ -11,6 +11,7 @@ from warpwear import Study
 
 ROOT = Path(__file__).parents[2]
 QUICK = "--set grid.cell=30um --set sliding.distance=0.01mm --no-plots"
+VARIED = f"{QUICK.removesuffix('--no-plots')} --vary contact.load=4N,8N"
 
 
 def shell(command: str, folder: Path, *, limit: float | None = None) -> "subprocess.CompletedProcess[str]":
@@ -39,6 +40,17 @@ def test_a_run_outlives_the_reader_of_its_messages(tmp_path: Path) -> None:
     done = shell(f"run v3-fine {QUICK} --out out 2>&1 | head -0", tmp_path)
     assert "Traceback" not in done.stderr
     assert (tmp_path / "out" / "result.h5").is_file()
+
+
+@pytest.mark.parametrize(
+    "command", [f"run v3-fine {QUICK.removesuffix('--no-plots')}", f"sweep v3-fine {VARIED} --workers 2"]
+)
+def test_nothing_is_left_open(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nor does anything else warn: every warning of Python is an error here."""
+    monkeypatch.setenv("PYTHONWARNINGS", "error")
+    done = shell(f"{command} --out out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "Warning" not in done.stderr
 
 
 def test_a_byte_order_mark_is_no_part_of_a_study(tmp_path: Path) -> None:

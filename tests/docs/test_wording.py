@@ -52,6 +52,11 @@ SENTENCES = [
         "property of metals",
     ),
     ("docs/how-to/inference.md", "Three tests are", "Enter three"),
+    ("README.md", "2.3 ms a contact at 10 µm cells, up to [42 ms]", "3.4 ms"),
+    ("docs/theory/running-in.md", "Rq of *profiles along sliding* is about t/4", "Sq is about t/4"),
+    ("docs/reference/keys.md", "4 times Rq of the worn counter-body along sliding", "4 times Sq"),
+    ("docs/theory/running-in.md", "In runs ℓ hardly depends on t", "ℓ grows with t"),
+    ("docs/theory/running-in.md", "85 mm over 300, 88 over 900 and 110 over 2400 mm", "ℓ is 92 mm"),
     ("docs/how-to/your-disc.md", "more than 5 % of the load rests on filled points", "load on lost points"),
 ]
 

@@ -20,8 +20,15 @@ from warpwear.comparison.table import columns, to_text
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.film import animate
 from warpwear.figures.of_run.history import cof
-from warpwear.results.summary import course
-from warpwear.results.track import blocks, by_pass, depth_along, groove, roughness_in_track, whole_steps
+from warpwear.results.track import (
+    blocks,
+    by_pass,
+    course,
+    depth_along,
+    groove,
+    roughness_in_track,
+    whole_steps,
+)
 from warpwear.sweeps.run_one import row_of
 
 

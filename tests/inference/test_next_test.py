@@ -120,7 +120,9 @@ def test_tests_are_tried_before_anything_is_sampled(tmp_path: Path, monkeypatch:
         infer("contact.load=1e6 N")
     assert not sampled
     calls.clear()
-    (same,) = infer("contact.load=8.0 N, repeats=3").tests
+    inference = infer("contact.load=8.0 N, repeats=3")
+    (same,) = inference.tests
+    assert "3 tests" in str(inference)  # what the ranks do not say: what each costs
     assert len({*calls}) == 1  # no run but that of the study
     assert same.repeats == 3
     monkeypatch.setattr("warpwear.inference.infer.best_tests", lambda *args: 1 / 0)

@@ -8,7 +8,7 @@ from click.testing import CliRunner
 
 import warpwear
 from warpwear import InputError
-from warpwear.cli.calibrate_bayes import bayes
+from warpwear.cli.calibrate import bayes
 
 pytest.importorskip("emcee")
 
@@ -99,14 +99,17 @@ def test_wrong_unknowns_end_in_one_sentence(unknown: dict[str, str | None], sent
 @pytest.mark.parametrize(
     ("section", "sentence"),
     [
-        ("infer = 3", "[infer] is a section, and 3 is none"),
-        ("[infer]\nmeasured = 'x'", "[infer.measured] is a section, and 'x' is none"),
-        ("[infer]\nmesured = {}", "infer.mesured is not known; allowed: unknown, measured, experiments"),
-        ("[infer]\nexperiments = 'a.csv'", "infer.experiments = 'a.csv' is not allowed: a list such as"),
-        ("[infer]\ntarget = 3", "infer.target = 3 is not allowed: text in quotes is expected"),
-        ("[infer.measured]\ndiameter = 0.8", "infer.measured.diameter = 0.8 is not allowed: text in quotes"),
-        ("[infer.measured]\nweight = '3 +- 1 mm'", "infer.measured.weight is nothing that can be measured"),
-        ("[infer.unknown]\nwear.counter = 3", "infer.unknown.wear.counter = 3: a prior such as"),
+        ("infer = 3", "infer = 3 is not a section; write [infer]"),
+        ("[infer]\nmeasured = 'x'", "infer.measured = 'x' is not a section; write [infer.measured]"),
+        ("[infer]\nmesured = {}", "'infer.mesured' is no key of a study; did you mean 'infer.measured'?"),
+        (
+            "[infer]\nexperiments = 'a.csv'",
+            "infer.experiments = 'a.csv': must be a list in brackets, such as ['test-1.csv']",
+        ),
+        ("[infer]\ntarget = 3", "infer.target = 3: must be text in quotes"),
+        ("[infer.measured]\ndiameter = 0.8", "infer.measured.diameter = 0.8: must be text in quotes"),
+        ("[infer.measured]\nweight = '3 +- 1 mm'", "'weight' is nothing that can be measured"),
+        ("[infer.unknown]\nwear.counter = 3", "infer.unknown.wear.counter = 3: must be text in quotes"),
     ],
 )
 def test_a_wrong_section_is_one_sentence(tmp_path: Path, section: str, sentence: str) -> None:

@@ -26,7 +26,8 @@ from warpwear.inference.unknowns import unknowns_of
 from warpwear.laws import archard
 from warpwear.laws.friction import FITTED, KEYS
 from warpwear.page.content import words_of
-from warpwear.results.summary import course, summarise
+from warpwear.results.summary import summarise
+from warpwear.results.track import course
 from warpwear.study.keys import declarations, section_in
 from warpwear.study.sections.friction import Friction
 from warpwear.study.sections.wear import Wear

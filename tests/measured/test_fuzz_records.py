@@ -8,12 +8,22 @@ from typing import Any
 import numpy as np
 import pytest
 from cases_records import RECORDS, written
-from fuzzing import check_sentence, mutated_bytes, mutated_text, numbers, watched
+from fuzzing import (
+    LARGE,
+    check_sentence,
+    in_a_child,
+    mutated_bytes,
+    mutated_file,
+    mutated_text,
+    numbers,
+    watched,
+)
 from numpy.testing import assert_array_equal
 
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.measured.course import read_experiment
+from warpwear.measured.friction.command import describe
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 
@@ -28,15 +38,17 @@ SMALL = {
 COUNTS = [60, pytest.param(1000, marks=pytest.mark.slow)]
 
 
-def records() -> dict[str, tuple[bytes, dict[str, Any]]]:
-    """Return records of a course, and of the forces of a reciprocating tribometer."""
+def records(times: int = 1) -> dict[str, tuple[bytes, dict[str, Any]]]:
+    """Return records of a course, and of the forces of a reciprocating tribometer, so many times as long."""
     dice = np.random.default_rng(1)
-    distance = np.linspace(0.0, 60.0, 120)
-    cof = 0.3 + 0.2 * np.sqrt(distance / 60.0) + 0.01 * dice.normal(size=distance.size)
+    distance = np.linspace(0.0, 60.0 * times, 120 * times)
+    cof = 0.3 + 0.2 * np.sqrt(distance / distance[-1]) + 0.01 * dice.normal(size=distance.size)
     course = "\n".join(f"{a:.3f};{b:.4f}".replace(".", ",") for a, b in zip(distance, cof, strict=True))
-    time = np.arange(400) * 0.05
+    time = np.arange(400 * times) * 0.05
     phase = 2.0 * np.pi * time / 4.0
-    table = np.column_stack([time, 1.5 * np.cos(phase), 4.0 * np.sign(np.sin(phase)), np.full(400, 8.0)])
+    table = np.column_stack(
+        [time, 1.5 * np.cos(phase), 4.0 * np.sign(np.sin(phase)), np.full(time.size, 8.0)]
+    )
     forces = "\n".join("\t".join(f"{v:.4f}" for v in row) for row in table)
     return {
         "course.csv": (f"Distance [mm];COF\n{course}\n".encode(), {}),
@@ -79,6 +91,24 @@ def test_broken_records(name: str, count: int, tmp_path: Path) -> None:
         assert found.cof.max() <= 3.0
         assert found.cof.size <= max(2 * intact.cof.size, text.count(b"\n") + 1)
     assert refused > 0
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize(("name", "stroke"), [("course.csv", None), ("forces.txt", "3 mm")])
+def test_broken_records_of_five_megabytes(name: str, stroke: str | None, tmp_path: Path) -> None:
+    """The command reads or refuses each in a sentence, within 10 s of the processor and 1 GiB."""
+    content = records(LARGE // len(records()[name][0]))[name][0]
+    path, ends = tmp_path / name, []
+    for seed in [None, *numbers(12)]:
+        path.write_bytes(content if seed is None else mutated_file(content, random.Random(seed)))
+        ends.append(in_a_child(lambda: describe([path], stroke=stroke, as_json=True)))
+    said, seconds, memory = zip(*ends, strict=True)
+    assert said[0] == "", said[0]
+    print(
+        f"{name}: {len(content) / 1e6:.1f} MB, {sum(map(bool, said))} of {len(said) - 1} refused, at most "
+        f"{max(seconds):.1f} s, {max(memory) / 2**20:.0f} MiB"
+    )
 
 
 @pytest.fixture(scope="module")

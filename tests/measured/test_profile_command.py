@@ -10,8 +10,7 @@ from click.testing import CliRunner, Result
 
 from warpwear.cli.main import commands
 from warpwear.errors import InputError
-from warpwear.surfaces.profiles.parameters import parameters
-from warpwear.surfaces.profiles.profile import read_profile
+from warpwear.surfaces.profiles.profile import parameters, read_profile
 
 STEP = 0.002
 PLACES = STEP * (np.arange(2000) + 0.5) - 2.0

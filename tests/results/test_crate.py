@@ -57,6 +57,9 @@ def run(tmp_path: Path) -> Path:
         "grid.extent": "0.4 mm",
         "sliding.distance": "3 mm",
         "counter.radius": "0.6 mm",
+        "study.author": "A. Person",
+        "study.publisher": "A Laboratory <https://example.org>",
+        "study.license": "https://creativecommons.org/licenses/by/4.0/",
         "disc.synthetic": None,
         "disc.height_unit": "mm",
         "disc.pixel": f"{PITCH} mm",
@@ -72,7 +75,12 @@ def test_a_run_folder_is_a_crate(run: Path) -> None:
     root, about = entities["./"], entities[NAME]
     assert about["conformsTo"]["@id"] == "https://w3id.org/ro/crate/1.1"
     assert about["about"] == {"@id": "./"}
-    assert all(root[key] for key in ("name", "description", "datePublished", "license"))
+    assert all(root[key] for key in ("name", "description", "datePublished"))
+    kinds = {"author": "Person", "publisher": "Organization", "license": "CreativeWork"}
+    assert {key: entities[root[key]["@id"]]["@type"] for key in kinds} == kinds
+    assert entities["#author"]["affiliation"] == {"@id": "#publisher"}
+    assert entities["#publisher"]["name"] == "A Laboratory"
+    assert entities["#publisher"]["url"] == "https://example.org"
     assert all((run / part["@id"]).is_file() for part in root["hasPart"])
     assert entities["#contact.load"]["unitText"] == "N"
     assert entities["#contact.load"]["propertyID"].endswith("#NormalLoadSetpoint")
@@ -82,10 +90,12 @@ def test_a_run_folder_is_a_crate(run: Path) -> None:
 
 
 def test_whoever_has_only_the_crate_makes_the_run_again(run: Path, tmp_path: Path) -> None:
-    """Every dataset of the result is the same to the last bit; an added record travels along."""
-    record = tmp_path / "record.csv"
+    """Every dataset of the result is the same to the last bit; a record and a surface travel along."""
+    record, track = tmp_path / "record.csv", tmp_path / "worn track.xyz"
     record.write_text("Distance [mm],COF\n0,0.2\n1,0.3\n", encoding="utf-8")
-    options = ["export", str(run), "--crate", "--add", str(record), "--out", str(tmp_path / "sent")]
+    track.write_bytes((tmp_path / "my disc.xyz").read_bytes()[::-1])
+    options = ["export", str(run), "--crate", "--out", str(tmp_path / "sent")]
+    options += ["--add", str(record), "--add", str(track)]
     answer = CliRunner().invoke(commands, options)
     assert answer.exit_code == 0, answer.output
     elsewhere = tmp_path / "elsewhere"
@@ -94,7 +104,9 @@ def test_whoever_has_only_the_crate_makes_the_run_again(run: Path, tmp_path: Pat
     (tmp_path / "my disc.xyz").unlink()
     entities = graph((elsewhere / NAME).read_text(encoding="utf-8"))
     parts = {part["@id"] for part in entities["./"]["hasPart"]}
-    assert {"inputs/my%20disc.xyz", "added/record.csv"} <= parts
+    assert {"inputs/my%20disc.xyz", "added/record.csv", "added/worn%20track.xyz"} <= parts
+    for added in (record, track):
+        assert (elsewhere / "added" / added.name).read_bytes() == added.read_bytes()
     assert str(tmp_path) not in (elsewhere / "study.toml").read_text(encoding="utf-8")
     warpwear.run(Study.load(elsewhere / "study.toml"), out=tmp_path / "again", plots=False)
     assert datasets(tmp_path / "again" / "result.h5") == datasets(run / "result.h5")

@@ -1,5 +1,6 @@
 """NetCDF on a disk that is too small: a sentence that names the file, and no crash of the process."""
 
+import errno
 import os
 import shutil
 import subprocess
@@ -10,6 +11,7 @@ import pytest
 
 import warpwear
 from warpwear import Study
+from warpwear.results.manifest import replacing
 
 ROOT = Path(__file__).parents[2]
 #: Mounts disks of some sizes [KiB], and writes on each.
@@ -51,3 +53,22 @@ def test_netcdf_on_a_full_disk(tmp_path: Path) -> None:
     assert len(sentences) == len(codes)
     assert all(line.startswith("warpwear: out = ") for line in sentences)
     assert any("cannot be written: result.nc: " in line and "MiB are needed" in line for line in sentences)
+
+
+def test_what_could_not_be_written_whole_leaves_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "report.html"
+    path.write_text("older")
+    with pytest.raises(OSError, match="No space"):
+        _write_half(path)
+    assert path.read_text() == "older"
+    assert [each.name for each in tmp_path.iterdir()] == [path.name]
+    with replacing(path) as new:
+        new.write_text("newer")
+    assert path.read_text() == "newer"
+    assert [each.name for each in tmp_path.iterdir()] == [path.name]
+
+
+def _write_half(path: Path) -> None:
+    with replacing(path) as new:
+        new.write_text("half of it")
+        raise OSError(errno.ENOSPC, "No space left on device")

@@ -51,7 +51,7 @@ def test_what_keys_apply_to_and_demand_is_there() -> None:
         ("counter.radius", "above 0 mm, also `inf`"),
         ("disc.level", '`"none"`, `"plane"`, `"sphere"`, `"cylinder"`, whole numbers 0 to 12'),
         ("disc.synthetic.hurst", "above 0, at most 1"),
-        ("disc.synthetic.lay", "-360 to 360 deg"),
+        ("disc.synthetic.lay", "-180 to 180 deg"),
         ("wear.counter", "0 mm^3/N/m or more"),
         ("sliding.shift", "whole numbers 1 to 100,000"),
         ("checks.strict", "`true`, `false`"),
@@ -72,6 +72,7 @@ def test_every_number_has_bounds() -> None:
         if "*allowed*" not in facts
     ]
     assert free == [
-        "study.name", "study.description", "counter.material", "counter.surface", "counter.array",
+        "study.name", "study.description", "study.author", "study.publisher", "study.license",
+        "counter.material", "counter.surface", "counter.array",
         "disc.material", "disc.surface", "disc.array", "disc.synthetic.like"
     ]  # fmt: skip

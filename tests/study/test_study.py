@@ -1,5 +1,6 @@
 """A study is read, checked and said back; bad input is one sentence with field, value and what is allowed."""
 
+import math
 import re
 import tomllib
 from collections.abc import Callable
@@ -225,7 +226,7 @@ def test_show_marks_what_the_thesis_does_not_give() -> None:
 
 def test_replacing_one_way_of_saying_drops_the_other() -> None:
     fine = Study.load("v3-fine")
-    assert fine.replace({"counter.diameter": "8 mm"}).counter.curvature == 0.25
+    assert fine.replace({"counter.diameter": "8 mm"}).counter.form.curvature == 0.25
     assert fine.replace({"stepping.increment": "0.3 mm"}).increments == (0.3, 1.0, 0.3)
     assert fine.replace(sliding={"passes": 2}).sliding.total == 60.0
     assert fine.replace({"disc.surface": "a.sur"}).disc.synthetic is None
@@ -460,3 +461,24 @@ def test_a_notebook_shows_a_study_with_its_assumptions_marked() -> None:
     assert "<code>friction.shear_strength</code>" in html
     assert "<script" not in html
     assert repr(study).startswith("<Study 'v3-fine': micro model, local law")
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        *((f"synthetic.{name}", "-3 um") for name in ("ra", "cut_off", "period", "fine_ra")),
+        *((f"synthetic.{name}", value) for name in ("hurst", "seed") for value in (-1, "nan")),
+        ("synthetic.hurst", 1.2),
+        ("synthetic.seed", 1.5),
+        ("synthetic.lay", "400 deg"),
+        ("extend", "repeat"),
+        ("sliding_axis", "z"),
+        ("height_sign", "left"),
+        ("outliers", 2.0),
+        ("outliers", math.inf),
+        ("level", 13),
+    ],
+)
+def test_a_surface_that_is_none_is_refused_with_its_key(key: str, value: Any) -> None:
+    with pytest.raises(InputError, match=rf"^disc\.{re.escape(key)} = "):
+        Study.load("v3").replace({f"disc.{key}": value})

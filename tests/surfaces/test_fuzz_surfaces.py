@@ -11,13 +11,17 @@ What a read may be wrong about depends on the format:
   file, and unless the cut is at the end of a line the reading says so.
 """
 
+import gzip
 import io
+import json
+import math
 import random
 import resource
 import tempfile
 import zipfile
 from collections import Counter
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,10 +29,13 @@ import h5py
 import numpy as np
 import pytest
 from cases_instruments import metropro, opd
-from fuzzing import check_sentence, mutated_bytes, numbers, watched
+from fuzzing import LARGE, check_sentence, in_a_child, mutated_bytes, mutated_file, numbers, watched
+from scipy.io import savemat
 
 from warpwear.errors import InputError
 from warpwear.measured.surface_command import SurfaceOptions, describe
+from warpwear.results.formats.bodies import Body
+from warpwear.results.formats.metrology import write_sdf, write_x3p
 from warpwear.surfaces.measured import read_measured
 from warpwear.surfaces.reading import Reading, read
 
@@ -36,23 +43,21 @@ REAL = Path(__file__).resolve().parents[3] / "shared" / "surfaces"
 NX = 24  # points along x
 NY = 18  # points along y
 GIVEN: dict[str, Any] = {"pixel": 1e-3, "height_unit": "um"}
+#: The head of Gwyddion's text of heights in m.
+GWYDDION = "# Channel: Topography\n# Width: 1.8 mm\n# Height: 1.8 mm\n# Value units: µm\n".encode()
 #: Whose content is covered by checksums.
 SUMMED = (".npz", ".x3p")
 #: Whose every value says where it belongs.
 PLACED = ("points.xyz",)
 
 
-def heights_of(seed: int = 5) -> np.ndarray:
-    return np.random.default_rng(seed).normal(size=(NX, NY)).round(4)
-
-
-def matrix(separator: str = " ", comma: bool = False) -> bytes:
-    text = "\n".join(separator.join(f"{v:.4f}" for v in row) for row in heights_of().T) + "\n"
+def matrix(heights: np.ndarray, separator: str = " ", comma: bool = False) -> bytes:
+    text = "\n".join(separator.join(f"{v:.4f}" for v in row) for row in heights.T) + "\n"
     return (text.replace(".", ",") if comma else text).encode()
 
 
-def points() -> bytes:
-    lines = [f"{i:d}.0 {j:d}.0 {v:.4f}" for (i, j), v in np.ndenumerate(heights_of())]
+def points(heights: np.ndarray) -> bytes:
+    lines = [f"{i:d}.0 {j:d}.0 {v:.4f}" for (i, j), v in np.ndenumerate(heights)]
     return ("# x [um] y [um] z [um]\n" + "\n".join(lines) + "\n").encode()
 
 
@@ -62,13 +67,25 @@ def saved(save: Any) -> bytes:
     return file.getvalue()
 
 
-def hdf5(file: Any) -> None:
+def hdf5(heights: np.ndarray, file: Any) -> None:
     with h5py.File(file, "w") as content:
-        content.create_dataset("heights", data=heights_of(), compression="gzip", fletcher32=True)
+        content.create_dataset("heights", data=heights, compression="gzip", fletcher32=True)
 
 
-def opd_of(path: Path) -> None:
-    opd(path, (heights_of() / 0.6).astype("<f4"), wavelength=600.0, multiplier=None)
+def zipped(content: bytes) -> bytes:
+    """A container of one measurement, as contact.engineering lists it."""
+    entry = {"name": "mine", "datafile": {"original": "points.xyz"}}
+    listed = {"surfaces": [{"name": "disc", "topographies": [entry]}]}
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("points.xyz", content)
+        archive.writestr("index.json", json.dumps(listed))
+    return file.getvalue()
+
+
+def write_mat(path: Path, body: Body) -> None:
+    with path.open("wb") as file:
+        savemat(file, {"heights": 1e3 * body.heights})
 
 
 def made_by(make: Callable[[Path], None]) -> bytes:
@@ -77,17 +94,48 @@ def made_by(make: Callable[[Path], None]) -> bytes:
         return (Path(folder) / "x").read_bytes()
 
 
-#: Name -> content, and what has to be given to read it.
-MADE: dict[str, tuple[bytes, dict[str, Any]]] = {
-    "x.npy": (saved(lambda f: np.save(f, heights_of())), GIVEN),
-    "x.npz": (saved(lambda f: np.savez_compressed(f, z=heights_of(), other=np.zeros(3))), GIVEN),
-    "blanks.txt": (matrix(), GIVEN),
-    "semicolons.csv": (b"heights\n" + matrix(";", comma=True), GIVEN),
-    "points.xyz": (points(), {}),
-    "x.h5": (saved(hdf5), GIVEN),
-    "x.opd": (made_by(opd_of), {}),
-    "x.dat": (made_by(lambda path: metropro(path, 1e-6 * heights_of())), {}),
-}
+def made(nx: int, ny: int) -> dict[str, tuple[bytes, dict[str, Any]]]:
+    """Name -> content, and what has to be given to read it."""
+    heights = np.random.default_rng(5).normal(size=(nx, ny)).round(4)
+    raster = (heights / 0.6).astype("<f4")
+    return {
+        "x.npy": (saved(lambda f: np.save(f, heights)), GIVEN),
+        "x.npz": (saved(lambda f: np.savez_compressed(f, z=heights, other=np.zeros(3))), GIVEN),
+        "blanks.txt": (matrix(heights), GIVEN),
+        "semicolons.csv": (b"heights\n" + matrix(heights, ";", comma=True), GIVEN),
+        "points.xyz": (points(heights), {}),
+        "x.h5": (saved(partial(hdf5, heights)), GIVEN),
+        "x.opd": (made_by(lambda path: opd(path, raster, wavelength=600.0, multiplier=None)), {}),
+        "x.dat": (made_by(lambda path: metropro(path, 1e-6 * heights)), {}),
+    }
+
+
+def large(name: str) -> tuple[bytes, dict[str, Any]]:
+    """A file of about `fuzzing.LARGE` bytes, also of formats that results are exported to and that pack."""
+    about = GWYDDION if name == "x.asc" else b""
+    of = {"x.asc": "blanks.txt", "x.txt.gz": "blanks.txt", "x.zip": "points.xyz"}.get(name, name)
+    size = LARGE * (2 if of != name and not about else 1)  # what text is packed to, about
+    if of in MADE:
+        content, options = MADE[of]
+        nx, ny = NX, NY
+        for _ in range(2):  # heads and sums take a part of a small file
+            times = math.sqrt(size / len(content))
+            nx, ny = round(times * nx), round(times * ny)
+            content, options = made(nx, ny)[of]
+    else:
+        side = round(math.sqrt(size / {"x.sdf": 10, "x.x3p": 8, "x.mat": 8}[name]))
+        heights = 1e-3 * np.random.default_rng(5).normal(size=(side, side)).round(4)
+        body = Body("disc", "a disc", 2e-3 * np.arange(side), 2e-3 * np.arange(side), heights)
+        write: Any = {"x.sdf": write_sdf, "x.x3p": write_x3p, "x.mat": write_mat}[name]
+        content, options = made_by(lambda path: write(path, body)), GIVEN if name == "x.mat" else {}
+    if name == "x.zip":
+        return zipped(content), options
+    return gzip.compress(content) if name == "x.txt.gz" else about + content, {} if about else options
+
+
+MADE = made(NX, NY)
+#: What is only tried large.
+MORE = ("x.asc", "x.txt.gz", "x.zip", "x.sdf", "x.x3p", "x.mat", "sur-2.sur")
 #: What SurfaceTopography reads.
 FOREIGN = ("x.h5", "x.opd", "x.dat")
 
@@ -203,6 +251,26 @@ def test_broken_files_of_instruments(name: str, tmp_path: Path) -> None:
     assert found["cut: refused"] > 0
 
 
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("name", [*MADE, *MORE])
+def test_broken_files_of_five_megabytes(name: str, tmp_path: Path) -> None:
+    """The command reads or refuses each in a sentence, within 10 s of the processor and 1 GiB."""
+    content, options = content_of(name) if name.startswith("sur") else large(name)
+    given = {"pixel": "1 um", "height_unit": "um"} if options else {}
+    path, how = tmp_path / name, SurfaceOptions(as_json=True, preparation=given)
+    ends = []
+    for seed in [None, *numbers(12)]:
+        path.write_bytes(content if seed is None else mutated_file(content, random.Random(seed)))
+        ends.append(in_a_child(lambda: describe(path, how)))
+    said, seconds, memory = zip(*ends, strict=True)
+    assert said[0] == "", said[0]
+    print(
+        f"{name}: {len(content) / 1e6:.1f} MB, {sum(map(bool, said))} of {len(said) - 1} refused, at most "
+        f"{max(seconds):.1f} s, {max(memory) / 2**20:.0f} MiB"
+    )
+
+
 class Harm:
     """What a pickle would execute."""
 
@@ -219,7 +287,7 @@ def test_nothing_in_a_file_is_executed_or_unpacked(tmp_path: Path) -> None:
     np.save(inside / "x.npy", np.array([[Harm(harm), 1.0], [2.0, 3.0]], dtype=object), allow_pickle=True)
     np.savez(inside / "x.npz", z=np.array([[Harm(harm), 1.0], [2.0, 3.0]], dtype=object))
     with zipfile.ZipFile(inside / "out.npz", "w") as archive:
-        archive.writestr("../../harm.npy", saved(lambda f: np.save(f, heights_of())))
+        archive.writestr("../../harm.npy", saved(lambda f: np.save(f, np.ones((NX, NY)))))
     (inside / "code.txt").write_text(f"__import__('os').mkdir('{harm}') 1 2\n" * 5)
     for name in ("x.npy", "x.npz", "code.txt"):
         with pytest.raises(InputError) as error:

@@ -8,7 +8,7 @@ import pytest
 
 from warpwear.errors import InputError
 from warpwear.surfaces.measured import Measured, read_measured
-from warpwear.surfaces.preparation import Preparation
+from warpwear.surfaces.preparation import Preparation, degree_of
 
 PIXEL = 0.001
 
@@ -223,31 +223,12 @@ def test_heights_cannot_be_written_to(saved):
         read_measured(saved, pixel=PIXEL, height_unit="um").levelled[0, 0] = 1.0
 
 
-@pytest.mark.parametrize(
-    ("bad", "field"),
-    [
-        ({"extend": "repeat"}, "extend"),
-        ({"height_unit": "m"}, "surface"),
-    ],
-)
-def test_refuses_bad_options_by_name(saved, bad, field):
-    # a unit of metres makes Sq one metre: absurd
-    with pytest.raises(InputError, match=rf"disc\.{field}\b.*allowed is"):
-        read_measured(saved, **{"pixel": PIXEL, "height_unit": "um", **bad})
+def test_a_unit_of_metres_makes_sq_one_metre_which_is_absurd(saved):
+    with pytest.raises(InputError, match=r"disc\.surface\b.*allowed is"):
+        read_measured(saved, pixel=PIXEL, height_unit="m")
 
 
-@pytest.mark.parametrize(
-    ("bad", "field"),
-    [
-        ({"level": "cubic"}, "level"),
-        ({"level": -1}, "level"),
-        ({"level": 13}, "level"),
-        ({"level": True}, "level"),
-        ({"sliding_axis": "z"}, "sliding_axis"),
-        ({"height_sign": "left"}, "height_sign"),
-        ({"outliers": 2.0}, "outliers"),
-    ],
-)
-def test_refuses_bad_preparations_by_name(bad, field):
-    with pytest.raises(InputError, match=rf"disc\.{field}\b.*allowed is"):
-        Preparation(**bad)
+@pytest.mark.parametrize("level", ["cubic", -1, 13, True])
+def test_refuses_a_level_that_is_none(level):
+    with pytest.raises(InputError, match=r"disc\.level is .*allowed is"):
+        degree_of(level)

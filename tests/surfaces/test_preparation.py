@@ -173,14 +173,10 @@ def test_much_missing_is_a_notice(measure, rough):
 @pytest.mark.parametrize(
     ("options", "field"),
     [
-        ({"height_sign": "sideways"}, "height_sign"),
         ({"crop": (0.0, 0.5, 0.0, 0.1)}, "crop"),
         ({"crop": (0.2, 0.1, 0.0, 0.1)}, "crop"),
         ({"crop": (0.1, 0.101, 0.0, 0.1)}, "crop"),
-        ({"crop": (0.1, 0.2, 0.3)}, "crop"),
         ({"crop": (1.0, 0.1)}, "crop"),
-        ({"outliers": 1.0}, "outliers"),
-        ({"outliers": float("inf")}, "outliers"),
         ({"s_filter": 0.001}, "s_filter"),
         ({"s_filter": 1.0}, "s_filter"),
         ({"l_filter": 0.5}, "l_filter"),

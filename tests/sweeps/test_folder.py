@@ -164,15 +164,14 @@ def test_an_unreadable_run_folder_does_not_end_the_sweep(
         return stat(path, *more, **others)
 
     monkeypatch.setattr(os, "stat", refused)
-    assert estimate(plan, tmp_path, Dies()).there == 0
+    assert "there already" not in estimate(plan, tmp_path, Dies())
     (row,) = make_runs(plan, tmp_path, Here())
     assert row.status.startswith("failed: ")
 
 
 def test_a_pilot_whose_worker_dies_is_no_traceback(tmp_path: Path) -> None:
     plan = Plan(small(), section_of({"vary": VARY}, {}))
-    cost = estimate(plan, tmp_path, Dies())
-    assert cost.runs == 1
+    assert estimate(plan, tmp_path, Dies()).startswith("1 runs: about")
 
 
 def test_runs_that_a_cluster_takes_with_it_are_told(tmp_path: Path) -> None:
@@ -213,7 +212,7 @@ def test_a_cluster_that_loses_all_its_workers_is_given_up(
     plan = Plan(small(), section_of({"vary": VARY}, {}))
     with (
         distributed.LocalCluster(n_workers=1, processes=False, **options) as here,
-        cluster.connected(here.scheduler_address, insecure=True) as (executor, _),
+        cluster.connected(here.scheduler_address, insecure=True) as (executor, *_),
     ):
         here.scale(0)
         with pytest.warns(UserWarning, match=r"has lost all its workers: waiting 1 s for one to come back"):

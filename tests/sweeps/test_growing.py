@@ -10,10 +10,11 @@ from click.testing import CliRunner
 import warpwear
 from warpwear import InputError, Study, StudyWarning
 from warpwear.cli.main import commands
+from warpwear.results import manifest
 from warpwear.sweeps.plan import Plan, section_of
 from warpwear.sweeps.run_one import Row
 from warpwear.sweeps.sweep import Count, check_runs
-from warpwear.sweeps.table import SweepResult, numbers_of
+from warpwear.sweeps.table import TABLES, SweepResult
 
 #: A smooth contact of few cells and no sliding.
 SMALL = {"grid.cell": "20 um", "sliding.distance": "0 mm", "output.snapshots": []}
@@ -28,6 +29,7 @@ def written(folder: Path, plan: Plan) -> Path:
     """A folder with the table of a plan whose runs are said to be done."""
     rows = [Row("done", 0.1) if point.study else Row("failed") for point in plan.points]
     SweepResult(plan, rows, folder).write_tables(folder)
+    manifest.write(folder, TABLES)
     return folder
 
 
@@ -79,7 +81,7 @@ def test_runs_that_failed_are_no_loss(tmp_path: Path) -> None:
 
 def test_what_was_varied_is_known_of_runs_that_cannot_be() -> None:
     """In the unit of the others, so that one sees where runs fail."""
-    found = numbers_of(planned("4 N", "-5000 mN", "much", "8 N"), "contact.load")
+    found = SweepResult(planned("4 N", "-5000 mN", "much", "8 N"), []).numbers("contact.load")
     assert found is not None
     assert found[1] == "N"
     np.testing.assert_array_equal(found[0], [4.0, -5.0, np.nan, 8.0])

@@ -186,7 +186,7 @@ def test_friction_over_wear_and_load_follows_the_closed_form() -> None:
     wear, load = found.numbers("wear.counter")[0], found.numbers("contact.load")[0]
     stiffness = np.array([point.study.bulk_stiffness() for point in found.plan.points])
     worn = 1.0e-3 * wear * load * 600.0
-    area = np.sqrt(4.0 * np.pi / study.counter.curvature * (worn + load / stiffness))
+    area = np.sqrt(4.0 * np.pi / study.counter.form.curvature * (worn + load / stiffness))
     assert found.ends("wear_volume_counter") == pytest.approx(worn, rel=1e-9)
     assert found.ends("area_contact") == pytest.approx(area, rel=0.01)
     assert found.ends("cof") == pytest.approx(study.friction.shear_strength * area / load, rel=0.01)
@@ -358,7 +358,7 @@ def test_dask_cluster_that_loses_a_worker(tmp_path: Path) -> None:
         with distributed.Client(address, timeout="60s") as client:
             client.wait_for_workers(3, timeout=60)
         plan = Plan(small(), section_of({"vary": {**VARY, "disc.synthetic.seed": "1:4"}}, {}))
-        with connected(address) as (executor, number):
+        with connected(address) as (executor, _, number):
             assert number == 3
             seen: list[int] = []
 

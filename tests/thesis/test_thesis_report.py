@@ -438,11 +438,6 @@ def test_a_run_that_fails_leaves_nothing(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_plan_names_its_studies() -> None:
-    with pytest.raises(InputError, match="v1, v2, v3, fine"):
-        Plan({"v1": Study.load("v1")})
-
-
 def test_command_refuses_before_it_computes(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     found = CliRunner().invoke(report, ["thesis", "--quick", "--out", str(tmp_path / "file")])

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from thesis import K_COUNTER, K_DISC, F, K, L, R, cap, patch_radius, smooth
 
 from warpwear import Result, run
-from warpwear.results.summary import shape_of_growth
+from warpwear.results.track import shape_of_growth
 
 CELL = 0.01
 

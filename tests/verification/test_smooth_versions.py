@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from thesis import K_COUNTER, K_DISC, F, K, L, R, patch_radius
 
 from warpwear import InputError, Result, Study, run
-from warpwear.results.summary import shape_of_growth
+from warpwear.results.track import shape_of_growth
 
 
 @cache

@@ -5,11 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from warpwear.calibration import options
 from warpwear.errors import InputError
 from warpwear.laws.archard import BODIES
 from warpwear.laws.friction import friction_energy
-from warpwear.measured.options import optional, quantity, refuse
+from warpwear.measured.options import COF, distance_of, load_of, number, optional, quantity, refuse
 from warpwear.result import Result
 from warpwear.results.report import Row, lines, record, table, to_json
 
@@ -45,8 +44,7 @@ class Dissipation:
             Row("load", "load_N", self.load, digits=6),
             Row("coefficient", "", cof),
             Row("mean pressure", "pressure_MPa", self.pressures, note="at the end"),
-            Row("", "rate_independent", True),
-            Row("rate-independent", "", rate),
+            Row("rate-independent", "rate_independent", True, sentence=rate),
         ]
 
     def at(self, speed: float) -> list[Row]:
@@ -83,10 +81,10 @@ def calibrate_energy(
         refuse(beside, "and --result exclude each other: the run has its own")
         work, source, worn = _of_run(result)
     else:
-        force, slid = options.load_of(load), options.distance_of(distance, None, None)
+        force, slid = load_of(load), distance_of(distance, None, None)
         if cof is None:
             raise InputError("--cof is missing: the coefficient of friction, such as 0.6, or --result")
-        mu = options.number("--cof", cof, options.COF)
+        mu = number("--cof", cof, COF)
         size = optional("--area", area, "mm^2")
         pressures = {} if size is None else {"given": force / size}
         energy = 1e-3 * mu * force * slid

@@ -5,13 +5,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from warpwear.calibration import options
 from warpwear.calibration.friction import FrictionFit, ShearFit, fit_friction
 from warpwear.errors import InputError
 from warpwear.laws import friction, passes
 from warpwear.laws.friction import FrictionLaw
 from warpwear.measured.course import read_experiment
-from warpwear.measured.options import optional, quantity, refuse
+from warpwear.measured.options import COF, PLOUGHING, number, optional, quantity, refuse
 from warpwear.result import Result
 from warpwear.results.report import Row, lines, record, table, to_json
 from warpwear.study.study import Study
@@ -64,8 +63,8 @@ def calibrate_friction(
         refuse(how, "needs --experiment: it says how that file is read")
         if cof is None:
             raise InputError("--cof is missing: a measured coefficient of friction, or --experiment")
-        measured = options.number("--cof", cof, options.COF)
-        offset = options.number("--ploughing", ploughing or 0.0, options.PLOUGHING)
+        measured = number("--cof", cof, COF)
+        offset = number("--ploughing", ploughing or 0.0, PLOUGHING)
         if measured <= offset:
             raise InputError(f"--cof = {measured:g} must exceed --ploughing = {offset:g}")
         if result is not None:
@@ -177,8 +176,7 @@ def _of_curve(
         Row("experiment", "experiment", str(file)),
         Row("note", "notes", [*measured.warnings, *measured.notes]),
         Row("run", "result", str(folder)),
-        Row("", "area", area),
-        Row("area A", "", WORDS[area]),
+        Row("area A", "area", area, sentence=WORDS[area]),
         Row("load F", "load_N", load, digits=6),
     ]
     rows = [*source, *_fit_rows(fit)]

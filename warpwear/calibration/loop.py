@@ -4,12 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from warpwear.calibration import options
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.laws.elastic import Hertz
 from warpwear.measured.columns import choose
-from warpwear.measured.options import refuse
+from warpwear.measured.options import load_of, refuse
 from warpwear.measured.record import read_record
 from warpwear.results.report import Row, lines, record, to_json
 from warpwear.study.study import Study
@@ -40,7 +39,7 @@ def calibrate_loop(
             f"--study {study} is a line contact, of which it computes a strip: "
             "type --load with that of the whole contact, instead of --study"
         )
-    force = options.load_of(load) if known is None else known.contact.load
+    force = load_of(load) if known is None else known.contact.load
     place, friction = _read(file)
     rows = [
         Row("source", "source", str(file)),

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from warpwear.calibration import options as command_options
 from warpwear.calibration import wear as volumes
 from warpwear.errors import InputError
-from warpwear.measured.options import optional, quantity
-from warpwear.measured.surface_command import read_surface, scar_in, track_in
-from warpwear.results.report import Row, lines, record, scientific, to_json
+from warpwear.measured.options import distance_of, load_of, optional, quantity
+from warpwear.measured.surface_command import groove_in, read_surface, scar_in
+from warpwear.results.report import Row, lines, record, scientific, times, to_json
 from warpwear.study.units import NOT_NEGATIVE
 from warpwear.surfaces.worn.ball import find_worn_ball
 
@@ -34,7 +33,7 @@ class Source:
 
 _CAP = "two diameters of the worn patch; flat cap, its width their mean"
 _SEGMENT = "width of a circular track; an unworn ball's circular section"
-_TRACK = "topography of the track; mean net section × length"
+_TRACK = "topography of the track, or a profile across it; mean net section × length"
 _AFTER = "topographies of the scar's place before and after; net volume lost"
 _BALL = "topography of the ball; lost below the counter-body through what is unworn"
 SOURCES = {
@@ -80,8 +79,8 @@ def calibrate_wear(options: Options, *, preparation: Preparation, as_json: bool)
         options = {**options, "--radius": f"{radius!r} mm"}
     source, standard = _source(options), options["--standard"]
     _check(source, options, preparation)
-    load = command_options.load_of(options["--load"])
-    distance = command_options.distance_of(options["--distance"], options["--passes"], options["--stroke"])
+    load = load_of(options["--load"])
+    distance = distance_of(options["--distance"], options["--passes"], options["--stroke"])
     lengths = _lengths(source, options)
     before = options["--before"] or [None] * len(options[source])
     tests = tuple(
@@ -164,9 +163,8 @@ def _volume(
     texts, uncertainties = zip(*map(_with_error, value if source == "--diagonals" else (value,)), strict=True)
     if any(uncertainties) and options["--uncertainty"] is not None:
         raise InputError(f"--uncertainty and {source} with +- exclude each other: both say the uncertainty")
-    errors = [
-        e for text in uncertainties if (e := optional(source, text, unit, allowed=NOT_NEGATIVE)) is not None
-    ]
+    each = (optional(source, text, unit, allowed=NOT_NEGATIVE) for text in uncertainties)
+    errors = [error for error in each if error is not None]
     # of two diagonals, which count alike
     error = math.sqrt(sum(e * e for e in errors) / len(errors)) if errors else None
     if error is None:
@@ -198,28 +196,31 @@ def _with_error(text: str) -> tuple[str, str | None]:
 def _of_topography(
     source: str, file: Path, lengths: dict[str, float | None], before: Path | None, preparation: Preparation
 ) -> volumes.WornVolume:
-    """Find the volume that a track, a scar or a ball lost from a topography of it, or of a piece of a track.
+    """Find the volume that a track, a scar or a ball lost from a topography, or from a profile of a track.
 
     lengths [mm]; before: the file of the same place before the test, or None. Raises InputError.
     """
-    surface, more = read_surface(file, {**preparation, "level": "none"}), ""
+    more = ""
     if source == "--track":
-        track, _, degree = track_in(surface, before, preparation, width=lengths["--track-width"])
+        track, degree = groove_in(file, before, preparation, width=lengths["--track-width"])
         length = lengths["--length"] or 0.0
         if length < track.length * (1.0 - 1e-9):
             raise InputError(
                 f"--length is {length:g} mm: allowed is at least the piece in {file}, {track.length:g} mm"
             )
-        if track.length < 0.9 * length:
+        if track.net.size == 1:
+            more = ", but not how sections scatter along the track, which several profiles tell"
+        elif track.length < 0.9 * length:
             more = f", and how sections scatter along the measured {track.length:.4g} mm"
         (volume, error), depth = track.volume(length), track.depth
         section = f"section {1e6 * track.net.mean():.5g} ± {1e6 * track.net_error:.2g} µm² × {length:g} mm"
         measured = f"{section}, degree {degree} beside it"
     elif source == "--after":
-        scar, _, _ = scar_in(surface, before, preparation)
+        scar, _, _ = scar_in(read_surface(file, {**preparation, "level": "none"}), before, preparation)
         volume, error, depth = scar.net, scar.net_error, scar.depth
         measured = f"scar {scar.along:.4g} × {scar.across:.4g} mm, {before} laid over it and taken off"
     else:
+        surface = read_surface(file, {**preparation, "level": "none"})
         ball = find_worn_ball(surface.measured, pixel=surface.pixel, radius=lengths["--radius"])
         volume, error, depth = ball.volume, ball.volume_error, ball.depth
         counter = f"{ball.sphere.radius:.5g} mm ({'given' if lengths['--radius'] else 'fitted'})"
@@ -242,7 +243,7 @@ def wear_rows(wear: volumes.WearCalibration, *, relation: str, worn: str | None)
         scatter = f"standard deviation of {count} tests ({deviation / wear.mean:.2g} of the mean)"
     if wear.hardness:
         by_hardness = f"dimensionless, with the hardness {wear.hardness:g} MPa (V = k F L/H)"
-    spread, k = _times(1e3, deviation), wear.dimensionless
+    spread, k = times(1e3, deviation), wear.dimensionless
     in_study = f'[wear] {worn or "counter or disc"} = "{scientific(1e3 * wear.mean)} mm^3/N/m"'
     return [
         Row("from", "relation", relation),
@@ -255,7 +256,7 @@ def wear_rows(wear: volumes.WearCalibration, *, relation: str, worn: str | None)
         Row("  or", "wear_coefficient_dimensionless", k, note=by_hardness, scientific=True),
         Row("", "count", count),
         Row("scatter", "standard_deviation_mm3_per_Nm", spread, digits=2, note=scatter, scientific=True),
-        Row("", "standard_error_mm3_per_Nm", _times(1e3, error) if count > 1 else None),
+        Row("", "standard_error_mm3_per_Nm", times(1e3, error) if count > 1 else None),
         Row("", "uses", "exact"),
         Row("in a study", "", in_study),
         Row("", "tests", [_test_rows(wear, test) for test in range(count)]),
@@ -266,7 +267,7 @@ def _test_rows(wear: volumes.WearCalibration, test: int) -> list[Row]:
     """Declare one of the tests."""
     worn, note, worn_too = wear.volumes[test], "", ""
     per_work = 1.0 / (wear.load * wear.distance)
-    small, bulging = (_times(1e3, _times(per_work, v)) for v in (worn.approximate, worn.bulging))
+    small, bulging = (times(1e3, times(per_work, v)) for v in (worn.approximate, worn.bulging))
     if small is not None and worn.approximate is not None:
         change = f"{worn.approximate / worn.volume - 1.0:+.2%}"
         note = f"for a small scar: K {scientific(small)}, {change}; not used, K is of the exact volume"
@@ -279,7 +280,7 @@ def _test_rows(wear: volumes.WearCalibration, test: int) -> list[Row]:
     warning = "the volume is within three standard uncertainties of nothing" if doubted else None
     return [
         Row("measured", "measured", worn.measured),
-        Row("  depth", "depth_um", _times(1e3, worn.depth)),
+        Row("  depth", "depth_um", times(1e3, worn.depth)),
         Row("  volume", "volume_mm3", worn.volume, digits=5, error=("volume_uncertainty_mm3", worn.error)),
         Row("  uncertainty", "uncertainty_from", worn.error_from),
         Row("  approximation", "volume_by_approximation_mm3", worn.approximate, digits=5, note=note),
@@ -293,10 +294,5 @@ def _test_rows(wear: volumes.WearCalibration, test: int) -> list[Row]:
 
 def _k(label: str, value: float, error: float | None, *, note: str = "") -> Row:
     """Declare a wear coefficient and its standard uncertainty [mm²/N]."""
-    key, uncertainty = "wear_coefficient_mm3_per_Nm", ("uncertainty_mm3_per_Nm", _times(1e3, error))
+    key, uncertainty = "wear_coefficient_mm3_per_Nm", ("uncertainty_mm3_per_Nm", times(1e3, error))
     return Row(label, key, 1e3 * value, error=uncertainty, note=note, scientific=True)
-
-
-def _times(factor: float, value: float | None) -> float | None:
-    """Multiply a value that may be unknown."""
-    return None if value is None else factor * value

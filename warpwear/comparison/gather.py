@@ -19,17 +19,12 @@ from warpwear.measured.course import read_experiment
 from warpwear.measured.experiment import Experiment
 from warpwear.measured.options import optional
 from warpwear.result import Result
-from warpwear.results.summary import course, shape_of_growth
-from warpwear.results.track import groove, whole_steps
+from warpwear.results.track import course, groove, shape_of_growth, whole_steps
 
 #: Length along sliding over which profiles are averaged, as a part of the scar's.
 STRIP = 0.125
-#: Fewest points for the shape of a course.
-FEWEST = 20
 #: Parts that a measured course of many more points is averaged in.
 PARTS = 200
-#: A course that starts later than this part of its distance has no early slope.
-LATEST_START = 1.0 / 60.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,13 +136,8 @@ def rms_difference(
     return math.sqrt(float(parts.sum()) / (end - start))
 
 
-def shape_of_run(run: RunData) -> dict[str, float]:
-    """Find m and λ of the coefficient of friction of a run, see `summary.shape_of_growth`."""
-    return {} if run.cof is None or run.study.same_load is None else _shape(*run.course)
-
-
 def shape_of(experiment: Experiment) -> dict[str, float]:
-    """Find m and λ of a measured course, see `summary.shape_of_growth`; without what it is too short for.
+    """Find m and λ of a measured course, see `track.shape_of_growth`.
 
     A course of many points is averaged in 200 equal parts of its distance first: both are slopes, which noise
     would decide.
@@ -155,7 +145,7 @@ def shape_of(experiment: Experiment) -> dict[str, float]:
     distance, cof = experiment.distance, experiment.cof
     if distance.size > 2 * PARTS:
         distance, cof = means_of_parts(PARTS, distance, cof)
-    return _shape(distance, cof)
+    return shape_of_growth(distance, cof)
 
 
 def means_of_parts(parts: int, distance: FloatArray, *columns: FloatArray) -> list[FloatArray]:
@@ -173,17 +163,6 @@ def means_of_parts(parts: int, distance: FloatArray, *columns: FloatArray) -> li
     filled = (rows > 0) & (lengths > 0.0)
     ends = (np.interp(places, distance, values) for values in (distance, *columns))
     return [np.bincount(part, 0.5 * (e[1:] + e[:-1]) * gaps, parts)[filled] / lengths[filled] for e in ends]
-
-
-def _shape(distance: FloatArray, cof: FloatArray) -> dict[str, float]:
-    """Find m and λ of a course, (n,), as far as it has points for them."""
-    late = distance >= 0.5 * distance[-1]
-    if distance.size < FEWEST or late.sum() < 3 or np.any(cof[late] <= 0.0):
-        return {}
-    shape = shape_of_growth(distance, cof)
-    if distance[0] > LATEST_START * distance[-1]:
-        del shape["levelling_lambda"]
-    return {name: value for name, value in shape.items() if math.isfinite(value)}
 
 
 def _read_run(folder: Path) -> RunData:

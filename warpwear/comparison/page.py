@@ -1,6 +1,5 @@
 """The page of a comparison: what differs between the runs, their courses over each other, their answers."""
 
-import math
 import os
 import re
 from collections.abc import Mapping, Sequence
@@ -15,14 +14,13 @@ from warpwear.comparison.figures import figures_of
 from warpwear.comparison.gather import Comparison
 from warpwear.comparison.groups import RunData, differing, listed, names_by_sentence
 from warpwear.comparison.scar import answers_of
-from warpwear.comparison.table import BANDS, PASSES, columns, has_bands
-from warpwear.figures.describe import Section
-from warpwear.figures.wording import counted
+from warpwear.comparison.table import BANDS, PASSES, columns, has_bands, with_scatter
+from warpwear.figures.sections import Section, under_headings
+from warpwear.figures.wording import counted, few_of
 from warpwear.history.end_values import ENDS, Value
-from warpwear.page.html import page_of, under_headings
+from warpwear.page.html import page_of
 from warpwear.page.limits import limits_of
 from warpwear.results import manifest
-from warpwear.results.report import shown
 from warpwear.study.text import readable
 from warpwear.version import __version__
 
@@ -80,9 +78,7 @@ def _differ(comparison: Comparison) -> dict[str, Any]:
     for key, values in differing(comparison.runs).items():
         cells = []
         for first, last in pairwise(starts):
-            texts = list(dict.fromkeys(map(_readable, values[first:last])))
-            more = f" and {len(texts) - LISTED} more" if len(texts) > LISTED else ""
-            cells.append(", ".join(texts[:LISTED]) + more)
+            cells.append(few_of(list(dict.fromkeys(map(_readable, values[first:last]))), LISTED))
         rows.append([key, *cells])
     if len(names) <= BESIDE:
         return {"head": ["key", *names], "rows": rows}
@@ -109,16 +105,13 @@ def _answers(comparison: Comparison) -> dict[str, Any]:
     for name, values in table.items():
         cells: list[dict[str, Any]] = []
         for key in known:
-            value, error, factor = values[key], scatter[name].get(key), ENDS[key].factor
-            if not isinstance(value, int | float):
-                cells.append({"text": "–", "than": "", "is_input": False})
-                continue
-            text = shown(factor * float(value))
-            if isinstance(error, float) and error > 1e-9 * abs(value):
-                text = f"{factor * value:.3g} ± {factor * error:.2g}"
-            than = _than(value, firsts[key]) if key in firsts else ""
-            firsts.setdefault(key, value)
-            cells.append({"text": text, "than": than, "is_input": key == "cof" and name in inputs})
+            value, than, is_known = values[key], "", isinstance(values[key], int | float)
+            if is_known:
+                than = _than(value, firsts[key]) if key in firsts else ""
+                firsts.setdefault(key, value)
+            text = with_scatter(value, scatter[name].get(key), ENDS[key].factor)
+            is_input = is_known and key == "cof" and name in inputs
+            cells.append({"text": text, "than": than, "is_input": is_input})
         rows.append([{"text": f"{name} (measured)" * (values["kind"] == "experiment") or name}, *cells])
     head = [{"text": f"{ENDS[key].label}, {ENDS[key].unit}".removesuffix(", ")} for key in known]
     if len(rows) > BESIDE:
@@ -127,9 +120,9 @@ def _answers(comparison: Comparison) -> dict[str, Any]:
     return {"head": first, "rows": turned}
 
 
-def _than(value: float, first: Value) -> str:
+def _than(value: Value, first: Value) -> str:
     """Say how a value differs from the first."""
-    if not isinstance(first, int | float) or not first or not math.isfinite(value):
+    if not isinstance(value, int | float) or not isinstance(first, int | float) or not first:
         return ""
     part = value / first - 1.0
     if abs(part) < ALIKE:

@@ -12,6 +12,7 @@ from warpwear import lazy
 from warpwear.comparison.groups import RunData
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
+from warpwear.history.snapshot import extents
 from warpwear.measured.surface_command import read_surface, scar_in
 from warpwear.measured.surface_report import scar_rows
 from warpwear.result import Result
@@ -207,12 +208,10 @@ def _shift(
 
 def _inner(heights: FloatArray, scar: Patch) -> FloatArray:
     """Return heights [mm] in the middle of a scar, half as long and wide."""
-    middle = []
-    for axis in (0, 1):
-        line = np.flatnonzero(scar.patch.any(axis=1 - axis))
-        cut = round(0.5 * (1.0 - MIDDLE) * line.size)
-        middle.append(slice(int(line[0]) + cut, int(line[-1]) + 1 - cut))
-    return heights[middle[0], middle[1]]
+    parts = extents(scar.patch)
+    cuts = [round(0.5 * (1.0 - MIDDLE) * (part.stop - part.start)) for part in parts]
+    rows, columns = (slice(part.start + n, part.stop - n) for part, n in zip(parts, cuts, strict=True))
+    return heights[rows, columns]
 
 
 def record_of(scar: ScarComparison) -> dict[str, Any]:

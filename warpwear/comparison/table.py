@@ -5,7 +5,7 @@ import statistics
 from collections.abc import Sequence
 from pathlib import Path
 
-from warpwear.comparison.gather import Comparison, shape_of, shape_of_run
+from warpwear.comparison.gather import Comparison, shape_of
 from warpwear.comparison.groups import RunData
 from warpwear.comparison.scar import lines_of, record_of
 from warpwear.history.end_values import END_VALUES, ENDS, Value, value_in
@@ -52,7 +52,7 @@ def columns(comparison: Comparison, *, scatter: bool = False) -> dict[str, dict[
 
 def _of_run(run: RunData, comparison: Comparison) -> dict[str, Value]:
     """Find the end values of a run, and how it differs from each experiment."""
-    values = {name: value_in(run.summary, quantity) for name, quantity in ENDS.items()} | shape_of_run(run)
+    values = {name: value_in(run.summary, quantity) for name, quantity in ENDS.items()}
     return values | {f"rms_cof {e.name}": comparison.rms(run, e) for e in comparison.experiments}
 
 
@@ -95,9 +95,7 @@ def to_text(comparison: Comparison) -> str:
         if any(value is not None for value in values):
             errors = [scatter[name].get(key) if key != "runs" else None for name in table]
             factor = ENDS[key].factor if key in ENDS else 1.0
-            cells.append(
-                [label, *(_with_scatter(*both, factor) for both in zip(values, errors, strict=True))]
-            )
+            cells.append([label, *(with_scatter(*both, factor) for both in zip(values, errors, strict=True))])
     sentences = [BANDS] if bands else []
     if comparison.experiments:
         sentences.append("CoF at the end of an experiment: mean over the last tenth of its distance.")
@@ -150,7 +148,7 @@ def write_json(comparison: Comparison, path: Path) -> None:
     path.write_text(f"{to_json(content)}\n", encoding="utf-8")
 
 
-def _with_scatter(value: Value, scatter: Value, factor: float) -> str:
+def with_scatter(value: Value, scatter: Value, factor: float) -> str:
     """Write a value for people with its standard deviation; round-off is 0, and left out of the latter."""
     if not isinstance(value, float):
         return shown(value)

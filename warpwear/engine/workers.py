@@ -139,17 +139,18 @@ def serve() -> None:
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # a run then leaves a checkpoint
     calls, answers = sys.stdin.buffer, os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
-    while True:
-        try:
-            function, arguments = pickle.load(calls)
-        except EOFError:
-            return
-        try:
-            answer = (True, function(*arguments))
-        except Exception as error:
-            answer = (False, error)
-        pickle.dump(answer, answers, protocol=pickle.HIGHEST_PROTOCOL)
-        answers.flush()
+    with answers:
+        while True:
+            try:
+                function, arguments = pickle.load(calls)
+            except EOFError:
+                return
+            try:
+                answer = (True, function(*arguments))
+            except Exception as error:
+                answer = (False, error)
+            pickle.dump(answer, answers, protocol=pickle.HIGHEST_PROTOCOL)
+            answers.flush()
 
 
 if __name__ == "__main__":

@@ -32,6 +32,8 @@ DASHES: tuple[Dash, ...] = ("solid", "dash", "dashdot", "dot", "longdash", "long
 MARKERS = ("o", "s", "^", "v", "D")
 #: Values over more than this many times the least are drawn on a logarithmic scale; distances alike.
 WIDE, WIDE_DISTANCE = 5.0, 30.0
+#: Length of a map over its width from which on it is drawn in a row of its own.
+LONG = 4.0
 DISTANCE, ALONG, ACROSS = "sliding distance, mm", "along sliding, x, mm", "across sliding, y, mm"
 
 Ends: TypeAlias = tuple[float, float, float, float]
@@ -184,12 +186,18 @@ class Map:
     x: str = ALONG
     y: str = ACROSS
 
+    @property
+    def is_long(self) -> bool:
+        """Tell whether it is too long to stand beside others, x and y of one scale."""
+        x0, x1, y0, y1 = self.extent
+        return bool(x1 - x0 > LONG * (y1 - y0))
+
 
 @dataclass(frozen=True)
 class Bars:
-    """A bar a name, the first on top, or upright the first at the left.
+    """Draw a bar a name, the first on top.
 
-    ends: of an interval, (2, names). dots: second values, (names,). written: format of values over bars.
+    ends: of an interval, (2, names). dots: second values, (names,). written: format of values behind bars.
     """
 
     title: str
@@ -199,7 +207,6 @@ class Bars:
     ends: FloatArray | None = None
     dots: FloatArray | None = None
     colours: Sequence[str] = (COUNTER,)
-    upright: bool = False
     written: str = ""
     note: str = ""
 
@@ -316,17 +323,6 @@ class Figure:
     shared: Literal["", "x", "y", "xy"] = ""
     width: float = 0.0
     height: float = ROW
-
-
-@dataclass(frozen=True)
-class Section:
-    """Hold figures by name under one heading of a page. one_legend: of all lines."""
-
-    title: str
-    figures: dict[str, Figure]
-    id: str = ""
-    text: str = ""
-    one_legend: bool = False
 
 
 def values_of(chart: Chart, which: str) -> list[FloatArray]:

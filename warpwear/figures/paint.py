@@ -24,8 +24,8 @@ from warpwear.figures.units import far
 CHARACTER, LEGEND_LINE = 0.05, 0.45
 #: Inches around square maps: labels at the left, a colour bar, what lies below, a line of a title, a gap.
 LEFT, BAR, BELOW, TITLE, GAP = 0.6, 0.66, 0.42, 0.135, 0.1
-#: Length over width from which maps lie one below the other, and the height of such a row [inch].
-LONG, LONG_ROW = 4.0, 1.35
+#: Height of a row of a map that is too long to stand beside others [inch].
+LONG_ROW = 1.35
 #: Dots per inch of figures that a notebook shows.
 SCREEN = 120
 #: A row of a legend [inch].
@@ -50,7 +50,7 @@ class Sheet(sheets.Figure):
 def paint(figure: Figure) -> sheets.Figure:
     """Draw a figure."""
     cells = [cell for panel in far(figure).panels for cell in _cells(panel)]
-    if all(isinstance(cell, Map) and cell.square and _is_long(cell) for cell in cells):
+    if all(isinstance(cell, Map) and cell.square and cell.is_long for cell in cells):
         cells = [_stretched(cell) for cell in cells]
         figure = replace(figure, columns=1, width=describe.PAGE, height=LONG_ROW, shared="x")
     with style.style():
@@ -100,12 +100,6 @@ def _cells(panel: Panel) -> list[Panel]:
         replace(panel, fields=[values], labels=[*head, label], notes=[note])
         for values, label, note in zip(panel.fields, labels, notes, strict=True)
     ]
-
-
-def _is_long(cell: Any) -> bool:
-    """Tell whether a map is too long to stand beside others."""
-    x0, x1, y0, y1 = cell.extent
-    return bool(x1 - x0 > LONG * (y1 - y0))
 
 
 def _stretched(cell: Any) -> Map:

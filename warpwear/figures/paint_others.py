@@ -10,9 +10,12 @@ from matplotlib.colors import LightSource, LinearSegmentedColormap, LogNorm, Nor
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import proj3d  # type: ignore[import-untyped]
 
+from warpwear import lazy
 from warpwear.figures import describe, style
 from warpwear.figures.describe import ACROSS, ALONG, Arrow, Bars, Box, Glass, Grid, Surface, Text, Towers
 from warpwear.grid import FloatArray
+
+ndimage = lazy.module("scipy.ndimage")
 
 #: Part of an axis at the corners of a box in 3-D, where the labels of two axes meet.
 CORNER = 0.06
@@ -120,16 +123,10 @@ def _surface(axes: Any, surface: Surface, extent: describe.Ends) -> None:
 
 def _on_circles(*fields: FloatArray) -> tuple[FloatArray, ...]:
     """Sample square fields of one shape on circles around their middle, by linear interpolation."""
-    n = fields[0].shape[0]
-    radius = np.linspace(0.0, 0.5 * (n - 1), CIRCLES)[:, None]
-    angle = np.linspace(0.0, 2.0 * np.pi, SPOKES)[None, :]
-    x, y = (0.5 * (n - 1) + radius * part for part in (np.cos(angle), np.sin(angle)))
-    i, j = (np.clip(place.astype(int), 0, n - 2) for place in (x, y))
-    u, v = x - i, y - j
-    left, right = (1.0 - u, i), (u, i + 1)
-    below, above = (1.0 - v, j), (v, j + 1)
-    parts = [(wx * wy, a, b) for wx, a in (left, right) for wy, b in (below, above)]
-    return tuple(np.sum([weight * field[a, b] for weight, a, b in parts], axis=0) for field in fields)
+    middle = 0.5 * (fields[0].shape[0] - 1)
+    radius, angle = np.linspace(0.0, middle, CIRCLES)[:, None], np.linspace(0.0, 2.0 * np.pi, SPOKES)
+    places = middle + radius * np.cos(angle), middle + radius * np.sin(angle)
+    return tuple(ndimage.map_coordinates(field, places, order=1, mode="nearest") for field in fields)
 
 
 def _lit(surface: Surface, step: float) -> FloatArray:
@@ -152,27 +149,21 @@ PARTS: dict[type, Callable[..., None]] = {Glass: _glass, Towers: _towers, Surfac
 
 
 def paint_bars(axes: Axes, bars: Bars) -> None:
-    """Draw bars, with their intervals and dots, or upright with their values over them."""
-    places, colours = np.arange(len(bars.names)), [*bars.colours]
-    if bars.upright:
-        drawn = axes.bar(places, bars.values, color=colours, width=0.65)
-        axes.set_xticks(places, bars.names)
-        axes.set_ylabel(bars.axis.label)
-        axes.margins(y=0.2 if np.min(bars.values) < 0.0 else 0.12)
-        if bars.written:
-            axes.bar_label(drawn, [bars.written.format(v) for v in bars.values], fontsize=7, padding=2)
-        axes.axhline(0.0, color=describe.NEUTRAL, lw=0.6)
-    else:
-        axes.barh(-places, bars.values, color=colours)
-        for place in places:
-            if bars.ends is not None:
-                axes.plot(bars.ends[:, place], [-place, -place], color=describe.HARDNESS, lw=1.0)
-            if bars.dots is not None:
-                axes.plot(bars.dots[place], -place, "o", color=describe.SUM, ms=4)
-        axes.set_yticks(-places, bars.names)
-        axes.set_xlabel(bars.axis.label)
-        axes.set_xlim(bars.axis.low, bars.axis.high)
-        axes.axvline(0.0, color=describe.HARDNESS, lw=0.6)
+    """Draw bars, with their intervals and dots, or their values behind them."""
+    places = np.arange(len(bars.names))
+    drawn = axes.barh(-places, bars.values, color=[*bars.colours])
+    for place in places:
+        if bars.ends is not None:
+            axes.plot(bars.ends[:, place], [-place, -place], color=describe.HARDNESS, lw=1.0)
+        if bars.dots is not None:
+            axes.plot(bars.dots[place], -place, "o", color=describe.SUM, ms=4)
+    if bars.written:
+        axes.bar_label(drawn, [bars.written.format(v) for v in bars.values], fontsize=7, padding=2)
+        axes.margins(x=0.25)
+    axes.set_yticks(-places, bars.names)
+    axes.set_xlabel(bars.axis.label)
+    axes.set_xlim(bars.axis.low, bars.axis.high)
+    axes.axvline(0.0, color=describe.HARDNESS, lw=0.6)
     axes.set_title(bars.title)
 
 

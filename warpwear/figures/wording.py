@@ -1,6 +1,7 @@
 """How numbers, times and choices of many are told in figures and on pages."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -24,6 +25,16 @@ def after(distance: float) -> str:
 def counted(number: int, what: str) -> str:
     """Count things: 1 run, 2 runs."""
     return f"{number} {what}{'s' * (number != 1)}"
+
+
+def listed(names: Sequence[str]) -> str:
+    """List names as people do: a, b and c."""
+    return " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
+
+
+def few_of(texts: Sequence[str], most: int) -> str:
+    """List so many texts at most, and say how many more there are."""
+    return ", ".join(texts[:most]) + (f" and {len(texts) - most} more" if len(texts) > most else "")
 
 
 def short(value: float) -> str:

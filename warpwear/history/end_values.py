@@ -37,8 +37,8 @@ END_VALUES = (
     _last("cof", "cof.end", label="coefficient of friction at the end"),
     _new("cof_input", "1", "CoF that is an input", "cof_input"),
     _new("shear_strength", "MPa", "shear strength τ0", "shear_strength_MPa"),
-    _new("exponent_m", "1", "m"),
-    _new("levelling_lambda", "1", "λ"),
+    _new("exponent_m", "1", "m", "cof_shape.exponent_m"),
+    _new("levelling_lambda", "1", "λ", "cof_shape.levelling_lambda"),
 )
 #: End values by name.
 ENDS = {quantity.name: quantity for quantity in END_VALUES}

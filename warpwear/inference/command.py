@@ -4,40 +4,40 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import ValidationError
 
 from warpwear.errors import InputError
-from warpwear.inference.data import FORMER, KINDS, data_of
+from warpwear.inference.data import data_of
 from warpwear.inference.infer import infer
 from warpwear.inference.report import CALIBRATED, FITTED, content_of
 from warpwear.results.ensemble import dotted
 from warpwear.results.report import to_json
 from warpwear.study import loading
+from warpwear.study.keys import Section, key
 from warpwear.study.study import Study
-
-#: Section of a study file.
-SECTION = "infer"
+from warpwear.study.text import sentence
 
 
-class InferSection(BaseModel):
+class InferSection(Section):
     """The section [infer] of a study has what the command is else told by its options."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+    unknown: dict[str, str] = key(
+        {}, 'unknown keys and their priors, `""` for one within a factor of 5 of the study\'s value'
+    )
+    measured: dict[str, str | list[str]] = key(
+        {}, "measured values, each with its standard uncertainty; a list has one a repeated test"
+    )
+    experiments: list[str] = key([], "files of courses of friction, beside the study; one a repeated test")
+    target: str | None = key(None, "the unknown that the next test shall tell")
+    next: list[str] = key(
+        [], 'tests to rank, such as `"contact.load=16 N, repeats=3"`; without them likely ones'
+    )
 
-    unknown: dict[str, str] = Field(
-        {},
-        description='unknown keys and their priors, `""` for one within a factor of 5 of the study\'s value',
-    )
-    measured: dict[str, str | list[str]] = Field(
-        {}, description="measured values, each with its standard uncertainty; a list has one a repeated test"
-    )
-    experiments: list[str] = Field(
-        [], description="files of courses of friction, beside the study; one a repeated test"
-    )
-    target: str | None = Field(None, description="the unknown that the next test shall tell")
-    next: list[str] = Field(
-        [], description='tests to rank, such as `"contact.load=16 N, repeats=3"`; without them likely ones'
-    )
+
+class _File(Section):
+    """A study file has one such section."""
+
+    infer: InferSection = InferSection()
 
 
 def calibrate_bayes(
@@ -59,9 +59,9 @@ def calibrate_bayes(
     Raises InputError.
     """
     sections = loading.read_sections(study)
-    section = _section(sections.pop(SECTION, {}))
+    section = _section(sections.pop("infer", {}))
     changed = Study(**sections).replace(changes)
-    priors = {**{key: prior or None for key, prior in section.unknown.items()}, **_unknown(unknown)}
+    priors = {**{name: prior or None for name, prior in section.unknown.items()}, **_unknown(unknown)}
     values = {**section.measured, **{kind: texts for kind, texts in measured.items() if texts}}
     courses = [*(Path(study).parent / path for path in section.experiments), *experiments]
     data = data_of(changed, courses, values, columns=columns)
@@ -80,51 +80,21 @@ def _unknown(texts: Sequence[str]) -> dict[str, str | None]:
     """Read KEY or KEY=PRIOR."""
     priors: dict[str, str | None] = {}
     for text in texts:
-        key, equals, prior = (part.strip() for part in text.partition("="))
-        if not key or (equals and not prior):
+        name, equals, prior = (part.strip() for part in text.partition("="))
+        if not name or (equals and not prior):
             raise InputError(
                 f"--unknown {text!r}: KEY or KEY=PRIOR is expected, such as 'wear.counter=log-uniform 1e-4 "
                 ".. 1e-3 mm^3/N/m'"
             )
-        priors[key] = prior or None
+        priors[name] = prior or None
     return priors
 
 
 def _section(content: Any) -> InferSection:
-    """Read the section [infer] of a study. Raises InputError with one sentence."""
+    """Read a section [infer]. Raises InputError with one sentence on what is wrong."""
+    if isinstance(content, Mapping) and isinstance(content.get("unknown"), Mapping):
+        content = {**content, "unknown": dotted(content["unknown"])}  # unquoted dots make tables in tables
     try:
-        if isinstance(content, Mapping) and isinstance(content.get("unknown"), Mapping):
-            priors = dotted(content["unknown"])  # unquoted dots make tables in tables of TOML
-            for key, prior in priors.items():
-                if not isinstance(prior, str):
-                    raise InputError(
-                        f"infer.unknown.{key} = {prior!r}: a prior such as 'normal 8 +- 1 N' is expected, "
-                        "or '' for one about the value"
-                    )
-            content = {**content, "unknown": priors}
-        section = InferSection.model_validate(content)
+        return _File(infer=content).infer
     except ValidationError as error:
-        raise InputError(_sentence(error)) from error
-    for kind in section.measured:
-        if FORMER.get(kind, kind) not in KINDS:
-            raise InputError(
-                f"infer.measured.{kind} is nothing that can be measured here; allowed: {', '.join(KINDS)}"
-            )
-    return section
-
-
-def _sentence(error: ValidationError) -> str:
-    """Return a sentence about the first problem of the section."""
-    first = error.errors()[0]
-    where, value = ".".join([SECTION, *map(str, first["loc"][:2])]), first["input"]
-    if first["type"] == "extra_forbidden":
-        return f"{where} is not known; allowed: {', '.join(InferSection.model_fields)}"
-    if first["type"] in ("dict_type", "model_type"):
-        measured = where.endswith("measured")
-        example = 'diameter = "0.80 +- 0.02 mm"' if measured else '"wear.counter" = "log-uniform …"'
-        return f"[{where}] is a section, and {value!r} is none; in it stand lines such as {example}"
-    wanted = "text in quotes" if "target" in where else "text in quotes, or a list of such"
-    if "list" in first["type"]:
-        example = '"test-1.csv", "test-2.csv"' if "exp" in where else '"repeats=3"'
-        wanted = f"a list such as [{example}]"
-    return f"{where} = {value!r} is not allowed: {wanted} is expected"
+        raise InputError(sentence(error, _File)) from error

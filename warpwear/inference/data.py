@@ -15,6 +15,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import printed
 from warpwear.measured.course import LARGEST_COF, experiment_of
 from warpwear.measured.experiment import Experiment
+from warpwear.measured.motion import Motion
 from warpwear.measured.rows import Rows, read_rows
 from warpwear.study.study import Study
 from warpwear.study.units import parse
@@ -119,16 +120,14 @@ class Data:
     @cached_property
     def distance(self) -> FloatArray:
         """Distances [mm] at which a coefficient is asked for: of the courses, then of the points."""
-        return np.concatenate(
-            [*(course.distance for course in self.courses), [point.at or 0.0 for point in self.points]]
-        )
+        points = [point.at or 0.0 for point in self.points]
+        return np.concatenate([*(course.distance for course in self.courses), points])
 
     @cached_property
     def cof(self) -> FloatArray:
         """Return the coefficients measured there."""
-        return np.concatenate(
-            [*(course.cof for course in self.courses), [point.value for point in self.points]]
-        )
+        points = [point.value for point in self.points]
+        return np.concatenate([*(course.cof for course in self.courses), points])
 
     @cached_property
     def rows(self) -> list[slice]:
@@ -252,9 +251,8 @@ def _course(study: Study, experiment: Experiment | str | Path, columns: str | No
     if not isinstance(experiment, Experiment):
         sliding, load, rows = study.sliding, study.contact.load, read_rows(experiment, columns)
         _check_load(rows, load)
-        experiment = experiment_of(
-            rows, stroke=sliding.stroke, load=load, speed=sliding.speed, radius=sliding.track_radius
-        )
+        how = Motion(stroke=sliding.stroke, load=load, speed=sliding.speed, radius=sliding.track_radius)
+        experiment = experiment_of(rows, how)
     name, distance, cof = experiment.name, np.asarray(experiment.distance), np.asarray(experiment.cof)
     _check_cof(name, cof)
     inside = (distance > 0.0) & (distance <= study.sliding.total * (1.0 + 1e-9))

@@ -6,7 +6,7 @@ Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sections 
 
 import math
 from dataclasses import dataclass, field
-from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -55,17 +55,18 @@ class GaussianProcess:
         return inverse @ self.values / diagonal, self.scale / diagonal
 
     @property
-    def factors(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return what predicts: R⁻¹, R⁻¹ times the basis, C, and R⁻¹ times the values.
+    def numbers(self) -> tuple[Any, ...]:
+        """Return what predicts: R⁻¹, R⁻¹ times the basis, C, R⁻¹ times the values, and what was fitted.
 
         R Rᵀ is the covariance of the runs, (runs, runs), C Cᵀ that of the trend, (terms, terms). The second
-        has the shape (runs, terms), the last (runs,).
+        has the shape (runs, terms), the fourth (runs,).
         """
         count = self.values.size
         whitened = np.column_stack([np.eye(count), self._basis, self.values])
         whitened = linalg.solve_triangular(self._factor[0], whitened, lower=True)
         trend = np.linalg.cholesky(np.linalg.inv(self._of_trend))
-        return whitened[:, :count], whitened[:, count:-1], trend, whitened[:, -1]
+        factors = whitened[:, :count], whitened[:, count:-1], trend, whitened[:, -1]
+        return *factors, self.lengths, [self.nugget], self.trend, [self.scale]
 
     def _solve(self, logs: FloatArray) -> float:
         """Solve with length scales and nugget; return the logarithm of the likelihood."""
@@ -111,9 +112,8 @@ class Emulator:
         self._processes: list[GaussianProcess] = []
         self.error, self._wider, self.scatter = 0.0, np.zeros(0), np.zeros(self.mean.size)
         varying = scaled - self.mean
-        if len(scaled) == 1 or not np.ptp(varying, axis=0).max() > 1e-12 * max(
-            1.0, float(np.abs(scaled).max())
-        ):
+        largest = float(np.abs(scaled).max())
+        if len(scaled) == 1 or not np.ptp(varying, axis=0).max() > 1e-12 * max(1.0, largest):
             return
         _, sizes, shapes = np.linalg.svd(varying, full_matrices=False)
         part = np.cumsum(sizes**2) / np.sum(sizes**2)
@@ -123,38 +123,24 @@ class Emulator:
         freedom = max(len(scaled) - 1 - count, 1)
         self.scatter = np.sqrt(np.sum((varying - weights @ self.shapes) ** 2, axis=0) / freedom)
         self._processes = [GaussianProcess(self.places, column) for column in weights.T]
-        errors, variances = (
-            np.array(part) for part in zip(*(p.left_out for p in self._processes), strict=True)
-        )
+        self._stacked = [np.stack(some) for some in zip(*(p.numbers for p in self._processes), strict=True)]
+        errors, variances = map(np.array, zip(*(p.left_out for p in self._processes), strict=True))
         self._wider = np.maximum(1.0, np.mean(errors**2 / variances, axis=1))
         predicted = self.mean + (weights - errors.T) @ self.shapes
-        size = 1.0 if self.logarithmic else float(np.abs(scaled).max())
+        size = 1.0 if self.logarithmic else largest
         self.error = float(np.sqrt(np.mean((predicted - scaled) ** 2))) / size
 
     def weights(self, places: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Predict weights of the shapes and their variances at places (n, inputs), both (n, shapes)."""
         if not self._processes:
             return np.zeros((len(places), 0)), np.zeros((len(places), 0))
-        among, basis, trend, values = self._factors
-        lengths, nuggets, trends, scales = self._numbers
+        among, basis, trend, values, lengths, nuggets, trends, scales = self._stacked
         near = _correlation(places, self.places, lengths[:, None, None]) @ among.transpose(0, 2, 1)
         terms = np.column_stack([np.ones(len(places)), places])
         rest = terms - near @ basis
         mean = (near @ values[..., None] + rest @ trends[..., None])[..., 0]
         variance = 1.0 + nuggets - np.sum(near**2, axis=-1) + np.sum((rest @ trend) ** 2, axis=-1)
         return mean.T, (scales * np.maximum(variance, 0.0)).T * self._wider
-
-    @cached_property
-    def _factors(self) -> list[FloatArray]:
-        """Stack `GaussianProcess.factors` of all shapes, (shapes, …)."""
-        return [np.stack(some) for some in zip(*(p.factors for p in self._processes), strict=True)]
-
-    @cached_property
-    def _numbers(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Stack lengths (shapes, inputs), trends (shapes, terms); nuggets and scales, (shapes, 1)."""
-        numbers = [(p.lengths, [p.nugget], p.trend, [p.scale]) for p in self._processes]
-        lengths, nuggets, trends, scales = (np.array(some) for some in zip(*numbers, strict=True))
-        return lengths, nuggets, trends, scales
 
 
 def _correlation(first: FloatArray, second: FloatArray, lengths: FloatArray) -> FloatArray:

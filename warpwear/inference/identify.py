@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from warpwear.figures.wording import listed
 from warpwear.grid import FloatArray
 from warpwear.inference.data import KINDS
 from warpwear.inference.likelihood import Posterior
@@ -63,8 +64,8 @@ class Indistinct:
 
     def __str__(self) -> str:
         """Say so in a sentence."""
-        names = f"{', '.join(self.keys[:-1])} and {self.keys[-1]}"
-        return f"{names} cannot be told apart by these data: they tell only {self.known}. {self.why}".rstrip()
+        text = f"{listed(self.keys)} cannot be told apart by these data: they tell only {self.known}."
+        return f"{text} {self.why}".rstrip()
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,8 +1,7 @@
 """From what was measured to the unknowns of a study, with their uncertainty: `warpwear.infer`."""
 
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -71,7 +70,11 @@ def infer(
     priors = dict(unknown) if isinstance(unknown, Mapping) else dict.fromkeys(unknown)
     unknowns, noise = unknowns_of(study, priors), noise_for(data, priors)
     _check_unknowns(study, unknowns, data)
-    with _folder(out) as folder:
+    with tempfile.TemporaryDirectory(prefix="warpwear-inference-", ignore_cleanup_errors=True) as place:
+        folder = Path(place if out is None else out)
+        if out is not None:
+            check_folder(folder, resume=True)
+            (folder / RUNS).mkdir(parents=True, exist_ok=True)
 
         def model_of(other: Study, part: float | None = None) -> Model:
             how: Any = {"samples": runs, "seed": seed, "out": folder, "device": device, "part": part}
@@ -182,16 +185,3 @@ def _check_unknowns(study: Study, unknowns: Sequence[Unknown], data: Data) -> No
                 f"{' and '.join(f'friction.{key}' for key in factor.keys)} cannot be inferred with: the "
                 f"strength follows {', '.join(sorted(beyond))} of a run; allowed are {', '.join(columns)}"
             )
-
-
-@contextmanager
-def _folder(out: str | Path | None) -> Iterator[Path]:
-    """Open the folder of the runs: `out`, or one that goes away. Raises InputError."""
-    if out is not None:
-        folder = Path(out)
-        check_folder(folder, resume=True)
-        (folder / RUNS).mkdir(parents=True, exist_ok=True)
-        yield folder
-        return
-    with tempfile.TemporaryDirectory(prefix="warpwear-inference-", ignore_cleanup_errors=True) as place:
-        yield Path(place)

@@ -101,7 +101,7 @@ class Model:
         values: key -> (samples,).
         """
         count, load = _count(values), self.study.contact.load
-        law = self._friction_law(values)
+        law = self.study.friction.law_with(_columns(values))
         worn = self._worn(values, distance[None])
         areas = {key: self._looked_up(*course, values, worn) for key, course in self._strengths.items()}
         area = np.sum([area for area, _, _ in areas.values()], axis=0)
@@ -155,10 +155,6 @@ class Model:
         """Return the values of a key of friction, unknown or as the study has it, (samples,); or NaN."""
         own = self.study.friction.law_with().values[key.removeprefix("friction.")]
         return values.get(key, np.full(_count(values), math.nan if own is None else own))
-
-    def _friction_law(self, values: Values) -> FrictionLaw:
-        """Return the law of friction, whose numbers that are unknown have the shape (samples, 1)."""
-        return self.study.friction.law_with(_columns(values))
 
     def _wear_laws(self, values: Values) -> tuple[WearLaw, WearLaw]:
         """Return the laws of wear, whose numbers that are unknown have the shape (samples, 1)."""

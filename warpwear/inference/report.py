@@ -11,7 +11,7 @@ import tomli_w
 
 from warpwear.errors import InputError
 from warpwear.figures.describe import Figure
-from warpwear.figures.wording import power_of_ten
+from warpwear.figures.wording import short
 from warpwear.grid import FloatArray
 from warpwear.inference.result import Inference
 from warpwear.inference.runs import other_surfaces
@@ -63,7 +63,7 @@ def _page(inference: Inference, figures: Mapping[str, Figure], *, study: str, te
     content: dict[str, Any] = {"inference": inference, "written": study, "calibrated": text}
     content["notes"] = [(c.name, c.notes) for c in data.courses] + [("data", data.notes)] * bool(data.notes)
     content["pictures"] = [(embedded(figure), CAPTIONS[name]) for name, figure in figures.items()]
-    return render("inference.html", {"number": _in_digits}, **content)
+    return render("inference.html", {"number": lambda value: short(float(f"{value:.3g}"))}, **content)
 
 
 def write_samples(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray], path: Path) -> None:
@@ -113,9 +113,8 @@ def calibrated(inference: Inference) -> str:
         if inference.misses:  # every run of it says so
             name, text = inference.study.study.name, inference.study.study.description
             misses = f"FITTED TO DATA THAT IT MISSES, not calibrated. {inference.conflicts[0]} {text}".strip()
-            study = study.replace(
-                {"study.name": f"{name[:70]} - misses its data", "study.description": misses}
-            )
+            named = {"study.name": f"{name[:70]} - misses its data", "study.description": misses}
+            study = study.replace(named)
     except InputError as error:
         return f"# No study can have the medians of the unknowns: {error}\n"
     count = len(unknowns)
@@ -134,17 +133,8 @@ def calibrated(inference: Inference) -> str:
     if inference.misses:
         why = "".join(f"# {line}\n" for line in inference.conflicts)
         head = f"# FITTED, NOT CALIBRATED: this study misses the data.\n{why}# Fitted {how}\n"
-    return (
-        head + study.to_toml() + "\n" + note + tomli_w.dumps({"sweep": section | {"vary": vary | surfaces}})
-    )
-
-
-def _in_digits(value: float) -> str:
-    """Write a number of the page in three digits, a small or large one with its power of ten."""
-    if value == 0.0 or 1e-3 <= abs(value) < 1e5:
-        return f"{value:.3g}"
-    first, power = f"{value:.2e}".split("e")
-    return f"{first}·{power_of_ten(power)}"
+    tables = tomli_w.dumps({"sweep": section | {"vary": vary | surfaces}})
+    return head + study.to_toml() + "\n" + note + tables
 
 
 def _distribution(unknown: Unknown, inference: Inference) -> str:

@@ -75,11 +75,8 @@ class Inference:
             column = self.values[unknown.key]
             low, median, high = map(float, np.percentile(column, (BAND[0], 50.0, BAND[1])))
             unit = printed(unknown.unit)
-            row: dict[str, Any] = {
-                "key": unknown.key,
-                "unit": unit,
-                "prior": unknown.written.replace(unknown.unit, unit),
-            }
+            prior = str(unknown.prior).replace(unknown.unit, unit)
+            row: dict[str, Any] = {"key": unknown.key, "unit": unit, "prior": prior}
             row |= {"assumed": unknown.assumed, "mean": float(column.mean()), "sd": float(column.std(ddof=1))}
             row |= {"median": median, "low": low, "high": high}
             learnt = float(np.clip(1.0 - self.z[:, place].var(), 0.0, 1.0))
@@ -166,7 +163,7 @@ class Inference:
             if not unknown.prior.kind.endswith("uniform") and abs(z.mean()) > PULLED:
                 lines.append(
                     f"{unknown.key} lies {abs(z.mean()):.1f} standard deviations from the middle of its "
-                    f"prior, {unknown.written}, which holds it back: if that is no measurement, give a "
+                    f"prior, {unknown.prior}, which holds it back: if that is no measurement, give a "
                     "wider one."
                 )
         return lines

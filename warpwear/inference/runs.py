@@ -17,7 +17,7 @@ from warpwear.laws.archard import BODIES
 from warpwear.laws.friction import COEFFICIENT, NUMBERS
 from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
-from warpwear.results.summary import course
+from warpwear.results.track import course
 from warpwear.study.study import Study
 from warpwear.sweeps.plan import Plan, SweepSection
 from warpwear.sweeps.points import points_of, task_of

@@ -64,7 +64,8 @@ def sample(log_density: Callable[[FloatArray], FloatArray], unknowns: int, *, se
         steps += BLOCK
         left_out = int(BURN_IN * steps)
         chains = np.array([ensemble.get_chain(discard=left_out) for ensemble, _ in ensembles])
-        time = max(float(np.max(_time(chain))) for chain in chains)
+        times = (emcee.autocorr.integrated_time(chain, tol=0, quiet=True) for chain in chains)
+        time = max(float(np.max(of_chain)) for of_chain in times)
         r_hat = float(np.max(split_r(chains)))
         if (steps - left_out) > TIMES * time and r_hat < LARGEST_R:
             break
@@ -105,8 +106,3 @@ def _ensemble(
     ensemble = emcee.EnsembleSampler(walkers, unknowns, log_density, vectorize=True, moves=moves)
     legacy = np.random.MT19937(int(random.integers(2**31))).state
     return ensemble, emcee.State(drawn[best], log_prob=density[best], random_state=legacy)
-
-
-def _time(chain: FloatArray) -> FloatArray:
-    """Return integrated autocorrelation times [steps] of a chain (steps, walkers, unknowns)."""
-    return np.asarray(emcee.autocorr.integrated_time(chain, tol=0, quiet=True))

@@ -72,15 +72,11 @@ class Unknown:
             scaled = a + (b - a) * special.ndtr(z)
         return np.asarray(np.exp(scaled) if self.prior.is_logarithmic else scaled)
 
-    def place(self, z: FloatArray) -> FloatArray:
-        """Turn standard normal numbers into places for an emulator: even where the prior is, variance one."""
-        if self.prior.kind.endswith("uniform"):
-            return np.asarray(math.sqrt(12.0) * (special.ndtr(z) - 0.5))
-        return z
-
     def place_of(self, value: FloatArray) -> FloatArray:
-        """Turn values of the unknown into such places."""
-        return self.place(self.normal(value))
+        """Turn values into places for an emulator: even where the prior is, variance one."""
+        z = self.normal(value)
+        uniform = self.prior.kind.endswith("uniform")
+        return np.asarray(math.sqrt(12.0) * (special.ndtr(z) - 0.5)) if uniform else z
 
     def normal(self, value: FloatArray) -> FloatArray:
         """Turn values of the unknown back into standard normal numbers."""
@@ -98,14 +94,6 @@ class Unknown:
         """Write a value as studies do."""
         value = float(f"{value:.6g}")
         return f"{value!r} {self.unit}" if self.unit else value
-
-    @property
-    def written(self) -> str:
-        """The prior as people write it."""
-        first, second = f"{self.prior.first:.4g}", f"{self.prior.second:.4g}"
-        between = ".." if self.prior.kind.endswith("uniform") else "±"
-        cut = "" if self.prior.within is None else " within {:.4g} .. {:.4g}".format(*self.prior.within)
-        return f"{self.prior.kind} {first} {between} {second}{cut} {self.unit}".rstrip()
 
 
 def unknowns_of(study: Study, priors: Mapping[str, str | None]) -> list[Unknown]:
@@ -238,7 +226,7 @@ def _within_allowed(unknown: Unknown) -> Unknown:
     if ends is not None and (ends[0] < least or ends[1] > most):
         upper = f"to {most:g}" if math.isfinite(most) else "up"
         raise InputError(
-            f"the prior of '{unknown.key}', {unknown.written}, goes beyond what is allowed: from {least:g} "
+            f"the prior of '{unknown.key}', {unknown.prior}, goes beyond what is allowed: from {least:g} "
             f"{upper} {unknown.unit}".rstrip()
         )
     return unknown

@@ -1,15 +1,15 @@
 """Read the coefficient of friction over the distance slid from a file, and look for its gaps."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.experiment import Experiment
-from warpwear.measured.motion import doubts, moving, sliding_distance
+from warpwear.measured.motion import Motion, doubts, moving, sliding_distance
 from warpwear.measured.record import PLAIN
 from warpwear.measured.rows import Paths, Rows, read_rows
 from warpwear.measured.tribometer import alternates, averaged, from_forces, one_sign
@@ -30,42 +30,24 @@ MEAN_GAPS = 2.0
 MOST_IN_GAPS = 0.5
 
 
-def read_experiment(
-    path: Paths,
-    *,
-    stroke: float | None = None,
-    load: float | None = None,
-    speed: float | None = None,
-    columns: str | None = None,
-    radius: float | Sequence[float] | None = None,
-) -> Experiment:
+def read_experiment(path: Paths, *, columns: str | None = None, **motion: Any) -> Experiment:
     """Read a record of friction as a machine wrote it, see `warpwear.measured.record`, or a table of text.
 
     Two kinds are told apart by the names of the columns: a coefficient of friction over distance, laps, speed
     and time, time or cycles; and forces with the position, or stroke by stroke, see
     `warpwear.measured.tribometer`.
 
-    path: a file, or a folder or several files that make one record. stroke: length of one pass [mm], for
-    cycles and forces. load: normal load [N], where the record has none. speed: sliding speed [mm/s], which
-    makes distance of time. radius: of the track [mm], which makes distance of laps, one or one for each step.
-    columns: which columns to take, see `warpwear.measured.columns.choose`. Raises InputError for whatever
-    could be read in two ways.
+    path: a file, or a folder or several files that make one record. columns: which columns to take, see
+    `warpwear.measured.columns.choose`. motion: fields of `Motion`. Raises InputError for whatever could be
+    read in two ways.
     """
-    rows = read_rows(path, columns)
-    return experiment_of(rows, stroke=stroke, load=load, speed=speed, radius=radius)
+    return experiment_of(read_rows(path, columns), Motion(**motion))
 
 
-def experiment_of(
-    rows: Rows,
-    *,
-    stroke: float | None = None,
-    load: float | None = None,
-    speed: float | None = None,
-    radius: float | Sequence[float] | None = None,
-) -> Experiment:
+def experiment_of(rows: Rows, motion: Motion) -> Experiment:
     """Return the course of friction in the rows of a record, see `read_experiment`. Raises InputError."""
     path, notes, steps = rows.path, [], rows.steps
-    warnings = [*rows.warnings, *doubts(rows, radius)]
+    warnings = [*rows.warnings, *doubts(rows, motion.radius)]
     if _signed(rows):
         title = rows.chosen["cof"].title
         notes.append(f"The column {title!r} goes with the direction: the forces are taken.")
@@ -81,13 +63,9 @@ def experiment_of(
             one_sign(path, rows.table["friction force"])
         what = "friction force" if forces else "coefficient of friction"
         try:
-            distance, role, origin = sliding_distance(
-                rows, stroke=stroke, speed=speed, radius=radius, what=what
-            )
-            rows, taken = (
-                replace(rows, table={**rows.table, "distance": distance}),
-                {*taken, role, "distance"},
-            )
+            distance, role, origin = sliding_distance(rows, motion, what=what)
+            rows = replace(rows, table={**rows.table, "distance": distance})
+            taken |= {role, "distance"}
             notes += left_out
         except InputError:
             if not strokes:
@@ -97,7 +75,7 @@ def experiment_of(
     table, left_out = _without_gaps(path, {**table, "step": rows.step.astype(np.float64)})
     step = table.pop("step").astype(np.intp)
     if forces:
-        course = from_forces(path, table, step=step, stroke=stroke, load=load)
+        course = from_forces(path, table, step=step, stroke=motion.stroke, load=motion.load)
     else:
         course = _in_order(path, table["distance"], table["cof"])
     titles = ", ".join(f"{role} from {column.title!r}" for role, column in columns.items())

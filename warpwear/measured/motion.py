@@ -1,7 +1,7 @@
 """Find how far a record slid: by its distance, its laps, its speeds, its turns, its cycles or its time."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,21 @@ BEFORE = 1.0
 OTHER_DISTANCE = 0.05
 
 
+@dataclass(frozen=True, kw_only=True)
+class Motion:
+    """A person gives these numbers beside a record, None where they are not known.
+
+    stroke: length of one pass [mm], for cycles and forces. load: normal load [N], where the record has none.
+    speed: sliding speed [mm/s], which makes distance of time. radius: of the track [mm], which makes distance
+    of laps and turns a minute, one or one for each step.
+    """
+
+    stroke: float | None = None
+    load: float | None = None
+    speed: float | None = None
+    radius: float | Sequence[float] | None = None
+
+
 def moving(rows: Rows) -> tuple[Rows, list[str]]:
     """Return the rows in which something slides, and a note on the others; all where no speed tells."""
     speed = next((np.abs(rows.table[role]) for role in ("speed", "rpm") if role in rows.table), None)
@@ -32,21 +47,13 @@ def moving(rows: Rows) -> tuple[Rows, list[str]]:
     return replace(rows, table=table, step=rows.step[~rest]), [note]
 
 
-def sliding_distance(
-    rows: Rows,
-    *,
-    stroke: float | None,
-    speed: float | None,
-    radius: float | Sequence[float] | None,
-    what: str,
-) -> tuple[FloatArray, str, str]:
+def sliding_distance(rows: Rows, motion: Motion, *, what: str) -> tuple[FloatArray, str, str]:
     """Return the distance slid [mm], shape (rows,), the role of the column it is from, and how it was made.
 
-    stroke [mm] makes distance of cycles, speed [mm/s] of time, radius [mm] of laps and turns a minute; what:
-    the record has, for sentences. Raises InputError where the record does not say how far the sliding went.
+    what: the record has, for sentences. Raises InputError where the record does not say how far it slid.
     """
-    table, path = rows.table, rows.path
-    track = _radius(rows, radius)
+    table, path, stroke, speed = rows.table, rows.path, motion.stroke, motion.speed
+    track = _radius(rows, motion.radius)
     if "distance" in table:
         distance, note = _without_slips(table["distance"], table.get("time"))
         return distance, "distance", note
@@ -59,11 +66,8 @@ def sliding_distance(
             along = _integral(np.abs(table[role]) * factor, table["time"])
             return along, role, f"Distance is the integral of the {role} over time{way}."
     if "cycle" in table and stroke is not None:
-        return (
-            2.0 * stroke * table["cycle"],
-            "cycle",
-            f"Distance is cycle times two strokes of {stroke:g} mm.",
-        )
+        note = f"Distance is cycle times two strokes of {stroke:g} mm."
+        return 2.0 * stroke * table["cycle"], "cycle", note
     if ("laps" in table or "rpm" in table) and speed is None:
         role = "laps" if "laps" in table else "rpm"
         steps = f", or one for each of its {len(rows.steps)} steps" if len(rows.steps) > 1 else ""
@@ -101,9 +105,7 @@ def _without_slips(distance: FloatArray, time: FloatArray | None) -> tuple[Float
     goes_on = time is not None and bool(np.all(np.diff(time) >= 0.0))
     if not (goes_on and 0 < falls.size <= SLIPS * distance.size and -falls.sum() <= SLIPS * np.ptp(distance)):
         return distance, ""
-    note = (
-        f"The distance falls back at {falls.size} rows while time goes on: it is taken to stand still there."
-    )
+    note = f"The distance falls back at {falls.size} rows while time goes on: it is taken to stand still."
     return np.maximum.accumulate(distance), note
 
 

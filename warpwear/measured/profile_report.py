@@ -5,14 +5,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from warpwear.errors import InputError
-from warpwear.figures.describe import COLUMN, COUNTER, DISC, NEUTRAL, Axis, Chart, Figure, Level, Line, Look
+from warpwear.figures.describe import COUNTER, DISC, Axis, Chart, Figure, Level, Line, Look
 from warpwear.grid import FloatArray
 from warpwear.measured.options import quantity
+from warpwear.measured.surface_figure import ZERO, stack
 from warpwear.measured.surface_report import DOUBTED, ERROR
-from warpwear.results.report import Row, lines
+from warpwear.results.report import Row, lines, times
 from warpwear.surfaces.measured import Measured
-from warpwear.surfaces.profiles.parameters import Parameters, material_ratio
-from warpwear.surfaces.profiles.profile import Profile, checked
+from warpwear.surfaces.profiles.profile import Parameters, Profile, checked, material_ratio
 from warpwear.surfaces.roughness import material_ratio_curve
 from warpwear.surfaces.worn.track import Track
 
@@ -64,17 +64,16 @@ def parameter_rows(p: Parameters) -> list[Row]:
     return [
         Row("filtered", "", [*_filters(p), *p.notes]),
         Row("", "lambda_c_mm", p.cut_off),
-        Row("", "lambda_s_um", None if p.short is None else 1e3 * p.short),
+        Row("", "lambda_s_um", times(1e3, p.short)),
         Row("", "sections", p.sections),
         Row("", "filter_notes", list(p.notes)),
         *(Row(name.title(), f"{name}_um", 1e3 * vars(p)[name]) for name in HEIGHTS),
         *(Row(name.title(), name, vars(p)[name]) for name in ("rsk", "rku")),
-        Row("RSm", "rsm_um", None if p.rsm is None else 1e3 * p.rsm),
+        Row("RSm", "rsm_um", times(1e3, p.rsm)),
         Row("RSm", "", "none: fewer than two profile elements" if p.rsm is None else None),
         *(Row(f"R{name[1:]}", f"r{name[1:]}_um", 1e3 * core[name]) for name in ("sk", "spk", "svk")),
         *(Row(f"R{name[1:]}", f"r{name[1:]}_percent", core[name], digits=3) for name in ("smr1", "smr2")),
-        Row("Rmr(c)", "", ratios),
-        Row("", "rmr_percent_at_rq", [list(pair) for pair in by_level]),
+        Row("Rmr(c)", "rmr_percent_at_rq", [list(pair) for pair in by_level], sentence=ratios),
     ]
 
 
@@ -115,14 +114,14 @@ def profile_figure(profile: Profile, p: Parameters) -> Figure:
     first = 0.5 * (profile.length - p.rough.size * profile.spacing)
     places = first + profile.places[: p.rough.size]
     ratio, reached = material_ratio_curve(p.rough)
-    return _stack(
+    return stack(
         _chart("Profile", "height less form, µm", profile.places, profile.heights),
         _chart("Roughness", "roughness, µm", places, p.rough),
         Chart(
             "Material ratio",
             Axis("material ratio, %", low=0.0, high=100.0),
             Axis("height, µm"),
-            [Line(ratio, 1e3 * reached, look=Look(DISC)), Level(0.0, look=Look(width=0.6))],
+            [Line(ratio, 1e3 * reached, look=Look(DISC)), Level(0.0, look=ZERO)],
         ),
     )
 
@@ -139,15 +138,10 @@ def groove_figure(groove: Track) -> Figure:
         np.where(groove.inside, 1e3 * heights, np.nan),
         np.where(groove.inside, 0.0, np.nan),
     )
-    return _stack(_chart("Groove", "height over the reference, µm", places, heights, filled))
+    return stack(_chart("Groove", "height over the reference, µm", places, heights, filled))
 
 
 def _chart(title: str, up: str, places: FloatArray, heights: FloatArray, *more: Line) -> Chart:
     """Draw heights [mm] over places [mm]."""
     line = Line(places, 1e3 * heights, look=Look(DISC, width=0.6))
-    return Chart(title, Axis("place, mm"), Axis(up), [line, *more, Level(0.0, look=Look(NEUTRAL, width=0.6))])
-
-
-def _stack(*panels: Chart) -> Figure:
-    """Put panels below each other, with one legend."""
-    return Figure(panels, 1, legend=3, width=COLUMN, height=2.4)
+    return Chart(title, Axis("place, mm"), Axis(up), [line, *more, Level(0.0, look=ZERO)])

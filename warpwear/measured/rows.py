@@ -39,13 +39,12 @@ class Rows:
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
-    def of_steps(self, wanted: Indices) -> "Rows":
-        """Return the rows of some steps, by their numbers from 0."""
-        inside = np.isin(self.step, wanted)
-        places = np.searchsorted(np.unique(wanted), self.step[inside])
+    def of_step(self, number: int) -> "Rows":
+        """Return the rows of one step, by its number from 0."""
+        inside = self.step == number
         table = {role: values[inside] for role, values in self.table.items()}
-        names = tuple(self.steps[place] for place in np.unique(wanted))
-        return replace(self, table=table, step=places, steps=names)
+        step = np.zeros(np.count_nonzero(inside), dtype=np.intp)
+        return replace(self, table=table, step=step, steps=(self.steps[number],))
 
 
 def files_of(paths: Paths) -> list[Path]:

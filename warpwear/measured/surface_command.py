@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,25 +18,26 @@ from warpwear.measured.options import optional, quantity, refuse
 from warpwear.measured.surface_figure import ball_figure, save, scar_figure, surface_figure, track_figure
 from warpwear.results.report import Row, lines, record, to_json
 from warpwear.study.bodies import Disc
+from warpwear.study.loading import value_of_text
 from warpwear.study.surface import surface_of
 from warpwear.study.text import sentence
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.preparation import degree_of
-from warpwear.surfaces.profiles.groove import find_groove
-from warpwear.surfaces.profiles.parameters import parameters
-from warpwear.surfaces.profiles.profile import Profile, read_profile
+from warpwear.surfaces.profiles.profile import Profile, parameters, read_profile
 from warpwear.surfaces.reading import HoldsAProfile
 from warpwear.surfaces.worn.ball import cap_of_diagonals, find_worn_ball
 from warpwear.surfaces.worn.find_scar import find_scar
 from warpwear.surfaces.worn.patch import Patch
 from warpwear.surfaces.worn.registration import Difference, difference
-from warpwear.surfaces.worn.track import Track, find_track
+from warpwear.surfaces.worn.track import Track, find_groove, find_track
 from warpwear.surfaces.worn.waviness import CHANGED, ROUGH
 
 #: Endings of files that a figure can be written to.
 FORMATS = (".png", ".pdf", ".svg")
 #: Keys of [disc] that may hold several values, separated by commas.
 LISTS = ("pixel", "crop")
+#: Keys that may hold a number without a unit.
+NUMBERS = ("outliers", "level")
 #: Keys of [disc] that say how a profile is read, too.
 LINE = ("pixel", "height_unit", "height_sign", "array", "level")
 #: Names of keys that sentences about [disc] name.
@@ -103,10 +105,8 @@ def describe(file: Path | None, options: SurfaceOptions) -> str:
     elif not (options.as_json or options.no_figure):
         figure = Path(f"{file.name}-{kind}.png")
         if figure.exists() and not options.overwrite:  # the numbers are asked for all the same
-            figure, notice = (
-                None,
-                f"{figure} is there already and was not drawn again: --overwrite replaces it",
-            )
+            notice = f"{figure} is there already and was not drawn again: --overwrite replaces it"
+            figure = None
     outcome = _outcome(file, kind, options)
     if figure is not None:
         save(outcome.draw(), figure)
@@ -149,31 +149,25 @@ def _profile_in(file: Path, preparation: Mapping[str, str | None]) -> Profile:
 
 def _profile(profile: Profile, kind: str, options: SurfaceOptions) -> Outcome:
     """Examine a profile, or the groove in it. Raises InputError."""
-    refuse(
-        {"--track-length": options.track_length, "--before": options.before},
-        "is for a map of heights, and this is a profile",
-    )
+    of_maps = {"--track-length": options.track_length, "--before": options.before}
+    refuse(of_maps, "is for a map of heights, and this is a profile")
     degree = _degree(options.preparation.get("level"))
     fitted_to = " through the profile beside the groove" if kind == "track" else ""
     head = tuple(profile_report.profile_rows(profile, degree, beside=fitted_to))
     if kind == "track":
         width = optional("--track-width", options.track_width, "mm")
         groove = find_groove(profile, degree=degree, width=width)
-        return Outcome(
-            {}, profile_report.groove_rows(groove), lambda: profile_report.groove_figure(groove), profile=head
+        rows = profile_report.groove_rows(groove)
+        draw: Callable[[], Figure] = partial(profile_report.groove_figure, groove)
+    else:
+        cut_off = optional("--lambda-c", options.lambda_c, "mm")
+        level = profile.levelled(degree)
+        result = parameters(level, cut_off=cut_off, short=optional("--lambda-s", options.lambda_s, "mm"))
+        rows, draw = (
+            profile_report.parameter_rows(result),
+            partial(profile_report.profile_figure, level, result),
         )
-    level = profile.levelled(degree)
-    filters = {
-        "cut_off": optional("--lambda-c", options.lambda_c, "mm"),
-        "short": optional("--lambda-s", options.lambda_s, "mm"),
-    }
-    result = parameters(level, **filters)
-    return Outcome(
-        {},
-        profile_report.parameter_rows(result),
-        lambda: profile_report.profile_figure(level, result),
-        profile=head,
-    )
+    return Outcome({}, rows, draw, profile=head)
 
 
 def _roughness(surface: Measured, options: SurfaceOptions) -> Outcome:
@@ -241,6 +235,23 @@ def track_in(
     return find_track(heights, pixel=surface.pixel, degree=degree, width=width), changed, degree
 
 
+def groove_in(
+    file: Path, before: Path | None, preparation: Mapping[str, str | None], *, width: float | None
+) -> tuple[Track, int]:
+    """Find the worn track in a file with a map of heights, or with a profile across it, and its degree.
+
+    Raises InputError.
+    """
+    try:
+        surface = read_surface(file, {**preparation, "level": "none"})
+    except HoldsAProfile:
+        refuse({"--before": before}, "is for a map of heights, and this is a profile")
+        degree = _degree(preparation.get("level"))
+        return find_groove(_profile_in(file, preparation), degree=degree, width=width), degree
+    track, _, degree = track_in(surface, before, preparation, width=width)
+    return track, degree
+
+
 def _less_before(
     surface: Measured, before: Path | None, preparation: Mapping[str, str | None]
 ) -> tuple[FloatArray, Difference | None, int]:
@@ -255,7 +266,7 @@ def _less_before(
 
 def _degree(level: str | None) -> int:
     """Return the degree of --level for a worn disc. Raises InputError for a form."""
-    degree = degree_of(_level(level) if level is not None else "plane")
+    degree = degree_of("plane" if level is None else value_of_text(level))
     if isinstance(degree, str):
         raise InputError(f"--level {degree} is for a ball or a roller: allowed is none, plane or a degree")
     return degree
@@ -266,16 +277,12 @@ def _ball(surface: Measured, options: SurfaceOptions) -> Outcome:
     radius = optional("--radius", options.radius, "mm")
     ball = find_worn_ball(surface.measured, pixel=surface.pixel, radius=radius)
     flat = cap_of_diagonals(ball.along, ball.across, radius=ball.sphere.radius)
+    two_diagonals = surface_report.cap_rows(flat)
     file = surface.record()
     rows = [
         Row("", "surface", file),
         Row("", "ball", surface_report.ball_rows(ball)),
-        Row(
-            "by two diagonals",
-            "by_two_diagonals",
-            surface_report.cap_rows(flat),
-            note=", were the patch flat",
-        ),
+        Row("by two diagonals", "by_two_diagonals", two_diagonals, note=", were the patch flat"),
     ]
     return Outcome(file, rows, lambda: ball_figure(ball, size=surface.size, filled=surface.filled))
 
@@ -297,19 +304,10 @@ def read_surface(file: Path, preparation: Mapping[str, str | None]) -> Measured:
     for name in LISTS:
         if "," in values.get(name, ""):
             values[name] = [part.strip() for part in values[name].split(",")]
-    if "level" in values:
-        values["level"] = _level(values["level"])
-    if "outliers" in values:
-        try:
-            values["outliers"] = float(values["outliers"])
-        except ValueError:
-            raise InputError(
-                f"--outliers is {values['outliers']!r}: allowed is a number of robust standard deviations, "
-                "such as 6"
-            ) from None
-    surface: Any
+    for name in values.keys() & set(NUMBERS):
+        values[name] = value_of_text(values[name])
     try:
-        surface = surface_of(Disc(surface=str(file), **values))
+        surface: Any = surface_of(Disc(surface=str(file), **values))
     except ValidationError as error:
         raise InputError(_with_options(f"disc.{sentence(error, Disc)}")) from error
     except InputError as error:
@@ -323,11 +321,6 @@ def _with_options(text: str) -> str:
     """Say in a text about [disc] what its keys are called here: --height-unit for disc.height_unit."""
     text = text.replace("disc.surface '", "the file '").replace("disc.surface is", "the file is")
     return KEYS.sub(lambda match: f"--{match[1].replace('_', '-')}", text)
-
-
-def _level(text: str) -> str | int:
-    """Turn --level into what [disc] takes: a name or a degree."""
-    return int(text) if text.strip().isdecimal() else text
 
 
 def _check_together(file: Path | None, options: SurfaceOptions) -> None:

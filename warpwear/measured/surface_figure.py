@@ -134,7 +134,7 @@ def track_figure(track: Track, *, filled: BoolArray | None = None) -> Figure:
         Level(float(net.mean()), "mean", Look(describe.NEUTRAL, "dash", 1.0)),
     ]
     bottom, top = min(0.0, float(net.min())), 1.1 * float(net.max()) if net.max() > 0 else None
-    return _stack(
+    return stack(
         _map_of_heights(track.levelled, size, filled, levels=edges),
         Chart("Mean profile", Axis("across, y, mm"), Axis("height over the reference, µm"), across),
         Chart("Section", Axis(describe.ALONG), Axis("section lost, µm²", low=bottom, high=top), along),
@@ -156,7 +156,7 @@ def ball_figure(ball: WornBall, *, size: Pair, filled: BoolArray | None = None) 
         Level(0.0, look=ZERO),
     ]
     depth = Scale("depth worn, µm", 0.0, 1e3 * ball.depth, colours="depths", beyond="both")
-    return _stack(
+    return stack(
         _map(1e3 * ball.lost, size, depth, filled),
         Chart("Profiles", Axis("place, mm"), Axis("depth worn, µm", inverted=True), lines),
     )
@@ -181,13 +181,13 @@ def scar_figure(scar: Patch, *, filled: BoolArray | None = None) -> Figure:
         Line(y, depth, "mean profile", Look(describe.DISC, width=0.9)),
         Level(0.0, look=ZERO),
     ]
-    return _stack(
+    return stack(
         _map(1e3 * scar.lost, (nx * px, ny * py), scale, filled, regions=regions),
         Chart("Mean profile", Axis("across, y, mm"), Axis("depth lost, µm", inverted=True), lines),
     )
 
 
-def _stack(*panels: Map | Chart) -> Figure:
+def stack(*panels: Map | Chart) -> Figure:
     """Put panels below each other, with one legend."""
     return Figure(panels, 1, legend=3, width=describe.COLUMN, height=ROW)
 

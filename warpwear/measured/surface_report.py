@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.results.report import Row, lines
+from warpwear.results.report import Row, lines, times
 from warpwear.surfaces import roughness
 from warpwear.surfaces import spectrum as spectra
 from warpwear.surfaces.measured import Measured
@@ -78,21 +78,21 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
     cut_offs = np.geomspace(2.0 * max(pixel), max(0.25 * min(surface.size), 4.0 * max(pixel)), CUT_OFFS)
     slopes = spectra.slope_against_cut_off(whole, pixel=pixel, cut_offs=cut_offs, measured=valid)
     lay = _lay(*(roughness.slope_along(heights, pixel=pixel, axis=axis) for axis in (0, 1)))
-    few = list(zip(slopes, 1e3 * cut_offs, strict=True))[::SHOWN_CUT_OFF]
+    some = list(zip(slopes, 1e3 * cut_offs, strict=True))[::SHOWN_CUT_OFF]
+    few = ", ".join(f"{slope:.3g} from {um:.3g} µm" for slope, um in some)
     core = vars(bearing)
     bearing_rows = [
         *(Row(name.title(), f"{name}_um", 1e3 * core[name]) for name in ("sk", "spk", "svk")),
         *(Row(name.title(), f"{name}_percent", core[name], digits=3) for name in ("smr1", "smr2")),
     ]
     roll_off_rows = [
-        Row("wavelength", "wavelength_um", _um(roll_off.wavelength), digits=3),
+        Row("wavelength", "wavelength_um", times(1e3, roll_off.wavelength), digits=3),
         Row("from:", "from", roll_off.source),
         Row("Hurst exponent", "hurst", roll_off.hurst, digits=2),
     ]
     rough_rows = [Row(label, key, own[key]) for key, label in ROUGHNESS.items()]
-    rough_rows.append(
-        Row("Sdr", "sdr_percent", 100.0 * roughness.developed_area(heights, pixel=pixel), digits=3)
-    )
+    sdr = 100.0 * roughness.developed_area(heights, pixel=pixel)
+    rough_rows.append(Row("Sdr", "sdr_percent", sdr, digits=3))
     ra_rows = [row for axis, profile in zip("xy", profiles, strict=True) for row in _ra(axis, profile, lay)]
     by_cut_off = {"cut_off_um": (1e3 * cut_offs).tolist(), "rms_slope": slopes.tolist()}
     by_wave = {"wavelength_um": 1e3 * spectrum.wavelength, "density_um4": 1e12 * spectrum.density}
@@ -103,13 +103,11 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
         Row("", "pixel_um", [1e3 * p for p in pixel]),
         Row("", "extent_mm", list(surface.size)),
         Row("", "ra", ra_rows),
-        Row("", "lay", lay),
-        Row("lay", "", "no clear lay" if lay == "none" else f"along {lay}"),
+        Row("lay", "lay", lay, sentence="no clear lay" if lay == "none" else f"along {lay}"),
         Row("bearing curve", "bearing", bearing_rows),
-        Row("", "autocorrelation_length_um", _um(correlation)),
+        Row("", "autocorrelation_length_um", times(1e3, correlation)),
         Row("roll-off", "roll_off", roll_off_rows),
-        Row("rms slope", "", ", ".join(f"{slope:.3g} from {um:.3g} µm" for slope, um in few), note="on"),
-        Row("", "slope_against_cut_off", by_cut_off),
+        Row("rms slope", "slope_against_cut_off", by_cut_off, sentence=f"{few} on"),
         Row("", "power_spectrum", {key: values.tolist() for key, values in by_wave.items()}),
         Row("warning", "warnings", surface.notices(*places((heights.shape[0], heights.shape[1]), pixel))),
     ]
@@ -150,9 +148,7 @@ def track_rows(track: Track, *, length: float | None) -> list[Row]:
     rough, measured = "with the roughness in it", f"{ERROR} over the measured {track.length:.4g} mm"
     doubt = None
     if error > DOUBTED * abs(volume):
-        doubt = (
-            "neither volume nor width is told from the surface's own waviness: --before FILE takes that off"
-        )
+        doubt = "neither volume nor width is told from the surface's waviness: --before FILE takes that off"
     rows = [
         Row("track", "width_mm", track.width, digits=3, note="wide at the level of the surface beside it"),
         Row(
@@ -264,10 +260,16 @@ def _ra(axis: str, profiles: roughness.ProfileRoughness, lay: str) -> list[Row]:
     way = "" if lay == "none" else "along the lay" if lay == axis else "across the lay"
     mean, number, c, s = ("mean", "profiles", "λc", "λs") if profiles.ra is not None else [""] * 4
     rows = [
-        Row(mean, "ra_um", _um(profiles.ra), error=("scatter_um", _um(profiles.scatter)), note=way),
+        Row(
+            mean,
+            "ra_um",
+            times(1e3, profiles.ra),
+            error=("scatter_um", times(1e3, profiles.scatter)),
+            note=way,
+        ),
         Row(number, "profiles", profiles.profiles),
         Row(c, "lambda_c_mm", profiles.cut_off),
-        Row(s, "lambda_s_um", _um(profiles.short)),
+        Row(s, "lambda_s_um", times(1e3, profiles.short)),
         Row("", "notes", list(profiles.notes)),
     ]
     label, none = f"Ra along {axis}", "no Ra" if profiles.ra is None else None
@@ -279,10 +281,6 @@ def _spread(areas: FloatArray) -> Row:
     """Declare mean and standard deviation of section areas [mm²], (n,)."""
     std = ("std", 1e6 * areas.std())
     return Row(f"{areas.size}:", "mean", 1e6 * areas.mean(), digits=5, error=std, unit="µm²")
-
-
-def _um(length: float | None) -> float | None:
-    return None if length is None else 1e3 * length
 
 
 def _lay(along_x: float, along_y: float) -> str:

@@ -84,9 +84,7 @@ def _normal(
     normal = table["normal force"]
     middle = float(np.median(normal))
     if middle == 0.0:
-        raise InputError(
-            f"{path}: the normal force is 0 N for half of the record or more; a load is expected"
-        )
+        raise InputError(f"{path}: the normal force is 0 N for half the record or more; a load is expected")
     notes = []
     if middle < 0.0:
         normal, middle = -normal, -middle

@@ -12,7 +12,7 @@ from warpwear.errors import InputError, explained
 from warpwear.figures.of_run.table import Plotter
 from warpwear.page import paper, words
 from warpwear.page.limits import limits_of
-from warpwear.page.sections import SECTIONS
+from warpwear.page.sections import sections_of
 from warpwear.results import manifest
 from warpwear.results.file import ResultFile
 from warpwear.results.report import Row, record
@@ -39,8 +39,7 @@ def content_of(result: ResultFile, rows: Sequence[Row], plot: Plotter) -> dict[s
     rows: as of `summarise`. plot: of the same result, whose reduced data are used again.
     """
     with plot.data as data:
-        sections = [section for make in SECTIONS if (section := make(plot, data)).figures]
-    return words_of(result.study, rows) | {"sections": sections}
+        return words_of(result.study, rows) | {"sections": sections_of(plot, data)}
 
 
 def top_of(study: Study, summary: dict[str, Any]) -> dict[str, Any]:
@@ -65,7 +64,7 @@ def words_of(study: Study, rows: Sequence[Row]) -> dict[str, Any]:
     """Collect all texts of the page by name. rows: as of `summarise`."""
     summary = record(rows)
     top, methods = top_of(study, summary), paper.methods_of(study, summary)
-    table = paper.table_of(study.counter, summary, top["answers"])
+    table = paper.table_of(study, summary, top["answers"])
     return top | {
         "limits": limits_of(study),
         "summary": summary_text(rows),
@@ -95,8 +94,7 @@ def write_page(folder: Path, page: bytes) -> Path:
     with explained(f"{path} cannot be written"):
         if path.is_symlink() or (path.exists() and MARK not in path.read_bytes()[:20_000]):
             raise InputError(f"{path} is not a page of warpwear; move it away, the page needs its name.")
-        new = folder / f".{manifest.PAGE}.partial"
-        new.write_bytes(page)
-        new.replace(path)
+        with manifest.replacing(path) as new:
+            new.write_bytes(page)
         manifest.add(folder, manifest.PAGE)
     return path

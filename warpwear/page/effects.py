@@ -47,7 +47,7 @@ def effect_of(key: str, study: Study, numbers: dict[str, Any]) -> Effect:
 def numbers_of(study: Study, s: dict[str, Any]) -> dict[str, Any]:
     """Collect the numbers of a run that sentences and their cases go by. s: its summary."""
     area, strength = s["area_mm2"], s["shear_strength_MPa"]
-    reach = 0.5 * max(s["scar_mm"].values()) * study.counter.curvature
+    reach = 0.5 * max(s["scar_mm"].values()) * study.counter.form.curvature
     names = ("contact", "touched", "nominal", "cumulative") if strength is not None else ()
     steps = s.get("track", {}).get("parts", {}).get("estimated_error_at_most", 0.0)
     return {

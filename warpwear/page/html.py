@@ -5,17 +5,18 @@ import gzip
 import hashlib
 import json
 import zlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.colors import Colormap, to_hex
+from matplotlib.colors import to_hex
 
 from warpwear.figures import describe, style
-from warpwear.figures.describe import Bodies, Figure, Section
+from warpwear.figures.describe import Bodies, Figure
 from warpwear.figures.paint import paint
+from warpwear.figures.sections import Section
 from warpwear.page.plots import plots_of
 from warpwear.results.formats.forms import filled
 
@@ -85,46 +86,28 @@ def page_of(template: str, content: Mapping[str, Any], pictures: Mapping[str, by
     sections = [_section(section) for section in content["sections"]]
     figures = {name: figure for section in content["sections"] for name, figure in section.figures.items()}
     turned = {n: f for n, f in figures.items() if any(isinstance(panel, Bodies) for panel in f.panels)}
-    pictures = {
-        **pictures,
-        **{name: style.bytes_of(paint(figure), dpi=DPI) for name, figure in turned.items()},
-    }
+    still = {name: style.bytes_of(paint(figure), dpi=DPI) for name, figure in turned.items()}
+    pictures = {**pictures, **still}
     plots = [plot for section in sections for plot in section["plots"]]
-    seen: set[str] = set()
+    first = {plot["static"]: plot for plot in reversed(plots)}  # of a figure's plots, which has its picture
     for plot in plots:
-        png = None if plot["static"] in seen else pictures.get(plot["static"])
-        seen.add(plot["static"])
+        png = pictures.get(plot["static"]) if plot is first[plot["static"]] else None
         plot["picture"] = f"data:image/png;base64,{_base64(png)}" if png else ""
     drawn = [{k: v for k, v in plot.items() if k not in ("picture", "caption", "static")} for plot in plots]
-    scales = {name: _scale(colours) for name, colours in style.COLOURS.items()}
+    places = np.linspace(0.0, 1.0, SHADES)
+    scales = {name: [to_hex(colours(p)) for p in places] for name, colours in style.COLOURS.items()}
     script, plotly = (TEMPLATES / "plots.js").read_text(encoding="utf-8"), (TEMPLATES / PLOTLY).read_bytes()
+    data = json.dumps({"plots": drawn, "scales": scales}, default=_plain).encode()
     text = render(
         template,
         {"number": _number},
         **{**content, "sections": sections},
-        data=_packed(json.dumps({"plots": drawn, "scales": scales}, default=_plain).encode()),
+        data=_base64(zlib.compress(data, 6)),  # deflate with zlib's header, which the script undoes
         plotly=_base64(plotly),
         script=script,
         policy=policy(script, gzip.decompress(plotly).decode()),
     )
     return text.encode()
-
-
-def under_headings(
-    figures: Mapping[str, Figure],
-    layout: Iterable[tuple[str, str, Sequence[str], str]],
-    *,
-    one_legend: Sequence[str] = (),
-) -> list[Section]:
-    """Lay figures under the headings of a page, each with its anchor, names of figures and what is said.
-
-    one_legend: anchors of sections with one legend. A heading without a figure is left out.
-    """
-    sections = [
-        Section(title, {n: figures[n] for n in names if n in figures}, id_, text, id_ in one_legend)
-        for title, id_, names, text in layout
-    ]
-    return [section for section in sections if section.figures]
 
 
 def _section(section: Section) -> dict[str, Any]:
@@ -145,10 +128,6 @@ def _section(section: Section) -> dict[str, Any]:
     }
 
 
-def _scale(colours: Colormap) -> list[str]:
-    return [to_hex(colours(place)) for place in np.linspace(0.0, 1.0, SHADES)]
-
-
 def _number(value: Any) -> str:
     """Write what stands in a cell of a table: a number in four digits, "–" where there is none."""
     if isinstance(value, float):
@@ -158,11 +137,6 @@ def _number(value: Any) -> str:
 
 def _base64(content: bytes) -> str:
     return base64.b64encode(content).decode("ascii")
-
-
-def _packed(content: bytes) -> str:
-    """Compress for the script of the page: deflate with zlib's header, as text."""
-    return _base64(zlib.compress(content, 6))
 
 
 def _plain(value: Any) -> Any:

@@ -4,12 +4,12 @@ import re
 from collections.abc import Iterable
 from typing import Any, TypeAlias
 
+from warpwear.history.distances import with_unit
 from warpwear.history.quantities import printed
 from warpwear.laws.archard import said
 from warpwear.page.words import disc_of, motion_of, slider_of, source_of
 from warpwear.results.formats.forms import filled
 from warpwear.results.report import shown
-from warpwear.study.bodies import CounterBody
 from warpwear.study.study import Study
 
 Line: TypeAlias = tuple[str, str, str]  # quantity, value and unit
@@ -31,13 +31,15 @@ def methods_of(study: Study, s: dict[str, Any]) -> str:
     return " ".join(text.split())
 
 
-def table_of(counter: CounterBody, s: dict[str, Any], answers: Iterable[dict[str, str]]) -> list[Line]:
+def table_of(study: Study, s: dict[str, Any], answers: Iterable[dict[str, str]]) -> list[Line]:
     """List quantity, value and unit of what went in and what came out."""
-    hardness, unit = s["hardness_MPa"], printed("mm^3/N/m")
+    hardness, unit, counter = s["hardness_MPa"], printed("mm^3/N/m"), study.counter
+    length, newton = (study.strip, "N/mm") if study.strip else (1.0, "N")
+    distance, of_distance = with_unit(s["distance_mm"]).split()
     return [
-        ("Load", ", ".join(shown(block["load_N"]) for block in s.get("blocks", [s])), "N"),
+        ("Load", ", ".join(shown(block["load_N"] / length) for block in s.get("blocks", [s])), newton),
         *([] if counter.form.is_flat else [("Counter-body", counter.title, "")]),
-        ("Sliding distance", shown(s["distance_mm"], 6), "mm"),
+        ("Sliding distance", distance, of_distance),
         ("Cell", shown(s["cell_um"]), "µm"),
         *([("Hardness (cap of the pressure)", shown(hardness), "MPa")] if hardness else []),
         *((f"Wear coefficient, {b}", shown(k), unit) for b, k in s["wear_coefficient_mm3_per_Nm"].items()),

@@ -89,12 +89,8 @@ def _chart(chart: Chart) -> dict[str, Any]:
         "log_x": describe.scaled(chart.x, *describe.values_of(chart, "x")).scale == "log",
         "log_y": log_y,
         "inverted": [chart.x.inverted, chart.y.inverted],
-        "ends": [[_end(axis.low), _end(axis.high)] for axis in (chart.x, chart.y)],
+        "ends": [[axis.low, axis.high] for axis in (chart.x, chart.y)],
     }
-
-
-def _end(value: float | None) -> float | None:
-    return None if value is None else float(value)
 
 
 def _across(level: Level, lines: list[Line], log_y: bool) -> Line:
@@ -141,6 +137,7 @@ def _map(field: Map) -> dict[str, Any]:
         "labels": [*field.labels] or [""] * len(field.fields),
         "says": [*field.notes] or [""] * len(field.fields),
         "extent": field.extent,
+        "long": field.is_long,
         "fields": [vars(code) for code in coded],
         "unit": scale.label.rpartition(", ")[2],
         "colours": scale.colours,

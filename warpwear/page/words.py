@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from warpwear.contact.balance import TOLERANCE
+from warpwear.history.distances import with_unit
 from warpwear.history.end_values import ENDS, value_in
 from warpwear.history.quantities import BY_NAME
 from warpwear.laws.archard import BODIES, CALLED
@@ -56,7 +57,7 @@ def motion_of(study: Study, distance: float) -> str:
     """Say how it moves. distance: that it has slid [mm]."""
     if not study.sliding.total:
         return "is pressed at rest"
-    slid = f"slides {distance:.6g} mm"
+    slid = f"slides {with_unit(distance)}"
     if study.fretting is not None:
         drive, cycles = study.fretting, distance / study.fretting.cycle
         way = (
@@ -86,6 +87,7 @@ def answers_of(study: Study, s: dict[str, Any]) -> list[Answer]:
     of_pass = f", mean of the {s['end_values']}" if "track" in s else ""
     spread = f"standard deviation {pressure['std']:.3g} MPa"
     spread = spread if pressure["std"] > 1e-6 * pressure["mean"] else "uniform"
+    strip = f", of {study.strip:.4g} mm of the line" if study.strip else ""
     scar = shown([s["scar_mm"]["along"], s["scar_mm"]["across"]])
     return [
         Answer(
@@ -95,7 +97,7 @@ def answers_of(study: Study, s: dict[str, Any]) -> list[Answer]:
             "area_contact",
             s,
             error=s["verdict"]["area"],
-            note=f"{100.0 * s['area_real_over_nominal']:.3g} % of the scar{of_pass}",
+            note=f"{100.0 * s['area_real_over_nominal']:.3g} % of the scar{of_pass}{strip}",
         ),
         _answer("pressure_mean", s, note=f"{spread}, largest {shown(pressure['max'])} MPa"),
         _worn(study, s) if study.sliding.total else _approach(s),
@@ -119,10 +121,11 @@ def _worn(study: Study, s: dict[str, Any]) -> Answer:
     """Answer how much is worn off both bodies, which the study says rather than the run."""
     less = ", less what no piece has carried off yet" if study.wear.sheds else ", whatever the contact"
     volumes = [ENDS[f"volume_{body}"] for body in BODIES]
+    per = "_per_mm" if study.strip else ""
     return Answer(
         f"Worn volume, {study.counter.name} and disc",
-        ", ".join(f"{volume.factor * s['volume_mm3'][volume.short]:.4g}" for volume in volumes),
-        volumes[0].unit,
+        ", ".join(f"{volume.factor * s[f'volume_mm3{per}'][volume.short]:.4g}" for volume in volumes),
+        volumes[0].unit + (" per mm of line" if per else ""),
         "as good as the wear coefficients",
         f"deepest {' and '.join(shown(s['depth_um'][body]) for body in BODIES)} µm",
         f"Not predicted: wear coefficient × load × distance{less}",
@@ -172,6 +175,7 @@ def trust_of(study: Study, s: dict[str, Any], assumptions: Lines, checks: Lines)
         "noted": sum(warning in s["notes"] for warning in s["warnings"]),
         "decisive": [row["key"] for row in assumptions if row["weight"] is Weight.DECIDES],
         "slides": study.sliding.total > 0.0,
+        "strip": study.strip,
     }
     return filled("trust.txt", escape=False, s=s, assumptions=assumptions, **numbers).splitlines()
 

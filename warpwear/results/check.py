@@ -16,6 +16,7 @@ from warpwear.study.study import Study
 DEFLATE = 1100
 #: A dataset of fewer bytes may claim what it likes [B].
 SMALL = 2**20
+Shape = tuple[int | None, ...]
 #: Attributes of the file, with what they have to be.
 ATTRIBUTES: dict[str, type | tuple[type, ...]] = {
     "version": str,
@@ -26,12 +27,11 @@ ATTRIBUTES: dict[str, type | tuple[type, ...]] = {
 }
 #: Columns that no step has without a contact.
 AREAS = ("area_contact", "area_touched", "area_cumulative", "area_nominal")
-#: Columns that the results of earlier versions lack, all of a set.
-LATER = ({"parts", "area_error"}, {"friction_energy"}, {"violation", "energy_gap", "energy_gap_relative"})
 #: What a run records beside numbers, with what it has to be.
 RECORD: dict[str, type | tuple[type, ...]] = {
     "surface": dict,
     "warnings": list,
+    "notes": list,
     "elapsed_s": (int, float),
     "made_with": dict,
 }
@@ -64,42 +64,33 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
     if not steps:
         raise ValueError("its history has no step")
     tables = {quantity.name for quantity in quantities.PATCH_TABLES}
-    lacking = {column.name for column in quantities.columns_of(study)} - set(
-        map(current, _group(file, "history"))
-    )
-    for later in LATER:
-        if later <= lacking:
-            lacking -= later
+    stands = {current(name) for name in _group(file, "history")}
+    lacking = {column.name for column in quantities.columns_of(study)} - stands
     if lacking:
         raise ValueError(f"its history has no {', '.join(sorted(lacking))}")
-    for name in _group(file, "history"):
-        if name in tables or name == patch:
-            _numbers(file, f"history/{name}", (steps, count) if name in tables else (count,))
-        else:
-            _numbers(file, f"history/{name}", (steps,))
-        if name in AREAS and not file[f"history/{name}"][()].min() > 0.0:
-            raise ValueError(f"its history/{name} is not always positive")
-    _check_distance(file["history/distance"][()], _numbers(file, "history/increment")[()])
-    _numbers(file, "grid/x", (nx,))
-    _numbers(file, "grid/y", (ny,))
+    shapes: dict[str, Shape] = {f"history/{name}": (steps,) for name in _group(file, "history")}
+    shapes |= {"grid/x": (nx,), "grid/y": (ny,)}
     if study.counter.shape == "measured":
-        _numbers(file, "counter/heights", (nx, ny))
+        shapes["counter/heights"] = nx, ny
     if study.is_swept:
-        _numbers(file, "track/x", (rows,))
-        _numbers(file, "track/heights", (rows, ny))
+        shapes |= {"track/x": (rows,), "track/heights": (rows, ny)}
     if count is not None:
-        across = study.patch_layout.across
-        for axis in ("macro/x", "macro/y"):
-            _numbers(file, axis, (across,))
+        shapes |= {f"history/{name}": (steps, count) for name in tables} | {f"history/{patch}": (count,)}
+        shapes |= dict.fromkeys(("macro/x", "macro/y"), (study.patch_layout.across,))
     if study.wear.sheds:
         left = _numbers(file, "pieces/step").size
-        for name in quantities.OF_PIECES:
-            _numbers(file, f"pieces/{name}", (left,))
+        shapes |= {f"pieces/{name}": (left,) for name in quantities.OF_PIECES}
     if "stresses" in file:
-        shape = len(_group(file, "snapshots")), len(study.stress_depths)
+        depths = len(_group(file, "snapshots")), len(study.stress_depths)
         along = {"y": nx, "x": ny}[study.output.stress_plane[0]]
         for name in stress_columns(study):
-            _numbers(file, f"stresses/{name}", (*shape, along) if name.endswith("_plane") else shape)
+            shapes[f"stresses/{name}"] = (*depths, along) if name.endswith("_plane") else depths
+    for path, shape in shapes.items():
+        _numbers(file, path, shape)
+    for name in AREAS:
+        if not file[f"history/{name}"][()].min() > 0.0:
+            raise ValueError(f"its history/{name} is not always positive")
+    _check_distance(file["history/distance"][()], file["history/increment"][()])
     check_snapshots(file, study)
 
 
@@ -144,8 +135,7 @@ def _check_record(record: Any) -> None:
     for name, kind in RECORD.items():
         if not isinstance(record.get(name), kind):
             raise ValueError(f"the {name} of its record is {record.get(name)!r:.40}")
-    notes = record.get("notes", [])  # which results of earlier versions lack
-    if not isinstance(notes, list) or not all(isinstance(note, str) for note in record["warnings"] + notes):
+    if not all(isinstance(note, str) for note in record["warnings"] + record["notes"]):
         raise ValueError("a warning or a note of its record is no text")
 
 
@@ -156,7 +146,7 @@ def _group(file: h5py.File, path: str) -> h5py.Group:
     return item
 
 
-def _numbers(file: h5py.File, path: str, shape: tuple[int | None, ...] | None = None) -> h5py.Dataset:
+def _numbers(file: h5py.File, path: str, shape: Shape | None = None) -> h5py.Dataset:
     """Return a dataset of real numbers of a shape, kept in this file; None: a vector of any length."""
     item = _item(file, path)
     if not isinstance(item, h5py.Dataset) or item.dtype.kind not in "iuf" or item.dtype.itemsize > 8:

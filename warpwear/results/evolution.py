@@ -63,9 +63,9 @@ def _of_snapshot(result: ResultFile, index: int, snapshot: Snapshot) -> tuple[di
     disc = worn_heights(result, snapshot, "disc", snapshot.scar)
     row = {"distance": snapshot.distance} | _roughness_in_scar(disc)
     for body in BODIES:
-        rough = _texture(result, inner_scar(result, index, snapshot, body, disc=disc))
+        rough = _texture(result, inner_scar(result, index, snapshot, body))
         row |= {f"sq_{body}": 1e3 * rough.sq, f"sdq_{body}": rough.sdq, f"rq_{body}": 1e3 * rough.rq}
-    unworn = inner_scar(result, index, snapshot, "disc", disc=disc, unworn=True)
+    unworn = inner_scar(result, index, snapshot, "disc", unworn=True)
     row["sq_disc_unworn"] = 1e3 * _texture(result, unworn).sq
     row |= _count_islands(islands, one_cell)
     above = np.nan if critical is None or np.isnan(one_cell) else share_above(islands, critical)
@@ -127,30 +127,19 @@ def _roughness_in_scar(heights: FloatArray) -> dict[str, float]:
 
 
 def inner_scar(
-    result: ResultFile,
-    index: int,
-    snapshot: Snapshot,
-    body: str,
-    *,
-    disc: FloatArray | None = None,
-    unworn: bool = False,
+    result: ResultFile, index: int, snapshot: Snapshot, body: str, *, unworn: bool = False
 ) -> list[FloatArray]:
     """Return heights [mm] of a body in the middle of the scar, half as long and wide, at snapshot `index`.
 
     One field; of the disc of a swept run one for each of some places along the track, evenly apart: one
-    place has too few asperities to tell the roughness of a track. disc: its heights in the whole scar, where
-    they are at hand. unworn: as they were before any wear.
+    place has too few asperities to tell the roughness of a track. unworn: as they were before any wear.
     """
     quarters = [(part.stop - part.start) // 4 for part in snapshot.scar]
     rows, columns = (
         slice(part.start + q, part.stop - q) for part, q in zip(snapshot.scar, quarters, strict=True)
     )
     if body == "counter" or not result.study.is_swept:
-        if body == "disc" and disc is not None:
-            (nx, ny), (x, y) = disc.shape, quarters
-            heights = disc[x : nx - x, y : ny - y]
-        else:
-            heights = worn_heights(result, snapshot, body, (rows, columns))
+        heights = worn_heights(result, snapshot, body, (rows, columns))
         worn = snapshot.wear_counter if body == "counter" else snapshot.wear_disc
         return [heights + worn[rows, columns] if unworn else heights]
     whole, length = inner_rows(result), rows.stop - rows.start

@@ -118,20 +118,13 @@ def export(
         if not path.is_file():
             raise InputError(f"add = {path} is no file; a record or a surface is expected")
     numbers, folder = numbers_of(result, snapshot), Path(folder)
+    which = tuple(bodies or BODIES), tuple(fields or known_fields)
     writers: dict[str, Callable[[Path], None]] = {}
     for name in dict.fromkeys(formats):
         usual = EVERY if FORMATS[name].every else -1
         chosen = numbers if numbers is not None else numbers_of(result, usual) or ()
         most = points or (STL_POINTS if name == "stl" else None)
-        job = Job(
-            result,
-            chosen,
-            tuple(bodies or BODIES),
-            tuple(fields or known_fields),
-            most,
-            exaggeration or 1.0,
-            added,
-        )
+        job = Job(result, chosen, *which, most, exaggeration or 1.0, added)
         writers |= dict(FORMATS[name].files(job))
     taken = [name for name in writers if (folder / name).exists()]
     if taken and not overwrite:

@@ -8,7 +8,6 @@ from dataclasses import replace
 from functools import cached_property
 from numbers import Real
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self, SupportsIndex, TypeVar, overload
 
 import h5py
@@ -35,6 +34,8 @@ OWN_SURFACE = "own_surface"
 PATCH = "patch"
 #: Part of a distance asked for by which a snapshot's may differ and be the one.
 SAME_DISTANCE = 1.0e-6
+#: Why a run has no datasets of a track, or of patches.
+NO_TRACK, NO_PATCHES = "has no track", "has no patches: study.model is '{model}', not 'two-scale'"
 #: What the seal of the file begins with.
 MAGIC = "warpwear result"
 
@@ -77,6 +78,16 @@ class Snapshots(Sequence[Snapshot]):
     def __repr__(self) -> str:
         distances = self._result.snapshot_distances[self._numbers]
         return f"<{len(self)} snapshots at {', '.join(f'{d:g}' for d in distances)} mm>"
+
+
+def _stored(name: str, about: str, lacks: str = "") -> "cached_property[FloatArray]":
+    """Make the property of a result that reads a dataset once. lacks: what a run without it lacks."""
+
+    def read(result: "ResultFile") -> FloatArray:
+        return result._array(name, lacks)
+
+    read.__doc__ = f"{about} Raises InputError for a run without it." if lacks else about
+    return cached_property(read)
 
 
 class ResultFile:
@@ -158,28 +169,17 @@ class ResultFile:
         """Map the name of a column, field or table to its unit, such as "mm^2"."""
         return Named(UNITS)
 
-    @cached_property
-    def load_share(self) -> FloatArray:
-        """Load of each patch [N], shape (steps, patches); a patch is a macro cell, number x · across + y.
-
-        Raises InputError for a run without patches.
-        """
-        return self._of_patches("history/load_share")
-
-    @cached_property
-    def area_patch(self) -> FloatArray:
-        """Real area of contact of each patch [mm²], shape (steps, patches), as `load_share`."""
-        return self._of_patches("history/area_patch")
-
-    @cached_property
-    def macro_x(self) -> FloatArray:
-        """Centres of the macro cells along the sliding direction [mm], shape (across,), as `load_share`."""
-        return self._of_patches("macro/x")
-
-    @cached_property
-    def macro_y(self) -> FloatArray:
-        """Centres of the macro cells across the sliding direction [mm], shape (across,), as `load_share`."""
-        return self._of_patches("macro/y")
+    x = _stored("grid/x", "Hold the centres of the cells along the sliding direction [mm], shape (nx,).")
+    y = _stored("grid/y", "Hold the centres of the cells across the sliding direction [mm], shape (ny,).")
+    track_x = _stored("track/x", "Hold the centres of the rows of the track [mm], shape (rows,).", NO_TRACK)
+    load_share = _stored(
+        "history/load_share",
+        "Hold the load of each patch [N], (steps, patches); a patch is macro cell number x · across + y.",
+        NO_PATCHES,
+    )
+    area_patch = _stored("history/area_patch", "Hold the area of each patch [mm²], as loads.", NO_PATCHES)
+    macro_x = _stored("macro/x", "Hold the places of macro cells along x [mm], (across,).", NO_PATCHES)
+    macro_y = _stored("macro/y", "Hold the places of macro cells along y [mm], (across,).", NO_PATCHES)
 
     @cached_property
     def pieces(self) -> dict[str, FloatArray]:
@@ -205,15 +205,11 @@ class ResultFile:
         lacks = "has no stresses: output.stress_depths is not given"
         return Named((name, self._array(f"stresses/{name}", lacks)) for name in stress_columns(self.study))
 
-    def _of_patches(self, name: str) -> FloatArray:
-        model = self.study.study.model
-        return self._array(name, f"has no patches: study.model is '{model}', not 'two-scale'")
-
     def _array(self, name: str, otherwise: str = "", rows: slice = slice(None)) -> FloatArray:
         """Rows of a dataset. otherwise: what the run lacks where it has none, as the end of a sentence."""
         with self._reading() as file:
             if otherwise and name not in file:
-                raise InputError(f"the run {otherwise}.")
+                raise InputError(f"the run {otherwise.format(model=self.study.study.model)}.")
             values: FloatArray = file[name][rows]
             return values
 
@@ -240,18 +236,7 @@ class ResultFile:
     @property
     def finished(self) -> bool:
         """False for a run that was interrupted."""
-        with self._reading() as file:
-            return bool(file.attrs["finished"])
-
-    @cached_property
-    def x(self) -> FloatArray:
-        """Return the centres of the cells along the sliding direction [mm], shape (nx,)."""
-        return self._array("grid/x")
-
-    @cached_property
-    def y(self) -> FloatArray:
-        """Return the centres of the cells across the sliding direction [mm], shape (ny,)."""
-        return self._array("grid/y")
+        return bool(self.attributes["finished"])
 
     @cached_property
     def snapshot_distances(self) -> FloatArray:
@@ -323,14 +308,9 @@ class ResultFile:
             )
         return int(numbers[0])
 
-    @cached_property
-    def track_x(self) -> FloatArray:
-        """Return the centres of the track's rows along sliding [mm], shape (rows,). InputError without."""
-        return self._array("track/x", "has no track")
-
     def track_heights(self, rows: slice = slice(None)) -> FloatArray:
         """Heights of the track before any wear [mm], shape (rows, ny). InputError without a track."""
-        return self._array("track/heights", "has no track", rows)
+        return self._array("track/heights", NO_TRACK, rows)
 
     @cached_property
     def form(self) -> Form:
@@ -390,9 +370,7 @@ class ResultFile:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def __reduce__(self) -> tuple[Callable[[Path], Self], tuple[Path]]:

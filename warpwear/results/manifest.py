@@ -2,10 +2,9 @@
 
 import json
 import os
-import tempfile
 import warnings
-from collections.abc import Iterable
-from contextlib import suppress
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path, PurePath
 from uuid import uuid4
 
@@ -28,11 +27,22 @@ def written(folder: Path) -> set[str]:
 
 def write(folder: Path, names: Iterable[str], *, work: Path | None = None) -> None:
     """Replace the manifest as a whole. work: a folder of the same disk to write it in first."""
-    descriptor, path = tempfile.mkstemp(prefix=".manifest-", dir=work or folder)
-    with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-        json.dump({WRITTEN: sorted({*names} - {NAME})}, file, indent=2)
-    Path(path).chmod(0o644)
-    Path(path).replace(folder / NAME)
+    with replacing(folder / NAME, work=work) as new:
+        new.write_text(json.dumps({WRITTEN: sorted({*names} - {NAME})}, indent=2), encoding="utf-8")
+
+
+@contextmanager
+def replacing(path: Path, *, work: Path | None = None) -> Iterator[Path]:
+    """Give a name to write a file under, which then replaces `path` at once, or goes where writing failed.
+
+    work: a folder of the same disk to write it in; the file's own by default, under a hidden name.
+    """
+    new = (work or path.parent) / f".{path.stem}-{uuid4().hex[:8]}{path.suffix}"
+    try:
+        yield new
+        new.replace(path)
+    finally:
+        new.unlink(missing_ok=True)
 
 
 def set_aside(path: Path) -> None:

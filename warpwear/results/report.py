@@ -125,6 +125,11 @@ def shown(value: Any, digits: int = 4) -> str:
     return "–" if value is None else str(value)
 
 
+def times(factor: float, value: float | None) -> float | None:
+    """Return a multiple of a number; None of one that is not known."""
+    return None if value is None else factor * value
+
+
 def scientific(value: float, error: float | None = None, *, digits: int = 4) -> str:
     """Write a number as 3.691e-4, with its error to two digits as (3.69 ± 0.18)e-4."""
     power = math.floor(math.log10(abs(value))) if value else 0

@@ -17,14 +17,12 @@ from warpwear.laws.film import Breaking, fit_breaking
 from warpwear.results import summary_models
 from warpwear.results.file import ResultFile
 from warpwear.results.report import Row, entries, finite, lines, record, shown
-from warpwear.results.track import by_pass
+from warpwear.results.track import course, shape_of_growth
 from warpwear.study import text as render
 from warpwear.study.study import Study
 
 #: Columns that change along a track: of a swept run the last step says little.
 OF_A_PASS = ("approach", "area_contact", "area_plastic", "pressure_mean", "pressure_std", "cof")
-#: A last pass shorter than this part of one is left out of a course: it has not seen the whole track.
-WHOLE = 0.9
 #: Behind a coefficient of friction that the study gives or assumes, and that the run says nothing of.
 INPUT, ASSUMED = " (an input)", " (an input, assumed)"
 
@@ -159,8 +157,9 @@ def _contact(result: ResultFile, end: dict[str, float]) -> list[Row]:
         Row("largest", "max", end["pressure_max"]),
     ]
     size, text = {"along": along, "across": across}, f"{shown([along, across])} mm (along × across)"
-    width = result.study.grid.sides[1]
-    strip = f"(of the domain's {width:.4g} mm across)" if result.study.counter.form.is_line else ""
+    volumes, strip = {b: end[f"wear_volume_{b}"] for b in BODIES}, result.study.strip
+    note = f"(of the domain's {strip:.4g} mm across)" if strip else ""
+    of_line = {body: volume / strip for body, volume in volumes.items()} if strip else None
     of_steps_all = {"smallest": float(means.min()), "largest": float(means.max()), "std": float(means.std())}
     return [
         Row("scar", "scar_mm", size, sentence=text),
@@ -173,7 +172,8 @@ def _contact(result: ResultFile, end: dict[str, float]) -> list[Row]:
         *_by_scheme(result),
         Row("", "pressure_mean_over_steps_MPa", of_steps_all),
         Row("deepest wear", "depth_um", {b: 1.0e3 * end[f"wear_depth_{b}"] for b in BODIES}),
-        Row("worn volume", "volume_mm3", {b: end[f"wear_volume_{b}"] for b in BODIES}, digits=5, note=strip),
+        Row("worn volume", "volume_mm3", volumes, digits=5, note=note),
+        *([Row("of a mm of line", "volume_mm3_per_mm", of_line, digits=5, unit="mm³/mm")] if of_line else []),
     ]
 
 
@@ -207,9 +207,8 @@ def _on_filled(fractions: FloatArray) -> list[Row]:
     percent = 100.0 * fractions
     end, largest = float(percent[-1]), float(percent.max())
     text = f"at the end {shown(end, 2)}, at most {shown(largest, 2)} % of the load"
-    return [
-        Row("on filled points", "load_on_filled_percent", {"end": end, "largest": largest}, sentence=text)
-    ]
+    numbers = {"end": end, "largest": largest}
+    return [Row("on filled points", "load_on_filled_percent", numbers, sentence=text)]
 
 
 def _of_one_spot(result: ResultFile) -> list[Row]:
@@ -269,6 +268,7 @@ def _energy(result: ResultFile, end: dict[str, float]) -> list[Row]:
     """Declare what friction has dissipated, and by the energy law what it wears."""
     law, energy = result.study.wear, finite(end.get("friction_energy", math.nan))
     note = f", wears {shown(law.per_energy)} mm³/J" if law.law == "energy" else ""
+    note += f" (of the domain's {strip:.4g} mm across)" if (strip := result.study.strip) else ""
     return [Row("friction energy", "friction_energy_J", energy, note=note)] if end["distance"] else []
 
 
@@ -347,6 +347,7 @@ def _checks(result: ResultFile, end: dict[str, float]) -> list[Row]:
     expected = sum(study.wear_coefficients[1] * b.load * b.slides(end["distance"]) for b in study.blocks)
     off = {body: _off_archard(end, body) for body in BODIES}
     largest, assumed = float(residuals.max()), render.assumptions(study)
+    all_of_them = f"{len(assumed)} in summary.json and 'warpwear show'"
     checks = [
         Row("load residual at most", "", largest, digits=2, unit="N"),
         Row("volumes off Archard's by", "", max(map(abs, off.values())), digits=1),
@@ -356,13 +357,8 @@ def _checks(result: ResultFile, end: dict[str, float]) -> list[Row]:
         Row("", "conservation_relative", off),
         Row("", "disc_volume_over_KFL", end["wear_volume_disc"] / expected if expected else None),
         Row("checks", "", checks),
-        *entries({"notes": [], **result.record}),
-        Row(
-            "assumptions",
-            "assumptions",
-            assumed,
-            sentence=f"{len(assumed)} in summary.json and 'warpwear show'",
-        ),
+        *entries(result.record),
+        Row("assumptions", "assumptions", assumed, sentence=all_of_them),
     ]
 
 
@@ -378,53 +374,6 @@ def bare_course(result: ResultFile) -> Breaking | str:
     return fit_breaking(*course(result, "bare_fraction"))
 
 
-def shape_of_growth(distance: FloatArray, values: FloatArray) -> dict[str, float]:
-    """Return how a quantity grows with the distance slid.
-
-    exponent: m = d ln(value) / d ln(distance) over the second half (least squares). levelling: λ, the slope
-    over the second half by that over 1/80 to 1/10 of the distance (secants). A straight line from the origin
-    has 1 and 1, a square root 0.5 and 0.25.
-    """
-    total = distance[-1]
-    late = distance >= 0.5 * total
-    far = np.log(distance[late]) - np.log(distance[late]).mean()
-    exponent = float((far * np.log(values[late])).sum() / np.square(far).sum())
-
-    def secant(start: float, end: float) -> float:
-        low, high = np.interp([start * total, end * total], distance, values)
-        return float((high - low) / ((end - start) * total))
-
-    early = secant(1.0 / 80.0, 0.1)
-    return {"exponent_m": exponent, "levelling_lambda": secant(0.5, 1.0) / early if early else math.nan}
-
-
-def course(result: ResultFile, name: str) -> tuple[FloatArray, FloatArray]:
-    """Return distance [mm] and values of a column.
-
-    Of a swept run they are the means of its whole passes, whose ends differ from their middles, at the
-    middles.
-    """
-    history = result.history
-    stroke = None if result.study.laps is None else result.study.laps.length
-    if stroke is None or history["distance"][-1] == 0.0:  # at rest, or a static contact
-        return history["distance"], history[name]
-    passes = by_pass(result, *(() if name == "distance" else (name,)))  # whose distances are its own
-    slid = passes["distance"]
-    places = np.cumsum(slid) - 0.5 * slid
-    passes["distance"] = places
-    whole = slice(None, -1 if slid.size > 1 and slid[-1] < WHOLE * stroke else None)
-    return places[whole], passes[name][whole]
-
-
 def _shape(result: ResultFile, name: str) -> dict[str, float] | None:
-    """Return how a column grows, as `shape_of_growth`.
-
-    None for too few steps, for a late start, under loads that change, and for values that are not known or,
-    late, not positive.
-    """
-    distance, values = course(result, name)
-    if result.study.same_load is None or distance.size < 20 or distance[0] > distance[-1] / 80.0:
-        return None
-    if not (np.isfinite(values).all() and np.all(values[distance >= 0.5 * distance[-1]] > 0.0)):
-        return None
-    return {k: v for k, v in shape_of_growth(distance, values).items() if math.isfinite(v)}
+    """Return how a column grows, as `shape_of_growth`; None under loads that change."""
+    return None if result.study.same_load is None else shape_of_growth(*course(result, name)) or None

@@ -28,12 +28,7 @@ def arrangement(result: ResultFile) -> list[Row]:
         _half_space(result),
         *([_pieces(result)] if study.wear.sheds else []),
         patches,
-        Row(
-            "foundation" if on_springs else "",
-            "foundation_N_per_mm3",
-            finite(stiffness),
-            note="to begin with",
-        ),
+        Row("foundation" * on_springs, "foundation_N_per_mm3", finite(stiffness), note="to begin with"),
         _hertz(result, is_line=on_springs),
     ]
 
@@ -81,34 +76,22 @@ def fretting(result: ResultFile) -> list[Row]:
     alpha = {body: volume / energy if energy else None for body, volume in volumes.items()}
     force = f"Q {shown(end['tangential_force'])} N"
     if study.fretting.has_displacement:
-        micron = {name: 1.0e3 * history[name][-1] for name in ("displacement", "displacement_border")}
-        force += (
-            f", Δ {micron['displacement']:.4g} µm; all slips from {micron['displacement_border']:.4g} µm on"
-        )
-    return [
-        Row(
-            "",
-            "fretting",
-            [
-                *rows,
-                Row(
-                    "regime",
-                    "regime",
-                    regime,
-                    note=f"({shown(100.0 * sticks(history))} % of the area sticks)",
-                ),
-                Row("last cycle", "tangential_force_N", end["tangential_force"], sentence=force),
-                Row("", "displacement_mm", end["displacement"]),
-                Row("", "displacement_border_mm", end["displacement_border"]),
-                Row("", "stick_area_mm2", end["stick_area"]),
-                Row("energy of it", "energy_mJ", end["energy"], unit="mJ"),
-                Row("", "energy_ratio", end["energy_ratio"]),
-                Row("mean slip of it", "slip_mean_um", 1.0e3 * history["slip_mean"][-1]),
-                Row("energy in all", "energy_total_J", energy),
-                Row("wear by energy", "alpha_mm3_per_J", alpha, unit="mm³/J"),
-            ],
-        )
+        drive, border = (1.0e3 * history[name][-1] for name in ("displacement", "displacement_border"))
+        force += f", Δ {drive:.4g} µm; all slips from {border:.4g} µm on"
+    sticking = f"({shown(100.0 * sticks(history))} % of the area sticks)"
+    rows += [
+        Row("regime", "regime", regime, note=sticking),
+        Row("last cycle", "tangential_force_N", end["tangential_force"], sentence=force),
+        Row("", "displacement_mm", end["displacement"]),
+        Row("", "displacement_border_mm", end["displacement_border"]),
+        Row("", "stick_area_mm2", end["stick_area"]),
+        Row("energy of it", "energy_mJ", end["energy"], unit="mJ"),
+        Row("", "energy_ratio", end["energy_ratio"]),
+        Row("mean slip of it", "slip_mean_um", 1.0e3 * history["slip_mean"][-1]),
+        Row("energy in all", "energy_total_J", energy),
+        Row("wear by energy", "alpha_mm3_per_J", alpha, unit="mm³/J"),
     ]
+    return [Row("", "fretting", rows)]
 
 
 def sticks(history: Mapping[str, FloatArray]) -> float:
@@ -156,8 +139,7 @@ def _groove(result: ResultFile) -> list[Row]:
         "width_mm": last.width,
         "section_um2": section,
     }
-    called, of_what = "groove", "mean"
-    text = ""
+    called, of_what, text = "groove", "mean", ""
     if is_short(result):
         called, of_what = "scar of the disc", "middle"
         sizes["length_mm"] = scar_length(result, result.snapshot_distances.size - 1)
@@ -192,14 +174,8 @@ def _half_space(result: ResultFile) -> Row:
     if study.contact.law != "half-space":
         return Row("", "half_space", None)
     transforms, modulus = float(np.median(result.history["evaluations"])), study.effective_modulus
-    rows = entries(
-        {
-            "effective_modulus_MPa": modulus,
-            "boundary": study.boundary,
-            "transforms": {"median": transforms},
-            **_certified(result.history),
-        }
-    )
+    numbers: dict[str, Any] = {"effective_modulus_MPa": modulus, "boundary": study.boundary}
+    rows = entries(numbers | {"transforms": {"median": transforms}, **_certified(result.history)})
     text = f"E* {shown(1e-3 * (modulus or 0.0))} GPa, {study.boundary}"
     text += f"; {transforms:g} pairs of Fourier transforms a step in the median"
     return Row("half-space", "half_space", rows, sentence=text)
@@ -304,10 +280,8 @@ def _pieces_of(result: ResultFile, body: str) -> Row:
         "pending_mm3": float(history[f"pending_volume_{body}"][-1]),
     }
     rate = "" if per_minute is None else f", {per_minute:.3g} a minute"
-    on_a_part, on_all = (
-        ("", "") if part == 1.0 else (f" on {100.0 * part:.3g} % of the stroke", ", on all of it")
-    )
-    text = f"{cut.size}{on_a_part}, {per_mm:.3g} per mm of sliding{rate}{on_all}"
+    on_a_part = "" if part == 1.0 else f" on {100.0 * part:.3g} % of the stroke"
+    text = f"{cut.size}{on_a_part}, {per_mm:.3g} per mm of sliding{rate}{', on all of it' * bool(on_a_part)}"
     return Row(f"off the {CALLED[body]}", body, numbers, sentence=text)
 
 
@@ -372,11 +346,8 @@ def stresses(result: ResultFile) -> list[Row]:
     study = result.study
     if not study.has_stresses or not result.snapshot_distances.size:
         return []
-    table, limit, fatigue = (
-        {name: of[-1] for name, of in result.stresses.items()},
-        study.yield_strength,
-        study.fatigue,
-    )
+    table = {name: of[-1] for name, of in result.stresses.items()}
+    limit, fatigue = study.yield_strength, study.fatigue
     known = np.isfinite(result.history["cof"][-1])
     rows = []
     for name in (*MEASURES, *(OF_A_CYCLE if fatigue else ())):
@@ -395,9 +366,8 @@ def stresses(result: ResultFile) -> list[Row]:
         volume = float(np.trapezoid(table["yielding"], table["depth"])) * study.cells.area
         deep = deepest(table["depth"], table["mises"], limit)
         source = "as given" if study.disc.yield_strength is not None else "a third of the hardness"
-        text = f"to a depth of {deep:.3g} mm, in {volume:.3g} mm³; yield strength {limit:.4g} MPa, {source}"
-        if not deep:
-            text = f"nowhere; yield strength {limit:.4g} MPa, {source}"
+        where = f"to a depth of {deep:.3g} mm, in {volume:.3g} mm³" if deep else "nowhere"
+        text = f"{where}; yield strength {limit:.4g} MPa, {source}"
         beyond = {"yield_strength_MPa": limit, "depth_mm": deep, "volume_mm3": volume}
         rows.append(Row("beyond yield", "beyond_yield", beyond, sentence=text))
     return [Row("", "stress_below_disc", rows)]

@@ -13,6 +13,7 @@ from warpwear.history.quantities import EVOLUTION, Quantity, columns_of
 from warpwear.results.evolution import surface_evolution
 from warpwear.results.file import SURFACE_FILE, ResultFile
 from warpwear.results.formats.metadata import write_metadata
+from warpwear.results.manifest import replacing
 from warpwear.results.report import Row, record, to_json
 from warpwear.results.summary import summarise
 
@@ -44,7 +45,5 @@ def write_tables(folder: Path, result: ResultFile) -> list[Row]:
 
 def write_summary(folder: Path, rows: Iterable[Row]) -> None:
     """Write summary.json into a folder, at once in place of an older one. rows: as of `summarise`."""
-    path = folder / "summary.json"
-    new = path.with_suffix(".new")
-    new.write_text(f"{to_json(record(rows))}\n", encoding="utf-8")
-    new.replace(path)
+    with replacing(folder / "summary.json") as new:
+        new.write_text(f"{to_json(record(rows))}\n", encoding="utf-8")

@@ -18,6 +18,10 @@ ROWS = 2000
 ROUGH_ROWS = 2000
 #: Width of the middle of the groove, whose roughness is taken, over that of the patch.
 MIDDLE = 0.5
+#: Fewest points for the shape of a course.
+FEWEST = 20
+#: A last pass shorter than this part of one is left out of a course: it has not seen the whole track.
+WHOLE = 0.9
 #: Part of its length that a step may lack and count as whole.
 SHORT = 1.0e-3
 
@@ -246,3 +250,49 @@ def by_pass(result: ResultFile, *means: str) -> dict[str, FloatArray]:
     for name in means:
         table[name] = np.bincount(number, increment * history[name]) / slid
     return table
+
+
+def shape_of_growth(distance: FloatArray, values: FloatArray) -> dict[str, float]:
+    """Return how a quantity grows with the distance slid; without what its course is too short for.
+
+    exponent: m = d ln(value) / d ln(distance) over the second half (least squares), of values that are
+    positive there. levelling: λ, the slope over the second half by that over 1/80 to 1/10 of the distance
+    (secants). A straight line from the origin has 1 and 1, a square root 0.5 and 0.25.
+    """
+    total = distance[-1]
+    late = distance >= 0.5 * total
+    if (
+        distance.size < FEWEST
+        or late.sum() < 3
+        or not (np.isfinite(values).all() and values[late].min() > 0.0)
+    ):
+        return {}
+    far = np.log(distance[late]) - np.log(distance[late]).mean()
+    exponent = float((far * np.log(values[late])).sum() / np.square(far).sum())
+
+    def secant(start: float, end: float) -> float:
+        low, high = np.interp([start * total, end * total], distance, values)
+        return float((high - low) / ((end - start) * total))
+
+    shape, early = {"exponent_m": exponent}, secant(1.0 / 80.0, 0.1)
+    if early and distance[0] <= total / 80.0:
+        shape["levelling_lambda"] = secant(0.5, 1.0) / early
+    return shape
+
+
+def course(result: ResultFile, name: str) -> tuple[FloatArray, FloatArray]:
+    """Return distance [mm] and values of a column.
+
+    Of a swept run they are the means of its whole passes, whose ends differ from their middles, at the
+    middles.
+    """
+    history = result.history
+    stroke = None if result.study.laps is None else result.study.laps.length
+    if stroke is None or history["distance"][-1] == 0.0:  # at rest, or a static contact
+        return history["distance"], history[name]
+    passes = by_pass(result, *(() if name == "distance" else (name,)))  # whose distances are its own
+    slid = passes["distance"]
+    places = np.cumsum(slid) - 0.5 * slid
+    passes["distance"] = places
+    whole = slice(None, -1 if slid.size > 1 and slid[-1] < WHOLE * stroke else None)
+    return places[whole], passes[name][whole]

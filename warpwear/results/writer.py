@@ -60,8 +60,6 @@ class ResultWriter:
         in_threads = threads > 1 and not self._in_memory
         self._pool = ThreadPoolExecutor(threads) if in_threads else None
         self._waiting: list[tuple[h5py.Dataset, tuple[int, ...], Future[bytes | None]]] = []
-        #: Field and place -> the block of the snapshot before, and what comes of it.
-        self._last: dict[tuple[str, tuple[int, ...]], tuple[FloatArray, Future[bytes | None]]] = {}
         #: Number -> snapshot, of those whose files need not be read back.
         self.at_hand: dict[int, Snapshot] = {}
         self._require_space(0)
@@ -85,11 +83,9 @@ class ResultWriter:
         if plenty:
             snapshot = self.at_hand[len(snapshots)] = snapshot.lasting()
         group = snapshots.create_group(f"{len(snapshots):04d}")
-        group.attrs["distance"] = snapshot.distance
-        if snapshot.row is not None:
-            group.attrs["row"] = snapshot.row
-        if snapshot.load_on_filled is not None:
-            group.attrs["load_on_filled"] = snapshot.load_on_filled
+        for name in ("distance", "row", "load_on_filled"):
+            if (value := getattr(snapshot, name)) is not None:
+                group.attrs[name] = value
         if self._in_memory and plenty:
             return
         for name, values in snapshot.fields.items():
@@ -102,9 +98,7 @@ class ResultWriter:
             for place in dataset.iter_chunks():
                 part, start = values[place], tuple(along.start for along in place)
                 if self._pool is not None and plenty:
-                    packed = self._pool.submit(_compressed_once, part, chunks, self._last.get((name, start)))
-                    self._waiting.append((dataset, start, packed))
-                    self._last[name, start] = part, packed
+                    self._waiting.append((dataset, start, self._pool.submit(_compressed, part, chunks)))
                 elif (block := _compressed(part, chunks)) is not None:
                     dataset.id.write_direct_chunk(start, block)
 
@@ -241,15 +235,6 @@ class ResultWriter:
         if not self._in_memory:
             path = Path(self._file.filename)
             require_free_space(path.parent, nbytes + SPACE_FOR_THE_REST, offset=path.stat().st_size)
-
-
-def _compressed_once(
-    values: FloatArray, chunk: tuple[int, ...], last: tuple[FloatArray, Future[bytes | None]] | None
-) -> bytes | None:
-    """Compress a block, unless it is still that of the snapshot before (`last`)."""
-    if last is not None and np.array_equal(values.view(np.uint64), last[0].view(np.uint64)):
-        return last[1].result()  # begun before this one, so it does not wait for it
-    return _compressed(values, chunk)
 
 
 def _compressed(values: FloatArray, chunk: tuple[int, ...]) -> bytes | None:

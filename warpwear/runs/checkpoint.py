@@ -29,7 +29,7 @@ from warpwear.errors import OVERWRITE_IT, RESUME_IT, InputError
 from warpwear.grid import FloatArray
 from warpwear.history.rows import Rows
 from warpwear.results.check import check_snapshots
-from warpwear.results.ensemble import dotted
+from warpwear.results.ensemble import NO_MATTER, dotted
 from warpwear.results.seal import HEADER, digest_of, has_mark, read_header, seal
 from warpwear.results.writer import SPACE_FOR_THE_REST, ResultWriter, require_free_space
 from warpwear.runs.order import RunOrder
@@ -46,7 +46,7 @@ SAME_HEIGHTS = 1.0e-12
 #: Fields of a `Checkpoint` beside its arrays and rows.
 OF_THE_RUN = ("numbers", "warnings", "reported_violations", "elapsed")
 #: Sections and keys that no result depends on.
-LABELS = ("study.name", "study.description", "run", "checks", "assumed")
+LABELS = (*(f"study.{key}" for key in NO_MATTER["study"] or ()), "run", "checks", "assumed")
 #: Sections and keys that no step depends on: a run may go on with others.
 FREE = (*LABELS, "friction", "junctions")
 #: Keys of these that steps do depend on, and one more where junctions grow: they change the caps of cells. By

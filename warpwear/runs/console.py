@@ -40,11 +40,14 @@ class Progress:
         self._bar: tqdm | None = None
         self._steps = self._done = self._before = 0
         self._made = self._started = self._said = time.perf_counter()
-        self._next, self._compiles = 0.1, False
+        self._next, self._compiles, self._by_cycles = 0.1, False, False
 
-    def start(self, steps: int, *, done: int = 0) -> None:
-        """The run of `steps` steps begins, or goes on where `done` of them are done."""
-        self._steps, self._done, self._before = steps, done, done
+    def start(self, steps: int, *, done: int = 0, by_cycles: bool = False) -> None:
+        """The run of `steps` steps begins, or goes on where `done` of them are done.
+
+        by_cycles: whether a step counts as often as the cycles that it stands for.
+        """
+        self._steps, self._done, self._before, self._by_cycles = steps, done, done, by_cycles
         self._next = done / steps + 0.1
         self._started = self._said = time.perf_counter()
         if not self._quiet and sys.stderr.isatty():
@@ -54,7 +57,7 @@ class Progress:
         """One step is done."""
         if self._quiet:
             return
-        steps = int(row.get("cycles", 1))
+        steps = int(row["cycles"]) if self._by_cycles else 1
         self._done += steps
         self._tell_early()
         if self._bar is not None:

@@ -126,7 +126,7 @@ class StepLoop:
         assert self._writer is not None
         self._started = time.perf_counter()
         done = int(self._rows.column("cycles").sum()) if self._jumps and self._rows else len(self._rows)
-        self._progress.start(self._count, done=done)
+        self._progress.start(self._count, done=done, by_cycles=self._jumps is not None)
         try:
             with phase("steps"):
                 self._make_steps(callback)
@@ -159,7 +159,7 @@ class StepLoop:
 
     def steps(self) -> Iterator[RunStep]:
         """Every step of the study, with its fields; nothing is written."""
-        self._progress.start(self._count)
+        self._progress.start(self._count, by_cycles=self._jumps is not None)
         for row, wrong in self._steps(with_fields=True):
             yield self._shown(row)
             if wrong is not None:

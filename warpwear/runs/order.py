@@ -22,7 +22,7 @@ from warpwear.runs.arrangements import Maker, arrangement_of
 from warpwear.runs.array_surface import ArraySurface, take_surface
 from warpwear.runs.invariants import Invariants
 from warpwear.runs.plan import Planned, plan_of
-from warpwear.study.rules import too_small
+from warpwear.study.rules_track import too_small
 from warpwear.study.study import Study
 from warpwear.study.surface import counter_surface, form_of, surface_in
 from warpwear.surfaces.base import Surface

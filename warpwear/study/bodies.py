@@ -167,11 +167,6 @@ class CounterBody(MeasuredBody, Shape, Body):
         return self.has_hertz and all(self.form.rises)
 
     @property
-    def curvature(self) -> float:
-        """Curvature [1/mm] of a ball: 1/R, which is 0 for a flat and for any other shape."""
-        return self.form.curvature
-
-    @property
     def form(self) -> Form:
         """The unworn form; of a measured body its nominal one, whose heights `study.surface` reads."""
         if self.shape == "measured":
@@ -229,7 +224,9 @@ class Synthetic(Section):
     cut_off: Length = periodic_key(
         "8 um", "shortest wavelength (λs)", assumed="profile filter λs of ISO 3274"
     )
-    seed: int = periodic_key(0, "seed of the random numbers", assumed="one surface of many")
+    seed: Annotated[int, Field(ge=0)] = periodic_key(
+        0, "seed of the random numbers", assumed="one surface of many"
+    )
     period: Length = periodic_key(
         "2 mm", "length after which the surface repeats", assumed="wider than the contact"
     )
@@ -237,7 +234,7 @@ class Synthetic(Section):
     fine_ra: LengthOrZero = milled_key(
         "0.3 um", "milled: Ra of the random part", assumed="a tenth of a common Ra"
     )
-    lay: Annotated[float, Quantity("deg", Range(least=-360.0, or_equal=True, most=360.0))] = key(
+    lay: Annotated[float, Quantity("deg", Range(least=-180.0, or_equal=True, most=180.0))] = key(
         "90 deg", "angle between feed marks and sliding", applies=LAY, assumed="sliding across the marks"
     )
 

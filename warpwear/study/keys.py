@@ -116,12 +116,9 @@ def _shown(study: BaseModel, name: str) -> str:
 
 def _example(name: str, field: FieldInfo | None) -> str:
     """Return the name of a key, followed by an example of it where it is a quantity."""
-    metadata = (
-        [value.__metadata__ for value in get_args(field.annotation) if hasattr(value, "__metadata__")]
-        if field
-        else []
-    )
-    units = [part.unit for part in chain(*metadata) if isinstance(part, Quantity)]
+    kinds = get_args(field.annotation) if field else ()
+    parts = chain.from_iterable(getattr(kind, "__metadata__", ()) for kind in kinds)
+    units = [part.unit for part in parts if isinstance(part, Quantity)]
     return f"{name}, {EXAMPLES[units[0]]}" if units else name
 
 
@@ -135,9 +132,7 @@ def _allowed(study: BaseModel, name: str, barred: tuple[Any, ...]) -> str:
     """Return the values of a key that are left where some are barred."""
     field = declarations(type(study))[name].field
     assert field is not None
-    options = (
-        get_args(option) or (option,) for option in get_args(field.annotation)
-    )  # which may be optional
+    options = (get_args(option) or (option,) for option in get_args(field.annotation))  # or None
     return _one_of(value for value in chain(*options) if value not in (*barred, type(None)))
 
 

@@ -237,9 +237,8 @@ class Sliding(Section):
     @property
     def lap(self) -> float | None:
         """Distance of one pass [mm]: the stroke, or one revolution; of a force that of unworn bodies."""
-        return (
-            (self.stroke or self._travel) if self.track_radius is None else 2.0 * math.pi * self.track_radius
-        )
+        circle = None if self.track_radius is None else 2.0 * math.pi * self.track_radius
+        return circle or self.stroke or self._travel
 
     @property
     def turns(self) -> bool:

@@ -26,6 +26,8 @@ from warpwear.study.sections.wear import Wear
 SNAPSHOTS = (0.001, 0.01, 0.1)
 #: Depths below the surface at which stresses are computed of themselves.
 STRESS_DEPTHS = 20
+#: What fatigue needs of the contact.
+STAYS = "a contact that stays where it is, by sliding.kinematics = 'stationary' or 'fretting'"
 #: Blocks of a programme that a sentence names.
 NAMED = 5
 Loaded = TypeVar("Loaded", Contact, motion.BlockSection)
@@ -50,7 +52,8 @@ class Programme(Section):
     fatigue: Fatigue | None = key(
         None,
         "fatigue limits of the disc, for the stress of a cycle",
-        demands=needs("output.stress_depths", what="output.stress_depths = 'auto', or depths"),
+        demands=needs("output.stress_depths", what="output.stress_depths = 'auto', or depths")
+        + needs("is_swept", False, what=STAYS, why=": on a track it leaves before its friction turns round"),
     )
     patches: PatchesSection = key(
         PatchesSection(),
@@ -278,6 +281,11 @@ class Programme(Section):
         if self.contact.law == "half-space":
             return self.boundary == "line"
         return along and not across and self.study.model != "two-scale"
+
+    @property
+    def strip(self) -> float | None:
+        """Length of a line that areas, volumes, forces and energies are those of [mm]; None of what ends."""
+        return self.grid.sides[1] if self.is_line else None
 
     @property
     def repeats(self) -> bool:

@@ -5,10 +5,10 @@ import re
 from collections.abc import Iterator
 from itertools import pairwise
 
-from warpwear.laws.archard import CALLED
 from warpwear.laws.elastic import LEAST_TORSION
+from warpwear.laws.pieces import Pieces
 from warpwear.laws.track import WHOLE, is_whole
-from warpwear.study import rules_pieces, rules_track
+from warpwear.study import rules_track
 from warpwear.study.content import Content
 from warpwear.study.keys import check_keys
 from warpwear.study.motion import LENGTHS, WAYS, BlockSection, Sliding
@@ -18,10 +18,8 @@ from warpwear.study.sections.loads import LineLoad
 MOST_STEPS = 1_000_000
 #: Cycles that one may be expected to stand for where that shows on the way.
 MOST_JUMP = 1000
-#: Extent over worn patch below which roughness may fill the domain, and that a sentence recommends.
-CLOSE, SPARE = 1.05, 1.1
-#: Half width of a scar over the radius up to which a parabola stands for a circle, to 1 %.
-PARABOLIC = 0.2
+#: Cells across a piece that resolve it, and part of the domain that one may cover.
+CELLS, LARGEST = 4.0, 0.25
 #: Cells across that a contact takes which ends there.
 FEWEST_ACROSS = 4
 #: What is allowed instead of a contact that ends across.
@@ -37,13 +35,13 @@ def check(study: Content) -> None:
     _junction_growth(study)
     _by_area(study)
     if study.study.model == "two-scale":
-        _patches(study)
+        rules_track.check_patches(study)
     _line(study)
     _boundary(study)
     _shape(study)
     rules_track.check(study)
     _fretting(study)
-    rules_pieces.check(study)
+    _pieces(study)
     _hardness(study)
     _capacity(study)
     _tolerance(study)
@@ -57,11 +55,6 @@ def _fatigue(study: Content) -> None:
     fatigue = study.fatigue
     if fatigue is None:
         return
-    if study.is_swept:
-        raise ValueError(
-            "[fatigue] does not go with sliding.kinematics = 'swept', where the contact leaves a place "
-            "before its friction turns round; allowed is a disc that stays under the counter-body"
-        )
     ratio = fatigue.torsion / fatigue.bending
     if not LEAST_TORSION <= ratio <= 1.0:
         raise ValueError(
@@ -131,31 +124,6 @@ def _circles(study: Content) -> None:
             )
 
 
-def _patches(study: Content) -> None:
-    patches, cell = study.patches, study.grid.cell
-    rules_track.refuse_parts("patches.macro_cell", patches.macro_cell, cell)
-    rules_track.refuse_parts("patches.width", patches.patch_width, cell)
-    named = f"patches.macro_cell = {1e3 * patches.macro_cell:g} µm"
-    if patches.patch_width > patches.macro_cell * (1.0 + WHOLE):
-        raise ValueError(
-            f"patches.width = {1e3 * patches.patch_width:g} µm is larger than {named}: patches would "
-            "overlap; allowed are a smaller patches.width (by default the macro cell) and a larger "
-            "patches.macro_cell"
-        )
-    extent, across = study.grid.sides
-    if extent != across:
-        raise ValueError(
-            f"grid.extent = {study.grid.size} is no square, which study.model = 'two-scale' needs for its "
-            "macro cells; allowed is one length"
-        )
-    if patches.macro_cell > 0.5 * extent * (1.0 + WHOLE):
-        raise ValueError(
-            f"{named} is larger than the contact's domain allows: grid.extent = {extent:g} mm "
-            "must hold two macro cells or more"
-        )
-    rules_track.refuse_parts("grid.extent", extent, patches.macro_cell, cells=named)
-
-
 def _fretting(study: Content) -> None:
     """Refuse forces that make the contact slip as a whole, and means over what is rough."""
     sliding, limit = study.sliding, study.friction.coefficient * study.contact.load
@@ -184,9 +152,7 @@ def _line(study: Content) -> None:
     """Refuse lines that end across sliding, and what lines alone have."""
     grid, repeats = study.grid, study.contact.law == "half-space" and study.boundary == "line"
     if repeats and study.study.model == "two-scale":
-        raise ValueError(
-            "contact.boundary = 'line' is for one grid: allowed for patches are 'free', 'periodic'"
-        )
+        raise ValueError("contact.boundary = 'line' is for one grid: patches allow 'free' and 'periodic'")
     if repeats and study.counter.form.rises[1]:
         raise ValueError(
             "contact.boundary = 'line' would repeat the counter-body beside itself: allowed is 'free', or a "
@@ -277,6 +243,37 @@ def _junction_growth(study: Content) -> None:
         )
 
 
+def _pieces(study: Content) -> None:
+    """Refuse pieces that cannot be computed as they are asked for: raises ValueError with one sentence."""
+    pieces = study.pieces
+    if pieces is None:
+        return
+    named = f"wear.particle = {diameter(study, pieces)}"
+    if not study.grid.cell <= pieces.diameter * (1.0 + 1.0e-9):
+        enough = um(pieces.diameter / CELLS)
+        raise ValueError(f"{named} is smaller than a cell; a grid.cell of {enough} or less is needed")
+    if pieces.diameter > LARGEST * min(study.grid.sides):
+        raise ValueError(
+            f"{named} must be at most a quarter of grid.extent = {study.grid.size}; allowed are "
+            "smaller pieces, or a larger extent"
+        )
+    if pieces.thickness > pieces.diameter:
+        raise ValueError(
+            f"wear.particle_thickness = {um(pieces.thickness)} must not exceed {named}: a piece is a flake"
+        )
+
+
+def diameter(study: Content, pieces: Pieces) -> str:
+    """Return the diameter of the pieces, as it was asked for."""
+    length = um(pieces.diameter)
+    return f"'critical', {length}," if study.wear.particle == "critical" else length
+
+
+def um(length: float) -> str:
+    """Return a length [mm] in µm, as text."""
+    return f"{1.0e3 * length:.3g} µm"
+
+
 def _hardness(study: Content) -> None:
     if study.study.model != "macro" and study.contact.hardness is None and study.softer_hardness is None:
         raise ValueError(
@@ -285,14 +282,14 @@ def _hardness(study: Content) -> None:
         )
     hardness = study.softer_hardness if study.contact.hardness is None else study.contact.hardness
     if hardness is None or not math.isfinite(hardness):
-        for named in _dimensionless(study):
+        for named in without_unit(study):
             raise ValueError(
                 f"{named} is k of V = k F L / H and needs a finite contact.hardness; or give it with a unit, "
                 "such as '9.4e-4 mm^3/N/m'"
             )
 
 
-def _dimensionless(study: Content) -> Iterator[str]:
+def without_unit(study: Content) -> Iterator[str]:
     """Yield key and value of each wear coefficient that has no unit and is not 0."""
     for name in ("counter", "disc", "initial_counter", "initial_disc"):
         coefficient = getattr(study.wear, name)
@@ -337,103 +334,16 @@ def _tolerance(study: Content) -> None:
         )
 
 
-def doubts(study: Content) -> Iterator[str]:
-    """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
-    yield from _of_extent(study)
-    yield from _of_line_load(study)
-    yield from _of_seam(study)
-    if study.block is not None:
-        yield from dict.fromkeys(sentence for part in study.parts for sentence in doubts(part))
-        return
-    yield from _of_hardness(study)
-    yield from _of_film(study)
-    yield from _of_parabola(study)
-    yield from rules_pieces.doubts(study)
-    speed, pace = study.sliding.speed, study.sliding.pace
-    if speed is not None and pace is not None and abs(speed - pace) > 0.01 * pace:
-        yield (
-            f"sliding.speed = {60.0 * speed:.4g} mm/min makes the time axis, though sliding.frequency makes "
-            f"a mean speed of {60.0 * pace:.4g} mm/min."
-        )
-    unstable = _unstable(study)
-    if unstable is not None:
-        yield (
-            f"{unstable}: areas, pressures and friction scatter from step to step and mean nothing, though "
-            "volumes and depths look right."
-        )
-    if study.samples_area:
-        by_them = ["friction.area = 'nominal'"] if study.friction.area == "nominal" else []
-        if study.uses_bulk_stiffness and study.contact.bulk_update == "updated":
-            by_them.append("contact.bulk_update = 'updated'")
-        yield (
-            f"patches.width = {1e3 * study.patches.patch_width:g} µm stands for patches.macro_cell = "
-            f"{1e3 * study.patches.macro_cell:g} µm: the scar's extents and its nominal area are those of "
-            "what touched in patches, off by up to a macro cell on each side"
-            f"{', and ' + ' and '.join(by_them) + ' with them' if by_them else ''}."
-        )
-    if study.wear.law == "bearing-curve":
-        yield (
-            "wear.law = 'bearing-curve': the area in contact is the share of the cells that bears; "
-            "pressures are means over whole cells, and no hardness caps those of the share."
-        )
-
-
-def _of_parabola(study: Content) -> Iterator[str]:
-    """Yield a sentence about a crowned body whose scar gets so wide that it is no parabola any more."""
-    form, patch = study.counter.form, rules_track.worn_patch(study)
-    curvature = max(form.along, form.across)
-    if study.counter.shape in ("crowned", "cylinder") and 0.5 * patch * curvature > PARABOLIC:
-        yield (
-            f"counter.shape = '{study.counter.shape}' is a parabola, and the scar will be {patch:.3g} mm "
-            f"wide: at its edge a circle rises {25.0 * (patch * curvature / 2.0) ** 2:.2g} % more."
-        )
-
-
-def _of_film(study: Content) -> Iterator[str]:
-    """Yield a sentence about a film on a body that does not wear: no cell ever loses it."""
-    film = study.friction.film
-    for body, law in zip(("counter", "disc"), study.wear_laws, strict=True):
-        if film is not None and film.bodies in ("both", body) and not law.wears:
-            yield (
-                f"wear.{body} = 0: the {CALLED[body]} keeps its film, so no cell becomes bare by "
-                f"friction.film.bodies = '{film.bodies}'."
-            )
-
-
-def _of_hardness(study: Content) -> Iterator[str]:
-    """Yield a sentence about each hardness that is given and plays no part, or one part for both bodies."""
-    limit, softer = study.contact.hardness, study.softer_hardness
-    bodies = [
-        name
-        for name in ("counter", "disc")
-        if "hardness" in getattr(study, name).model_fields_set and f"{name}.hardness" not in study.assumed
-    ]
-    if limit is not None and bodies:
-        names = " and ".join(f"{name}.hardness = {getattr(study, name).hardness:g} MPa" for name in bodies)
-        yield (
-            f"contact.hardness = {limit:g} MPa is the largest pressure of a cell: {names} only "
-            f"{'enter' if len(bodies) > 1 else 'enters'} the shear strength H/(3√3) of the softer body."
-        )
-    bare = " and ".join(_dimensionless(study))
-    if bare:
-        which = (
-            f"that of the softer body, {softer:g} MPa"
-            if limit is None
-            else f"contact.hardness = {limit:g} MPa"
-        )
-        yield f"{bare}: k of V = k F L / H, with one H for both bodies, {which}."
-
-
 def _stability(study: Content) -> None:
-    unstable = _unstable(study)
-    if unstable is not None and not study.stepping.force:
+    beyond = unstable(study)
+    if beyond is not None and not study.stepping.force:
         raise ValueError(
-            f"{unstable}; allowed are smaller increments, stepping.scheme = 'implicit', or "
+            f"{beyond}; allowed are smaller increments, stepping.scheme = 'implicit', or "
             "stepping.force = true"
         )
 
 
-def _unstable(study: Content) -> str | None:
+def unstable(study: Content) -> str | None:
     """Return the start of a sentence about explicit steps that are too large; None where they are not."""
     if study.stepping.scheme == "implicit":
         return None
@@ -446,71 +356,6 @@ def _unstable(study: Content) -> str | None:
         f"stepping.{_largest(study)} = {study.increments[2]:g} mm is beyond the explicit stability limit "
         f"2/(k K) = {limit:.3g} mm"
     )
-
-
-def too_small(study: Content) -> str | None:
-    """Return a sentence, without its dot, about a domain that will not hold the worn patch; else None.
-
-    Roughness only makes the patch wider. Patches wider than the radius are left to the run.
-    """
-    if study.counter.form.is_flat:
-        return None
-    for patch, extent, way in _sides(study):
-        if extent < patch < study.counter.form.most_worn:
-            return (
-                f"grid.extent = {study.grid.size} is too small: the worn patch will be {patch:.3g} mm wide "
-                f"or more{way}; a grid.extent of {_spared(patch):g} mm would do"
-            )
-    return None
-
-
-def _sides(study: Content) -> Iterator[tuple[float, float, str]]:
-    """Yield the width of the worn patch, the domain's side [mm] and its name; of a square the wider alone."""
-    patches, sides = rules_track.worn_widths(study), study.grid.sides
-    if sides[0] == sides[1]:
-        yield max(patches), sides[0], ""
-    else:
-        yield from zip(patches, sides, (" along sliding", " across sliding"), strict=True)
-
-
-def _spared(patch: float) -> float:
-    """Return an extent [mm] with some room beside a patch [mm]."""
-    digit = 10.0 ** (math.floor(math.log10(patch)) - 1)
-    return float(f"{math.ceil(SPARE * patch / digit) * digit:.3g}")
-
-
-def _of_extent(study: Content) -> Iterator[str]:
-    """Yield a sentence where a worn patch will all but fill the domain: roughness makes it wider."""
-    if study.counter.form.is_flat or not study.is_rough:
-        return
-    for patch, extent, way in _sides(study):
-        if patch <= extent < CLOSE * patch:
-            yield (
-                f"grid.extent = {study.grid.size} may be too small: without roughness the worn patch will be "
-                f"{patch:.3g} mm wide{way} at the end, and with it wider; {_spared(patch):g} mm would do."
-            )
-
-
-def _of_line_load(study: Content) -> Iterator[str]:
-    """Yield a sentence where the load of a line contact is one of the domain, a part of the line's length."""
-    loads = [study.contact.load, *(part.load for part in study.block or ())]
-    for load in (load for load in loads if study.is_line and load is not None):
-        if not isinstance(load, LineLoad):
-            yield (
-                f"contact.load = {load:g} N is that of the domain, {study.grid.sides[1]:g} mm of the line: "
-                f"{load / study.grid.sides[1]:.4g} N/mm; a load of a length is loads as such."
-            )
-
-
-def _of_seam(study: Content) -> Iterator[str]:
-    """Yield a sentence about a rough line contact whose disc does not repeat as its boundary does."""
-    across = study.grid.sides[1]
-    elastic = study.contact.law == "half-space" and study.boundary == "line" and study.cells.ny > 1
-    if elastic and not rules_track.repeats(study.disc.synthetic, across, across=True):
-        yield (
-            f"The disc's surface does not repeat across sliding after {across:g} mm (grid.extent), as "
-            "contact.boundary = 'line' does: it has a seam there; disc.synthetic.period may be that long."
-        )
 
 
 def _steps(study: Content) -> None:

@@ -1,16 +1,14 @@
-"""Rules of a study whose counter-body slides over a track."""
+"""Rules of a track and of patches, and how wide what is worn will be."""
 
 import math
 from collections.abc import Iterator
 
-from warpwear.laws.fretting import HONEST_MEAN
 from warpwear.laws.track import WHOLE, is_whole
-from warpwear.study.bodies import Synthetic
 from warpwear.study.content import Content
 from warpwear.surfaces.form import Form
 
-#: Part of a stroke from which on the travel before slip is told.
-STICKING = 0.05
+#: Extent over worn patch that a sentence recommends.
+SPARE = 1.1
 
 
 def check(study: Content) -> None:
@@ -64,17 +62,42 @@ def check(study: Content) -> None:
         )
 
 
+def check_patches(study: Content) -> None:
+    patches, cell = study.patches, study.grid.cell
+    refuse_parts("patches.macro_cell", patches.macro_cell, cell)
+    refuse_parts("patches.width", patches.patch_width, cell)
+    named = f"patches.macro_cell = {1e3 * patches.macro_cell:g} µm"
+    if patches.patch_width > patches.macro_cell * (1.0 + WHOLE):
+        raise ValueError(
+            f"patches.width = {1e3 * patches.patch_width:g} µm is larger than {named}: patches would "
+            "overlap; allowed are a smaller patches.width (by default the macro cell) and a larger "
+            "patches.macro_cell"
+        )
+    extent, across = study.grid.sides
+    if extent != across:
+        raise ValueError(
+            f"grid.extent = {study.grid.size} is no square, which study.model = 'two-scale' needs for its "
+            "macro cells; allowed is one length"
+        )
+    if patches.macro_cell > 0.5 * extent * (1.0 + WHOLE):
+        raise ValueError(
+            f"{named} is larger than the contact's domain allows: grid.extent = {extent:g} mm "
+            "must hold two macro cells or more"
+        )
+    refuse_parts("grid.extent", extent, patches.macro_cell, cells=named)
+
+
 def refuse_parts(name: str, length: float, cell: float, *, cells: str = "") -> None:
     """Refuse a length [mm] that is no whole number of cells: raises ValueError. cells: size of these."""
     if not is_whole(length / cell):
         near = max(round(length / cell), 1) * cell
         raise ValueError(
-            f"{name} = {_in_words(length)} is not a whole number of cells of {cells or _in_words(cell)}; the "
-            f"nearest that is, is {_in_words(near)}"
+            f"{name} = {in_words(length)} is not a whole number of cells of {cells or in_words(cell)}; the "
+            f"nearest that is, is {in_words(near)}"
         )
 
 
-def _in_words(length: float) -> str:
+def in_words(length: float) -> str:
     """Return a length [mm] in mm, or below 0.1 mm in µm."""
     return f"{length:.9g} mm" if length >= 0.1 else f"{1e3 * length:.6g} µm"
 
@@ -142,6 +165,37 @@ def extent_for(study: Content, distance: float) -> tuple[float, float]:
     return along, across
 
 
+def too_small(study: Content) -> str | None:
+    """Return a sentence, without its dot, about a domain that will not hold the worn patch; else None.
+
+    Roughness only makes the patch wider. Patches wider than the radius are left to the run.
+    """
+    if study.counter.form.is_flat:
+        return None
+    for patch, extent, way in sides_worn(study):
+        if extent < patch < study.counter.form.most_worn:
+            return (
+                f"grid.extent = {study.grid.size} is too small: the worn patch will be {patch:.3g} mm wide "
+                f"or more{way}; a grid.extent of {spared(patch):g} mm would do"
+            )
+    return None
+
+
+def sides_worn(study: Content) -> Iterator[tuple[float, float, str]]:
+    """Yield the width of the worn patch, the domain's side [mm] and its name; of a square the wider alone."""
+    patches, sides = worn_widths(study), study.grid.sides
+    if sides[0] == sides[1]:
+        yield max(patches), sides[0], ""
+    else:
+        yield from zip(patches, sides, (" along sliding", " across sliding"), strict=True)
+
+
+def spared(patch: float) -> float:
+    """Return an extent [mm] with some room beside a patch [mm]."""
+    digit = 10.0 ** (math.floor(math.log10(patch)) - 1)
+    return float(f"{math.ceil(SPARE * patch / digit) * digit:.3g}")
+
+
 def unstable(study: Content) -> str | None:
     """Return the start of a sentence about a shift too large for explicit steps; None where it is not."""
     compliance = study.contact_law().compliance
@@ -155,85 +209,3 @@ def unstable(study: Content) -> str | None:
         f"sliding.shift = {track.shift} cells, which removes {removal:.3g} mm³/N a step, is beyond the "
         f"explicit stability limit 2/k = {2.0 * compliance:.3g} mm³/N"
     )
-
-
-def doubts(study: Content) -> Iterator[str]:
-    """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
-    if study.fretting is not None:
-        yield from _of_mean(study)
-    if not study.is_swept:
-        return
-    sliding = study.sliding
-    step = study.shift * study.grid.cell
-    first = 2.0 * math.sqrt(study.blocks[0].load / (math.pi * study.hardness))
-    if step > first > 0.0:
-        yield (
-            f"sliding.shift = {study.shift} cells, {1e3 * step:g} µm, is longer than a contact at the "
-            f"hardness, {1e3 * first:.3g} µm: at first the disc is worn in places only."
-        )
-    local = study.contact.law == "local" and not study.uses_bearing_area
-    if local and study.contact_law().compliance == 0.0:
-        finer = "sliding.shift" if study.shift > 1 else "grid.cell"
-        yield (
-            f"sliding.shift = {study.shift} cells: by contact.law = 'local' with contact.stiffness = inf "
-            "bodies yield by the wear of a step alone, so the area in contact depends on its length, up to "
-            "in proportion to it on a smooth or run-in disc under a ball that hardly wears; the cure is "
-            f"contact.law = 'half-space', else to halve {finer} until the area stays."
-        )
-    radius = sliding.track_radius
-    if radius is not None and radius < 2.0 * study.grid.sides[1]:
-        yield (
-            f"sliding.track_radius = {radius:g} mm: the track is computed straight, though the contact is "
-            "wide beside its radius."
-        )
-    if sliding.track != "full" and not repeats(study.disc.synthetic, float(sliding.track)):
-        yield (
-            f"The disc's surface does not repeat after sliding.track = {float(sliding.track):g} mm: it has a "
-            "seam where the lap closes."
-        )
-    yield from _of_sticking(study)
-
-
-def _of_mean(study: Content) -> Iterator[str]:
-    """Yield a sentence about a stroke too long for one pressure, or about bodies that yield unalike."""
-    ratio, drives = study.stroke_ratio, study.sliding.drives_bodies
-    if ratio > HONEST_MEAN and not drives:
-        yield (
-            f"sliding.positions = 'mean': the stroke is {ratio:.2g} of the scar's width, and depths of the "
-            f"bodies are off by some per cent beyond {HONEST_MEAN:g}; 'cells' solves each place."
-        )
-    first, second = study.counter.elastic, study.disc.elastic
-    if drives and first and second and first != second:
-        yield (
-            "sliding.force or sliding.stroke_of = 'body': the bodies' elastic constants differ, and what "
-            "that adds (friction changes the pressure) is left out."
-        )
-
-
-def _of_sticking(study: Content) -> Iterator[str]:
-    """Yield a sentence about a stroke so short that what the bodies yield before they slip matters to it."""
-    stroke, coefficient, hertz = study.sliding.stroke, study.friction.coefficient, study.hertz
-    bodies = study.counter.elastic, study.disc.elastic
-    if stroke is None or hertz is None or hertz.is_line or study.friction.fitted is None:
-        return
-    travel = 2.0 * hertz.travel_to_slip(coefficient, *(body for body in bodies if body is not None))
-    if travel > STICKING * stroke:
-        yield (
-            f"sliding.stroke = {_in_words(stroke)} is slip: smooth bodies like these at a coefficient of "
-            f"{coefficient:g} yield by {1e3 * travel:.3g} µm before they slip (Mindlin), so the drive of "
-            "such a test travels as much farther."
-        )
-
-
-def repeats(disc: Synthetic | None, length: float, *, across: bool = False) -> bool:
-    """Tell whether the disc's surface closes on itself after a length [mm] along, or across, sliding."""
-    if disc is None:  # a file: nothing says that it does
-        return False
-    if disc.kind == "flat":
-        return True
-    closes = is_whole(length / disc.period) or (disc.kind == "milled" and disc.fine_ra == 0.0)
-    if disc.kind == "milled":
-        turned = math.radians(disc.lay + 90.0 * across)
-        way = abs(round(math.sin(turned), 12))
-        closes = closes and (way == 0.0 or is_whole(length * way / disc.feed))
-    return closes

@@ -7,7 +7,7 @@ from typing import Any, Self
 from pydantic import ValidationError
 
 from warpwear.errors import InputError
-from warpwear.study import loading, rules, rules_track, text
+from warpwear.study import doubts, loading, rules, text
 from warpwear.study.content import Content
 from warpwear.study.keys import unused_key_notices, value_of
 
@@ -70,11 +70,11 @@ class Study(Content):
     def notices(self) -> list[str]:
         """Return a sentence about each old name, each unused key, and each number that misleads."""
         total = self.sliding.total
-        sentences = [*self._old_names, *unused_key_notices(self), *rules_track.doubts(self)]
+        sentences = [*self._old_names, *unused_key_notices(self), *doubts.of_track(self)]
         late = ", ".join(f"{s:g}" for s in self.snapshot_distances if s > total or s == 0.0 < total)
         if late:
             sentences.append(f"output.snapshots that no step ends at: {late} mm.")
-        return [*sentences, *rules.doubts(self)]
+        return [*sentences, *doubts.doubts(self)]
 
     def to_toml(self) -> str:
         """Return the whole study after defaults, as TOML that `load` reads back without loss."""

@@ -100,19 +100,18 @@ def _applicable(study: Content) -> Iterator[tuple[str, Any]]:
     for name, value in study.resolved.items():
         insert(content, name, value)
 
+    blocks = [
+        {key: value for key, value in block.items() if value is not None} for block in content["block"] or ()
+    ]
+
     def walk(prefix: str, content: dict[str, Any]) -> Iterator[tuple[str, Any]]:
         for key, value in sorted(content.items(), key=lambda item: isinstance(item[1], dict)):
             if isinstance(value, dict):
                 yield from walk(f"{prefix}{key}.", value)
             elif value is not None and prefix + key not in skipped:
-                yield prefix + key, value if prefix or key != "block" else [*map(_given, value)]
+                yield prefix + key, value if prefix or key != "block" else blocks
 
     yield from walk("", content)
-
-
-def _given(block: dict[str, Any]) -> dict[str, Any]:
-    """Return what a block of a programme says."""
-    return {name: value for name, value in block.items() if value is not None}
 
 
 def readable(value: Any) -> Any:
@@ -153,7 +152,7 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     name = ".".join(
         str(p + of_block if isinstance(p, int) else p)
         for p in first["loc"]
-        if not str(p).startswith(("literal[", "constrained-", "function-", "tuple["))
+        if p != "str" and not str(p).startswith(("literal[", "constrained-", "function-", "tuple[", "list["))
     )
     kind, value = first["type"], first.get("input")
     text = _SHOWN.repr(str(value) if is_quantity(value) else value)
@@ -164,9 +163,12 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     if of_block and len(first["loc"]) == 1 and kind != "value_error":
         return f"{name} = {text} is no list of blocks; write [[block]] and the keys of one below it."
     if kind in ("tuple_type", "list_type"):
-        return f"{name} = {text}: must be a list in brackets, such as ['30 mm', '240 mm']."
+        example = "'test-1.csv'" if kind == "list_type" else "'30 mm', '240 mm'"
+        return f"{name} = {text}: must be a list in brackets, such as [{example}]."
     if kind in ("model_type", "dict_type", "model_attributes_type"):
         return f"{name} = {text} is not a section; write [{name}] and its keys below it."
+    if kind == "string_type":
+        return f"{name} = {text}: must be text in quotes."
     message = str(first["ctx"]["error"]) if "ctx" in first and "error" in first["ctx"] else first["msg"]
     info = key_of(model, name)
     if kind == "value_error" and (not name or (info and section_in(info.annotation))):

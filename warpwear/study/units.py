@@ -107,9 +107,7 @@ def _read(value: str, unit: str) -> float:
             quantity = _registry().Quantity(
                 float(match["number"]), f"1{reading}" if reading[0] == "/" else reading
             )
-        except (
-            Exception
-        ):  # pint raises whatever its parser meets, AttributeError and tokenize errors included
+        except Exception:  # whatever pint's parser meets: AttributeError, errors of tokenize
             problems.append(ValueError(f"cannot be read: {EXAMPLES[unit]} is expected"))
             continue
         try:
@@ -243,11 +241,8 @@ class Quantity:
         return value if isinstance(value, str) else text(value, self.unit)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_before_validator_function(
-            self.read,
-            handler(source),
-            serialization=core_schema.plain_serializer_function_ser_schema(self.write),
-        )
+        written = core_schema.plain_serializer_function_ser_schema(self.write)
+        return core_schema.no_info_plain_validator_function(self.read, serialization=written)
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,10 @@ LOOK, LOST = 5.0, 300.0
 
 
 @contextmanager
-def connected(address: str, *, insecure: bool = False, device: str = "cpu") -> Iterator[tuple[Executor, int]]:
-    """The executor of a Dask scheduler, and how many workers it has.
+def connected(
+    address: str, *, insecure: bool = False, device: str = "cpu"
+) -> Iterator[tuple[Executor, int, int]]:
+    """The executor of a Dask scheduler, the threads of a run, and how many workers it has.
 
     Raises InputError for an address that is refused or not reached, and for workers that will not do. A plain
     TCP address that is not of this machine is refused unless insecure: whoever reaches such a scheduler runs
@@ -47,7 +49,7 @@ def connected(address: str, *, insecure: bool = False, device: str = "cpu") -> I
         executor, ended = client.get_executor(pure=False, retries=RETRIES, **more), threading.Event()
         threading.Thread(target=_watch, args=(client, executor, address, ended), daemon=True).start()
         try:
-            yield executor, number
+            yield executor, 1, number
         finally:
             ended.set()
 

@@ -3,9 +3,9 @@
 import signal
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -75,8 +75,9 @@ def command(
         sweep.share_runs(folder, runs)
     place = nullcontext() if dry_run else sweep.opened_folder(folder)
     with place, _executor(plan, **where) as (executor, threads, workers):
-        cost = sweep.estimate(plan, None if dry_run else folder, executor, threads=threads)
-        click.echo(cost.sentence(workers), err=not dry_run)
+        place_of_pilot = None if dry_run else folder
+        cost = sweep.estimate(plan, place_of_pilot, executor, threads=threads, workers=workers)
+        click.echo(cost, err=not dry_run)
         if dry_run:
             return 0
         with tqdm(total=len(plan.points), unit="run", disable=not sys.stderr.isatty(), leave=False) as bar:
@@ -112,16 +113,12 @@ def command(
     return int(failed is not None)
 
 
-@contextmanager
 def _executor(
     plan: Plan, *, workers: int | None, cluster: str | None, insecure: bool, gpus: str | None
-) -> Iterator[tuple[Executor, int | None, int]]:
+) -> AbstractContextManager[tuple[Executor, int, int]]:
     """The executor that was asked for, the threads of a run, and the number of workers."""
-    if cluster is not None:
-        if workers is not None or gpus is not None:
-            raise InputError("--cluster excludes --workers and --gpus: its own workers make the runs.")
-        with connected(cluster, insecure=insecure, device=plan.device) as (executor, number):
-            yield executor, 1, number
-        return
-    with sweep.local_executor(plan, workers=workers, gpus=gpus is not None) as (pool, threads, number):
-        yield pool, threads, number
+    if cluster is None:
+        return sweep.local_executor(plan, workers=workers, gpus=gpus is not None)
+    if workers is not None or gpus is not None:
+        raise InputError("--cluster excludes --workers and --gpus: its own workers make the runs.")
+    return connected(cluster, insecure=insecure, device=plan.device)

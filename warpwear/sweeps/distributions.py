@@ -41,6 +41,12 @@ class Distribution:
     within: tuple[float, float] | None = None
     unit: str = ""
 
+    def __str__(self) -> str:
+        """Write it for people, in few digits."""
+        between = ".." if self.kind.endswith("uniform") else "±"
+        cut = " within {:.4g} .. {:.4g}".format(*self.within) if self.within else ""
+        return f"{self.kind} {self.first:.4g} {between} {self.second:.4g}{cut} {self.unit}".rstrip()
+
     def quantiles(self, u: FloatArray) -> FloatArray:
         """The values below which parts u of the distribution lie. u: in (0, 1), of any shape."""
         a, b = self.first, self.second

@@ -17,16 +17,15 @@ WELL_KNOWN = 0.1
 
 @dataclass(frozen=True)
 class Indices:
-    """Hold Sobol's indices of one output, (factors,) each, with the ends of their intervals, (2, factors).
+    """Hold Sobol's indices of one output, (factors,) each, and the ends of the totals' intervals.
 
     first: the part of the output's variance that goes when an input alone is known; total: the part that
     would be left if all others were known, interactions included. Those of few samples may exceed 1.
-    samples: of the design, (keys + 2) runs each.
+    total_interval: (2, factors). samples: of the design, (keys + 2) runs each.
     """
 
     first: FloatArray
     total: FloatArray
-    first_interval: FloatArray
     total_interval: FloatArray
     samples: int = 0
 
@@ -60,13 +59,12 @@ def sobol(values: FloatArray, factors: int) -> Indices:
     count = blocks.shape[1]
     if count < 2 or np.ptp(blocks) == 0.0:
         nothing = np.full((2, factors), np.nan)
-        return Indices(nothing[0], nothing[0], nothing, nothing, count)
+        return Indices(nothing[0], nothing[0], nothing, count)
     drawn = np.random.default_rng(0).integers(0, count, (RESAMPLES, count))
-    first, total = np.stack([_estimated(blocks[:, sample]) for sample in drawn], axis=1)
+    totals = np.stack([_estimated(blocks[:, sample])[1] for sample in drawn])
     ends = (50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE))
-    intervals = np.nanpercentile(first, ends, axis=0), np.nanpercentile(total, ends, axis=0)
-    of_all = _estimated(blocks)
-    return Indices(of_all[0], of_all[1], *intervals, count)
+    first, total = _estimated(blocks)
+    return Indices(first, total, np.nanpercentile(totals, ends, axis=0), count)
 
 
 def _estimated(blocks: FloatArray) -> FloatArray:

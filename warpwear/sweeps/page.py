@@ -7,16 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.figures.describe import Section
-from warpwear.grid import FloatArray
+from warpwear.figures.sections import Section, under_headings
+from warpwear.figures.wording import few_of, listed
 from warpwear.history.end_values import ENDS
 from warpwear.history.quantities import BY_NAME
 from warpwear.measured.experiment import Experiment
-from warpwear.page.html import page_of, under_headings
+from warpwear.page.html import page_of
 from warpwear.page.limits import limits_of
 from warpwear.page.words import Answer
 from warpwear.results import manifest
-from warpwear.results.ensemble import is_label, short_names
+from warpwear.results.ensemble import band, is_label, short_names
 from warpwear.study.text import assumptions
 from warpwear.sweeps.design import SAMPLED, Factor
 from warpwear.sweeps.figures import figures_of, groups_of
@@ -56,7 +56,7 @@ def page(
         "name": f"{plan.study.study.name}: sweep",
         "description": plan.study.study.description,
         "version": __version__,
-        "asked": f"{done} of {total} runs of one study, over {_listed(plan.keys)}: how far do the answers "
+        "asked": f"{done} of {total} runs of one study, over {listed(plan.keys)}: how far do the answers "
         "reach, and what decides them?",
         "answers": _answers(result),
         "decides": _decides(result),
@@ -77,29 +77,14 @@ def page(
     return page_of("sweep.html", content, pictures)
 
 
-def _listed(names: list[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
-
-
 def _values_of(factor: Factor) -> str:
     """Say what a key was varied over, in a person's words."""
     if (spread := factor.distribution) is None:
         values = [
             v if isinstance(v, str) else f"{v:g}" if isinstance(v, float) else str(v) for v in factor.values
         ]
-        more = f" and {len(values) - MOST_VALUES} more" if len(values) > MOST_VALUES else ""
-        return ", ".join(values[:MOST_VALUES]) + more
-    sign = "to" if spread.kind.endswith("uniform") else "±"
-    within = f", within {spread.within[0]:g} to {spread.within[1]:g}" if spread.within else ""
-    return f"{spread.kind}: {spread.first:g} {sign} {spread.second:g}{within} {spread.unit}".rstrip()
-
-
-def _ends(result: SweepResult, column: str) -> FloatArray | None:
-    """End values of a column; None where no run has any."""
-    if not any(f"{column} [" in name for row in result.rows for name in row.ends):
-        return None
-    values = result.ends(column)
-    return values if np.isfinite(values).any() else None
+        return few_of(values, MOST_VALUES)
+    return str(spread)
 
 
 def _answers(result: SweepResult) -> list[Answer]:
@@ -112,12 +97,12 @@ def _answers(result: SweepResult) -> list[Answer]:
     if result.plan.study.friction.ends_as_given:
         notes["cof"] = "An input: constant, or its shear strength is fitted so that it is met"
     for answer in ANSWERS:
-        if (values := _ends(result, answer.name)) is None:
+        if (values := result.known_ends(answer.name)) is None:
             continue
         known = answer.scaled(values[np.isfinite(values)])
         if result.plan.design.kind in SAMPLED:
-            low, high = np.percentile(known, (5.0, 95.0))
-            text, error = f"{known.mean():.4g}", f"mean; 5 to 95 % of the runs: {low:.3g} to {high:.3g}"
+            mean, low, high = (float(part[0]) for part in band(known[:, None]))
+            text, error = f"{mean:.4g}", f"mean; 5 to 95 % of the runs: {low:.3g} to {high:.3g}"
         else:
             text = f"{known.min():.3g} to {known.max():.3g}" if np.ptp(known) > 0.0 else f"{known[0]:.4g}"
             error = f"least and most of {known.size} runs"
@@ -128,7 +113,7 @@ def _answers(result: SweepResult) -> list[Answer]:
 
 def _decides(result: SweepResult) -> str:
     """Say in a sentence which key decides the coefficient of friction most."""
-    if len(result.plan.keys) < 2 or _ends(result, "cof") is None:
+    if len(result.plan.keys) < 2 or result.known_ends("cof") is None:
         return ""
     key, value = next(iter(result.influence().items()))
     if not np.isfinite(value) or value == 0.0:
@@ -149,7 +134,7 @@ def _sections(result: SweepResult, experiments: Sequence[Experiment]) -> list[Se
 
 def _rows(result: SweepResult) -> list[dict[str, Any]]:
     """Rows of the table of runs: what was varied, how it ended, and where its page or folder lies."""
-    ends = [_ends(result, answer.name) for answer in ANSWERS]
+    ends = [result.known_ends(answer.name) for answer in ANSWERS]
     rows = []
     for point, row in list(zip(result.plan.points, result.rows, strict=True))[:MOST_ROWS]:
         values = [

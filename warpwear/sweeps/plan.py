@@ -10,6 +10,7 @@ from warpwear.errors import InputError
 from warpwear.results.ensemble import dotted, label_of, short_names
 from warpwear.study import loading
 from warpwear.study.study import Study
+from warpwear.study.text import sentence
 from warpwear.sweeps.design import SAMPLED, Design, Factor, factors_of
 from warpwear.sweeps.points import Point, points_of, with_positions
 
@@ -26,6 +27,12 @@ class SweepSection(BaseModel):
     samples: int | None = None
     seed: int = 0
     band_over: str | list[str] = []
+
+
+class _Whole(BaseModel):
+    """A study file as far as a sweep reads it: sentences then name keys as they stand there."""
+
+    sweep: SweepSection
 
 
 class Plan:
@@ -82,8 +89,6 @@ def section_of(section: Any, options: Mapping[str, Any]) -> SweepSection:
         vary = dotted(section.get("vary", {}), whole="positions")
         more["vary"] = {**vary, **options.get("vary", {})}
     try:
-        return SweepSection(**{**section, **more})
+        return _Whole.model_validate({SECTION: {**section, **more}}).sweep
     except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join([SECTION, *map(str, first["loc"])])
-        raise InputError(f"{where} = {first['input']!r} is not allowed: {first['msg']}.") from error
+        raise InputError(sentence(error, _Whole)) from error

@@ -12,6 +12,7 @@ from warpwear.errors import InputError
 from warpwear.measured.experiment import Experiment
 from warpwear.page.folder import write_report as write_folder
 from warpwear.results import manifest
+from warpwear.results.ensemble import band
 from warpwear.sweeps.figures import figures_of
 from warpwear.sweeps.page import page
 from warpwear.sweeps.table import TABLES, SweepResult
@@ -65,13 +66,10 @@ def _moved(work: Path, folder: Path) -> list[Path]:
 
 def group_rows(result: SweepResult) -> list[dict[str, Any]]:
     """For each group of runs: label, number of runs, mean, 5th and 95th percentile of the end's CoF."""
-    known = any(row.ends for row in result.rows)
-    values = result.ends("cof") if known else np.full(len(result.rows), np.nan)
-    rows = []
+    ends, rows = result.known_ends("cof"), []
     for label, runs in result.plan.groups.items():
-        known = values[runs][np.isfinite(values[runs])]
-        low, high = np.percentile(known, (5.0, 95.0)) if known.size else (np.nan, np.nan)
-        mean = float(known.mean()) if known.size else np.nan
+        values = np.full((len(runs), 1), np.nan) if ends is None else ends[runs][:, None]
+        mean, low, high = (float(part[0]) for part in band(values))
         rows.append({"label": label or "all runs", "runs": len(runs), "mean": mean, "low": low, "high": high})
     return rows
 

@@ -3,8 +3,6 @@
 import os
 import time
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -17,7 +15,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
 from warpwear.result import Result
 from warpwear.results.file import FILE_NAME
-from warpwear.results.summary import course
+from warpwear.results.track import course
 from warpwear.runs.checkpoint import holds_checkpoint
 from warpwear.runs.run import RunOptions, run_study
 from warpwear.study.study import Study
@@ -77,33 +75,25 @@ def run_one(task: Task) -> Row:
                     f"disc.surface '{study.disc.file}' is not the file any more that the sweep was "
                     "planned with; start the sweep again"
                 )
-        return replace(row, was_there=was_there, seconds=row.seconds if was_there else _since(start))
+        return replace(
+            row, was_there=was_there, seconds=row.seconds if was_there else time.perf_counter() - start
+        )
     except (InputError, ConvergenceError, InvariantError, MemoryError, OSError) as error:
         why = " ".join(str(error).split()) or "the memory ran out"
-        return Row(f"failed: {why}", _since(start))
+        return Row(f"failed: {why}", time.perf_counter() - start)
 
 
 def _row_of_run(task: Task, study: Study, *, resume: bool) -> Row | None:
     """Make a run, or find it; None where its surface is not that of the task."""
     where: Any = {"out": Path(task.folder), "device": task.device, "threads": task.threads}
     options = RunOptions(resume=resume, overwrite=not resume, whole=False, **where)
-    with _warnings_left_to_the_summary(), run_study(study, options) as result:
+    # What misleads stands in the summary of each run: a thousand of them need not say it on the screen.
+    quiet = warnings.catch_warnings(action="ignore", category=StudyWarning)
+    with quiet, run_study(study, options) as result:
         is_read = study.study.model != "macro" and task.surface is not None
         if is_read and result.record["surface"].get("sha256") != task.surface:
             return None
         return row_of(result)
-
-
-def _since(start: float) -> float:
-    return time.perf_counter() - start
-
-
-@contextmanager
-def _warnings_left_to_the_summary() -> Iterator[None]:
-    """What misleads stands in the summary of each run: a thousand of them need not say it on the screen."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", StudyWarning)
-        yield
 
 
 def row_of(result: Result) -> Row:

@@ -4,16 +4,17 @@ import csv
 import logging
 import tempfile
 import time
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from contextlib import ExitStack, contextmanager, nullcontext
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from warpwear.engine.device import find_device, gpu_count, usable_cores
-from warpwear.engine.workers import WorkerDiedError, Workers, local_workers
+from warpwear.engine.workers import WorkerDiedError, local_workers
 from warpwear.errors import InputError, explained
+from warpwear.figures.wording import counted
 from warpwear.results import manifest
 from warpwear.results.folder import LOCK, check_writable, held, refuse_if_held
 from warpwear.runs.console import warn
@@ -125,17 +126,17 @@ def make_runs(
     left, and KeyboardInterrupt raised.
     """
     rows: dict[int, Row] = {}
-    waiting: dict[Future[Row], list[int]] = {}
-    futures: dict[str, Future[Row]] = {}
+    numbers: dict[str, list[int]] = defaultdict(list)
     for point in plan.points:
         if point.study is None:
             rows[point.number] = Row(f"failed: {point.problem}")
             on_row(point.number, rows[point.number])
-            continue
-        if point.run not in futures:
-            task = task_of(point, folder / RUNS, device=plan.device, threads=threads)
-            futures[point.run] = _submitted(executor, task)
-        waiting.setdefault(futures[point.run], []).append(point.number)
+        else:
+            numbers[point.run].append(point.number)
+    waiting: dict[Future[Row], list[int]] = {}
+    for those in numbers.values():  # of one run
+        task = task_of(plan.points[those[0]], folder / RUNS, device=plan.device, threads=threads)
+        waiting[_submitted(executor, task)] = those
     begun: dict[Future[Row], float] = {}
     longest = 0.0
     late: set[Future[Row]] = set()
@@ -187,40 +188,27 @@ def _row(future: "Future[Row]") -> Row:
         return Row(f"failed: {' '.join(str(error).split()) or type(error).__name__}")
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """What a sweep will cost, from a pilot: seconds and bytes of one run, and how many are to be made."""
-
-    runs: int
-    there: int
-    seconds: float
-    size: float
-
-    def sentence(self, workers: int) -> str:
-        """The estimate in a sentence, on some workers."""
-        to_do = self.runs - self.there
-        already = f", {self.there} of them there already" if self.there else ""
-        took = _duration(to_do * self.seconds / max(1, workers))
-        return (
-            f"{self.runs} runs{already}: about {took} on {workers} worker{'s' if workers != 1 else ''} "
-            f"({_duration(self.seconds)} a run) and {to_do * self.size / 2**20:.3g} MiB"
-        )
-
-
-def estimate(plan: Plan, folder: Path | None, executor: Executor, *, threads: int | None = None) -> Estimate:
+def estimate(
+    plan: Plan, folder: Path | None, executor: Executor, *, threads: int | None = None, workers: int = 1
+) -> str:
     """Make the first run that is not there yet, and say from it what all of them will cost.
 
     folder: of the sweep, which keeps that run; None makes it in a place of its own.
     """
     runs = {point.run: point for point in plan.points if point.study is not None}
     missing = [name for name in runs if folder is None or not is_there(folder / RUNS / name)]
-    if not missing:
-        return Estimate(len(plan.points), len(runs), 0.0, 0.0)
-    with opened_folder(None) if folder is None else nullcontext(folder) as place:
-        task = task_of(runs[missing[0]], place / RUNS, device=plan.device, threads=threads)
-        row = _row(_submitted(executor, task))
-        size = sum(path.stat().st_size for path in Path(task.folder).glob("*") if path.is_file())
-    return Estimate(len(plan.points), len(runs) - len(missing), row.seconds, size)
+    seconds, size = 0.0, 0
+    if missing:
+        with opened_folder(None) if folder is None else nullcontext(folder) as place:
+            task = task_of(runs[missing[0]], place / RUNS, device=plan.device, threads=threads)
+            seconds = _row(_submitted(executor, task)).seconds
+            size = sum(path.stat().st_size for path in Path(task.folder).glob("*") if path.is_file())
+    there = len(runs) - len(missing)
+    to_do, already = len(plan.points) - there, f", {there} of them there already" if there else ""
+    return (
+        f"{len(plan.points)} runs{already}: about {_duration(to_do * seconds / max(1, workers))} on "
+        f"{counted(workers, 'worker')} ({_duration(seconds)} a run) and {to_do * size / 2**20:.3g} MiB"
+    )
 
 
 def check_folder(folder: Path, *, resume: bool) -> None:
@@ -309,7 +297,7 @@ def opened_folder(out: Path | None) -> Iterator[Path]:
 @contextmanager
 def local_executor(
     plan: Plan, *, workers: int | None, gpus: bool = False
-) -> Iterator[tuple[Workers, int, int]]:
+) -> Iterator[tuple[Executor, int, int]]:
     """Workers of this machine, by default one a core or one a GPU; the threads of a run; their number.
 
     Raises InputError for a number that is none, and where there is no GPU.

@@ -115,13 +115,37 @@ class SweepResult:
             raise InputError(f"'{name}' is no end value; there are {', '.join(columns)}.")
         return np.array([row.ends.get(column, np.nan) for row in self.rows])
 
+    def known_ends(self, name: str) -> FloatArray | None:
+        """End values as of `ends`; None where no run has any."""
+        known = any(f"{name} [" in key for row in self.rows for key in row.ends)
+        return self.ends(name) if known and np.isfinite(self.ends(name)).any() else None
+
     def band(self, name: str, runs: Sequence[int]) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Mean, 5th and 95th percentile of a column over some runs, each of shape (distances,)."""
         return band(self.courses(name)[list(runs)])
 
     def numbers(self, key: str) -> tuple[FloatArray, str] | None:
-        """Values of a varied key as numbers, with their unit; None where they are words."""
-        return numbers_of(self.plan, key)
+        """Values of a varied key in the unit of its declaration, and that unit; None where they are words.
+
+        NaN is what no number can be made of, in a point of which no study could be made.
+        """
+        numbers, unit = np.full(len(self.plan.points), np.nan), ""
+        for place, study in ((point.number, point.study) for point in self.plan.points if point.study):
+            value = value_of(study.model_dump(), key)
+            if isinstance(value, str) and (split := value.split(" ", 1))[0]:
+                try:
+                    value, unit = float(split[0]), split[1] if len(split) > 1 else ""
+                except ValueError:
+                    return None
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                return None
+            numbers[place] = value
+        for point in self.plan.points:
+            if point.study is None:
+                with suppress(ValueError, TypeError, OverflowError):
+                    value = point.values[key]
+                    numbers[point.number] = parse(value, unit) if unit else float(value)
+        return numbers, unit
 
     def sobol(self, name: str = "cof") -> Indices | None:
         """Sobol's indices of an end value; None for a design that does not allow them."""
@@ -191,30 +215,6 @@ class SweepResult:
             data[f"end_{plain}"] = ("run", self.ends(name), {"units": name.partition("[")[2].rstrip("]")})
         about = {"title": self.plan.study.study.name, "study": self.plan.study.to_toml()}
         return xarray.Dataset(data, coordinates, about)
-
-
-def numbers_of(plan: Plan, key: str) -> tuple[FloatArray, str] | None:
-    """Values of a varied key in the unit of its declaration, and that unit; None where they are words.
-
-    NaN is what no number can be made of, in a point of which no study could be made.
-    """
-    numbers, unit = np.full(len(plan.points), np.nan), ""
-    for place, study in ((point.number, point.study) for point in plan.points if point.study):
-        value = value_of(study.model_dump(), key)
-        if isinstance(value, str) and (split := value.split(" ", 1))[0]:
-            try:
-                value, unit = float(split[0]), split[1] if len(split) > 1 else ""
-            except ValueError:
-                return None
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            return None
-        numbers[place] = value
-    for point in plan.points:
-        if point.study is None:
-            with suppress(ValueError, TypeError, OverflowError):
-                value = point.values[key]
-                numbers[point.number] = parse(value, unit) if unit else float(value)
-    return numbers, unit
 
 
 def _between(values: FloatArray, words: Sequence[str]) -> float:

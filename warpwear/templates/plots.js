@@ -76,7 +76,7 @@
   const logarithmic = (...arrays) => {
     const known = arrays.flatMap((array) => [...array].filter((v) => v > 0));
     const decades = Math.log10(Math.max(...known) / Math.min(...known));
-    return { type: "log", exponentformat: "power", dtick: decades > 2.5 ? 1 : decades > 0.8 ? "D2" : "D1", tickformat: "~g" };
+    return { type: "log", exponentformat: "power", dtick: decades > 2.5 ? Math.ceil(decades / 7) : decades > 0.8 ? "D2" : "D1", tickformat: "~g" };
   };
   const chart = (plot, node) => {
     const optional = (packed) => (packed ? arrayOf(packed) : null);
@@ -152,7 +152,8 @@
   const map = (plot) => {
     const number = shown.get(plot) ?? plot.fields.length - 1, field = plot.fields[number];
     const [nx, ny] = field.codes.shape, [x0, x1, y0, y1] = plot.extent;
-    const common = { type: "heatmap", x: places(x0, x1, nx), y: places(y0, y1, ny), hoverongaps: false };
+    const [dx, dy] = [(x1 - x0) / nx, (y1 - y0) / ny];  // of one row too, of which a list of places tells none
+    const common = { type: "heatmap", x0: x0 + 0.5 * dx, dx, y0: y0 + 0.5 * dy, dy, hoverongaps: false };
     let trace;
     if (plot.states.length) {
       const count = plot.states.length;
@@ -184,7 +185,7 @@
     return [[trace], layout({
       margin: { l: 60, r: 15, t: 10, b: 45 },
       xaxis: axis("along sliding, mm", { constrain: "domain", showgrid: false }),
-      yaxis: axis("across, mm", { scaleanchor: "x", constrain: "domain", showgrid: false }),
+      yaxis: plot.long ? axis("across, mm (drawn larger)", { showgrid: false }) : axis("across, mm", { scaleanchor: "x", constrain: "domain", showgrid: false }),
     })];
   };
 

@@ -45,7 +45,7 @@ def distance_factor(runs: Runs, numbers: Numbers) -> Figure:
     study = runs["v2"].study
     edge = worn_radius(study)
     y = np.linspace(-edge, edge, 401)
-    ball = np.sqrt(1.0 - (y * study.counter.curvature) ** 2)
+    ball = np.sqrt(1.0 - (y * study.counter.form.curvature) ** 2)
     lines: list[Line | Level] = [
         Level(1.0, "without (V1)", Look(describe.COUNTER, width=1.2)),
         Line(y, ball, "with, cos θ (V2)", Look(describe.DISC, "dash")),
@@ -168,9 +168,9 @@ def rough_patches(runs: Runs, numbers: Numbers) -> Figure:
 
 
 def _bars(label: str, names: list[str], values: list[float], written: str = "{:.3g}") -> Bars:
-    """Make a bar a value, of each version and then of the experiment, with the value over it."""
+    """Make a bar a value, of each version and then of the experiment, with the value behind it."""
     colours = COLOURS[: len(values)]
-    return Bars("", names, np.array(values), Axis(label), colours=colours, upright=True, written=written)
+    return Bars("", names, np.array(values), Axis(label), colours=colours, written=written)
 
 
 @figure
@@ -196,8 +196,9 @@ def patch_bars(runs: Runs, numbers: Numbers) -> Figure:
     names = ["V1", "V2", "V3", "experiment"]
     printed = [PATCH_DIAMETERS[name].value for name in ("v1", "v2", "v3", "experiment")]
     label, grey = "diameter of the counter-body's patch, mm", [*[figures.PRINTED] * 3, figures.EXPERIMENT]
+    axis = Axis(label, low=0.0, high=1.25 * max(*printed, *ours))
     panels = [
-        replace(_bars(label, names, printed, "{:.2f}"), title="printed", colours=grey),
-        replace(_bars(label, [*VERSIONS.values()], ours, "{:.2f}"), title="ours"),
+        replace(_bars(label, names, printed, "{:.2f}"), axis=axis, title="printed", colours=grey),
+        replace(_bars(label, [*VERSIONS.values()], ours, "{:.2f}"), axis=axis, title="ours"),
     ]
-    return Figure(panels, shared="y")
+    return Figure(panels)

@@ -31,6 +31,8 @@ CAPTIONS = {name: folded(text) for name, text in read("captions.toml").items()}
 FIGURES: dict[str, Declare] = {
     "disc_3d_of_v1": lambda runs, _: runs["v1"].plot.declared("disc_3d"),
     "counter_3d_of_v1": lambda runs, _: runs["v1"].plot.declared("counter_3d"),
+    "pressure_of_v1": lambda runs, _: runs["v1"].plot.declared("hertz"),
+    "contact_areas": lambda runs, _: runs["v1"].plot.declared("contact_map"),
     "volumes_of_v1": lambda runs, _: runs["v1"].plot.declared("volumes"),
     "disc_3d_of_v3": lambda runs, _: runs["v3"].plot.declared("disc_3d"),
     "counter_3d_of_v3": lambda runs, _: runs["v3"].plot.declared("counter_3d"),

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from warpwear.grid import FloatArray
 from warpwear.history.snapshot import Snapshot
 from warpwear.result import Result
-from warpwear.results.summary import shape_of_growth
+from warpwear.results.track import shape_of_growth
 from warpwear.thesis import printed as thesis
 from warpwear.thesis import runs as plans
 from warpwear.thesis.coefficients import DIAMETER, K_OF_BALL, patch
@@ -47,7 +47,7 @@ def _of_version(result: Result) -> Numbers:
     """Find what each version says of itself."""
     history, summary = result.history, result.summary
     first, end = ({name: values[row] for name, values in history.items()} for row in (0, -1))
-    mean, curvature = history["pressure_mean"], result.study.counter.curvature
+    mean, curvature = history["pressure_mean"], result.study.counter.form.curvature
     total = end["wear_depth_counter"] + end["wear_depth_disc"]
     values_of_version = {
         "patch_by_area_mm": 2.0 * math.sqrt(end["area_touched"] / math.pi),
@@ -74,9 +74,8 @@ def _of_version(result: Result) -> Numbers:
 def shape(result: Result, area: str) -> Numbers:
     """Find exponent m, levelling index λ and R² of a straight line of one area's growth."""
     distance, values = result.history["distance"], result.history[f"area_{area}"]
-    if distance.size < 20 or distance[0] > distance[-1] / 80.0:
-        return {"exponent_m": math.nan, "levelling_lambda": math.nan, "straightness_R2": math.nan}
-    return shape_of_growth(distance, values) | {"straightness_R2": straightness(distance, values)}
+    numbers = {"exponent_m": math.nan, "levelling_lambda": math.nan}
+    return numbers | shape_of_growth(distance, values) | {"straightness_R2": straightness(distance, values)}
 
 
 def straightness(x: FloatArray, y: FloatArray) -> float:
@@ -130,7 +129,7 @@ def _factor(runs: Runs) -> Numbers:
     middle = pressure.shape[0] // 2
     line = pressure[middle][pressure[middle] > 0.0]
     edge = 0.5 * v2["patch_across"][-1] - 0.5 * study.grid.cell
-    cosine = math.sqrt(max(0.0, 1.0 - (edge * study.counter.curvature) ** 2))
+    cosine = math.sqrt(max(0.0, 1.0 - (edge * study.counter.form.curvature) ** 2))
     counter, disc = study.wear_coefficients
     settled = _settled(v1["distance"])
     change = v2["cof"][settled] / v1["cof"][settled] - 1.0
@@ -200,7 +199,7 @@ def _patches(runs: Runs) -> Numbers:
     measured = np.array([of("along"), of("across")])
     predicted = np.array([of("predicted_along"), of("predicted_across")])
     volumes = of("disc_volume") / runs["v2"].history["wear_volume_disc"][-1] - 1.0
-    radius, smooth = 1.0 / rough.counter.curvature, plans.worn_radius(rough)
+    radius, smooth = 1.0 / rough.counter.form.curvature, plans.worn_radius(rough)
     printed = 0.5 * thesis.PATCH_DIAMETERS["v3"].value
     height = plans.depth_of_rim(printed, radius=radius) - plans.depth_of_rim(smooth, radius=radius)
     numbers: Numbers = {

@@ -42,14 +42,6 @@ class Plan:
     increments: tuple[float, ...] = (0.3, 3.0, 30.0)  # of the smooth model, implicit [mm]
     seeds: tuple[int, ...] = tuple(range(1, 11))  # of the rough surface
 
-    def __post_init__(self) -> None:
-        if set(self.studies) != set(VERSIONS):
-            raise InputError(f"studies = {', '.join(self.studies)}: allowed are {', '.join(VERSIONS)}")
-        if not self.seeds or not self.increments:
-            raise InputError(
-                f"seeds = {self.seeds}, increments = {self.increments}: allowed is one or more of each"
-            )
-
     @property
     def runs(self) -> dict[str, Study]:
         """Every study by the name of its run in `Runs`, in the order of computing."""
@@ -111,8 +103,7 @@ def running(plan: Plan, *, device: str, threads: int | None, quiet: bool = False
     with ExitStack() as stack:
         for done, (name, study) in enumerate(studies.items(), 1):
             started = time.perf_counter()
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", StudyWarning)  # the report tells of them
+            with warnings.catch_warnings(action="ignore", category=StudyWarning):  # the report tells of them
                 result = run(study, device=device, threads=threads, plots=False)
             results[name] = stack.enter_context(result)
             if not quiet:
@@ -142,7 +133,7 @@ def _rough_patch(seed: int, result: Result) -> RoughPatch:
     """Find the touched patch of a run, and what geometry says of it. seed: of its surface."""
     study = result.study
     heights = surface_in(study).heights(result.x, result.y)
-    radius = 1.0 / study.counter.curvature
+    radius = 1.0 / study.counter.form.curvature
     smooth = worn_radius(study)
     square = np.add.outer(result.x**2, result.y**2)
     # A cell is touched where it stands above the counter-body through the smooth patch's rim.
@@ -165,12 +156,12 @@ def _rough_patch(seed: int, result: Result) -> RoughPatch:
 
 def worn_radius(study: Study) -> float:
     """Find the rim's radius [mm] of the patch of smooth bodies on a stationary footprint: a cap of K F L."""
-    return 0.5 * diameter_of_cap(_worn_volume(study), radius=1.0 / study.counter.curvature)
+    return 0.5 * diameter_of_cap(_worn_volume(study), radius=1.0 / study.counter.form.curvature)
 
 
 def worn_radius_of_paraboloid(study: Study) -> float:
     """Find that radius with a paraboloid for the counter-body, (4 R K F L/π)^¼ [mm]; it is a little wider."""
-    return float((4.0 * _worn_volume(study) / (np.pi * study.counter.curvature)) ** 0.25)
+    return float((4.0 * _worn_volume(study) / (np.pi * study.counter.form.curvature)) ** 0.25)
 
 
 def depth_of_rim(rim: float, *, radius: float) -> float:

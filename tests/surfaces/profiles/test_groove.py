@@ -8,7 +8,7 @@ from cases_instruments import profile, rough
 
 from warpwear.errors import InputError
 from warpwear.surfaces.measured import read_measured
-from warpwear.surfaces.profiles.groove import find_groove
+from warpwear.surfaces.worn.track import find_groove
 
 SHARED = Path(__file__).parents[4] / "shared" / "surfaces"
 STEP, COUNT = 0.002, 2000

@@ -10,7 +10,7 @@ from cases_instruments import profile, rough
 from warpwear.errors import InputError
 from warpwear.surfaces.measured import read_measured
 from warpwear.surfaces.preparation import Preparation
-from warpwear.surfaces.profiles.parameters import material_ratio, mean_width, parameters
+from warpwear.surfaces.profiles.profile import material_ratio, mean_width, parameters
 
 SHARED = Path(__file__).parents[4] / "shared" / "surfaces"
 STEP = 0.0005

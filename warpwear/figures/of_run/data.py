@@ -18,20 +18,11 @@ from warpwear.figures.wording import chosen
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.archard import BODIES
-from warpwear.laws.film import Breaking
 from warpwear.laws.patches import Patches
-from warpwear.laws.settling import Settling
 from warpwear.models.patches.smooth import SmoothContact
-from warpwear.results.evolution import (
-    SurfaceEvolution,
-    settling,
-    settling_course,
-    spectrum_in_scar,
-    surface_evolution,
-)
+from warpwear.results.evolution import SurfaceEvolution, spectrum_in_scar, surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.formats.bodies import worn_heights
-from warpwear.results.summary import bare_course
 from warpwear.results.track import is_short, whole_steps
 from warpwear.surfaces.spectrum import Spectrum
 
@@ -155,11 +146,6 @@ class FigureData:
         return window.largest(film)
 
     @cached_property
-    def bare_fit(self) -> Breaking | str:
-        """The fitted course of the bare fraction, or why there is none."""
-        return bare_course(self.result)
-
-    @cached_property
     def bodies(self) -> list[Bodies]:
         """Read both bodies at the snapshots shown, in order of distance."""
         return [self.bodies_at(index) for index in reversed(self.indices)][::-1]
@@ -206,12 +192,6 @@ class FigureData:
     def evolution(self) -> SurfaceEvolution:
         """Measure the roughness inside the scar and islands of contact at every snapshot."""
         return surface_evolution(self.result)
-
-    @cached_property
-    def settling(self) -> dict[str, tuple[FloatArray, FloatArray, Settling | str]]:
-        """Distances [mm] and Sq [µm] in the inner scar by body, with its fit or why there is none."""
-        result = self.result
-        return {body: (*settling_course(result, body), settling(result, body)) for body in BODIES}
 
     @cached_property
     def spectra(self) -> dict[str, list[tuple[float, Spectrum]]]:
@@ -330,17 +310,11 @@ def smooth_shares(result: ResultFile, rows: Sequence[int]) -> FloatArray | None:
     if isinstance(study.contact.bulk_stiffness, str) and study.hertz is None:
         return None
     patches, task = study.patch_layout, replace(study.contact_task, form=result.form)
+    loads, slid = [], 0.0
     with Executor(Grid(patches.count, 1, patches.domain.cell), threads=1) as executor:
-        return _smooth_shares(SmoothContact(task, patches, executor), result, rows)
-
-
-def _smooth_shares(smooth: SmoothContact, result: ResultFile, rows: Sequence[int]) -> FloatArray:
-    study, slid = result.study, 0.0
-    loads: dict[int, FloatArray] = {}
-    for row, increment in enumerate(result.history["increment"][: max(rows) + 1]):
-        removal = sum(law.wear_per_pressure(slid, float(increment)) for law in study.wear_laws)
-        pressure = smooth.press(foundation=study.bulk_stiffness(), removal=removal)
-        slid += float(increment)
-        if row in rows:
-            loads[row] = smooth.area * pressure
-    return np.array([loads[row] for row in rows])
+        smooth = SmoothContact(task, patches, executor)
+        for increment in result.history["increment"][: max(rows) + 1].tolist():
+            removal = sum(law.wear_per_pressure(slid, increment) for law in study.wear_laws)
+            loads.append(smooth.area * smooth.press(foundation=study.bulk_stiffness(), removal=removal))
+            slid += increment
+    return np.array(loads)[[*rows]]

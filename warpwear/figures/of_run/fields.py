@@ -60,12 +60,13 @@ def pressure_map(data: FigureData) -> Figure:
     fields, rows = [view.pressure for view in data.views], [view.row for view in data.views]
     scale = pressure_scale(fields, [means[row] for row in rows], "pressure in contact, MPa")
     notes = [f"{with_scatter(float(means[row]), float(scatter[row]))} MPa" for row in rows]
-    return _of_views(data, "Pressure in contact", [*map(positive, fields)], notes, scale=scale)
+    return of_views(data, "Pressure in contact", [*map(positive, fields)], notes, scale=scale)
 
 
-def _of_views(
+def of_views(
     data: FigureData, title: str, fields: Sequence[Any], notes: Sequence[str], **more: Any
 ) -> Figure:
+    """Lay out a map of each snapshot shown; notes: what is said above each. more: of the `Map`."""
     labels = [after(view.distance) for view in data.views]
     panel = Map(title, fields, data.window.extent, labels=labels, notes=notes, **more)
     return Figure([panel], legend=4 if len(fields) > 1 else 2)
@@ -121,7 +122,7 @@ def contact_map(data: FigureData) -> Figure:
     area = data.history["area_contact"]
     notes = [f"{area[view.row]:.3g} mm² in contact" for view in data.views]
     fields = [view.state for view in data.views]
-    return _of_views(data, "State of contact", fields, notes, states=tuple(STATES.values()))
+    return of_views(data, "State of contact", fields, notes, states=tuple(STATES.values()))
 
 
 @words.figure(words.NO_FILM, *words.FIELD, essential=True, section="maps")
@@ -130,7 +131,7 @@ def bare_map(data: FigureData) -> Figure:
     fraction = data.history["bare_fraction"]
     notes = [f"{100.0 * fraction[view.row]:.3g} % of the contact bare" for view in data.views]
     fields = [view.film for view in data.views]
-    return _of_views(data, "Where the film is gone", fields, notes, states=tuple(FILMS.values()))
+    return of_views(data, "Where the film is gone", fields, notes, states=tuple(FILMS.values()))
 
 
 @words.figure(words.ROUGH, words.NO_HERTZ, words.NO_SNAPSHOT, essential=True)
@@ -169,7 +170,7 @@ def hertz(data: FigureData) -> Figure:
 def distance_factor(data: FigureData) -> Figure:
     """Sliding distance of cells of the disc over that of the middle."""
     study, window, kind = data.study, data.window, data.study.wear.distance_factor
-    factors = archard.distance_factor(study.cells, kind, curvature=study.counter.curvature)
+    factors = archard.distance_factor(study.cells, kind, curvature=study.counter.form.curvature)
     whole = np.broadcast_to(factors, study.cells.shape)
     part, label = whole[window.x, window.y], "relative sliding distance, –"
     scale = Scale(label, float(part.min()), float(part.max()), colours="heights")

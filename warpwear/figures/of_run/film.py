@@ -3,7 +3,6 @@
 Where a ball slides over a track, its frames show the whole track, the counter-body's place and its pressure.
 """
 
-import os
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +20,7 @@ from warpwear.figures.wording import after, with_scatter
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BY_NAME
 from warpwear.results.file import ResultFile
+from warpwear.results.manifest import replacing
 from warpwear.results.track import blocks
 
 #: Blocks along a side of a map.
@@ -47,17 +47,16 @@ def animate(
     that is there.
     """
     path = _check(result, out, frames_per_second=frames_per_second, overwrite=overwrite)
-    partial = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
     film, writer = _Film(result), WRITERS[path.suffix.lower()](fps=frames_per_second)
-    with explained(f"out = {path} cannot be written"):
-        try:
-            with style.style(), writer.saving(paint(film.frame(0)), str(partial), DPI):
-                for index in range(result.snapshot_distances.size):
-                    writer.fig = paint(film.frame(index))
-                    writer.grab_frame()
-            partial.replace(path)
-        finally:
-            partial.unlink(missing_ok=True)
+    with (
+        explained(f"out = {path} cannot be written"),
+        replacing(path) as new,
+        style.style(),
+        writer.saving(paint(film.frame(0)), str(new), DPI),
+    ):
+        for index in range(result.snapshot_distances.size):
+            writer.fig = paint(film.frame(index))
+            writer.grab_frame()
     return path
 
 

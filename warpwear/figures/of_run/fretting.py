@@ -3,12 +3,14 @@
 import numpy as np
 
 from warpwear.figures import describe
-from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale, in_time
+from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Scale, in_time
 from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
-from warpwear.figures.of_run.history import look_of
+from warpwear.figures.of_run.fields import of_views
+from warpwear.figures.of_run.history import axis_of, look_of
+from warpwear.figures.of_run.shape import cuts_of
 from warpwear.figures.of_run.view import positive
-from warpwear.figures.wording import after, chosen, short
+from warpwear.figures.wording import chosen, short
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BY_NAME
 from warpwear.laws.archard import BODIES
@@ -51,14 +53,12 @@ def fretting_loops(data: FigureData) -> Figure:
     levels = [Level(sign * limit, look=Look(describe.NOMINAL, "dash", 0.8)) for sign in (1.0, -1.0)]
     note = "dashed: coefficient × load"
     panels = [Chart("Loops", Axis(DISPLACEMENT), Axis(FORCE), [*lines, *levels], note)]
-    logged = [row for row in chosen(cycles.size, LOGGED) if cycles[row] > 0.0]
-    widest = max(float(_loop(data, row)[1].max()) for row in rows)
-    log = []
-    for row in logged:
+    widest = max(float(line.x.max()) for line in lines)
+    log, thin = [], Look(describe.CONTACT, width=0.8)
+    for row in chosen(cycles.size, LOGGED):
         force, place = _loop(data, row)
-        log.append(
-            Line(cycles[row] * 10.0 ** (WIDE * place / widest), force, look=Look(describe.CONTACT, width=0.8))
-        )
+        if cycles[row] > 0.0:
+            log.append(Line(cycles[row] * 10.0 ** (WIDE * place / widest), force, look=thin))
     wide = f"loops drawn about their cycle, widest ± {widest:.3g} µm"
     panels.append(Chart("Fretting log", Axis(CYCLES, "log"), Axis(FORCE), log, wide))
     return Figure(panels, legend=LOOPS, shared="")
@@ -77,24 +77,18 @@ def running_conditions(data: FigureData) -> Figure:
     border = 1e3 * displacement(hertz, study.softness_ratio, study.friction.coefficient)
     borders = border * (loads / hertz.load) ** (2.0 / 3.0)
     place, now = (1e3 * history[name] for name in ("displacement", "displacement_border"))
-    dot = Look(describe.NEUTRAL, "", marker="o", size=4.0)
+    dot, ring = (
+        Look(describe.NEUTRAL, "", marker="o", size=4.0),
+        Look(dash="", marker="o", size=7.0, hollow=True),
+    )
+    cross, held = Look(describe.DISC, "", marker="x", size=5.0), history["load"]
     lines = [
         Line((1.0 - (1.0 - RING) ** 2) * borders, loads, "sticks | slips in a ring", Look(describe.TOUCHED)),
         Line(borders, loads, "slips in a ring | all slips", Look(describe.DISC)),
-        Line(place, history["load"], look=Look(describe.NEUTRAL, width=0.8)),
-        Line(
-            place[:1],
-            history["load"][:1],
-            "first cycle",
-            Look(describe.NEUTRAL, "", marker="o", size=7.0, hollow=True),
-        ),
-        Line(place[-1:], history["load"][-1:], "last cycle", dot),
-        Line(
-            now[-1:],
-            history["load"][-1:],
-            "all slips, of the scar",
-            Look(describe.DISC, "", marker="x", size=5.0),
-        ),
+        Line(place, held, look=Look(describe.NEUTRAL, width=0.8)),
+        Line(place[:1], held[:1], "first cycle", ring),
+        Line(place[-1:], held[-1:], "last cycle", dot),
+        Line(now[-1:], held[-1:], "all slips, of the scar", cross),
     ]
     wide = max(float(place.max()), float(now[-1]), float(borders[-1]))
     axes = Axis("displacement amplitude, µm", low=0.0, high=1.1 * wide), Axis("normal load, N", low=0.0)
@@ -115,9 +109,7 @@ def slip_map(data: FigureData) -> Figure:
         notes.append(f"{100.0 * part:.3g} % sticks")
     most = max(float(np.nanmax(slip)) if np.isfinite(slip).any() else 0.0 for slip in slips)
     scale = Scale("slip of a cycle, µm", 0.0, most or 1.0)
-    labels = [after(view.distance) for view in data.views]
-    panel = Map("Slip and stick", slips, data.window.extent, scale, labels, notes)
-    return Figure([panel], legend=4 if len(slips) > 1 else 2)
+    return of_views(data, "Slip and stick", slips, notes, scale=scale)
 
 
 @words.figure(words.NO_FRETTING, words.NO_COURSE, essential=True, section="fretting")
@@ -126,16 +118,8 @@ def cycle_energy(data: FigureData) -> Figure:
     bodies over the energy in all, whose slope is the wear by energy.
     """
     history, cycles = data.history, _cycles(data)
-    over = Axis(CYCLES, "log")
-    energy = BY_NAME["energy"]
-    panels = [
-        Chart(
-            "Energy of a cycle",
-            over,
-            Axis(energy.axis, low=0.0),
-            [Line(cycles, history["energy"], look=Look(describe.CONTACT))],
-        )
-    ]
+    over, energies = Axis(CYCLES, "log"), Line(cycles, history["energy"], look=Look(describe.CONTACT))
+    panels = [Chart("Energy of a cycle", over, axis_of(BY_NAME["energy"]), [energies])]
     if np.isfinite(history["energy_ratio"]).any():
         ratio: list[Line | Level] = [
             Line(cycles, history["energy_ratio"], look=Look(describe.CONTACT)),
@@ -148,15 +132,8 @@ def cycle_energy(data: FigureData) -> Figure:
         slope = history[of.name][-1] / total[-1]
         label = f"{data.name_of(body)}, {short(float(f'{slope:.3g}'))} mm³/J"
         lines.append(Line(total, of.scaled(history[of.name]), label, look_of(of)))
-    panels.append(
-        Chart(
-            "Wear by energy",
-            Axis("energy in all, J", low=0.0),
-            Axis(BY_NAME["wear_volume_disc"].family_axis, low=0.0),
-            lines,
-        )
-    )
-    return Figure(panels, legend=3)
+    axes = Axis("energy in all, J", low=0.0), Axis(BY_NAME["wear_volume_disc"].family_axis, low=0.0)
+    return Figure([*panels, Chart("Wear by energy", *axes, lines)], legend=3)
 
 
 @words.figure(words.NO_FRETTING, words.UNWORN, *words.FIELD, essential=True, section="fretting")
@@ -165,17 +142,10 @@ def fretting_scars(data: FigureData) -> Figure:
     is longer by the slip.
     """
     last, panels = data.views[-1], []
-    cuts = (("along", describe.ALONG), ("across", describe.ACROSS))[: 1 + (data.study.cells.ny > 1)]
-    for name, label in cuts:
+    looks = {body: look_of(BY_NAME[f"wear_depth_{body}"]) for body in BODIES}
+    for name, label, _ in cuts_of(data):
         cut = getattr(last, name)
-        lines = [
-            Line(
-                cut.place,
-                -1e3 * getattr(cut, f"wear_{body}"),
-                data.name_of(body),
-                look_of(BY_NAME[f"wear_depth_{body}"]),
-            )
-            for body in BODIES
-        ]
+        depths = {body: -1e3 * getattr(cut, f"wear_{body}") for body in BODIES}
+        lines = [Line(cut.place, depths[body], data.name_of(body), looks[body]) for body in BODIES]
         panels.append(Chart(f"Worn {name} sliding", Axis(label), Axis("worn depth, µm"), lines))
     return Figure(panels, legend=2, shared="y")

@@ -13,8 +13,10 @@ from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.view import PASSES, last_at_hardness
 from warpwear.grid import FloatArray
+from warpwear.history.distances import with_unit
 from warpwear.history.quantities import BY_NAME, Quantity
 from warpwear.laws.archard import BODIES
+from warpwear.results.summary import bare_course
 from warpwear.results.track import pass_numbers, whole_steps
 
 #: Areas in contact and of the scar.
@@ -105,7 +107,7 @@ def bare_fraction(data: FigureData) -> Figure:
     course.{passes}
     """
     lines = _course(data, "bare_fraction", "computed")
-    fit = data.bare_fit
+    fit = bare_course(data.result)
     if not isinstance(fit, str):
         places = np.linspace(0.0, float(data.course["distance"][-1]), 200)
         label = f"{fit.plateau:.2g} (1 − e^(−(L − {fit.start:.3g} mm)/{fit.length:.3g} mm))"
@@ -117,7 +119,7 @@ def bare_fraction(data: FigureData) -> Figure:
 
 @words.figure(words.NO_COURSE, essential=True, section="courses", overlaid=("area_contact",))
 def areas(data: FigureData) -> Figure:
-    """Real areas of contact and the nominal area of the scar, its ellipse, over the sliding
+    """Real areas of contact and the nominal area of the scar, its {outline}, over the sliding
     distance.{passes}
 
     The running sum of areas is there where it is the one that shears.
@@ -145,7 +147,8 @@ def pressure(data: FigureData) -> Figure:
     if np.isfinite(hardness):
         lines.append(Level(hardness, "hardness", Look(describe.HARDNESS, "dash", 0.8)))
     last = last_at_hardness(course)
-    note = "" if last is None else f"after {course['distance'][last]:.3g} mm no cell is at the hardness"
+    until = "" if last is None else with_unit(course["distance"][last], 4)
+    note = until and f"after {until} no cell is at the hardness"
     axes = over_distance(course["distance"]), Axis(BY_NAME["pressure_mean"].family_axis, "auto")
     return Figure([Chart("Pressure", *axes, lines, note)], legend=3)
 
@@ -175,7 +178,9 @@ def volumes(data: FigureData) -> Figure:
             for body, column in quantities.items()
         ]
         label = quantities["disc"].family_axis
-        panels.append(Chart(title, Axis(describe.DISTANCE, low=0.0), Axis(label, low=0.0), lines))
+        strip = data.study.strip if prefix == "wear_volume" else None
+        note = f"of {strip:.4g} mm of the line" if strip else ""
+        panels.append(Chart(title, Axis(describe.DISTANCE, low=0.0), Axis(label, low=0.0), lines, note))
     return Figure(panels, legend=2)
 
 

@@ -166,7 +166,7 @@ def _profiles(data: FigureData, body: str) -> Figure:
     views = data.views
     sign = -1.0 if body == "counter" else 1.0  # heights are positive out of the material
     panels: list[Chart] = []
-    for cut, label, title in _cuts(data):
+    for cut, label, title in cuts_of(data):
         first: Profile = getattr(views[0], cut)
         unworn = sign * getattr(first, body) + getattr(first, f"wear_{body}")
         lines = [Line(first.place, 1e3 * unworn, "unworn", Look(describe.UNWORN, width=0.5))]
@@ -178,7 +178,7 @@ def _profiles(data: FigureData, body: str) -> Figure:
     return Figure(panels, legend=len(views) + 1, shared="y")
 
 
-def _cuts(data: FigureData) -> tuple[tuple[str, str, str], ...]:
+def cuts_of(data: FigureData) -> tuple[tuple[str, str, str], ...]:
     """Return the sections through the middle; one row of cells has none across sliding."""
     return CUTS if data.study.cells.ny > 1 else CUTS[:1]
 
@@ -195,7 +195,7 @@ def profiles(data: FigureData) -> Figure:
     """Sections of both bodies through the middle in contact {end}, and without their wear."""
     last = data.views[-1]
     approach, slider = float(data.history["approach"][last.row]), data.slider
-    cuts = [getattr(last, name) for name, *_ in _cuts(data)]
+    cuts = [getattr(last, name) for name, *_ in cuts_of(data)]
     worn = any(lost.any() for cut in cuts for lost in (cut.wear_counter, cut.wear_disc))
     ends = [_seen(cut, approach) for cut in cuts]
     low, high = min(low for low, _ in ends), max(high for _, high in ends)
@@ -203,7 +203,7 @@ def profiles(data: FigureData) -> Figure:
     heights = Axis("height over the disc, µm", low=1e3 * (low - room), high=1e3 * (high + room))
     state = ", worn" if worn else ""
     panels: list[Chart] = []
-    for cut, (_, label, title) in zip(cuts, _cuts(data), strict=True):
+    for cut, (_, label, title) in zip(cuts, cuts_of(data), strict=True):
         counter, disc = cut.counter - approach, cut.disc
         bodies = [
             (disc + cut.wear_disc, "disc, unworn", Look(shade(describe.DISC, 0.0), width=0.5)),

@@ -9,6 +9,7 @@ from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.wording import after, short
 from warpwear.grid import FloatArray
 from warpwear.laws.junctions import diameters_of, share_above
+from warpwear.results.evolution import settling, settling_course
 
 #: Parameter -> line. Sq and Sk are heights of the whole, Spk and Svk of peaks and valleys.
 PARAMETERS: dict[str, tuple[str, Look]] = {
@@ -48,7 +49,7 @@ def texture(data: FigureData) -> Figure:
     slopes: list[Line] = []
     looks = {"counter": Look(describe.COUNTER, marker="o"), "disc": Look(describe.DISC, marker="s")}
     for body, look in looks.items():
-        slid, sq, fit = data.settling[body]
+        (slid, sq), fit = settling_course(data.result, body), settling(data.result, body)
         name, is_fitted = data.name_of(body), not isinstance(fit, str)
         dots = Look(look.colour, "", marker=look.marker) if is_fitted else look
         heights.append(Line(slid, sq, name, dots, clipped=False))

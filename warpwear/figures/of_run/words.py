@@ -6,7 +6,8 @@ templates, the starts of the docstrings of functions that declare figures; their
 
 import inspect
 from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,11 +15,14 @@ import numpy as np
 from warpwear.figures.describe import Figure
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.view import PASSES, last_at_hardness
+from warpwear.figures.wording import listed
+from warpwear.history.distances import with_unit
 from warpwear.results.formats.forms import prose
 from warpwear.study.rules import FEWEST_ACROSS
 
-#: What declares a figure of a run.
+#: What declares a figure of a run, and what says something of it.
 Declare = Callable[[FigureData], Figure]
+Say = Callable[[FigureData], str]
 #: Name of a reason -> what is said of it.
 SENTENCES = prose("reasons")
 #: Pressures whose largest is less than this many times the mean are nearly the same.
@@ -127,6 +131,7 @@ class Entry(NamedTuple):
 FIGURES: dict[str, Entry] = {}
 #: Fields of a caption that are filled in where no run is at hand.
 OF_ANY_RUN = {"slider": "counter-body", "when": "at the snapshots", "end": "at the end", "groove": "groove"}
+OF_ANY_RUN["outline"] = "ellipse"
 OF_ANY_RUN["plane"] = "y = 0"
 
 
@@ -144,13 +149,16 @@ def figure(*reasons: Reason, essential: bool = False, **others: Any) -> Callable
 
 
 class Fields:
-    """The fields of captions, `template.format_map(Fields(data))`: only those asked for are found."""
+    """The fields of texts on a run, `template.format_map(Fields(data))`: only those in the text are made.
 
-    def __init__(self, data: FigureData) -> None:
-        self._data = data
+    more: fields beside those of captions.
+    """
+
+    def __init__(self, data: FigureData, more: Mapping[str, Say] = MappingProxyType({})) -> None:
+        self._data, self._says = data, {**FIELDS, **more}
 
     def __getitem__(self, name: str) -> str:
-        return FIELDS[name](self._data)
+        return self._says[name](self._data)
 
 
 def law_of(data: FigureData) -> str:
@@ -169,14 +177,17 @@ def law_of(data: FigureData) -> str:
 
 
 def _when(data: FigureData) -> str:
-    texts = [f"{distance:.4g}" for distance in data.distances]
-    if texts == ["0"]:
+    if [*data.distances] == [0.0]:
         return "without sliding"
-    return f"after {', '.join(texts[:-1])}{' and ' if len(texts) > 1 else ''}{texts[-1]} mm"
+    texts = [with_unit(distance, 4) for distance in data.distances]
+    unit = texts[-1].partition(" ")[2]
+    if all(text.endswith(f" {unit}") for text in texts):
+        texts = [*(text.partition(" ")[0] for text in texts[:-1]), texts[-1]]
+    return f"after {listed(texts)}"
 
 
 def _end(data: FigureData) -> str:
-    return f"after {data.distances[-1]:.4g} mm" if data.distances[-1] else "without sliding"
+    return f"after {with_unit(data.distances[-1], 4)}" if data.distances[-1] else "without sliding"
 
 
 def _friction(data: FigureData) -> str:
@@ -246,8 +257,9 @@ def _smooth(data: FigureData) -> str:
 
 
 #: Field of a caption -> what it says of a run.
-FIELDS: dict[str, Callable[[FigureData], str]] = {
+FIELDS: dict[str, Say] = {
     "slider": lambda d: d.slider,
+    "outline": lambda d: "rectangle" if d.study.counter.form.is_line else "ellipse",
     "when": _when,
     "end": _end,
     "friction": _friction,

@@ -1,7 +1,7 @@
 """Analyse a record: the course of each of its steps, what happens in it, its energy and friction loops."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,21 +11,12 @@ from warpwear.measured.course import experiment_of
 from warpwear.measured.experiment import Experiment
 from warpwear.measured.friction.events import Events, events_of
 from warpwear.measured.friction.laps import Laps, laps_of
+from warpwear.measured.motion import Motion
 from warpwear.measured.rows import Rows
 from warpwear.measured.tribometer import alternates, turning_rows
 
 #: A step with less than this part of the rows is told, and not analysed.
 SHORT = 0.02
-
-
-@dataclass(frozen=True, kw_only=True)
-class Motion:
-    """A person gives these numbers beside a record: lengths [mm], load [N], speed [mm/s]; None: unknown."""
-
-    stroke: float | None = None
-    load: float | None = None
-    speed: float | None = None
-    radius: float | Sequence[float] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,44 +63,32 @@ class Analysis:
 
 def analyse(rows: Rows, motion: Motion) -> Analysis:
     """Analyse the rows of a record. Raises InputError where no step of it has a course."""
-    counts = np.bincount(rows.step, minlength=len(rows.steps))
-    whole = len(rows.steps) == 1 or alternates(rows)
+    if len(rows.steps) == 1 or alternates(rows):
+        return Analysis(rows, (_step("", rows, motion, 0.0),), tuple(_loops(rows)), ())
     steps: list[Step] = []
     left_out, failed = [], None
-    for number in [None] if whole else range(len(rows.steps)):
-        part, of_step = rows, motion
-        if number is not None:
-            if counts[number] < SHORT * rows.step.size:
-                left_out.append(f"'{rows.steps[number]}', {counts[number]} rows")
-                continue
-            part = rows.of_steps(np.array([number]))
-            of_step = Motion(**{**vars(motion), "radius": _of_step(motion.radius, number, rows)})
+    for number, name in enumerate(rows.steps):
+        part, radius = rows.of_step(number), motion.radius
+        if part.step.size < SHORT * rows.step.size:
+            left_out.append(f"'{name}', {part.step.size} rows")
+            continue
+        if isinstance(radius, Sequence) and len(radius) == len(rows.steps):
+            radius = radius[number]
         try:
             before = sum(float(step.course.distance[-1]) for step in steps)
-            steps.append(_step("" if number is None else part.steps[0], part, of_step, before))
+            steps.append(_step(name, part, replace(motion, radius=radius), before))
         except InputError as error:
-            if number is None:
-                raise
             failed = failed or error
-            left_out.append(f"'{rows.steps[number]}', {str(error).partition(': ')[2] or error}")
+            left_out.append(f"'{name}', {str(error).partition(': ')[2] or error}")
     if not steps:
-        experiment_of(rows, **vars(motion))  # what is wrong with all of them is said of the whole
+        experiment_of(rows, motion)  # what is wrong with all of them is said of the whole
         few = f"{rows.path} has no step with {SHORT:.0%} of its rows: longer ones are expected"
         raise failed or InputError(few)
     return Analysis(rows, tuple(steps), tuple(_loops(rows)), tuple(left_out))
 
 
-def _of_step(
-    radius: float | Sequence[float] | None, number: int, rows: Rows
-) -> float | Sequence[float] | None:
-    """Return the radius of one step [mm]; wrong numbers of them are left to who says so."""
-    if isinstance(radius, Sequence) and len(radius) == len(rows.steps):
-        return radius[number]
-    return radius
-
-
 def _step(name: str, rows: Rows, motion: Motion, before: float) -> Step:
-    course = experiment_of(rows, **vars(motion))
+    course = experiment_of(rows, motion)
     laps = laps_of(course, _lap(rows, motion))
     normal = rows.table.get("normal force")
     load = motion.load if normal is None else float(np.nanmedian(np.abs(normal)))

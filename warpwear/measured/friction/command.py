@@ -5,13 +5,15 @@ from functools import partial
 from pathlib import Path
 
 from warpwear.figures import style
-from warpwear.measured.friction.analysis import Analysis, Motion, analyse
+from warpwear.figures.sections import under_headings
+from warpwear.measured.friction.analysis import Analysis, analyse
 from warpwear.measured.friction.figures import figures_of
 from warpwear.measured.friction.report import HOW, rows_of, table_of
+from warpwear.measured.motion import Motion
 from warpwear.measured.options import optional, quantity
 from warpwear.measured.rows import read_rows
 from warpwear.page.folder import write_report
-from warpwear.page.html import page_of, under_headings
+from warpwear.page.html import page_of
 from warpwear.results.folder import check_folder
 from warpwear.results.report import lines, record, to_json
 from warpwear.version import __version__

@@ -1,10 +1,10 @@
 """Heights of the worn bodies, and what of a snapshot is written for other software."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -205,11 +205,5 @@ class Job:
         return x, y, fields
 
 
-class Write(Protocol):
-    """Writes one file to a path."""
-
-    def __call__(self, path: Path) -> None: ...
-
-
-#: Name of a file, and what writes it.
-Files = Iterator[tuple[str, Write]]
+#: Name of a file, and what writes it at a path.
+Files = Iterator[tuple[str, Callable[[Path], None]]]

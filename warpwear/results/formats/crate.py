@@ -20,6 +20,8 @@ from warpwear.surfaces.reading import digest_of
 
 #: Name of the file; folders in it: of what the study names, of what was added.
 CRATE_NAME, INPUTS, ADDED = "crate.zip", "inputs", "added"
+#: What is said of a file that was added.
+EXTRA = "Added: a record, a surface or another file beside the run"
 
 #: Writes the tables of a run into a folder.
 WriteTables = Callable[[Path, ResultFile], Any]
@@ -48,10 +50,7 @@ def write_crate(write_tables: WriteTables, job: Job, path: Path) -> None:
         place = f"{ADDED}/{extra.name}"
         if place in files:
             raise InputError(f"add = {extra}: another added file is called {extra.name}; rename one")
-        files[place], notes[place] = (
-            extra,
-            "Added: a record, a surface or another file beside the run",
-        )
+        files[place], notes[place] = extra, EXTRA
     with tempfile.TemporaryDirectory(dir=path.parent) as work:
         folder = result.folder
         if folder is None or not (folder / "summary.json").is_file():

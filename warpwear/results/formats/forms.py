@@ -1,7 +1,7 @@
 """Read the sentences of `templates/`, and fill its forms: pages, paragraphs, LaTeX, XML of other software."""
 
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from importlib.resources import files
 from types import MappingProxyType
 from typing import Any
@@ -10,12 +10,9 @@ from warpwear import lazy
 
 jinja2 = lazy.module("jinja2")
 
-#: No function beside those that forms have anyway.
-NONE: Mapping[str, Callable[..., Any]] = MappingProxyType({})
-
 
 def filled(
-    form: str, filters: Mapping[str, Callable[..., Any]] = NONE, *, escape: bool = True, **content: Any
+    form: str, filters: Mapping[str, Any] = MappingProxyType({}), *, escape: bool = True, **content: Any
 ) -> str:
     """Fill a form; what is put in is escaped, unless the form is plain text. A missing name is an error.
 

@@ -47,6 +47,8 @@ FILES = {
 UNKNOWN = "application/octet-stream"
 #: Sections of a study that describe a body, or how it was tested.
 SECTIONS = ("counter", "disc", "contact", "wear", "friction", "sliding")
+#: Who answers for a run, and who passes it on: keys of [study] -> their types.
+PEOPLE = {"author": "Person", "publisher": "Organization"}
 Entity = dict[str, Any]
 
 
@@ -70,13 +72,20 @@ def metadata(result: ResultFile, sections: Mapping[str, Any], files: Mapping[str
             quantities |= {column.name: column for column in columns[name]}
             entity["variableMeasured"] = [{"@id": f"#{column.name}"} for column in columns[name]]
         described.append(entity)
+    study = result.study.study
+    people = {role: name for role in PEOPLE if (name := getattr(study, role))}
+    described += [_person(role, name, people) for role, name in people.items()]
+    license = study.license and (study.license if ":" in study.license else "#license")
+    described += [{"@id": license, "@type": "CreativeWork", "name": study.license}] if license else []
     return filled(
         NAME,
         {"json": partial(json.dumps, ensure_ascii=False), "ids": _ids, "quote": quote},
         escape=False,
         crate=CRATE,
         words=TRIBODATA,
-        study=result.study.study,
+        study=study,
+        people=people,
+        license=license,
         today=datetime.now(UTC).date().isoformat(),
         version=str(result.attributes.get("version", __version__)),
         files=files,
@@ -84,6 +93,17 @@ def metadata(result: ResultFile, sections: Mapping[str, Any], files: Mapping[str
         settings=[*_settings(sections)],
         others=[*described, *map(_quantity, quantities.values())],
     )
+
+
+def _person(role: str, name: str, people: Mapping[str, str]) -> Entity:
+    """Describe an author, who belongs to the publisher, or a publisher, 'A Laboratory <https://address>'."""
+    name, _, address = name.partition(" <")
+    entity: Entity = {"@id": f"#{role}", "@type": PEOPLE[role], "name": name}
+    if address:
+        entity["url"] = address.rstrip(">")
+    if role == "author" and "publisher" in people:
+        entity["affiliation"] = {"@id": "#publisher"}
+    return entity
 
 
 def _ids(names: Iterable[str]) -> str:
@@ -96,16 +116,8 @@ def _named(name: str, entity: Entity) -> Entity:
 
 
 def _quantity(quantity: Quantity) -> Entity:
-    return _named(
-        quantity.name,
-        {
-            "@id": f"#{quantity.name}",
-            "@type": "PropertyValue",
-            "name": quantity.name,
-            "description": quantity.meaning,
-            "unitText": quantity.units,
-        },
-    )
+    name, about = quantity.name, {"description": quantity.meaning, "unitText": quantity.units}
+    return _named(name, {"@id": f"#{name}", "@type": "PropertyValue", "name": name} | about)
 
 
 def _settings(sections: Mapping[str, Any]) -> Iterator[Entity]:

@@ -3,9 +3,6 @@
 from dataclasses import dataclass
 from typing import Any, Self
 
-from pydantic import GetCoreSchemaHandler
-from pydantic_core import CoreSchema, core_schema
-
 from warpwear.study.units import Quantity, text
 
 
@@ -46,10 +43,3 @@ class Load(Quantity):
     def write(self, value: Any) -> str:
         """Return text that `read` reads back without loss."""
         return text(value.per_length, "N/mm") if isinstance(value, LineLoad) else text(value, self.unit)
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_wrap_validator_function(
-            lambda value, _: self.read(value),
-            handler(source),
-            serialization=core_schema.plain_serializer_function_ser_schema(self.write),
-        )

@@ -30,6 +30,11 @@ class About(Section):
         "study", "name of the run and of its folder: letters, digits, spaces and . + - _"
     )
     description: str = key("", "one line for people")
+    author: str | None = key(None, "who answers for the run, where its folder is passed on")
+    publisher: str | None = key(
+        None, "the laboratory that passes it on, such as 'A Laboratory <https://its.address>'"
+    )
+    license: str | None = key(None, "what others may do with it: the address of a licence, or its name")
     model: Literal["macro", "micro", "two-scale"] = key(
         "micro",
         "macro: smooth bodies on an elastic foundation; micro: every asperity resolved; two-scale: patches "

@@ -1,0 +1,288 @@
+"""Say what is doubtful of a study that can be computed."""
+
+import math
+from collections.abc import Iterator
+
+from warpwear.laws.archard import CALLED
+from warpwear.laws.fretting import HONEST_MEAN
+from warpwear.laws.pieces import Pieces
+from warpwear.laws.track import is_whole
+from warpwear.study.bodies import Synthetic
+from warpwear.study.content import Content
+from warpwear.study.rules import CELLS, diameter, um, unstable, without_unit
+from warpwear.study.rules_track import in_words, sides_worn, spared, worn_patch
+from warpwear.study.sections.loads import LineLoad
+
+#: Extent over worn patch below which roughness may fill the domain.
+CLOSE = 1.05
+#: Half width of a scar over the radius up to which a parabola stands for a circle, to 1 %.
+PARABOLIC = 0.2
+#: Part of a stroke from which on the travel before slip is told.
+STICKING = 0.05
+#: Part of the thickness of a piece that a cell at the hardness may lose in a step.
+OF_THICKNESS = 0.5
+#: A hardness is seldom known better than this, relatively.
+SCATTER = 0.2
+
+
+def doubts(study: Content) -> Iterator[str]:
+    """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
+    yield from _of_extent(study)
+    yield from _of_line_load(study)
+    yield from _of_seam(study)
+    if study.block is not None:
+        yield from dict.fromkeys(sentence for part in study.parts for sentence in doubts(part))
+        return
+    yield from _of_hardness(study)
+    yield from _of_film(study)
+    yield from _of_parabola(study)
+    yield from _of_pieces(study)
+    speed, pace = study.sliding.speed, study.sliding.pace
+    if speed is not None and pace is not None and abs(speed - pace) > 0.01 * pace:
+        yield (
+            f"sliding.speed = {60.0 * speed:.4g} mm/min makes the time axis, though sliding.frequency makes "
+            f"a mean speed of {60.0 * pace:.4g} mm/min."
+        )
+    if (beyond := unstable(study)) is not None:
+        yield (
+            f"{beyond}: areas, pressures and friction scatter from step to step and mean nothing, though "
+            "volumes and depths look right."
+        )
+    if study.samples_area:
+        by_them = ["friction.area = 'nominal'"] if study.friction.area == "nominal" else []
+        if study.uses_bulk_stiffness and study.contact.bulk_update == "updated":
+            by_them.append("contact.bulk_update = 'updated'")
+        yield (
+            f"patches.width = {1e3 * study.patches.patch_width:g} µm stands for patches.macro_cell = "
+            f"{1e3 * study.patches.macro_cell:g} µm: the scar's extents and its nominal area are those of "
+            "what touched in patches, off by up to a macro cell on each side"
+            f"{', and ' + ' and '.join(by_them) + ' with them' if by_them else ''}."
+        )
+    if study.wear.law == "bearing-curve":
+        yield (
+            "wear.law = 'bearing-curve': the area in contact is the share of the cells that bears; "
+            "pressures are means over whole cells, and no hardness caps those of the share."
+        )
+
+
+def _of_parabola(study: Content) -> Iterator[str]:
+    """Yield a sentence about a crowned body whose scar gets so wide that it is no parabola any more."""
+    form, patch = study.counter.form, worn_patch(study)
+    curvature = max(form.along, form.across)
+    if study.counter.shape in ("crowned", "cylinder") and 0.5 * patch * curvature > PARABOLIC:
+        yield (
+            f"counter.shape = '{study.counter.shape}' is a parabola, and the scar will be {patch:.3g} mm "
+            f"wide: at its edge a circle rises {25.0 * (patch * curvature / 2.0) ** 2:.2g} % more."
+        )
+
+
+def _of_film(study: Content) -> Iterator[str]:
+    """Yield a sentence about a film on a body that does not wear: no cell ever loses it."""
+    film = study.friction.film
+    for body, law in zip(("counter", "disc"), study.wear_laws, strict=True):
+        if film is not None and film.bodies in ("both", body) and not law.wears:
+            yield (
+                f"wear.{body} = 0: the {CALLED[body]} keeps its film, so no cell becomes bare by "
+                f"friction.film.bodies = '{film.bodies}'."
+            )
+
+
+def _of_hardness(study: Content) -> Iterator[str]:
+    """Yield a sentence about each hardness that is given and plays no part, or one part for both bodies."""
+    limit, softer = study.contact.hardness, study.softer_hardness
+    bodies = [
+        name
+        for name in ("counter", "disc")
+        if "hardness" in getattr(study, name).model_fields_set and f"{name}.hardness" not in study.assumed
+    ]
+    if limit is not None and bodies:
+        names = " and ".join(f"{name}.hardness = {getattr(study, name).hardness:g} MPa" for name in bodies)
+        yield (
+            f"contact.hardness = {limit:g} MPa is the largest pressure of a cell: {names} only "
+            f"{'enter' if len(bodies) > 1 else 'enters'} the shear strength H/(3√3) of the softer body."
+        )
+    bare = " and ".join(without_unit(study))
+    if bare:
+        which = (
+            f"that of the softer body, {softer:g} MPa"
+            if limit is None
+            else f"contact.hardness = {limit:g} MPa"
+        )
+        yield f"{bare}: k of V = k F L / H, with one H for both bodies, {which}."
+
+
+def _of_extent(study: Content) -> Iterator[str]:
+    """Yield a sentence where a worn patch will all but fill the domain: roughness makes it wider."""
+    if study.counter.form.is_flat or not study.is_rough:
+        return
+    for patch, extent, way in sides_worn(study):
+        if patch <= extent < CLOSE * patch:
+            yield (
+                f"grid.extent = {study.grid.size} may be too small: without roughness the worn patch will be "
+                f"{patch:.3g} mm wide{way} at the end, and with it wider; {spared(patch):g} mm would do."
+            )
+
+
+def _of_line_load(study: Content) -> Iterator[str]:
+    """Yield a sentence where the load of a line contact is one of the domain, a part of the line's length."""
+    loads = [study.contact.load, *(part.load for part in study.block or ())]
+    for load in (load for load in loads if study.is_line and load is not None):
+        if not isinstance(load, LineLoad):
+            yield (
+                f"contact.load = {load:g} N is that of the domain, {study.grid.sides[1]:g} mm of the line: "
+                f"{load / study.grid.sides[1]:.4g} N/mm; a load of a length is loads as such."
+            )
+
+
+def _of_seam(study: Content) -> Iterator[str]:
+    """Yield a sentence about a rough line contact whose disc does not repeat as its boundary does."""
+    across = study.grid.sides[1]
+    elastic = study.contact.law == "half-space" and study.boundary == "line" and study.cells.ny > 1
+    if elastic and not _repeats(study.disc.synthetic, across, across=True):
+        yield (
+            f"The disc's surface does not repeat across sliding after {across:g} mm (grid.extent), as "
+            "contact.boundary = 'line' does: it has a seam there; disc.synthetic.period may be that long."
+        )
+
+
+def of_track(study: Content) -> Iterator[str]:
+    """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
+    if study.fretting is not None:
+        yield from _of_mean(study)
+    if not study.is_swept:
+        return
+    sliding = study.sliding
+    step = study.shift * study.grid.cell
+    first = 2.0 * math.sqrt(study.blocks[0].load / (math.pi * study.hardness))
+    if step > first > 0.0:
+        yield (
+            f"sliding.shift = {study.shift} cells, {1e3 * step:g} µm, is longer than a contact at the "
+            f"hardness, {1e3 * first:.3g} µm: at first the disc is worn in places only."
+        )
+    local = study.contact.law == "local" and not study.uses_bearing_area
+    if local and study.contact_law().compliance == 0.0:
+        finer = "sliding.shift" if study.shift > 1 else "grid.cell"
+        yield (
+            f"sliding.shift = {study.shift} cells: by contact.law = 'local' with contact.stiffness = inf "
+            "bodies yield by the wear of a step alone, so the area in contact depends on its length, up to "
+            "in proportion to it on a smooth or run-in disc under a ball that hardly wears; the cure is "
+            f"contact.law = 'half-space', else to halve {finer} until the area stays."
+        )
+    radius = sliding.track_radius
+    if radius is not None and radius < 2.0 * study.grid.sides[1]:
+        yield (
+            f"sliding.track_radius = {radius:g} mm: the track is computed straight, though the contact is "
+            "wide beside its radius."
+        )
+    if sliding.track != "full" and not _repeats(study.disc.synthetic, float(sliding.track)):
+        yield (
+            f"The disc's surface does not repeat after sliding.track = {float(sliding.track):g} mm: it has a "
+            "seam where the lap closes."
+        )
+    yield from _of_sticking(study)
+
+
+def _of_mean(study: Content) -> Iterator[str]:
+    """Yield a sentence about a stroke too long for one pressure, or about bodies that yield unalike."""
+    ratio, drives = study.stroke_ratio, study.sliding.drives_bodies
+    if ratio > HONEST_MEAN and not drives:
+        yield (
+            f"sliding.positions = 'mean': the stroke is {ratio:.2g} of the scar's width, and depths of the "
+            f"bodies are off by some per cent beyond {HONEST_MEAN:g}; 'cells' solves each place."
+        )
+    first, second = study.counter.elastic, study.disc.elastic
+    if drives and first and second and first != second:
+        yield (
+            "sliding.force or sliding.stroke_of = 'body': the bodies' elastic constants differ, and what "
+            "that adds (friction changes the pressure) is left out."
+        )
+
+
+def _of_sticking(study: Content) -> Iterator[str]:
+    """Yield a sentence about a stroke so short that what the bodies yield before they slip matters to it."""
+    stroke, coefficient, hertz = study.sliding.stroke, study.friction.coefficient, study.hertz
+    bodies = study.counter.elastic, study.disc.elastic
+    if stroke is None or hertz is None or hertz.is_line or study.friction.fitted is None:
+        return
+    travel = 2.0 * hertz.travel_to_slip(coefficient, *(body for body in bodies if body is not None))
+    if travel > STICKING * stroke:
+        yield (
+            f"sliding.stroke = {in_words(stroke)} is slip: smooth bodies like these at a coefficient of "
+            f"{coefficient:g} yield by {1e3 * travel:.3g} µm before they slip (Mindlin), so the drive of "
+            "such a test travels as much farther."
+        )
+
+
+def _repeats(disc: Synthetic | None, length: float, *, across: bool = False) -> bool:
+    """Tell whether the disc's surface closes on itself after a length [mm] along, or across, sliding."""
+    if disc is None:  # a file: nothing says that it does
+        return False
+    if disc.kind == "flat":
+        return True
+    closes = is_whole(length / disc.period) or (disc.kind == "milled" and disc.fine_ra == 0.0)
+    if disc.kind == "milled":
+        turned = math.radians(disc.lay + 90.0 * across)
+        way = abs(round(math.sin(turned), 12))
+        closes = closes and (way == 0.0 or is_whole(length * way / disc.feed))
+    return closes
+
+
+def _of_pieces(study: Content) -> Iterator[str]:
+    """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
+    pieces = study.pieces
+    if pieces is None:
+        return
+    if study.wear.particle == "critical":
+        yield _of_critical(study, pieces)
+    if pieces.diameter < CELLS * study.grid.cell * (1.0 - 1.0e-9):
+        cells = pieces.diameter / study.grid.cell
+        yield (
+            f"wear.particle = {diameter(study, pieces)} is {cells:.2g} cells wide, so that slopes and areas "
+            f"depend on the cell: a grid.cell of {um(pieces.diameter / CELLS)} or less is needed."
+        )
+    yield from _of_steps(study, pieces)
+
+
+def _of_steps(study: Content, pieces: Pieces) -> Iterator[str]:
+    """Yield a sentence where a step takes more off a cell at the hardness than the pieces bear."""
+    if not math.isfinite(study.hardness):
+        return
+    total, largest = study.sliding.total, study.increments[2]
+    fraction = 1.0
+    if study.is_swept:
+        track = study.track
+        largest = track.shift * track.stroke / track.cells
+        fraction = track.track_fraction
+    slid = min(largest, total)
+    allowed = OF_THICKNESS * pieces.thickness
+    for name, law, part in zip(("counter", "disc"), study.wear_laws, (1.0, fraction), strict=True):
+        depth = law.fastest * study.hardness * part * slid
+        if depth <= allowed * (1.0 + 1.0e-9):
+            continue
+        longest = slid * allowed / depth
+        change = f"increments of {longest:.2g} mm or less are needed (stepping)"
+        if study.is_swept:
+            cells = math.floor(study.shift * allowed / depth)
+            changes = [f"sliding.shift = {cells}"] if cells else ["a smaller grid.cell"]
+            if name == "counter" and fraction < 1.0 and study.sliding.track != "full":
+                longer = float(study.sliding.track) * depth / allowed
+                changes.append(f"a sliding.track of {longer:.2g} mm or more")
+            change = f"{' or '.join(changes)} is needed"
+        yield (
+            f"A step wears a cell of the {CALLED[name]} at the hardness by K H ΔL = {um(depth)}, more than "
+            f"half of wear.particle_thickness = {um(pieces.thickness)}, so areas depend on it: {change}."
+        )
+
+
+def _of_critical(study: Content, pieces: Pieces) -> str:
+    """Return a sentence about the number that 'critical' comes to, and how little is known of it."""
+    strength = study.junction_strength or 0.0
+    low, high = (pieces.diameter / (1.0 + sign * SCATTER) ** 2 for sign in (1.0, -1.0))
+    if study.junctions.strength is None:
+        by = f"by the softer body's hardness of {study.softer_hardness:g} MPa, and goes with 1/H²: H"
+    else:
+        by = f"by junctions.strength = {strength:g} MPa, and goes with 1/σ_j²: one"
+    return (
+        f"wear.particle = 'critical' is d* = {um(pieces.diameter)} (thesis eq 2.3) {by} "
+        f"{100.0 * SCATTER:g} % higher or lower makes it {um(low)} or {um(high)}."
+    )
