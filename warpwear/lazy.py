@@ -1,8 +1,8 @@
 """Imports put off until they are needed, so that `import warpwear` and `warpwear --help` stay quick.
 
 Internal names that are looked up late stand in tables: `warpwear.__init__`, `warpwear.cli.places`,
-`warpwear.result` and `warpwear.runs.make`. What else is late, of other packages or for GPUs and figures, is a
-`module` at the top of the file that needs it.
+`warpwear.result` and `warpwear.runs.arrangements`. What else is late, of other packages or for GPUs and
+figures, is a `module` at the top of the file that needs it.
 """
 
 import gc

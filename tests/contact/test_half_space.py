@@ -173,7 +173,7 @@ def test_a_pressure_that_rounding_left_on_the_wrong_cell_gives_way(lower: float)
         with Executor(grid) as executor:
             solver = HalfSpace(executor, modulus=1e5, boundary="free", hardness=hardness)
             executor.fill(solver.pressure_field, pressure)
-            solver.go_on()
+            solver.started = True
             found = solver.solve(executor.field(gap), mean_pressure=4.0 / 64.0 * hardness)
         assert found.pressure[0, 0] == 0.0
         assert (found.pressure[3:5, 3:5] > hardness * (1.0 - 1e-12)).all()

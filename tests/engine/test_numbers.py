@@ -8,7 +8,7 @@ from numpy.testing import assert_array_equal
 
 from warpwear.engine import state
 from warpwear.engine.executor import Executor
-from warpwear.engine.numbers import Numbers, Table
+from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.engine.tiles import NO_LIMIT, Tiles
 from warpwear.grid import Grid
@@ -25,14 +25,6 @@ def test_numbers_are_saved_bit_for_bit(device: str) -> None:
         assert other["steps"] == 2
         with pytest.raises(KeyError):
             other.values = {"force": 1.0}
-
-
-def test_a_table_is_written_and_read_by_rows(device: str) -> None:
-    with Executor(Grid(8, 8, 0.1), device=device) as executor:
-        table = Table(5, 2, executor.device)
-        table.write([(1.0, 2.0), (3.0, 4.0)])
-        assert_array_equal(table.read(3), [[1.0, 2.0], [3.0, 4.0], [0.0, 0.0]])
-        assert table.read(0).shape == (0, 2)
 
 
 @pytest.mark.parametrize("seed", range(5))

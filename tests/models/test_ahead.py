@@ -51,7 +51,7 @@ def test_steps_evaluated_ahead_are_the_steps(kind: str, threads: int) -> None:
                 steps = list(model.steps((d, True) for d in PLAN))
             else:
                 steps = [model.advance(d, with_pressure=True) for d in PLAN]
-            outcomes.append((steps, [executor.to_numpy(model.state.gap).copy(), *model.worn_depths()]))
+            outcomes.append((steps, [executor.to_numpy(model.gap).copy(), *model.worn_depths()]))
     (plain, fields), (foreseen, fields_foreseen) = outcomes
     for one, other in zip(plain, foreseen, strict=True):
         assert_array_equal(one.pressure > 0.0, other.pressure > 0.0)  # type: ignore[operator]

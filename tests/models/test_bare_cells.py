@@ -17,7 +17,6 @@ from warpwear.engine.executor import Executor
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import NO_INDEX, PADDING
-from warpwear.runs.make import model_of
 from warpwear.runs.order import RunOrder
 
 PARTS = np.array([1.0, BARE / FILMED])
@@ -184,7 +183,7 @@ def bared(study: Study, device: str, threads: int) -> tuple[FloatArray, dict[str
     """Pressure and row of a first step before which every cell has lost more than its film."""
     order = RunOrder(study)
     with order.arrangement.executor(study, device=device, threads=threads) as executor:
-        model: Any = model_of(order, executor).model
+        model: Any = order.model(executor).model
         holder = getattr(model, "contact", model)
         film = getattr(holder, "film", None) or getattr(holder, "_film", None)
         if film is not None:

@@ -223,4 +223,4 @@ def test_keys_of_the_other_law_are_told() -> None:
     given = study(contact__boundary="free")
     assert re.search(r'^boundary = "free"$', to_marked_toml(given), re.MULTILINE)
     assert "boundary" not in to_marked_toml(study(contact__law="local"))
-    assert math.isinf(again.contact_law().stiffness)
+    assert math.isinf(again.stiffness)

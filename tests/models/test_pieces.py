@@ -12,16 +12,18 @@ from numpy.testing import assert_allclose, assert_array_equal
 import warpwear
 from warpwear import InputError, Study
 from warpwear.contact.half_space.solver import HalfSpace
-from warpwear.engine.executor import Executor
+from warpwear.engine.executor import Executor, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, Grid, IntArray
 from warpwear.kernels.cells import PADDING
 from warpwear.kernels.sliding import Slide
+from warpwear.kernels.sliding_steps import Steps
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.junctions import critical_junction
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
+from warpwear.models.attachment import Place
 from warpwear.models.track import pieces as track_pieces
 from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.pieces import OF_BODY, SlidingPieces
@@ -178,9 +180,10 @@ class Shedding:
         self._rows = wp.zeros((1, 2 * len(OF_BODY)), dtype=wp.float64, device=executor.device)
         self._program = Program(executor)
         with self.pieces.at_beginning(self._program):
-            self.pieces.say_begin(self._program)
+            self.pieces.before_search(self._program, Place(self._slides.array))
             self.pieces.say_take(self._program, self._slides.array, self._pressure)
-        self.pieces.say_shed(self._program, self._slides.array, goes, self._rows)
+        steps = arguments(Steps, stepping=goes, history=self._rows)
+        self.pieces.between(self._program, Place(self._slides.array, steps))
 
     def step(self, number: int, shift: int) -> list[list[float]]:
         """Numbers of `OF_BODY` of both bodies after a step."""

@@ -16,7 +16,6 @@ from warpwear.engine.numbers import Numbers
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.recorder import Step
 from warpwear.kernels.sliding import Bodies, Slide
-from warpwear.models.track import tiles
 from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.tiles import SlidingTiles
 
@@ -70,7 +69,7 @@ class Plain:
         study = self.study
         load, hardness = study.contact.load, study.hardness
         removal = [law.wear_per_pressure(0.0, increment) for law in study.wear_laws]
-        c = study.contact_law().compliance + (sum(removal) if study.stepping.scheme == "implicit" else 0.0)
+        c = 1.0 / study.stiffness + (sum(removal) if study.stepping.scheme == "implicit" else 0.0)
         gap = self.counter - self.disc[beneath]
         if c > 0.0:
             contact = reference.foundation(gap, c, load, hardness, CELL)
@@ -195,7 +194,7 @@ def test_listed_tiles_give_what_every_tile_gives(
     rng = np.random.default_rng(8)
     disc, moves = make(rng), displacements(rng, periodic=True)
     some, some_fields = run(law, disc, moves, threads)
-    monkeypatch.setattr(tiles, "LEAST_TILES", 10**9)
+    monkeypatch.setattr("warpwear.engine.tiles.LEAST_TILES", 10**9)
     every, every_fields = run(law, disc, moves, threads)
     for one, other in zip(some, every, strict=True):
         assert one.row["cells_in_contact"] == other.row["cells_in_contact"]

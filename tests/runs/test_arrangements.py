@@ -2,7 +2,6 @@
 
 import pytest
 
-from warpwear.history import arrangements
 from warpwear.history.arrangements import ARRANGEMENTS, name_of
 from warpwear.runs.arrangements import Maker
 from warpwear.study.study import Study
@@ -23,10 +22,3 @@ def test_an_arrangement_needs_a_name() -> None:
 )
 def test_a_study_asks_for_one(preset: str, name: str) -> None:
     assert name_of(Study.load(preset)) == name
-
-
-def test_an_arrangement_refuses_a_law_that_it_does_not_take(monkeypatch: pytest.MonkeyPatch) -> None:
-    only_local = arrangements.Arrangement("runs at rest", lambda study: True, laws=("half-space",))
-    monkeypatch.setitem(arrangements.ARRANGEMENTS, "rest", only_local)
-    with pytest.raises(ValueError, match=r"^runs at rest do not take contact\.law = 'local'$"):
-        name_of(Study.load("v3"))

@@ -151,7 +151,7 @@ def test_heights_of_another_processor(
     if same:
         warpwear.run(study, out=alone, plots=False).close()
     heights = SelfAffine.heights
-    monkeypatch.setattr("warpwear.runs.make._LAST", [])  # the surface is made anew, as in another process
+    monkeypatch.setattr("warpwear.runs.order._LAST", [])  # the surface is made anew, as in another process
     monkeypatch.setattr(SelfAffine, "heights", lambda *given: heights(*given) + off)
     if not same:
         with pytest.raises(InputError, match="the disc's heights are not what they were"):

@@ -301,7 +301,7 @@ def test_foundations_match_one_of_hertz_values(match: str, constant: float) -> N
     """π K_N R δ² = F: the area 2πRδ, the peak K_N δ or the approach δ itself is Hertz's."""
     study = Study.load("v1").replace({"contact.bulk_stiffness": match, "stepping.scheme": "implicit"})
     assert study.hertz is not None
-    stiffness = study.contact_law().stiffness
+    stiffness = study.stiffness
     assert stiffness == pytest.approx(constant * study.hertz.modulus / study.hertz.radius, rel=1e-12)
     delta = np.sqrt(8.0 / (np.pi * stiffness * 3.0))
     found = {"area": 2.0 * np.pi * 3.0 * delta, "pressure": stiffness * delta, "approach": delta}

@@ -36,12 +36,11 @@ def stiffness_of(compliance: float) -> float:
     return min(1.0 / compliance, RIGID) if compliance else RIGID
 
 
-def residual_of(carried: float, load: float, *, approach: float) -> float:
+def checked_residual(residual: float, load: float, *, approach: float) -> float:
     """Return what the pressures that wore carry beyond the load [N]. approach: theirs [mm].
 
     Raises ConvergenceError where it is more than a balance and its rounding leave.
     """
-    residual = carried - load
     if not abs(residual) <= 2.0 * TOLERANCE * load:
         raise ConvergenceError(
             f"{residual:.3g} N of {load:.6g} N are left at an approach of {approach:.9g} mm."

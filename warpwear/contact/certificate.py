@@ -6,7 +6,6 @@ decisions of the device. Nothing that the search believes goes into it but the a
 
 import math
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any, Self
 
 import numpy as np
@@ -127,10 +126,10 @@ class Proof:
     ) -> None:
         self._executor, device, rows = executor, executor.device, executor.grid.nx
         self._slots = rows if groups > 1 else executor.slots_of(rows)
-        flag = partial(wp.zeros, 1, dtype=wp.int32, device=device)
         #: For kernels.
         self.arguments = arguments(
             kernels.Proof,
+            device,
             columns=executor.grid.ny,
             fields=arguments(
                 kernels.ProofFields,
@@ -143,8 +142,6 @@ class Proof:
             visited=wp.full(1, rows, dtype=wp.int32, device=device) if visited is None else visited,
             groups=wp.zeros(groups, dtype=kernels.Proven, device=device),
             table=wp.zeros((kernels.LINES, self._slots), dtype=wp.float64, device=device),
-            passes=flag(),
-            searching=flag(),
         )
 
     def add_to(self, program: Program, chunks: Any = None) -> None:

@@ -7,12 +7,11 @@ import warp as wp
 from warpwear.contact.balance import TOLERANCE, Balance
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.program import Program, launch_once
-from warpwear.engine.tiles import Tiles
+from warpwear.engine.tiles import TileList
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.kernels import balance, bearing
 from warpwear.kernels.cells import Cells
-from warpwear.kernels.contact import Law
 from warpwear.kernels.newton import STUCK
 
 #: Vectors for the gaps that a slot gathers inside the bracket of a bearing area.
@@ -31,7 +30,7 @@ class LoadSearch:
         self,
         executor: Executor,
         gap: Field,
-        tiles: Tiles,
+        tiles: TileList,
         *,
         load: float,
         hardness: float,
@@ -45,26 +44,23 @@ class LoadSearch:
         none = wp.zeros((0, executor.vectors), dtype=Cells, device=device)
         parts = none if parts is None else parts
         self._gap, self._parts, self._stiffness = gap, parts, none if stiffness is None else stiffness
-        self._search = wp.zeros(1, dtype=balance.Search, device=device)
         slots = executor.slots_of(executor.grid.nx)
         gathers = self.is_rigid and parts.shape[0] == 0
-        #: What the pressures follow from, when a search has ended.
-        self.law: Field = wp.zeros(1, dtype=Law, device=device)
         #: For kernels.
         self.springs = arguments(
             balance.Springs,
+            device,
             load=load,
             cap=hardness,
             cell_area=executor.grid.cell_area,
             tolerance=TOLERANCE * load if tolerance is None else tolerance,
-            search=self._search,
-            law=self.law,
             lists=tiles.lists.array,
-            searching=wp.zeros(1, dtype=wp.int32, device=device),
             listing=tiles.listing,
             trial=wp.zeros((5, slots), dtype=wp.float64, device=device),
             near=wp.zeros((slots if gathers else 0, NEAR), dtype=Cells, device=device),
         )
+        #: What the pressures follow from, when a search has ended.
+        self.law: Field = self.springs.law
         if self.is_rigid:
             self._launch_once(bearing.counted_below, self.springs, gap, parts)
             self.springs.highest = float(self.springs.trial.numpy()[2].max())
@@ -94,7 +90,7 @@ class LoadSearch:
             program.decide(balance.begin, self.springs, smallest, float(values[values > 0.0].min()))
         self.add_to(program)
         program.run()
-        law, search = self.law.numpy()[0], self._search.numpy()[0]
+        law, search = self.law.numpy()[0], self.springs.search.numpy()[0]
         self.check()
         numbers = {name: float(law[name]) for name in law.dtype.names}
         return Balance(
@@ -119,7 +115,7 @@ class LoadSearch:
 
     def check(self) -> None:
         """Raise ConvergenceError where the last search has found no balance."""
-        search = self._search.numpy()[0]
+        search = self.springs.search.numpy()[0]
         if search["bracket"]["state"] != STUCK:
             return
         load, approach = self.springs.load, float(search["base"] + search["bracket"]["offset"])

@@ -31,12 +31,6 @@ COLUMN = 32
 CELLS = (20, 400)
 
 
-def kinds() -> list[str]:
-    """Return the names of the rigs that there is a draft of."""
-    folder = resources.files(__package__)
-    return sorted(file.name.removesuffix(".toml") for file in folder.iterdir() if file.name.endswith(".toml"))
-
-
 def draft(
     kind: str,
     *,

@@ -74,17 +74,6 @@ def _native_messages_hidden() -> Iterator[None]:
         os.close(stderr)
 
 
-def check_memory(grid: Grid, device: str, fields_needed: float) -> None:
-    needed = fields_needed * 8 * grid.cells
-    for place, there in free_memory(device).items():
-        if needed > there:
-            raise InputError(
-                f"grid.cell = {1e3 * grid.cell:g} µm makes {grid.nx} × {grid.ny} cells, which need "
-                f"{needed / 2**30:.1f} GiB of memory; {place} has {there / 2**30:.1f} GiB free, so larger "
-                "cells or a smaller grid.extent are needed."
-            )
-
-
 def check_threads(threads: int | None) -> int:
     cores = usable_cores()
     if threads is None:

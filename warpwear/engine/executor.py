@@ -14,8 +14,9 @@ from typing import Any, Self
 import numpy as np
 import warp as wp
 
-from warpwear.engine.device import check_memory, check_threads, find_device
+from warpwear.engine.device import check_threads, find_device, free_memory
 from warpwear.engine.kernel_cache import begin_to_load
+from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
 
@@ -36,12 +37,25 @@ Field = Any  # wp.array2d(dtype=Cells); Warp's arrays carry no static type
 Arguments = Any  # an instance of a wp.struct
 
 
-def arguments(kind: Any, **members: Any) -> Arguments:
-    """Make an instance of a wp.struct. Launches see what changes in it later, recordings do not."""
+def arguments(kind: Any, device: Any = None, **members: Any) -> Arguments:
+    """Make an instance of a wp.struct. Launches see what changes in it later, recordings do not.
+
+    device: where arrays that are not given are made, of one zero each; without it they have no rows.
+    """
     instance = kind()
+    for name, member in kind.vars.items() if device else ():
+        if getattr(member.type, "ndim", 0) == 1 and name not in members:
+            setattr(instance, name, wp.zeros(1, dtype=member.type.dtype, device=device))
     for name, value in members.items():
         setattr(instance, name, value)
     return instance
+
+
+def as_numbers(field: Field, shape: int | tuple[int, int]) -> Field:
+    """Return a field as single numbers, which lie without gaps, in the same memory."""
+    view: Field = wp.array(ptr=field.ptr, dtype=wp.float64, shape=shape, device=field.device, copy=False)
+    view._owner = field  # which keeps the memory
+    return view
 
 
 class Executor:
@@ -64,7 +78,14 @@ class Executor:
         self.grid = grid
         self.device = find_device(device)
         self.threads = check_threads(threads)
-        check_memory(grid, device, fields_needed)
+        needed = fields_needed * 8 * grid.cells
+        for place, there in free_memory(device).items():
+            if needed > there:
+                raise InputError(
+                    f"grid.cell = {1e3 * grid.cell:g} µm makes {grid.nx} × {grid.ny} cells, which need "
+                    f"{needed / 2**30:.1f} GiB of memory; {place} has {there / 2**30:.1f} GiB free, so "
+                    "larger cells or a smaller grid.extent are needed."
+                )
         self.vectors = -(-grid.ny // LANES)
         self.tiles_per_row = -(-self.vectors // int(TILE_VECTORS))
         workers = min(self.threads, grid.cells // CELLS_PER_THREAD) - 1 if self.device.is_cpu else 0

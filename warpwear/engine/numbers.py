@@ -3,34 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
-import numpy as np
 import warp as wp
 
 from warpwear.engine.executor import Field
-from warpwear.grid import FloatArray
-
-
-class Table:
-    """Holds a table of numbers, rows × columns, that kernels read or write, and the host by rows."""
-
-    def __init__(self, rows: int, columns: int, device: Any) -> None:
-        self.array: Field = wp.zeros((rows, columns), dtype=wp.float64, device=device)
-        self._host = self.array.numpy() if device.is_cpu else None
-
-    def write(self, rows: Sequence[Sequence[float]]) -> None:
-        """Give the first rows other values."""
-        if self._host is not None:
-            self._host[: len(rows)] = rows
-        else:
-            host: Field = wp.array(np.array(rows), dtype=wp.float64, device="cpu")
-            wp.copy(self.array, host, count=host.size)
-
-    def read(self, rows: int) -> FloatArray:
-        """Return the first rows; on a CPU a view."""
-        if self._host is not None:
-            return self._host[:rows]
-        values: FloatArray = self.array[:rows].numpy() if rows else np.zeros((0, self.array.shape[1]))
-        return values
 
 
 class Numbers:

@@ -19,7 +19,8 @@ a generic kernel need names of their own.
 import gc
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, Protocol
+from dataclasses import dataclass
+from typing import Any
 
 import warp as wp
 
@@ -27,17 +28,6 @@ from warpwear.engine.executor import BLOCK, GATE, Executor, Field
 from warpwear.kernels.native_code import RANGED
 
 Chunks = Sequence[tuple[int, int]]
-
-
-class Node(Protocol):
-    """A part of a program runs at once, or is added to a recording."""
-
-    @property
-    def is_recordable(self) -> bool:
-        """Tell whether a CPU can replay this part from a recording."""
-
-    def run(self) -> None:
-        """Do it now; in a recording, add it to that."""
 
 
 class Launch:
@@ -60,18 +50,14 @@ class Launch:
         self._slots, self._arguments = slots, arguments
         self._takes_range = kernel in RANGED
         self._commands: list[tuple[Any, tuple[int, int]]] = []
-        self._is_shared = executor.is_shared and (callable(chunks) or len(chunks) > 1)
-        if not self._is_shared:
+        #: Whether it is one loop on one core.
+        self.is_recordable = not executor.is_shared or not (callable(chunks) or len(chunks) > 1)
+        if self.is_recordable:
             self._command(0, (0, slots or 1))
-
-    @property
-    def is_recordable(self) -> bool:
-        """Tell whether the launch is one loop on one core."""
-        return not self._is_shared
 
     def run(self) -> None:
         """Launch the kernel over all of its slots."""
-        if not self._is_shared:
+        if self.is_recordable:
             with GATE:
                 self._commands[0][0].launch()
             return
@@ -108,20 +94,12 @@ class Launch:
         return command
 
 
+@dataclass(frozen=True)
 class Call:
     """Calls a step of the host, such as a transform of a library; on a GPU one that a stream can capture."""
 
-    def __init__(self, function: Callable[[], Any], *, is_recordable: bool) -> None:
-        self._function, self._is_recordable = function, is_recordable
-
-    @property
-    def is_recordable(self) -> bool:
-        """Tell whether the parts are launches alone."""
-        return self._is_recordable
-
-    def run(self) -> None:
-        """Call the function."""
-        self._function()
+    run: Callable[[], Any]
+    is_recordable: bool
 
 
 class Block:
@@ -131,7 +109,7 @@ class Block:
     """
 
     def __init__(self, flag: Field | None = None, *, repeats: bool = False) -> None:
-        self.nodes: list[Node] = []
+        self.nodes: list[Node] = []  # parts
         self._flag, self._repeats = flag, repeats
 
     @property
@@ -186,6 +164,10 @@ class Recording:
         wp.capture_launch(self._graph)
 
 
+#: A part of a program runs at once, or is added to a recording where it is recordable.
+Node = Launch | Call | Block | Recording
+
+
 @contextmanager
 def _nothing_collected() -> Iterator[None]:
     """Keep Python's garbage collector still: a plan of cuFFT that it frees ends a GPU's recording."""
@@ -237,7 +219,7 @@ class Program:
 
     def call(self, function: Callable[[], Any]) -> None:
         """Add a step of the host. On a GPU it is captured: it only queues work in the device's stream."""
-        self._add(Call(function, is_recordable=self._executor.device.is_cuda))
+        self._add(Call(function, self._executor.device.is_cuda))
 
     @contextmanager
     def loop(self, flag: Field) -> Iterator[None]:

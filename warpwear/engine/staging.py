@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 import warp as wp
 
-from warpwear.engine.executor import Executor, Field
+from warpwear.engine.executor import Executor, Field, as_numbers
 from warpwear.grid import FloatArray, blocks_of_rows
 from warpwear.kernels.cells import LANES, Cells
 
@@ -33,7 +33,7 @@ def upload(executor: Executor, make: Callable[[slice], FloatArray], *, padding: 
     """Make a field of what `make` gives for each block of rows. padding: value beyond the last column."""
     grid, columns = executor.grid, executor.vectors * LANES
     field = wp.empty((grid.nx, executor.vectors), dtype=Cells, device=executor.device)
-    place = _numbers(field, grid.nx * columns, executor)
+    place = as_numbers(field, grid.nx * columns)
 
     def fill(rows: slice, buffers: list[Any]) -> None:
         host = buffers[0].numpy()[: (rows.stop - rows.start) * columns].reshape(-1, columns)
@@ -56,7 +56,7 @@ def download(executor: Executor, arrays: list[Any], take: Callable[..., T], pitc
     """
     grid = executor.grid
     blocks_taken: list[T] = []
-    sources = [_numbers(a, grid.nx * pitch, executor) for a, pitch in zip(arrays, pitches, strict=True)]
+    sources = [as_numbers(a, grid.nx * pitch) for a, pitch in zip(arrays, pitches, strict=True)]
 
     def read(rows: slice, buffers: list[Any]) -> T:
         lines = rows.stop - rows.start
@@ -90,8 +90,3 @@ def _groups(
     with ThreadPoolExecutor(threads) as pool:
         for first in range(0, len(blocks), threads):
             yield pool, staged, blocks[first : first + threads]
-
-
-def _numbers(array: Any, size: int, executor: Executor) -> Any:
-    """Return an array of Warp's seen as single numbers, which lie without gaps."""
-    return wp.array(ptr=array.ptr, dtype=wp.float64, shape=size, device=executor.device, copy=False)

@@ -1,7 +1,8 @@
 """A list holds the tiles that a contact can reach, which a step has to visit of a field."""
 
 import math
-from typing import ClassVar
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
@@ -19,14 +20,53 @@ NO_LIMIT = 1.0e300
 LEAST_TILES = 16
 
 
-class Tiles:
+class TileList(ABC):
+    """Holds the tiles of a gap that are listed, row by row, and the flag by which a list is asked for.
+
+    least: cells that a list holds at least, so that a capped contact can carry its load on them. listing:
+    what is known of the list at first, by the names of `Listing`.
+    """
+
+    #: Lowest gap before anything was worn [mm]; none is lower later.
+    smallest: float
+
+    def __init__(self, executor: Executor, *, least: float, **listing: Any) -> None:
+        self._executor = executor
+        device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
+        self._cells_of_tile = executor.grid.ny / columns
+        self._least = max(math.ceil(least / self._cells_of_tile), LEAST_TILES)
+        self.list: Field = wp.zeros((nx, columns), dtype=wp.int32, device=device)
+        self.count: Field = wp.zeros(nx, dtype=wp.int32, device=device)
+        self.lists = Numbers(lists_of_tiles.Listing, device, **listing)
+        #: Flag: a list is asked for.
+        self.listing: Field = wp.zeros(1, dtype=wp.int32, device=device)
+        self._split: tuple[int, Chunks] | None = None  # for the number of a list
+
+    @abstractmethod
+    def add_to(self, program: Program) -> None:
+        """Make the list that is asked for, in a program."""
+
+    @property
+    def cells(self) -> float:
+        """Return the cells that the last list holds."""
+        return float(self.lists["listed"]) * self._cells_of_tile
+
+    @property
+    def chunks(self) -> Chunks:
+        """Return ranges of slots for the threads, of passes over what is listed."""
+        number = self.lists["lists"]
+        if self._split is None or self._split[0] != number:
+            cells = self.count.numpy() * self._cells_of_tile
+            self._split = number, self._executor.split_rows(cells)
+        return self._split[1]
+
+
+class Tiles(TileList):
     """Tiles of one gap that lies still and only opens: those with a cell whose gap does not exceed a limit.
 
     The list serves every approach up to the limit. Kernels decide when it is made anew, see
     `kernels.tiles.reached`; what they decide by is in `lists`. At first every tile is listed. On a GPU
     every one always is: a pass over the memory costs less there than to decide about it.
-
-    least: cells that a list holds at least, so that a capped contact can carry its load on them.
     """
 
     #: The list too, as sums depend on it in rounding.
@@ -40,31 +80,17 @@ class Tiles:
     }
 
     def __init__(self, executor: Executor, gap: Field, unworn: Field, *, least: float) -> None:
-        self._executor, self._gap, self._unworn = executor, gap, unworn
         device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
-        self._cells_of_tile = executor.grid.ny / columns
-        self._least = max(math.ceil(least / self._cells_of_tile), LEAST_TILES)
-        every = np.broadcast_to(np.arange(columns, dtype=np.int32), (nx, columns))
-        self.list: Field = wp.array(every, dtype=wp.int32, device=device)
-        self.count: Field = wp.array(np.full(nx, columns), dtype=wp.int32, device=device)
+        every = {"limit": NO_LIMIT, "asked": NO_LIMIT, "is_fixed": int(device.is_cuda), "is_fresh": 1}
+        super().__init__(executor, least=least, **every, listed=nx * columns)
+        self._gap, self._unworn = gap, unworn
+        executor.put(self.list, np.broadcast_to(np.arange(columns), (nx, columns)))
+        executor.put(self.count, columns)
         self._lowest = wp.zeros((nx, columns), dtype=wp.float64, device=device)
         self._kept = wp.zeros((nx, columns), dtype=TileSums, device=device)
         #: Of the tiles of each row that are not listed: cells touched, and their wear [mm].
         self.rest = wp.zeros(nx, dtype=TileSums, device=device)
-        self.lists = Numbers(
-            lists_of_tiles.Listing,
-            device,
-            limit=NO_LIMIT,
-            asked=NO_LIMIT,
-            is_fixed=int(device.is_cuda),
-            is_fresh=1,
-            listed=nx * columns,
-        )
-        #: Flag: a list is asked for.
-        self.listing: Field = wp.zeros(1, dtype=wp.int32, device=device)
-        self._split: tuple[int, Chunks] | None = None  # for the number of a list
         launch_once(executor, balance.lowest, gap, self._lowest)
-        #: Lowest gap before anything was worn [mm]; none is lower later.
         self.smallest = float(self._lowest.numpy().min())
 
     @property
@@ -87,15 +113,6 @@ class Tiles:
         with program.loop(self.listing):
             program.launch(balance.select, self.lists.array, self._gap, self._unworn, tiles)
             program.decide(balance.listed, self.lists.array, self.listing, tiles, self._least)
-
-    @property
-    def chunks(self) -> Chunks:
-        """Return ranges of slots for the threads, of passes over what is listed."""
-        number = self.lists["lists"]
-        if self._split is None or self._split[0] != number:
-            cells = self.count.numpy() * self._cells_of_tile
-            self._split = number, self._executor.split_rows(cells)
-        return self._split[1]
 
     def restored(self) -> None:
         """Go on with the list of another time. Raises ValueError for one that leads beyond the field."""

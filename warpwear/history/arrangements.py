@@ -15,7 +15,6 @@ class Arrangement:
 
     called: str  # runs of it, in words
     serves: Callable[[Study], bool]
-    laws: tuple[str, ...] = ("local", "half-space")  # contact.law that it takes
 
 
 #: The first that serves a study is the study's.
@@ -27,8 +26,5 @@ ARRANGEMENTS = {
 
 
 def name_of(study: Study) -> str:
-    """Name the arrangement that a study asks for. Raises ValueError for a law that it does not take."""
-    name = next(name for name, one in ARRANGEMENTS.items() if one.serves(study))
-    if study.contact.law not in ARRANGEMENTS[name].laws:
-        raise ValueError(f"{ARRANGEMENTS[name].called} do not take contact.law = {study.contact.law!r}")
-    return name
+    """Name the arrangement that a study asks for."""
+    return next(name for name, one in ARRANGEMENTS.items() if one.serves(study))

@@ -1,5 +1,6 @@
 """The steps of a contact are added up, and each gives a row of the history."""
 
+import functools
 import math
 import operator
 from collections.abc import Iterator, Mapping
@@ -139,7 +140,8 @@ class Ledger:
         for name in RUNNING:
             row[name] += self.row[name]
         self.row = row.copy()
-        return Step(row, *self._flags(), pressure)
+        at_edge, at_rim = map(bool, self._flags(self.most))
+        return Step(row, at_edge, at_rim, pressure)
 
     def enter_all(
         self,
@@ -150,11 +152,8 @@ class Ledger:
         total: Mapping[str, FloatArray],
         most: Mapping[str, FloatArray],
     ) -> Iterator[Step]:
-        """Book steps in a row, of which none grows beyond `within`, as `enter` does one.
-
-        All are arrays of one number a step, those of the balance too.
-        """
-        count, flags = len(increment), self._flags()
+        """Book steps in a row as `enter` does one: all are arrays of one number a step."""
+        count = len(increment)
         grown = {
             name: np.maximum.accumulate(np.maximum(most[name], before)) for name, before in self.most.items()
         }
@@ -164,9 +163,11 @@ class Ledger:
             row[name] = np.add.accumulate([self.row[name], *row[name]])[1:]
         table = np.stack([np.broadcast_to(values, count) for values in row.values()], axis=1)
         self.row = dict(zip(row, table[-1].tolist(), strict=True))
+        at_edge, at_rim = (reaches.tolist() for reaches in self._flags(grown))
         self.most = {name: float(values[-1]) for name, values in grown.items()}
         # One by one: many at a time would be looked through for garbage.
-        return (Step(dict(zip(row, values, strict=True)), *flags) for values in table.tolist())
+        rows = (dict(zip(row, values, strict=True)) for values in table.tolist())
+        return map(Step, rows, at_edge, at_rim)
 
     def _row(
         self,
@@ -231,8 +232,10 @@ class Ledger:
         """Return the extents of what leaves so many rows and columns along each edge."""
         return -rows, self._grid.nx - rows - 1, -columns, self._grid.ny - columns - 1
 
-    def _flags(self) -> tuple[bool, bool]:
+    def _flags(self, most: Mapping[str, Number]) -> list[Number]:
         """Tell whether what was touched reaches the domain's edge, and whether the counter-body's rim."""
-        extents = [self.most[name] for name in EXTENTS]
-        at_edge, at_rim = (any(map(operator.gt, extents, limits)) for limits in (self._edge, self._rim))
-        return at_edge, at_rim
+        pairs = [
+            [most[name] > limit for name, limit in zip(EXTENTS, limits, strict=True)]
+            for limits in (self._edge, self._rim)
+        ]
+        return [functools.reduce(operator.or_, reaches) for reaches in pairs]

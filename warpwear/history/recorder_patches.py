@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from warpwear.contact.balance import Balance, residual_of
+from warpwear.contact.balance import Balance, checked_residual
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import PATCH_TABLES
 from warpwear.history.recorder import Ledger, Step, divided
@@ -62,38 +62,23 @@ class PatchBook:
         self._rows = {name: list(table) for name, table in tables.items()}
 
 
-class PatchLedger:
+class PatchLedger(Ledger):
     """Keep the books of patches whose counter-body and disc wear in one proportion.
 
     patches: in the order of the macro cells, in which the book has them.
     """
 
-    STATE: ClassVar = {"_ledger": Ledger, "book": PatchBook}
+    STATE: ClassVar[dict[str, Any]] = {**Ledger.STATE, "book": PatchBook}
 
     def __init__(self, task: ContactTask, patches: Patches) -> None:
-        self._task, self._patches = task, patches
         # In the outermost macro cells, what a patch touches may stand for the domain's edge.
         margin = 1 if patches.cover_everything else patches.pitch
-        self._ledger = Ledger(task, patches.domain, weight=patches.weight, margin=margin)
+        super().__init__(task, patches.domain, weight=patches.weight, margin=margin)
         self.book = PatchBook(patches)
         #: Area that a cell stands for [mm²].
         self._of_cell = patches.domain.cell_area * patches.weight
         #: Fractions of counter-body and disc in what both lose.
         self._fractions = task.wear_fractions
-
-    @property
-    def row(self) -> dict[str, float]:
-        """Return the columns of the last step; 0 before the first."""
-        return self._ledger.row
-
-    @property
-    def most(self) -> dict[str, float]:
-        """Return the largest so far, by the names of `kernels.cells.MAXIMA`."""
-        return self._ledger.most
-
-    def removals(self, later: float, increment: float) -> tuple[float, float]:
-        """Return K ΔL of counter-body and disc [mm³/N] for an increment that starts `later` mm from now."""
-        return self._task.wear_per_pressure(self.row["distance"] + later, increment)
 
     @property
     def foundation(self) -> float:
@@ -102,18 +87,13 @@ class PatchLedger:
             return math.inf
         return self._task.bulk_stiffness_at(math.sqrt(self.row["area_nominal"] / math.pi) or None)
 
-    @property
-    def within(self) -> tuple[float, ...]:
-        """Return extents of what is touched neither at edge nor at rim, by `kernels.cells.EXTENTS`."""
-        return self._ledger.within
-
     def worn(self, sums: dict[str, FloatArray], most: dict[str, float], **others: Any) -> Worn:
         """Return what a step did, by its sums over each patch; 0 for those that never touched."""
         total = {name: float(values.sum()) for name, values in sums.items()}
         loads, areas = (sums[name] * self._of_cell for name in ("pressure", "contact"))
         return Worn(total, most, loads, areas, **others)
 
-    def enter(
+    def enter_worn(
         self,
         worn: Worn,
         increment: float,
@@ -128,13 +108,11 @@ class PatchLedger:
         total, most = (divided(both, self._fractions) for both in (worn.total, worn.most))
         if worn.bare is not None:
             total["bare"] = worn.bare
-        carried = total["pressure"] * self._of_cell
-        residual = residual_of(carried, self._task.load, approach=sum(worn.approach))
+        load, approach = self._task.load, sum(worn.approach)
+        residual = checked_residual(total["pressure"] * self._of_cell - load, load, approach=approach)
         self.book.enter(load_share=worn.loads, area_patch=worn.areas)
         balance = Balance(*worn.approach, self._task.hardness, residual, evaluations=worn.evaluations)
-        return self._ledger.enter(
-            balance, increment, removals, worn.reference, total, most, pressure=pressure
-        )
+        return self.enter(balance, increment, removals, worn.reference, total, most, pressure=pressure)
 
     def snapshot(
         self,

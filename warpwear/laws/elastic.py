@@ -109,14 +109,6 @@ class Hertz:
         integral = special.elliprf(0.0, (least / most) ** 2, 1.0)  # K(e)
         return float(self.peak_pressure * least * integral / self.modulus)
 
-    def travel_to_slip(self, coefficient: float, *bodies: tuple[float, float]) -> float:
-        """Return how far a ball travels until all of its contact slips [mm], 3 μ F/(16 a) Σ (2 − ν)/G.
-
-        bodies: Young's modulus [MPa] and Poisson's ratio of each (Johnson, eq. 7.42; by Mindlin).
-        """
-        softness = sum(2.0 * (1.0 + poisson) * (2.0 - poisson) / young for young, poisson in bodies)
-        return 3.0 * coefficient * self.load * softness / (16.0 * self.radius)
-
     def pressure(self, r: FloatArray) -> FloatArray:
         """Return the pressure [MPa] at distances r along sliding from the middle [mm], of any shape."""
         inside = np.maximum(0.0, 1.0 - np.square(r / self.semi_axes[0]))

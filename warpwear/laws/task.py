@@ -102,7 +102,9 @@ class ContactTask:
     @property
     def is_uniform(self) -> bool:
         """Tell whether, at rest, every cell has the same law: one stiffness, and wear in one proportion."""
-        return self.distance_factor == "none" and self.in_proportion and self.film is None and not self.shears
+        counter, disc = self.wear
+        alike = self.distance_factor == "none" and self.film is None and not self.shears
+        return alike and counter.in_proportion_to(disc)
 
     @property
     def least_hardness(self) -> float:
@@ -116,9 +118,3 @@ class ContactTask:
         counter, disc = (law.fastest for law in self.wear)
         both = counter + disc
         return (counter / both, disc / both) if both else (0.5, 0.5)
-
-    @property
-    def in_proportion(self) -> bool:
-        """Tell whether both bodies wear in one proportion at every distance."""
-        counter, disc = self.wear
-        return counter.in_proportion_to(disc)

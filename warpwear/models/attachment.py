@@ -10,15 +10,15 @@ from warpwear.grid import FloatArray
 
 
 class Place(NamedTuple):
-    """Holds what the passes of a step work on, as kernels take it."""
+    """Holds what the passes of a step work on, as kernels take it; on a half-space there is less of it."""
 
     slides: Field  # a `Slide` in an array
-    springs: Arguments  # of the search for the load
-    listed: tuple[Field, Field]  # the list of tiles, and how many each row has
-    of_cells: Arguments
-    bodies: Arguments
-    tables: Arguments
-    steps: Arguments  # their history and flags
+    steps: Arguments = None  # their history and flags
+    springs: Arguments = None  # of the search for the load
+    listed: tuple[Field, ...] = ()  # the list of tiles, and how many each row has
+    of_cells: Arguments = None
+    bodies: Arguments = None
+    tables: Arguments = None
 
 
 class Attachment:

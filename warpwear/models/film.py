@@ -101,28 +101,17 @@ class BareCells(Attachment):
         return {"bare": self.bare} | ({} if self.parts is None else {"parts": self.parts})
 
     def before_search(self, program: Program, place: Place) -> None:
-        """Say that it is seen which cells are bare."""
-        self.say_look(program, place.slides)
+        """Say that it is seen which cells are bare as a step begins."""
+        program.launch(kernels.look, place.slides, self.films)
 
     def after_step(self, program: Program, place: Place) -> None:
         """Say that it is noted what the step has worn."""
-        self.say_rub(program, place.slides)
+        if self._heals:
+            program.launch(kernels.rub, place.slides, self.films)
 
     def enter(self, columns: Mapping[str, FloatArray], total: dict[str, Any], most: dict[str, Any]) -> None:
         """Enter the bare cells in contact."""
         total["bare"] = columns["bare"]
-
-    def say_look(self, program: Program, slides: Field) -> None:
-        """Add to a program that it sees which cells are bare as a step begins.
-
-        slides: a `Slide` in an array.
-        """
-        program.launch(kernels.look, slides, self.films)
-
-    def say_rub(self, program: Program, slides: Field) -> None:
-        """Add to a program that it notes what a step has worn."""
-        if self._heals:
-            program.launch(kernels.rub, slides, self.films)
 
     def say_under(self, program: Program, slides: Field, pressure: Field, sums: Field) -> None:
         """Add to a program that it counts the bare cells under a pressure, in the first line of `sums`."""
@@ -131,12 +120,12 @@ class BareCells(Attachment):
     def look(self, distance: float) -> None:
         """See which cells are bare as a step begins at a sliding distance [mm]."""
         self._slides.set(start=distance, end_column=self._executor.vectors * LANES)
-        self._run("look", self.say_look)
+        self._run(self.before_search)
 
     def rub(self, distance: float) -> None:
         """Note what a step that ends at a sliding distance [mm] has worn."""
         self._slides.set(end=distance, end_column=self._executor.vectors * LANES)
-        self._run("rub", self.say_rub)
+        self._run(self.after_step)
 
     def under(self, pressure: Field, rows: int | None = None) -> float:
         """Count the bare cells under a pressure. rows: that have one, by default all."""
@@ -146,9 +135,9 @@ class BareCells(Attachment):
         program.run()
         return float(self._sums.numpy()[0, :rows].sum())
 
-    def _run(self, name: str, say: Callable[[Program, Field], None]) -> None:
-        program = self._programs.get(name)
+    def _run(self, say: Callable[[Program, Place], None]) -> None:
+        program = self._programs.get(say.__name__)
         if program is None:
-            program = self._programs[name] = Program(self._executor)
-            say(program, self._slides.array)
+            program = self._programs[say.__name__] = Program(self._executor)
+            say(program, Place(self._slides.array))
         program.run()

@@ -5,7 +5,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
-from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.track import Track
@@ -46,26 +45,14 @@ class Model(ABC):
 
     def set_out_anew(self, before: Track) -> None:
         """Begin with the first step of this track, on a disc that has slid over another one before."""
-        raise NotImplementedError
-
-    def change_circle(self, booked: Mapping[str, float]) -> dict[str, float]:
-        """Begin with the first step on another circle of the disc, whose state it has been given.
-
-        booked: what the ledger had returned of it, nothing where it is unworn. Returns that of the circle
-        which is left.
-        """
-        raise NotImplementedError
-
-    def worn_depths(self) -> tuple[FloatArray, FloatArray]:
-        """Return the depths worn off counter-body and disc [mm]; a CPU's are views."""
-        raise NotImplementedError
+        self.turned = 0
 
     def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
         """Steps made on the device in one go, or in a few, before the first of each is seen.
 
         then: the increment after them [mm], where it is known. Sets `steps_in_flight` where it makes a few.
         """
-        raise NotImplementedError
+        yield from map(self.advance, increments)
 
     def steps(self, plan: Iterable[tuple[float, bool] | tuple[float, bool, bool]]) -> Iterator[Step]:
         """Yield a step for each increment [mm] of the plan, with its pressure where that is asked for.

@@ -60,11 +60,8 @@ def motion_of(study: Study, distance: float) -> str:
     slid = f"slides {with_unit(distance)}"
     if study.fretting is not None:
         drive, cycles = study.fretting, distance / study.fretting.cycle
-        way = (
-            f"a stroke of {1e3 * drive.stroke:.4g} µm"
-            if drive.force is None
-            else f"a force of ± {drive.force:.4g} N"
-        )
+        stroke = f"a stroke of {1e3 * drive.stroke:.4g} µm"
+        way = stroke if drive.force is None else f"a force of ± {drive.force:.4g} N"
         return f"frets {cycles:.6g} cycles by {way}"
     return f"{slid} along a track" if study.is_swept else f"{slid} on the same place of the disc"
 
@@ -87,18 +84,12 @@ def answers_of(study: Study, s: dict[str, Any]) -> list[Answer]:
     of_pass = f", mean of the {s['end_values']}" if "track" in s else ""
     spread = f"standard deviation {pressure['std']:.3g} MPa"
     spread = spread if pressure["std"] > 1e-6 * pressure["mean"] else "uniform"
+    scar, rim = shown([*s["scar_mm"].values()]), f"± {2 * s['cell_um']:.3g} µm, a cell at each rim"
     strip = f", of {study.strip:.4g} mm of the line" if study.strip else ""
-    scar = shown([s["scar_mm"]["along"], s["scar_mm"]["across"]])
+    part = f"{100.0 * s['area_real_over_nominal']:.3g} % of the scar{of_pass}{strip}"
     return [
-        Answer(
-            "Scar, along × across sliding", scar, "mm", f"± {2 * s['cell_um']:.3g} µm, a cell at each rim"
-        ),
-        _answer(
-            "area_contact",
-            s,
-            error=s["verdict"]["area"],
-            note=f"{100.0 * s['area_real_over_nominal']:.3g} % of the scar{of_pass}{strip}",
-        ),
+        Answer("Scar, along × across sliding", scar, "mm", rim),
+        _answer("area_contact", s, error=s["verdict"]["area"], note=part),
         _answer("pressure_mean", s, note=f"{spread}, largest {shown(pressure['max'])} MPa"),
         _worn(study, s) if study.sliding.total else _approach(s),
         _cof(s),
@@ -137,13 +128,11 @@ def _cof(s: dict[str, Any]) -> Answer:
     if s["cof"]["end"] is None:
         note = "calibrated at the end, which the run did not reach"
         return Answer(BY_NAME["cof"].label.capitalize(), "–", "", note=note)
+    label, value = ENDS["cof"].label.capitalize(), f"{s['cof']['end']:.3g}"
     if s["cof_input"] == "coulomb":
-        return Answer(
-            ENDS["cof"].label.capitalize(), f"{s['cof']['end']:.3g}", "", input_note="An input, constant"
-        )
+        return Answer(label, value, "", input_note="An input, constant")
     strength, note = s["shear_strength_MPa"], f"the area that shears: {s['cof_area']}"
     tau = "its shear strength" if strength is None else f"its shear strength, {strength:.3g} MPa,"
-    label, value = ENDS["cof"].label.capitalize(), f"{s['cof']['end']:.3g}"
     if s["cof_input"] == "end":
         return Answer(label, value, "", "", note, f"An input: {tau} is fitted so that it is met")
     subject = f"{tau} is"
@@ -196,10 +185,8 @@ def assumptions_of(study: Study, s: dict[str, Any]) -> Lines:
 
 def checks_of(study: Study, s: dict[str, Any]) -> Lines:
     """List residuals and conservation, and whether each is within its limit."""
-    balance = max(
-        study.load_tolerance if study.uses_bearing_area else 0.0,
-        TOLERANCE * max(b.load for b in study.blocks),
-    )
+    allowed = study.load_tolerance if study.uses_bearing_area else 0.0
+    balance = max(allowed, TOLERANCE * max(b.load for b in study.blocks))
     residual = s["load_residual_N"]["largest"]
     rows = [("load carried − load asked for, largest of a step", residual, balance, " N")]
     for body, value in s["conservation_relative"].items():

@@ -2,7 +2,7 @@
 
 import tomllib
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -12,7 +12,8 @@ from warpwear.study.study import Study
 
 #: Percentiles between which a band lies, and how they are found: rank p (n + 1) of n runs (Weibull), so that
 #: another run lies between them with that chance. By the usual p (n − 1) it is 84 % and not 90 of 32 runs.
-BAND, RANK = (5.0, 95.0), "weibull"
+BAND = (5.0, 95.0)
+RANK: Final = "weibull"
 #: Sections and keys of a study that no number of its result depends on; None is the whole section.
 NO_MATTER: dict[str, tuple[str, ...] | None] = {
     "study": ("name", "description", "author", "publisher", "license"),

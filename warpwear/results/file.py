@@ -185,9 +185,8 @@ class ResultFile:
     def pieces(self) -> dict[str, FloatArray]:
         """The pieces in which bodies have worn, in their order, by the columns of their table.
 
-        step, body (0 the counter-body, 1 the disc), x, y, volume, diameter: shape (pieces,) each.
-
-        Raises InputError for a run whose wear leaves at once.
+        step, body (0 the counter-body, 1 the disc), x, y, volume, diameter: shape (pieces,) each. Raises
+        InputError for a run whose wear leaves at once.
         """
         lacks = "has no pieces: wear.particle is not given"
         return Named((name, self._array(f"pieces/{name}", lacks)) for name in OF_PIECES)
@@ -198,9 +197,7 @@ class ResultFile:
 
         depth, yielding, mises, max_shear, principal, and of fatigue crossland, dang_van, with the places _x
         and _y of the largest: shape (snapshots, depths). mises_plane and so on, in the plane of
-        output.stress_plane: shape (snapshots, depths, cells).
-
-        Raises InputError for a run without stresses.
+        output.stress_plane: shape (snapshots, depths, cells). Raises InputError for a run without stresses.
         """
         lacks = "has no stresses: output.stress_depths is not given"
         return Named((name, self._array(f"stresses/{name}", lacks)) for name in stress_columns(self.study))

@@ -190,7 +190,7 @@ def _above_hardness(result: ResultFile) -> list[Row]:
 def _by_scheme(result: ResultFile) -> list[Row]:
     """Declare which area explicit and implicit steps give a rough contact that yields by wear alone."""
     study = result.study
-    yields = study.study.model != "micro" or study.contact.law != "local" or study.contact_law().compliance
+    yields = study.study.model != "micro" or study.contact.law != "local" or study.stiffness < math.inf
     if yields or study.wear.sheds or not study.is_rough or not study.sliding.total or not study.caps_pressure:
         return []
     explicit, area = study.stepping.scheme == "explicit", result.history["load"][-1] / study.hardness

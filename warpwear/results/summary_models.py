@@ -1,5 +1,6 @@
 """What the arrangement of a contact adds to a run's summary: track, half-space, patches, pieces, surfaces."""
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -21,7 +22,7 @@ from warpwear.results.track import both_directions, groove, is_short, roughness_
 def arrangement(result: ResultFile) -> list[Row]:
     """Declare half-space, pieces and patches, and what bodies yield without wear."""
     study = result.study
-    stiffness = study.bulk_stiffness() if study.uses_bulk_stiffness else study.contact_law().stiffness
+    stiffness = study.bulk_stiffness() if study.uses_bulk_stiffness else study.stiffness
     patches = _patches(result)
     on_springs = study.study.model == "macro" or bool(patches.value and patches.value["bulk"] == "spring")
     return [
@@ -108,7 +109,7 @@ def _jumps(result: ResultFile) -> list[Row]:
     text += f"{jumps['cycles']:.6g} cycles; error of the depths {shown(percent, 2)} %"
     if result.history["cycles"].max() == 1.0:
         text = f"none: each of the {jumps['cycles']:.6g} cycles was computed"
-        if result.study.contact.law == "local" and result.study.contact_law().compliance == 0.0:
+        if result.study.contact.law == "local" and result.study.stiffness == math.inf:
             text += "; by contact.law = 'local' without a stiffness the area goes with what a step wears"
     return [Row("jumps", "jumps", jumps | {"depth_error_percent": percent}, sentence=text)]
 

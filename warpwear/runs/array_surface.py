@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from warpwear.contact.array.arguments import checked_heights
 from warpwear.errors import OTHER_FOLDER, InputError
 from warpwear.grid import FloatArray
 from warpwear.results.file import SURFACE_FILE
@@ -63,7 +64,12 @@ def take_surface(study: Study, surface: Any, folder: Path | None) -> ArraySurfac
     filled = surface.filled_at(x, cells.y) if isinstance(surface, Measured) else None
     if callable(getattr(surface, "heights", None)):
         surface = surface.heights(x, cells.y)
-    heights = _numbers(surface)
+    if not hasattr(surface, "__array__") and not isinstance(surface, list | tuple):
+        raise InputError(
+            f"surface is a {type(surface).__name__}; an array of heights in mm is expected, or an object "
+            "with heights(x, y). The name of a file belongs in disc.surface."
+        )
+    heights = checked_heights(surface, 1, name="surface")[0].copy()
     shape = (x.size, cells.ny)
     if heights.shape != shape:
         where = "track" if study.is_swept else "domain"
@@ -71,8 +77,6 @@ def take_surface(study: Study, surface: Any, folder: Path | None) -> ArraySurfac
             f"surface has the shape {heights.shape}; an array of the shape {shape} is asked for, a height "
             f"[mm] for every cell of {1e3 * cell:g} µm of the {where}."
         )
-    if missing := int(heights.size - np.count_nonzero(np.isfinite(heights))):
-        raise InputError(f"surface holds {missing} values that are no finite numbers; every cell needs one.")
     path = NO_FILE if folder is None else str(folder.resolve() / SURFACE_FILE)
     reading = Reading(heights, (cell, cell), format="npy", unit="mm", pixel_given=True, unit_given=True)
     prepared = prepare(reading, Preparation(level="none"), name=SURFACE_FILE if folder else NO_FILE)
@@ -85,20 +89,6 @@ def take_surface(study: Study, surface: Any, folder: Path | None) -> ArraySurfac
         Measured(levelled=prepared.heights, pixel=(cell, cell), filled=filled, details=details),
         heights,
     )
-
-
-def _numbers(surface: Any) -> FloatArray:
-    try:
-        if np.iscomplexobj(values := np.asanyarray(surface)) or np.ma.is_masked(values):
-            raise InputError("surface has to hold real numbers, none of them masked.")
-        return np.array(values, dtype=np.float64)
-    except InputError:
-        raise
-    except (TypeError, ValueError) as error:
-        raise InputError(
-            f"surface is a {type(surface).__name__}; an array of heights in mm is expected, or an object "
-            "with heights(x, y). The name of a file belongs in disc.surface."
-        ) from error
 
 
 def _on_file(study: Study, path: str) -> Study:

@@ -207,6 +207,12 @@ class StoredCheckpoint:
         self.heights_differ = True
         return stored
 
+    @property
+    def block(self) -> int:
+        """Return the number of the block that the run was in."""
+        with self.reading():
+            return int(self._rows.last["block"])
+
     def read(self) -> Checkpoint:
         """Where the run was: all that is stored but the snapshots."""
         arrays = {name: np.asarray(dataset[()]) for name, dataset in self.file["model"].items()}

@@ -9,7 +9,6 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpwear.engine import state
-from warpwear.models.model import Model
 
 #: What is of the disc among the arrays of a model, by parts of their names.
 OF_THE_DISC = ("disc", "highest")
@@ -18,18 +17,18 @@ OF_THE_DISC = ("disc", "highest")
 class Circles:
     """Holds what a model has of the disc on the circles that were left, and on an unworn one.
 
-    model: on the unworn disc.
+    model: of a track, on the unworn disc.
     """
 
     STATE: ClassVar = {"left": dict[str, dict[str, Any]], "booked": dict[str, dict[str, Any]]}
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Any) -> None:
         self._unworn = _of_the_disc(model)
         #: Arrays, and what the ledger had returned, by the number of the circle.
         self.left: dict[str, dict[str, Any]] = {}
         self.booked: dict[str, dict[str, float]] = {}
 
-    def change(self, model: Model, before: int, after: int) -> None:
+    def change(self, model: Any, before: int, after: int) -> None:
         """Let a model leave one circle of the disc for another, by their numbers."""
         arrays, numbers = state.save(model, whole=True)
         other = self.left.pop(str(after), self._unworn)
@@ -38,6 +37,6 @@ class Circles:
         self.booked[str(before)] = model.change_circle(self.booked.get(str(after), {}))
 
 
-def _of_the_disc(model: Model) -> dict[str, "np.ndarray[Any, Any]"]:
+def _of_the_disc(model: Any) -> dict[str, "np.ndarray[Any, Any]"]:
     arrays, _ = state.save(model, whole=True)
     return {name: values for name, values in arrays.items() if any(part in name for part in OF_THE_DISC)}

@@ -20,7 +20,6 @@ from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.laws.archard import BODIES
 from warpwear.laws.track import Track
-from warpwear.models.model import Model
 from warpwear.runs.order import RunOrder
 from warpwear.runs.plan import Leg, Planned, kept_after, legs_of
 
@@ -47,11 +46,11 @@ class CycleJumps:
     """Plans the cycles of a run one by one, as steps of a model, and keeps the books of their error.
 
     Snapshots, ends of blocks and the end are met: their cycles, and the last whole one, stand for themselves.
-    begin: makes the model ready for a step.
+    model: of a track. begin: makes it ready for a step.
     """
 
     STATE: ClassVar = {
-        "model": Model,
+        "model": object,
         "stands_for": int,
         "contacts": int,
         "_number": int,
@@ -71,7 +70,7 @@ class CycleJumps:
         "_again": int,
     }
 
-    def __init__(self, order: RunOrder, model: Model, begin: Callable[[Planned], None]) -> None:
+    def __init__(self, order: RunOrder, model: Any, begin: Callable[[Planned], None]) -> None:
         study = order.study
         self.model, self._begin = model, begin
         self._legs, self._total = legs_of(study), study.sliding.total

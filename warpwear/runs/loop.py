@@ -27,7 +27,6 @@ from warpwear.runs.circles import Circles
 from warpwear.runs.console import Interrupts, Progress
 from warpwear.runs.invariants import Violation
 from warpwear.runs.jump import CycleJumps
-from warpwear.runs.make import model_in, model_of
 from warpwear.runs.order import RunOrder
 from warpwear.runs.plan import Planned, legs_of
 from warpwear.runs.step import RunStep
@@ -68,14 +67,14 @@ class StepLoop:
         self._progress = progress
         self.warnings: list[str] = []
         self._warn(*order.notes, kind="note")
-        self._processor = executor.device
         self._rows = Rows()
         with opened(folder / CHECKPOINT if folder and resume else None) as stored:
             if stored is not None:
                 stored.refuse_changes(order, device=str(executor.device))
+            self._block = order.blocks[stored.block - 1 if stored else 0]
             original = stored.heights_for if stored else np.asarray
-            prepared = model_of(order, executor, original=original)
-            self._executor, self._heights, self._block = executor, prepared.heights, order.blocks[0]
+            prepared = order.model(executor, block=self._block, original=original)
+            self._executor, self._heights = executor, prepared.heights
             self._surface_record, self._filled = prepared.record, prepared.filled
             self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
             #: What plans the cycles where one may stand for many.
@@ -111,7 +110,6 @@ class StepLoop:
                 state.restore(self._circles, then.arrays, then.numbers)
             self._writer.take_snapshots_from(stored.file)
         self._rows = then.rows
-        self._go_on(self._order.blocks[int(then.rows.last["block"]) - 1])
         self.warnings, self._reported = then.warnings, then.reported_violations
         self._elapsed_before = then.elapsed
         LOG.info("goes on after step %d, from a checkpoint by warpwear %s", len(self._rows), stored.version)
@@ -150,7 +148,7 @@ class StepLoop:
             "warnings": self.warnings,
             "notes": self._order.notes,
             "elapsed_s": self._elapsed,
-            "made_with": versions(self._processor),
+            "made_with": versions(self._executor.device),
         }
         if self._jumps is not None:
             record["cycle_jump"] = self._jumps.told()
@@ -230,40 +228,30 @@ class StepLoop:
 
     def _begin(self, step: Planned) -> None:
         """Make the model ready for a step: under another load a new one takes over the bodies as they are."""
-        before = self._block
-        if not self._go_on(*self._order.blocks_of([step])):
+        before, (self._block,) = self._block, self._order.blocks_of([step])
+        was, now = self._tasks[before.number], self._tasks[self._block.number]
+        if was == now:
             return
-        study = self._order.study
-        circles = study.circle_of(before), study.circle_of(self._block)
-        if self._jumps is not None:
-            self._jumps.begin_anew(*circles)
-        if self._circles is not None and circles[0] != circles[1]:
-            self._circles.change(self._model, *circles)
-        elif self._task_of(before)[1] != self._task_of(self._block)[1]:
-            self._model.set_out_anew(study.tracks[before.number - 1])
-
-    @cached_property
-    def _tasks(self) -> dict[int, tuple[float, Track | None]]:
-        """Map the number of a block to what its model is made for."""
-        return {block.number: self._task_of(block) for block in self._order.blocks}
-
-    def _task_of(self, block: Block) -> tuple[float, Track | None]:
-        """Return what a block's model is made for: its load [N], and its track."""
-        study = self._order.study
-        return block.load, study.tracks[block.number - 1] if study.is_swept else None
-
-    def _go_on(self, block: Block) -> bool:
-        """Let the model of a block take over the bodies as they are; tell whether that is another one."""
-        before, self._block = self._block, block
-        if self._task_of(block) == self._task_of(before):
-            return False
-        prepared, model = model_in(self._order, block, self._heights, self._executor, {}), self._model
+        prepared, model = self._order.model_in(self._block, self._heights, self._executor, {}), self._model
         state.restore(prepared.model, *state.save(model))
         prepared.model.longest_block = min(model.longest_block, prepared.model.longest_block)
         self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
+        study = self._order.study
+        circles = study.circle_of(before), study.circle_of(self._block)
         if self._jumps is not None:
             self._jumps.model = prepared.model
-        return True
+            self._jumps.begin_anew(*circles)
+        if self._circles is not None and circles[0] != circles[1]:
+            self._circles.change(self._model, *circles)
+        elif was[1] is not None and was[1] != now[1]:
+            self._model.set_out_anew(was[1])
+
+    @cached_property
+    def _tasks(self) -> dict[int, tuple[float, Track | None]]:
+        """Map the number of a block to what its model is made for: its load [N], and its track."""
+        blocks, study = self._order.blocks, self._order.study
+        tracks = study.tracks if study.is_swept else [None] * len(blocks)
+        return {block.number: (block.load, track) for block, track in zip(blocks, tracks, strict=True)}
 
     def _snapshot_of(self, index: int) -> Snapshot | None:
         """Return the fields after a row's step, views of the model's on a CPU; None after a later one."""

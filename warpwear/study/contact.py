@@ -5,8 +5,7 @@ from typing import Annotated, Literal
 
 from warpwear.laws.elastic import MATCHES
 from warpwear.study.keys import Section, key, needs, needs_compliance, when
-from warpwear.study.sections.loads import Load
-from warpwear.study.units import Quantity, Range
+from warpwear.study.units import Load, Quantity, Range
 
 #: K_N plays a part in the macro model, and in the two-scale model where it is the bulk behind the patches.
 BULK = when("study.model", "macro", "two-scale", otherwise="does not apply to the micro model")

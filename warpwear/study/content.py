@@ -6,7 +6,6 @@ from typing import Any
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.elastic import Hertz, effective_modulus
 from warpwear.laws.film import Film, grown_cap
-from warpwear.laws.foundation import CappedFoundation
 from warpwear.laws.fretting import HONEST_MEAN, Fretting, displacement, softness_ratio
 from warpwear.laws.junctions import critical_junction, junction_strength
 from warpwear.laws.pieces import Pieces
@@ -116,7 +115,7 @@ class Content(Programme):
             return False
         worn = self.sliding.total > 0.0 and sum(law.fastest for law in self.wear_laws) > 0.0
         worn = worn and not (self.wear.sheds and self.wear.dust_fraction == 0.0)
-        return self.contact_law().compliance == 0.0 and not (self.stepping.scheme == "implicit" and worn)
+        return math.isinf(self.stiffness) and not (self.stepping.scheme == "implicit" and worn)
 
     @property
     def softer_hardness(self) -> float | None:
@@ -243,12 +242,25 @@ class Content(Programme):
         """Diameter d* [mm] above which a junction loses pieces: that of pieces, else of eq 2.3, or None."""
         return self.pieces.diameter if self.pieces else self.critical_junction
 
-    def contact_law(self) -> CappedFoundation:
-        """Return the law of a cell before any wear."""
-        stiffness = self.bulk_stiffness() if self.study.model == "macro" else self.contact.stiffness
+    @property
+    def stiffness(self) -> float:
+        """Return the stiffness of a cell before any wear [N/mm³]; p = clip((approach − gap) × it, 0, H).
+
+        It is infinite for a bearing area, and on the half-space, which yields instead.
+        """
         if self.contact.law == "half-space":
-            stiffness = math.inf  # what yields is the half-space
-        return CappedFoundation(stiffness=stiffness, hardness=self.hardness)
+            return math.inf
+        return self.bulk_stiffness() if self.study.model == "macro" else self.contact.stiffness
+
+    def stable_increment(self, wear_coefficient: float) -> float:
+        """Return the largest stable increment of explicit Archard wear, 2c/K with c = 1/stiffness [mm].
+
+        Infinite without a foundation: there the step has no stability limit, only an accuracy of K H ΔL.
+        wear_coefficient: K of both bodies together [mm²/N].
+        """
+        if math.isinf(self.stiffness) or wear_coefficient == 0.0:
+            return math.inf
+        return 2.0 / self.stiffness / wear_coefficient
 
     def bulk_stiffness(self) -> float:
         """Return K_N [N/mm³] of both bodies' bulk before any wear."""
@@ -266,7 +278,7 @@ class Content(Programme):
             hardness=self.hardness,
             form=self.counter.form,
             wear=self.wear_laws,
-            compliance=self.contact_law().compliance,
+            compliance=1.0 / self.stiffness,
             implicit=self.stepping.scheme == "implicit",
             rigid=self.uses_bearing_area,
             load_tolerance=self.load_tolerance,

@@ -4,14 +4,14 @@ import math
 from collections.abc import Iterator
 
 from warpwear.laws.archard import CALLED
-from warpwear.laws.fretting import HONEST_MEAN
+from warpwear.laws.fretting import HONEST_MEAN, displacement, softness_ratio
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.track import is_whole
 from warpwear.study.bodies import Synthetic
 from warpwear.study.content import Content
 from warpwear.study.rules import CELLS, diameter, um, unstable, without_unit
 from warpwear.study.rules_track import in_words, sides_worn, spared, worn_patch
-from warpwear.study.sections.loads import LineLoad
+from warpwear.study.units import LineLoad
 
 #: Extent over worn patch below which roughness may fill the domain.
 CLOSE = 1.05
@@ -160,7 +160,7 @@ def of_track(study: Content) -> Iterator[str]:
             f"hardness, {1e3 * first:.3g} µm: at first the disc is worn in places only."
         )
     local = study.contact.law == "local" and not study.uses_bearing_area
-    if local and study.contact_law().compliance == 0.0:
+    if local and math.isinf(study.stiffness):
         finer = "sliding.shift" if study.shift > 1 else "grid.cell"
         yield (
             f"sliding.shift = {study.shift} cells: by contact.law = 'local' with contact.stiffness = inf "
@@ -204,7 +204,8 @@ def _of_sticking(study: Content) -> Iterator[str]:
     bodies = study.counter.elastic, study.disc.elastic
     if stroke is None or hertz is None or hertz.is_line or study.friction.fitted is None:
         return
-    travel = 2.0 * hertz.travel_to_slip(coefficient, *(body for body in bodies if body is not None))
+    kappa = softness_ratio(*(body for body in bodies if body is not None))
+    travel = 2.0 * displacement(hertz, kappa, coefficient)
     if travel > STICKING * stroke:
         yield (
             f"sliding.stroke = {in_words(stroke)} is slip: smooth bodies like these at a coefficient of "

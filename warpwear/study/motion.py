@@ -10,8 +10,7 @@ from pydantic import Field, PrivateAttr
 
 from warpwear.laws.fretting import HONEST_MEAN
 from warpwear.study.keys import Length, LengthOrZero, Section, excludes, key, needs, needs_compliance, when
-from warpwear.study.sections.loads import Load
-from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, Range, is_pair, one_by_one
+from warpwear.study.units import NOT_NEGATIVE, Load, Number, Quantity, Range, is_pair, one_by_one
 
 #: Parts of a distance at rest that no increment exceeds, unless given.
 LARGEST_PARTS = 800

@@ -18,9 +18,9 @@ from warpwear.study.contact import Contact
 from warpwear.study.keys import Section, key, needs, when
 from warpwear.study.sections.fatigue import Fatigue
 from warpwear.study.sections.friction import Friction, Junctions
-from warpwear.study.sections.loads import LineLoad
 from warpwear.study.sections.settings import About, Checks, Output, PatchesSection, Run
 from warpwear.study.sections.wear import Wear
+from warpwear.study.units import LineLoad
 
 #: Parts of the sliding distance after which fields are kept of themselves.
 SNAPSHOTS = (0.001, 0.01, 0.1)

@@ -12,7 +12,7 @@ from warpwear.study import rules_track
 from warpwear.study.content import Content
 from warpwear.study.keys import check_keys
 from warpwear.study.motion import LENGTHS, WAYS, BlockSection, Sliding
-from warpwear.study.sections.loads import LineLoad
+from warpwear.study.units import LineLoad
 
 #: More steps than anybody waits for, or than a history holds.
 MOST_STEPS = 1_000_000
@@ -349,7 +349,7 @@ def unstable(study: Content) -> str | None:
         return None
     if study.is_swept:
         return rules_track.unstable(study)
-    limit = study.contact_law().stable_increment(sum(law.fastest for law in study.wear_laws))
+    limit = study.stable_increment(sum(law.fastest for law in study.wear_laws))
     if min(study.increments[2], study.sliding.total) < limit:
         return None
     return (

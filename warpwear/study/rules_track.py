@@ -198,7 +198,7 @@ def spared(patch: float) -> float:
 
 def unstable(study: Content) -> str | None:
     """Return the start of a sentence about a shift too large for explicit steps; None where it is not."""
-    compliance = study.contact_law().compliance
+    compliance = 1.0 / study.stiffness
     track = study.track
     counter, disc = (law.fastest for law in study.wear_laws)
     slid = min(track.shift * track.stroke / track.cells, study.sliding.total)

@@ -127,11 +127,8 @@ def tornado(result: SweepResult, quantities: Sequence[Quantity]) -> Figure:
             continue
         order = [result.plan.keys.index(key) for key in influence]
         reach = np.append(indices.total_interval[np.isfinite(indices.total_interval)], (0.0, 1.0))
-        axis = Axis(
-            "Sobol's index: part of the variance",
-            low=1.05 * float(reach.min()),
-            high=1.05 * float(reach.max()),
-        )
+        low, high = 1.05 * float(reach.min()), 1.05 * float(reach.max())
+        axis = Axis("Sobol's index: part of the variance", low=low, high=high)
         ends, dots = indices.total_interval[:, order], indices.first[order]
         bars.append(Bars(*bar, axis, ends, dots, note=INDICES))
     return Figure(bars, height=max(1.4, 0.3 * len(result.plan.keys) + 0.9))

@@ -82,14 +82,10 @@ def summary_text(result: SweepResult) -> str:
     width = max(len(row["label"]) for row in rows)
     lines += [f"{row['label']:<{width}}  {row['runs']:4d} runs   {_end_of(row)}" for row in rows]
     if len(result.plan.keys) > 1 and done > 1:
-        what = (
-            "Sobol's total index, 95 % interval"
-            if result.plan.design.kind == "saltelli"
-            else "rank correlation; of words and seeds η²"
-        )
+        indices, what = result.sobol(), "rank correlation; of words and seeds η²"
+        what = what if indices is None else "Sobol's total index, 95 % interval"
         shares = ", ".join(f"{key} {words}" for key, words in result.influence_in_words().items())
         lines.append(f"what decides it ({what}): {shares}")
-        indices = result.sobol()
         lines += [indices.doubt] if indices is not None and indices.doubt else []
         lines += _without_influence(result)
     return "\n".join([*lines, *failures(result)])

@@ -6,38 +6,22 @@ from typing import Any
 import numpy as np
 
 from warpwear.figures import describe
-from warpwear.figures.describe import Axis, Chart, Figure, Line, Look, Map, Scale, in_time
+from warpwear.figures.describe import Axis, Figure, Line, Look, Map, Scale, in_time
 from warpwear.figures.of_run.view import positive
 from warpwear.figures.wording import after, with_scatter
 from warpwear.grid import FloatArray
-from warpwear.result import Result
 from warpwear.thesis.figures import chart, figure, root_through_end
 from warpwear.thesis.numbers import Numbers, snapshot_at
 from warpwear.thesis.printed import DRAWN_AT
 from warpwear.thesis.runs import VERSIONS, Runs
 
-HEIGHT, PRESSURE = "height of the disc, µm", "pressure, MPa"
-CONTACT = Look(describe.CONTACT)
+PRESSURE = "pressure, MPa"
 
 
 def _middle(field: FloatArray, axis: int) -> FloatArray:
     """Take the line through the middle of a field, (nx, ny): along (axis 0) or across (1) sliding."""
     line: FloatArray = np.take(field, field.shape[1 - axis] // 2, axis=1 - axis)
     return line
-
-
-def _start_of(result: Result) -> Chart:
-    """Show pressures of the first step across sliding, with Hertz's."""
-    hertz = result.study.hertz
-    assert hertz is not None
-    reach = max(2.0 * hertz.radius, 3.0 * result.study.grid.cell)
-    fine, near = np.linspace(-reach, reach, 400), np.abs(result.y) <= reach
-    pressure = _middle(result.snapshot(0).pressure, 1)[near]
-    lines = [
-        Line(1e3 * fine, hertz.pressure(np.abs(fine)), "Hertz", Look(describe.HARDNESS, "dash")),
-        Line(1e3 * result.y[near], pressure, "Winkler, first step", CONTACT, step="mid"),
-    ]
-    return chart(lines, PRESSURE, "across sliding, µm", "start")
 
 
 @figure
@@ -50,7 +34,7 @@ def pressure_of_v2(runs: Runs, numbers: Numbers) -> Figure:
     cosine = np.sqrt(1.0 - (y * v2.study.counter.form.curvature) ** 2)
     level = across[v2.y.size // 2] * (counter + disc)
     lines = [
-        Line(v2.y, positive(across), "across", CONTACT),
+        Line(v2.y, positive(across), "across", Look(describe.CONTACT)),
         Line(v2.x, positive(along), "along", Look(describe.CONTACT, "dash")),
         Line(y, level / (counter + disc * cosine), "closed form", Look(describe.HARDNESS, "dot")),
     ]
@@ -58,7 +42,8 @@ def pressure_of_v2(runs: Runs, numbers: Numbers) -> Figure:
     low, high = float(both[both > 0.0].min()), float(both.max())
     pressure = Axis(PRESSURE, low=low - 0.5 * (high - low), high=high + 0.3 * (high - low))
     note = f"{after(last.distance)} (axis not from zero)"
-    return Figure([_start_of(v2), chart(lines, pressure, "across or along sliding, mm", note)], legend=5)
+    at_end = chart(lines, pressure, "across or along sliding, mm", note)
+    return Figure([v2.plot.declared("hertz").panels[0], at_end], legend=5)
 
 
 @figure
@@ -72,7 +57,7 @@ def disc_of_v1(runs: Runs, numbers: Numbers) -> Figure:
     ]
     root = root_through_end(distance, depth, "square root", describe.HARDNESS)
     depths = [Line(distance, depth, "deepest cell", Look(describe.DISC)), root]
-    sections = chart(profiles, Axis(HEIGHT), describe.ACROSS)
+    sections = chart(profiles, Axis("height of the disc, µm"), describe.ACROSS)
     return Figure([sections, chart(depths, "depth of the disc, µm")], legend=3)
 
 

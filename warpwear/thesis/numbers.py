@@ -245,9 +245,9 @@ def _stability(runs: Runs) -> Numbers:
     study = runs["beyond"].study
     wear = sum(study.wear_coefficients)
     return {
-        "beyond.limit_mm": study.contact_law().stable_increment(wear),
+        "beyond.limit_mm": study.stable_increment(wear),
         "beyond.increment_mm": study.increments[2],
-        "v1.limit_mm": runs["v1"].study.contact_law().stable_increment(wear),
+        "v1.limit_mm": runs["v1"].study.stable_increment(wear),
         "beyond.area_last": low[-1],
         "beyond.area_mean": low.mean(),
         "beyond.area_lowest": low.min(),

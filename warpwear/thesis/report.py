@@ -149,11 +149,9 @@ def _how(name: str, result: Result) -> dict[str, Any]:
     study = result.study
     first, growth, largest = study.increments
     steps = f"{first:g} mm" if growth == 1.0 else f"{1e3 * first:g} µm growing to {largest:g} mm"
-    law = (
-        f"foundation, {number(study.contact_law().stiffness)} N/mm³"
-        if study.study.model == "macro"
-        else f"hardness {study.hardness:g} MPa"
-    )
+    law = f"hardness {study.hardness:g} MPa"
+    if study.study.model == "macro":
+        law = f"foundation, {number(study.stiffness)} N/mm³"
     return {
         "name": LABELS.get(name, name),
         "law": law,

@@ -150,15 +150,15 @@ def test_what_is_evaluated_ahead_is_what_patches_answer(kind: str, device: str) 
     """Pressure, slope, and how far they are a straight line, by the kernel that evaluates alone."""
     stepped = Stepped(of_kind(kind), device=device)
     model, compared = stepped.model, 0
-    sharing, foresight = model.sharing, model._foresight
+    sharing, courses = model.sharing, model._courses
     asks = Program(stepped.executor)
     model._pass(asks, passes.carried, model._steps, sharing.curves, model.contact.surfaces)
     for increment, then in pairwise((3e-3, 3e-3, 0.01, 0.03, 0.1, 0.3)):
         model.advance(increment, then=then)
-        if foresight.memory["ahead"] < 0.0:
+        if model._memory["ahead"] < 0.0:
             continue
         ahead, before = (sharing.answer.numpy().copy(), [field.numpy().copy() for field in _trial(sharing)])
-        base, offset = foresight.courses.base_next.numpy(), foresight.courses.offset_next.numpy()
+        base, offset = courses["base_next"].numpy(), courses["offset_next"].numpy()
         for field, values in zip(_trial(sharing), (base, offset), strict=True):
             field.assign(values)
         model._now.set(stiffness=model._now["stiffness_next"])
@@ -168,7 +168,7 @@ def test_what_is_evaluated_ahead_is_what_patches_answer(kind: str, device: str) 
         for found, expected in zip(ahead[:2], answer[:2], strict=True):
             assert_allclose(found, expected, rtol=1e-9, atol=1e-12 * expected.max())
         # Of tiles that touched and do so no more, the lowest gap before any wear is told otherwise.
-        deeper = base + offset >= foresight.reached.numpy()
+        deeper = base + offset >= courses["reached"].numpy()
         compared += int(deeper.sum())
         assert_allclose(ahead[2][deeper], answer[2][deeper], rtol=1e-6, atol=1e-16)
         for field, values in zip([sharing.answer, *_trial(sharing)], [ahead, *before], strict=True):
@@ -487,7 +487,7 @@ def test_a_model_goes_on_from_any_step(kind: str) -> None:
                 arrays, numbers = saved.save(stepped.model)
                 kept = {name: np.array(values) for name, values in arrays.items()}
                 assert "sharing.answer" in kept
-                assert (stepped.model._foresight.memory["ahead"] > 0.0) == (kind != "load")
+                assert (stepped.model._memory["ahead"] > 0.0) == (kind != "load")
                 stepped = Stepped(study)
                 saved.restore(stepped.model, kept, json.loads(json.dumps(numbers)))
             then = increments[number + 1] if number + 1 < len(increments) else None

@@ -5,6 +5,8 @@ pressure is that of all four. A pair of transforms costs a quarter there, and wh
 waves, which decide where load goes, it then need not spend on the fine grid.
 """
 
+from typing import Any
+
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.program import launch_once
 from warpwear.grid import Grid
@@ -42,14 +44,12 @@ def coarse_grid(grid: Grid) -> Grid:
     return Grid(-(-grid.nx // 2), -(-grid.ny // 2), 2.0 * grid.cell)
 
 
-def restrict(executor: Executor, field: Field, coarse: Executor, target: Field) -> Field:
-    """Give a field of wide cells the means of another one; `PADDING` where one of the four cells is that."""
-    transfer = arguments(windows.Transfer, field=field, target=target, columns=executor.grid.ny)
-    launch_once(coarse, windows.restrict, transfer)
+def carry(kernel: Any, executor: Executor, field: Field, target: Field, *, fine: Grid) -> Field:
+    """Give the field of an executor what another one holds, by a kernel: `restrict` or `prolong`.
+
+    A wide cell gets the mean of its four, `PADDING` where one of them is that, and each of them its value.
+    fine: grid of the narrow cells.
+    """
+    transfer = arguments(windows.Transfer, field=field, target=target, columns=fine.ny)
+    launch_once(executor, kernel, transfer)
     return target
-
-
-def prolong(coarse: Executor, field: Field, executor: Executor, target: Field) -> None:
-    """Give each cell of a field the value of the wide cell that it lies in."""
-    transfer = arguments(windows.Transfer, field=field, target=target, columns=executor.grid.ny)
-    launch_once(executor, windows.prolong, transfer)

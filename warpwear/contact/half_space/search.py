@@ -77,6 +77,7 @@ class Search:
 
         self._solve = arguments(
             solve.Solve,
+            device,
             columns=grid.ny,
             wraps_along=int(operator.wraps[0]),
             wraps_across=int(operator.wraps[1]),
@@ -93,7 +94,6 @@ class Search:
             loads=array(groups, wp.float64),
             visited=operator.visited,
             groups=array(groups, solve.Group),
-            numbers=array(1, solve.Numbers),
             table=array((solve.LINES, slots), wp.float64),
             flags=array(len(Flag), wp.int32),
         )

@@ -139,10 +139,10 @@ class ShearSearch:
         vectors = "traction", "start", "response", "gradient", "change", "trial", "way"
         self._shear = arguments(
             kernels.Shear,
+            device,
             **{name: executor.zeros(2 * grid.nx) for name in vectors},
             tie=executor.zeros(),
             bound=executor.zeros(),
-            numbers=wp.zeros(1, dtype=kernels.ShearNumbers, device=device),
             table=wp.zeros((kernels.LINES, executor.slots_of(grid.nx)), dtype=wp.float64, device=device),
             flags=wp.zeros(len(ShearFlag), dtype=wp.int32, device=device),
         )

@@ -12,6 +12,7 @@ import numpy as np
 
 from warpwear.contact.certificate import Certificate
 from warpwear.contact.half_space import coarse_start
+from warpwear.contact.half_space.coarse_start import carry
 from warpwear.contact.half_space.influence import Influence, Operator
 from warpwear.contact.half_space.search import Search
 from warpwear.contact.half_space.transforms import release
@@ -19,6 +20,7 @@ from warpwear.engine.executor import Executor, Field
 from warpwear.engine.program import Program
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray
+from warpwear.kernels.half_space import windows
 from warpwear.kernels.half_space.solve import CONVERGED, UNBALANCED, Request, SearchRules
 
 #: Largest violation of complementarity, over the rms height of the gap.
@@ -26,9 +28,6 @@ TOLERANCE = SearchRules.tolerance
 MAX_ITERATIONS = SearchRules.iterations
 #: Tolerance from which single precision may be enough for a whole search.
 LOOSE = 1.0e-5
-
-#: Own, streak and window, as of `influence.Operator.set_compliance`.
-Compliances = tuple[float, float, int | None]
 
 
 @dataclass(frozen=True)
@@ -80,7 +79,7 @@ class BoundedPressure:
     load is met to 1e-12. rules: of the search, but for the tolerance and the iterations.
     """
 
-    STATE: ClassVar = {"pressure_field": Field, "_started": bool}
+    STATE: ClassVar = {"pressure_field": Field, "started": bool}
 
     def __init__(
         self,
@@ -103,24 +102,16 @@ class BoundedPressure:
         self._search: Search | None = None
         #: Gap, cap fractions, compliances of cells and groups that the search is said for.
         self._said: tuple[Any, ...] = ()
-        self._started = False
-
-    @property
-    def started(self) -> bool:
-        """Tell whether the next solve has a pressure to start from."""
-        return self._started
+        #: Whether the next solve starts from what `pressure_field` holds; else from nothing.
+        self.started = False
 
     def forget(self) -> None:
         """Start the next solve from nothing."""
-        self._started = False
-
-    def go_on(self) -> None:
-        """Start the next solve from what `pressure_field` holds."""
-        self._started = True
+        self.started = False
 
     @property
     def pressure_field(self) -> Field:
-        """Return where the next solve starts after `go_on`, to be changed in place between 0 and H [MPa]."""
+        """Return where the next solve starts, to be changed in place between 0 and H [MPa]."""
         return self._fields["pressure"]
 
     def solve(
@@ -153,21 +144,17 @@ class BoundedPressure:
         not met.
         """
         loads = self._loads(mean_pressure, approach)
-        compliances = compliance, streak_compliance, streak_window
-        certified = not self._started if certified is None else certified
-        transforms = (
-            0 if self._started else self._start(gap, mean_pressure, approach, compliances, parts, yields)
-        )
+        certified = not self.started if certified is None else certified
         search = self._search_for(gap, parts, yields, groups=isinstance(mean_pressure, np.ndarray))
-        self._influence.set_compliance(*compliances)
+        self._influence.set_compliance(compliance, streak_compliance, streak_window)
         request = {
             Request.RESPONSE: self._influence.shortest_response + compliance,
             Request.AT_LOAD: loads is not None,
-            Request.ANEW: not self._started,
+            Request.ANEW: not self.started,
             Request.ROUGH: self._rules.tolerance >= LOOSE,
             Request.CERTIFIED: certified,
         }
-        self._started = False
+        self.started = False
         status = search.run(request, np.full(1, approach) if loads is None else loads, then and then(search))
         contact = self._contact_of(search, status, loads)
         if certified:
@@ -176,20 +163,8 @@ class BoundedPressure:
             raise ConvergenceError(
                 f"the pressure of the half-space contact cannot be certified: {contact.certificate.fault}."
             )
-        self._started = True
-        return replace(contact, transforms=contact.transforms + transforms)
-
-    def _start(
-        self,
-        gap: Field,
-        mean_pressure: float | FloatArray | None,
-        approach: float | None,
-        compliances: Compliances,
-        parts: Field | None,
-        yields: Field | None,
-    ) -> int:
-        """Find a first pressure, where there is a way to; the pairs of transforms that it took."""
-        return 0
+        self.started = True
+        return contact
 
     def displacement(self) -> Field:
         """Return the displacement under the pressure that was certified last [mm]; lost in a solve."""
@@ -283,19 +258,26 @@ class HalfSpace(BoundedPressure):
         self._wide_fields: tuple[Field, ...] = ()
         super().__init__(executor, Influence(executor, **elastic), **options)
 
+    def solve(self, gap: Field, *, certified: bool | None = True, **where: Any) -> HalfSpaceContact:
+        """Solve a contact as `BoundedPressure` does, from that on cells twice as wide if from nothing."""
+        begins = not self.started
+        transforms = self._start(gap, **where) if begins and coarse_start.is_worth_it(self._executor) else 0
+        certified = begins if certified is None else certified
+        contact = super().solve(gap, certified=certified, **where)
+        return replace(contact, transforms=contact.transforms + transforms)
+
     def _start(
         self,
         gap: Field,
-        mean_pressure: float | FloatArray | None,
-        approach: float | None,
-        compliances: Compliances,
-        parts: Field | None,
-        yields: Field | None,
+        *,
+        parts: Field | None = None,
+        yields: Field | None = None,
+        streak_window: int | None = None,
+        then: Any = None,
+        **where: Any,
     ) -> int:
         """Start from the contact on cells twice as wide, of whose transforms four count as one."""
         fine = self._executor
-        if not coarse_start.is_worth_it(fine):
-            return 0
         fields = gap, parts, yields
         there = [field is not None for field in fields]
         if self._wide is None or [field is not None for field in self._wide_fields] != there:
@@ -308,28 +290,24 @@ class HalfSpace(BoundedPressure):
             of_wide = self._wide._executor
             self._wide_fields = tuple(of_wide.zeros() if one else None for one in there)
         wide, on = self._wide, self._wide._executor
-        own, streak, window = compliances
         wide.forget()
         try:
             wide_gap, wide_parts, wide_yields = (
-                None if field is None else coarse_start.restrict(fine, field, on, target)
+                None if field is None else carry(windows.restrict, on, field, target, fine=fine.grid)
                 for field, target in zip(fields, self._wide_fields, strict=True)
             )
             contact = wide.solve(
                 wide_gap,
-                mean_pressure=mean_pressure,
-                approach=approach,
-                compliance=own,
-                streak_compliance=streak,
-                streak_window=None if window is None else max(window // 2, 1),
+                streak_window=None if streak_window is None else max(streak_window // 2, 1),
                 parts=wide_parts,
                 yields=wide_yields,
                 certified=False,
+                **where,
             )
         except (ConvergenceError, InputError):
             return 0
-        coarse_start.prolong(on, contact.pressure_field, fine, self.pressure_field)
-        self._started, transforms = True, -(-contact.transforms // 4)
+        carry(windows.prolong, fine, contact.pressure_field, self.pressure_field, fine=fine.grid)
+        self.started, transforms = True, -(-contact.transforms // 4)
         if coarse_start.memory_is_short(fine):
             self._wide, self._wide_fields = None, ()
             del wide, on, contact, wide_gap, wide_parts, wide_yields

@@ -278,10 +278,7 @@ class WindowedHalfSpace:
             assert here is not None
             here.take(gap, self._pressure, fractions=parts, yields=yields)
             self._clear_beside(window)
-            if self._started:
-                here.solver.go_on()
-            else:
-                here.solver.forget()
+            here.solver.started = self._started
             contact = here.solver.solve(
                 here.gap,
                 mean_pressure=load / window.grid(whole).area,

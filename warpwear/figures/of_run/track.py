@@ -81,9 +81,8 @@ def wear_per_pass(data: FigureData) -> Figure:
         whole[:] = True
     number = table["number"][whole]
     many = np.maximum(np.rint(table["distance"] / stroke), 1.0)  # passes that a computed one stands for
-    length = np.maximum(
-        table["distance"] / many, table["patch_along"]
-    )  # of a short stroke the scar keeps its middle
+    # Of a short stroke the scar keeps its middle.
+    length = np.maximum(table["distance"] / many, table["patch_along"])
     marker = "o" if number.size < 12 else ""
     lines = [
         Line(number, 1e3 * (table[name] / (many * length * table["patch_across"]))[whole], label, look)

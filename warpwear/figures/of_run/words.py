@@ -35,15 +35,10 @@ class Reason(NamedTuple):
     name: str
     applies: Callable[[FigureData], bool]
 
-    @property
-    def sentence(self) -> str:
-        """Say it for people."""
-        return SENTENCES[self.name]
-
 
 def first_of(reasons: Iterable[Reason], data: FigureData) -> str | None:
     """Return the sentence of the first reason that applies to a run; None where none does."""
-    return next((reason.sentence for reason in reasons if reason.applies(data)), None)
+    return next((SENTENCES[reason.name] for reason in reasons if reason.applies(data)), None)
 
 
 def _is_smooth(data: FigureData) -> bool:
@@ -66,10 +61,8 @@ NO_SNAPSHOT = Reason("no_snapshot", lambda d: d.result.snapshot_distances.size =
 ONE_SNAPSHOT = Reason("one_snapshot", lambda d: d.result.snapshot_distances.size < 2)
 SMOOTH_DISC = Reason("smooth_disc", _is_smooth)
 SMOOTH = Reason("smooth", lambda d: _is_smooth(d) and not d.study.wear.sheds)
-NO_TEXTURE = Reason(
-    "no_texture",
-    lambda d: not any(np.isfinite(d.evolution.table[f"sq_{body}"]).any() for body in ("counter", "disc")),
-)
+SQ = ("sq_counter", "sq_disc")
+NO_TEXTURE = Reason("no_texture", lambda d: not any(np.isfinite(d.evolution.table[sq]).any() for sq in SQ))
 NO_SPECTRUM = Reason("no_spectrum", lambda d: not all(d.spectra.values()))
 ONLY_SAMPLES = Reason("only_samples", lambda d: d.study.samples_area)
 ONE_SCALE = Reason("one_scale", lambda d: d.study.study.model != "two-scale")

@@ -107,7 +107,7 @@ class HalfSpacePatches(Model):
 
         Raises ConvergenceError when the contact cannot be solved.
         """
-        removals = self._ledger.removals(0.0, increment)
+        removals = self.task.wear_per_pressure(self._ledger.row["distance"], increment)
         start, certified = self._ledger.row["distance"], self.certified or None
         if self._film:
             self._film.look(start)
@@ -123,7 +123,7 @@ class HalfSpacePatches(Model):
         if self._film:
             worn = replace(worn, bare=self._film.under(contact.pressure_field, self.visited))
             self._film.rub(start + increment)
-        step = self._ledger.enter(worn, increment, removals, pressure)
+        step = self._ledger.enter_worn(worn, increment, removals, pressure)
         step.row.update(columns_of(contact.certificate))
         return step
 

@@ -1,5 +1,6 @@
 """Patches of fine cells share the load of a macro contact, on two scales."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import ClassVar
@@ -24,7 +25,6 @@ from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.models.model import Model
 from warpwear.models.patches.cells import PatchContact
-from warpwear.models.patches.foresight import PatchForesight
 from warpwear.models.patches.shares import LoadSharing
 from warpwear.models.patches.smooth import SmoothContact
 
@@ -48,7 +48,8 @@ class TwoScaleModel(Model):
         "_ledger": PatchLedger,
         "_smooth": SmoothContact,
         "sharing": LoadSharing,
-        "_foresight": PatchForesight,
+        "_memory": Numbers,
+        "_courses": dict,
     }
 
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
@@ -63,7 +64,6 @@ class TwoScaleModel(Model):
         self.sharing = LoadSharing(
             executor, lowest, load=task.load, area=patches.area, hardness=task.hardness
         )
-        self._foresight = PatchForesight(executor)
         self.longest_block = max(1, min(LONGEST_BLOCK, MOST_NUMBERS // patches.count))
         count, device, rows = patches.count, executor.device, self.longest_block
         tables = {
@@ -74,6 +74,13 @@ class TwoScaleModel(Model):
             "areas": (rows, count),
         }
         zeros = {name: wp.zeros(shape, dtype=wp.float64, device=device) for name, shape in tables.items()}
+        #: By which the approaches of the next step are foreseen: of the bodies, and of every patch.
+        self._memory = Numbers(kernels.Memory, device, ahead=-1.0)
+        names = "start", "deflection", "giving", "reached", "base_next", "offset_next"
+        self._courses: dict[str, Field] = {
+            name: wp.zeros(count, dtype=wp.float64, device=device) for name in names
+        }
+        self._courses["reached"].fill_(-math.inf)
         self._books = arguments(kernels.Books, ahead=self.contact.surfaces.trial, **zeros)
         follows = task.uses_bulk_stiffness and task.bulk_updated and isinstance(task.bulk_stiffness, str)
         self._now = Numbers(kernels.Now, device)
@@ -91,10 +98,11 @@ class TwoScaleModel(Model):
             within=wp.vec4d(*self._ledger.within),
             plan=wp.zeros((self.longest_block + 1, 3), dtype=wp.float64, device=device),
             now=self._now.array,
-            memory=self._foresight.memory.array,
+            memory=self._memory.array,
             search=self.sharing.search.array,
             flags=self.sharing.flags,
         )
+        self._state = self._steps, self.sharing.curves, arguments(kernels.Courses, **self._courses)
         self._work = np.full(count, LEAST_WORK * patches.side**2)
         self._chunks: list[tuple[int, int]] = []
         self._find, self._wear, self._many = (Program(executor) for _ in range(3))
@@ -111,7 +119,7 @@ class TwoScaleModel(Model):
     def _say_find(self, program: Program) -> None:
         """Add the search for the approaches of a step to a program."""
         curves, smooth = self.sharing.curves, self._smooth
-        state = self._steps, curves, self._foresight.courses
+        state = self._state
 
         def evaluate() -> None:
             self._pass(program, passes.carried, self._steps, curves, self.contact.surfaces)
@@ -125,7 +133,7 @@ class TwoScaleModel(Model):
 
     def _say_wear(self, program: Program) -> None:
         """Add the wear of a step whose approaches are solved to a program."""
-        state = self._steps, self.sharing.curves, self._foresight.courses
+        state = self._state
         program.decide(kernels.foresee, *state)
         self._pass(program, passes.wear, *state, self.contact.surfaces, self._books)
         program.decide(kernels.end, *state, self._books)
@@ -150,7 +158,7 @@ class TwoScaleModel(Model):
             count = self._now["number"]
             for number, worn in enumerate(self._results(count)):
                 self.steps_in_flight = count - 1 - number
-                yield self._ledger.enter(worn, left[number], removals[number])
+                yield self._ledger.enter_worn(worn, left[number], removals[number])
             if not self.sharing.is_balanced:
                 raise self._failure()
             done += count
@@ -174,7 +182,7 @@ class TwoScaleModel(Model):
         self._wear.run()
         self.contact.rub(distance + increment)
         worn = replace(next(self._results(1)), bare=bare)
-        return self._ledger.enter(worn, increment, removals[0], pressure)
+        return self._ledger.enter_worn(worn, increment, removals[0], pressure)
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """Return the fields after the last step, which was asked for its pressure, at its distance [mm]."""

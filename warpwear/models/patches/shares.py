@@ -63,9 +63,7 @@ class LoadSharing:
             evaluations=MAX_EVALUATIONS - 1,
         )
         self.search = Numbers(sharing.Search, device)
-        names = ("searching", "unanswered", "balanced", "stepping")
-        flags = {name: wp.zeros(1, dtype=wp.int32, device=device) for name in names}
-        self.flags = arguments(sharing.Flags, **flags)
+        self.flags = arguments(sharing.Flags, device)
 
     def say(self, program: Program, evaluate: Callable[[], None]) -> None:
         """Add the search to a program, from where a decision before it begins.

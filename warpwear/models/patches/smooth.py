@@ -49,11 +49,10 @@ class SmoothContact:
         self._approach: Field = wp.array([self.initial.min()], dtype=wp.float64, device=device)  # [mm]
         self.smooth = arguments(
             kernels.Smooth,
+            device,
             initial=wp.array(self.initial, dtype=wp.float64, device=device),
             worn=self.worn,
             approach=self._approach,
-            balanced=wp.zeros(1, dtype=wp.int32, device=device),
-            left=wp.zeros(1, dtype=wp.float64, device=device),
             target=wp.zeros((1, count), dtype=wp.float64, device=device),
             room=wp.zeros((2, count), dtype=wp.float64, device=device),
         )

@@ -11,10 +11,10 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 
-from warpwear.contact.balance import Balance, residual_of, stiffness_of
+from warpwear.contact.balance import Balance, checked_residual, stiffness_of
 from warpwear.contact.search import LoadSearch
-from warpwear.engine.executor import Executor, arguments
-from warpwear.engine.numbers import Numbers, Table
+from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray
@@ -24,9 +24,9 @@ from warpwear.kernels import balance, bearing, contact, wear
 from warpwear.kernels.cells import NO_INDEX, WearMost, WearSum, names_of
 from warpwear.laws.archard import wear_in_steps
 from warpwear.laws.task import ContactTask
-from warpwear.models.booking import Found, booked
+from warpwear.models.booking import booked
 from warpwear.models.model import Model
-from warpwear.models.rest.bodies import RestingBodies
+from warpwear.models.track.bodies import gap_over
 
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 2.0
@@ -49,7 +49,7 @@ class OneScaleModel(Model):
 
     #: Interrupts and checkpoints wait for the end of a block.
     longest_block = LONGEST
-    STATE: ClassVar = {"state": RestingBodies, "tiles": Tiles, "_course": Numbers, "_ledger": Ledger}
+    STATE: ClassVar = {"gap": Field, "tiles": Tiles, "_course": Numbers, "_ledger": Ledger}
 
     def __init__(self, task: ContactTask, heights: FloatArray, executor: Executor) -> None:
         assert task.is_uniform  # others are those of a track
@@ -61,12 +61,14 @@ class OneScaleModel(Model):
         fitting = max(int(CELLS_OF_REPLAY / executor.grid.cells), 1)
         self.longest_block = min(self.longest_block, fitting) if executor.device.is_cpu else LONGEST_ON_GPU
         self._ledger = Ledger(task, executor.grid)
-        self.state = RestingBodies.of(task, executor, heights)
+        #: Gap from the mean planes as worn, and as it was without wear [mm]: what is worn lies between. Steps
+        #: near a late contact move three fields, not six; their rounding is that of the gap, 1e-17 mm a step.
+        self.gap, self._unworn = gap_over(task, executor, heights)
         fully = task.load / (task.hardness * executor.grid.cell_area)
-        self.tiles = Tiles(executor, self.state.gap, self.state.unworn, least=SPARE * fully)
+        self.tiles = Tiles(executor, self.gap, self._unworn, least=SPARE * fully)
         self._search = LoadSearch(
             executor,
-            self.state.gap,
+            self.gap,
             self.tiles,
             load=task.load,
             hardness=task.hardness,
@@ -76,16 +78,13 @@ class OneScaleModel(Model):
         #: What the steps on the device remember.
         self._course = Numbers(wear.Course, device, extents=[NO_INDEX] * 4)
         columns = len(wear.BALANCE) + len(SUMS) + len(MAXIMA)
-        self._plan = Table(LONGEST_ON_GPU + 1, len(wear.PLAN), device)
-        self._history = Table(LONGEST_ON_GPU, columns, device)
         self._steps = arguments(
             wear.Steps,
-            plan=self._plan.array,
-            history=self._history.array,
+            device,
+            plan=wp.zeros((LONGEST_ON_GPU + 1, len(wear.PLAN)), dtype=wp.float64, device=device),
+            history=wp.zeros((LONGEST_ON_GPU, columns), dtype=wp.float64, device=device),
             within=wp.array(self._ledger.within, dtype=wp.float64, device=device),
             course=self._course.array,
-            increment=wp.zeros(1, dtype=wear.Increment, device=device),
-            stepping=wp.zeros(1, dtype=wp.int32, device=device),
             is_rigid=int(task.rigid),
             smallest=self.tiles.smallest,
         )
@@ -115,11 +114,11 @@ class OneScaleModel(Model):
 
     def _add_wear(self, program: Program) -> None:
         """The wear of a step, and its row."""
-        listed, steps, state = self.tiles, self._steps, self.state
+        listed, steps = self.tiles, self._steps
         program.launch(
             wear.wear_step,
             *(listed.list, listed.count, self._search.law, steps.increment),
-            *(state.unworn, listed.rest, state.gap, self._tables),
+            *(self._unworn, listed.rest, self.gap, self._tables),
             slots=self._slots,
             chunks=lambda: listed.chunks,
         )
@@ -128,7 +127,7 @@ class OneScaleModel(Model):
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
         assert step.pressure is not None
-        gap = self._executor.to_numpy(self.state.gap)
+        gap = self._executor.to_numpy(self.gap)
         counter, disc = self.worn_depths(gap)
         snapshot = Snapshot(distance, pressure=step.pressure, wear_counter=counter, wear_disc=disc, gap=gap)
         # A GPU's fields are copied to be seen, and the others are made for this step.
@@ -139,11 +138,11 @@ class OneScaleModel(Model):
     def worn_depths(self, gap: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
         """Depths worn off ball and disc so far [mm], shape (nx, ny). gap: as it is, where it is at hand."""
         first, end = self._ledger.columns  # nothing is worn beyond them
-        gap = self._executor.to_numpy(self.state.gap) if gap is None else gap
-        unworn = self._executor.to_numpy(self.state.unworn)
+        gap = self._executor.to_numpy(self.gap) if gap is None else gap
+        unworn = self._executor.to_numpy(self._unworn)
         both = np.zeros(gap.shape)
         np.subtract(gap[:, first:end], unworn[:, first:end], out=both[:, first:end])
-        of_counter, of_disc = self.state.fractions
+        of_counter, of_disc = self.task.wear_fractions
         counter = np.zeros(gap.shape)
         np.multiply(of_counter, both[:, first:end], out=counter[:, first:end])
         both[:, first:end] *= of_disc
@@ -194,38 +193,29 @@ class OneScaleModel(Model):
         """Tell the device of the next steps, and of the one after them; return K ΔL of counter and disc."""
         known = [*increments, *([] if then is None else [then])]
         removals = wear_in_steps(self.task.wear, self._ledger.row["distance"], known)
-        self._plan.write([(sum(removed), self._stiffness_of(*removed)) for removed in removals])
+        plan = [(sum(removed), self._stiffness_of(*removed)) for removed in removals]
+        self._executor.put(self._steps.plan[: len(plan)], plan)
         self._course.set(step=0, steps=len(increments), known=len(known))
         return removals
 
     def _booked(self, increments: Sequence[float], removals: Sequence[tuple[float, float]]) -> Iterator[Step]:
         """The steps that the device has made, as the ledger enters them."""
         steps = self._course["step"]
-        table = np.ascontiguousarray(self._history.read(steps).T)
-        base, offset, cap, residual, width, tied, evaluations, reference = table[: len(wear.BALANCE)]
+        table = np.ascontiguousarray(self._steps.history[: max(steps, 1)].numpy()[:steps].T)
+        base, offset, cap, residual, *others = table[: len(wear.BALANCE)]
         sums, maxima = table[len(wear.BALANCE) :][: len(SUMS)], table[len(wear.BALANCE) + len(SUMS) :]
         total, most = dict(zip(SUMS, sums, strict=True)), dict(zip(MAXIMA, maxima, strict=True))
         if not self.task.rigid:
             residual = total["pressure"] * self._executor.grid.cell_area - self.task.load
-        numbers: Any = (base, offset, cap, residual, width, tied, evaluations)
-        total, most = (divided(part, self.state.fractions) for part in (total, most))
-        block = Found(steps, Balance(*numbers), reference, total, most)
-        return booked(block, self._ledger, np.array(increments), np.array(removals), self._enter)
+        total, most = (divided(part, self.task.wear_fractions) for part in (total, most))
+        numbers, slid = (base, offset, cap, residual, *others), np.array(increments)
+        return booked(self._ledger, numbers, slid, np.array(removals), total, most, self._enter)
 
-    def _enter(
-        self,
-        balance: Balance,
-        increment: float,
-        removal: tuple[float, float],
-        reference: float,
-        total: dict[str, float],
-        most: dict[str, float],
-    ) -> Step:
+    def _enter(self, balance: Balance, *columns: Any) -> Step:
         """Book a step. Raises ConvergenceError where its pressures do not carry the load."""
         if not self.task.rigid:
-            force = total["pressure"] * self._executor.grid.cell_area
-            residual_of(force, self.task.load, approach=balance.approach)
-        return self._ledger.enter(balance, increment, removal, reference, total, most)
+            checked_residual(balance.load_residual, self.task.load, approach=balance.approach)
+        return self._ledger.enter(balance, *columns)
 
     def _stiffness_of(self, removal_counter: float, removal_disc: float) -> float:
         """1/c [N/mm³] of a step that wears counter-body and disc by K ΔL [mm³/N]."""

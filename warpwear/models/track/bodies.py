@@ -49,7 +49,10 @@ class SlidingBodies:
             raise ValueError(f"a disc of {disc.shape} cells does not fit under a grid of {grid.shape}")
         wears = task.wear[0].wears and task.pieces is None
         return cls(
-            _counter(task, executor) if counter is None else executor.field(counter.copy(), padding=PADDING),
+            # The task's own is the gap over a smooth disc.
+            gap_over(task, executor, np.zeros(grid.shape))[0]
+            if counter is None
+            else executor.field(counter.copy(), padding=PADDING),
             executor.field(disc.copy(), padding=-PADDING),
             executor.zeros(),
             executor.zeros(rows),
@@ -70,10 +73,9 @@ class SlidingBodies:
         return shift
 
 
-def _counter(task: ContactTask, executor: Executor) -> Field:
-    """Heights of the task's counter-body, by the kernel that makes the gap of a smooth disc."""
-    grid, heights, form = executor.grid, executor.zeros(), task.form
+def gap_over(task: ContactTask, executor: Executor, heights: FloatArray) -> tuple[Field, Field]:
+    """Return the gap of the task's unworn counter-body over heights of a disc [mm], shape (nx, ny), twice."""
+    grid, form, gaps = executor.grid, task.form, (executor.zeros(), executor.zeros())
     place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), form.curvature]
-    smooth = executor.field(form.beneath(np.zeros(grid.shape), grid.x, grid.y))
-    launch_once(executor, contact.gap, *place, smooth, heights, heights)
-    return heights
+    launch_once(executor, contact.gap, *place, executor.field(form.beneath(heights, grid.x, grid.y)), *gaps)
+    return gaps

@@ -61,13 +61,8 @@ class CyclicSlip:
         self._stuck = self._approach = self._first = math.nan
         self._solver: HalfSpace | None = None
         if not slides:
-            grid = executor.grid
-            law: dict[str, Any] = {
-                "modulus": task.modulus,
-                "boundary": task.boundary,
-                "hardness": task.hardness,
-            }
-            self._solver = HalfSpace(executor, tolerance=TOLERANCE, datum=grid.nx * grid.cell, **law)
+            law: dict[str, Any] = {"boundary": task.boundary, "hardness": task.hardness}
+            self._solver = HalfSpace(executor, modulus=task.modulus, tolerance=TOLERANCE, **law)
 
     def restored(self) -> None:
         """Slide as this drive does, whatever another one did."""

@@ -1,14 +1,14 @@
 """One grid on the elastic–plastic half-space: a ball, and a disc that moves or lies still under it."""
 
-import itertools
 import math
 from collections.abc import Callable, Mapping
-from typing import ClassVar
+from functools import partial
+from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
 
-from warpwear.contact.balance import Balance, residual_of
+from warpwear.contact.balance import Balance, checked_residual
 from warpwear.contact.certificate import Certificate, columns_of
 from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.solver import HalfSpaceContact
@@ -22,9 +22,11 @@ from warpwear.kernels import contact, fourier, wear_from_pressure
 from warpwear.kernels.cells import MAXIMA, Layout, PressureSum, names_of
 from warpwear.kernels.half_space import passes
 from warpwear.kernels.sliding import Bodies, OfRows, Slide
+from warpwear.kernels.sliding_steps import Steps
 from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.archard import BODIES
 from warpwear.laws.task import ContactTask
+from warpwear.models.attachment import Place
 from warpwear.models.film import BareCells
 from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.fretting import CyclicSlip
@@ -101,10 +103,8 @@ class SlidingHalfSpace:
         self._track_fraction, self._moves = track_fraction, moves
         assert task.modulus is not None  # checked with the study
         executor.load(wear_from_pressure.gaps)
-        self.keeps_dents = task.keeps_dents
-        self._half_space = WindowedHalfSpace(
-            executor, modulus=task.modulus, boundary=task.boundary, hardness=task.hardness
-        )
+        law: dict[str, Any] = {"boundary": task.boundary, "hardness": task.hardness}
+        self._half_space = WindowedHalfSpace(executor, modulus=task.modulus, **law)
         #: What is bare of film; None without one.
         self.film = BareCells.of_bodies(task.film, executor, self.state.wear_counter, self.state.wear_disc)
         self._parts = None if self.film is None else self.film.parts
@@ -136,8 +136,9 @@ class SlidingHalfSpace:
         self._mirror = Mirror(self._sums, self._maxima, *self._of_rows.values(), *of_film)
         self._slides = Numbers(Slide, executor.device, written=False, rows=executor.grid.nx, window=1)
         self._programs: dict[str, tuple[Field, Program]] = {}
-        self._goes = wp.zeros(1, dtype=wp.int32, device=device)
         self._of_pieces = wp.zeros((1, 2 * len(OF_BODY)), dtype=wp.float64, device=device)
+        #: What the parts that a study adds to a step work on.
+        self._place = Place(self._slides.array, arguments(Steps, device, history=self._of_pieces))
         margin = 1 if self.fretting is None else self.fretting.margin
         self.ledger = Ledger(task, executor.grid, margin=margin, track_fraction=track_fraction)
         #: Relative error of the area by each cell of a part, and by each beyond the first, as of late.
@@ -148,9 +149,7 @@ class SlidingHalfSpace:
         #: Contacts without wear in the step, which start from nothing: those with it are as they would be.
         self._static = None
         if task.static_area_every:
-            self._static = WindowedHalfSpace(
-                executor, modulus=task.modulus, boundary=task.boundary, hardness=task.hardness
-            )
+            self._static = WindowedHalfSpace(executor, modulus=task.modulus, **law)
         self._steps_done = 0
         self.forget()
 
@@ -187,8 +186,6 @@ class SlidingHalfSpace:
         static = math.nan
         certificates: list[Certificate | None] = []
         solves_static = self._static is not None and self._steps_done % self.task.static_area_every == 0
-        if self.pieces is not None:
-            self._run("begin", self.pieces.say_begin)
         while done < cells:
             of_part = self._cells_of_part(cells - done)
             weight = of_part / cells
@@ -224,9 +221,10 @@ class SlidingHalfSpace:
             if self.film is not None:
                 columns = int(-most["first_column"]), int(most["last_column"]) + 1  # of all touched so far
                 self._slides.set(first_column=columns[0], end_column=columns[1])
-                self._run("rub", self._say_rub)
-            carried = total["pressure"] * self._executor.grid.cell_area
-            residual = max(residual, residual_of(carried, self.task.load, approach=contact.approach), key=abs)
+                self._run("rub", partial(self.film.after_step, place=self._place))
+            left = total["pressure"] * self._executor.grid.cell_area - self.task.load
+            left = checked_residual(left, self.task.load, approach=contact.approach)
+            residual = max(residual, left, key=abs)
             # What shear wears lowers cells in contact by one depth, so that it lifts the approach alone.
             lift = weight * (shears[0] + self._track_fraction * shears[1])
             approach += weight * (contact.approach + lift)
@@ -338,18 +336,14 @@ class SlidingHalfSpace:
         return contact.cells_in_contact * self._executor.grid.cell_area
 
     def _say_gaps(self, program: Program) -> None:
-        """Say how a part begins: what is bare of film, and the gap that the disc meets on its way."""
+        """Say how a part begins: what is bare of film or due, and the gap that the disc meets on its way."""
         slides = self._slides.array
-        if self.film is not None:
-            self.film.say_look(program, slides)
+        for one in (self.film, self.pieces):
+            if one is not None:
+                one.before_search(program, self._place)
         worn = self.state.wear_counter if self.fretting is None else self.state.wear_disc
         program.launch(wear_from_pressure.means, slides, worn, self._means)
         program.launch(wear_from_pressure.gaps, slides, self._bodies, self._means, self._gap)
-
-    def _say_rub(self, program: Program) -> None:
-        """Say what the film notes of a part."""
-        assert self.film is not None
-        self.film.say_rub(program, self._slides.array)
 
     def _say_wear(self, program: Program, contact: HalfSpaceContact) -> None:
         """Say how both bodies wear by the pressure of a contact."""
@@ -404,13 +398,13 @@ class SlidingHalfSpace:
 
     def _shed(self, total: dict[str, float], most: dict[str, float]) -> None:
         """Let the pieces of a step leave; enter what is worn and pending then among sums and maxima."""
-        pieces, slides = self.pieces, self._slides.array
+        pieces = self.pieces
         assert pieces is not None
-        for _ in itertools.count():
-            self._run("shed", lambda program: pieces.say_shed(program, slides, self._goes, self._of_pieces))
-            if not pieces.drain():
-                break
-        pieces.book.end_steps()
+        goes_on = True
+        while goes_on:
+            self._run("shed", partial(pieces.between, place=self._place))
+            goes_on = pieces.drain()
+        pieces.end_steps(1)
         for body, sums in zip(BODIES, self._of_pieces.numpy().reshape(2, -1).tolist(), strict=True):
             total[f"pieces_{body}"], total[f"wear_{body}"], total[f"pending_{body}"], deepest = sums
             most[f"wear_{body}"] = deepest

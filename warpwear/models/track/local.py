@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 
-from warpwear.contact.balance import Balance, stiffness_of
+from warpwear.contact.balance import stiffness_of
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
@@ -21,7 +21,7 @@ from warpwear.laws.archard import distance_factor, wear_in_steps
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
 from warpwear.models.attachment import Attachment, Place
-from warpwear.models.booking import Found, booked
+from warpwear.models.booking import booked
 from warpwear.models.film import BareCells
 from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.pieces import SlidingPieces
@@ -86,7 +86,6 @@ class SlidingContact:
         self.state = SlidingBodies.of(task, executor, disc, counter=counter)
         self.task, self.periodic, self._moves = task, periodic, moves
         self._executor, self._track_fraction = executor, track_fraction
-        self.keeps_dents = task.keeps_dents
         device = executor.device
         #: What is bare of film; None without one.
         self.film = BareCells.of_bodies(task.film, executor, self.state.wear_counter, self.state.wear_disc)
@@ -128,17 +127,16 @@ class SlidingContact:
         self._columns = (*COLUMNS, *(name for one in self.attachments for name in one.columns))
         self._steps = arguments(
             sliding_steps.Steps,
+            device,
             plan=wp.zeros((self.longest, len(sliding_steps.PLAN)), dtype=wp.float64, device=device),
             history=wp.zeros((self.longest, len(self._columns)), dtype=wp.float64, device=device),
             within=wp.array(self.ledger.within, dtype=wp.float64, device=device),
             changes=self._changes,
             course=self._course.array,
             slides=self._slides.array,
-            stepping=wp.zeros(1, dtype=wp.int32, device=device),
-            solved=wp.zeros(1, dtype=wp.int32, device=device),
             moves=int(moves),
             stays=int(wears_alone and not moves),
-            hardness=task.hardness if self.keeps_dents else NO_LIMIT,
+            hardness=task.hardness if task.keeps_dents else NO_LIMIT,
             rows=executor.grid.nx,
             columns=executor.grid.ny,
             margin=sum(one.margin for one in self.attachments),
@@ -162,12 +160,11 @@ class SlidingContact:
             self.tiles,
             Place(
                 self._slides.array,
-                None,  # of each search
-                (self.tiles.list, self.tiles.count),
-                of_cells,
-                bodies,
-                arguments(StepTables, **tables),
                 self._steps,
+                listed=(self.tiles.list, self.tiles.count),
+                of_cells=of_cells,
+                bodies=bodies,
+                tables=arguments(StepTables, **tables),
             ),
             arguments(OfTiles, rows=arguments(OfRows, **self._totals), **bounds, **numbers),
             self.attachments,
@@ -266,8 +263,7 @@ class SlidingContact:
         compliances = plan[:, sliding_steps.PLAN.index("compliance")]
         rigid = bool(compliances[0] == 0.0)
         count = int(np.argmax((compliances == 0.0) != rigid)) or len(plan)  # a replay has steps of one kind
-        host: Field = wp.array(plan[:count], dtype=wp.float64, device="cpu")
-        wp.copy(self._steps.plan, host, count=count * len(sliding_steps.PLAN))
+        self._executor.put(self._steps.plan[:count], plan[:count])
         self._course.set(step=0, steps=count)
         if not self._course["is_begun"]:
             self._begin_at(*plan[0])
@@ -295,9 +291,8 @@ class SlidingContact:
         most |= {name: columns[name] for name in ("first_row", "last_row")}
         for one in self.attachments:
             one.enter(columns, total, most)
-        numbers: list[Any] = [columns[name] for name in BALANCE]
-        block = Found(count, Balance(*numbers[:-1]), numbers[-1], total, most)
-        return booked(block, self.ledger, np.array(increments), removals, self._enter)
+        numbers = [columns[name] for name in BALANCE]
+        return booked(self.ledger, numbers, np.array(increments), removals, total, most, self._enter)
 
     def _enter(self, *columns: Any) -> Step:
         """Book a step as `Ledger.enter` does."""

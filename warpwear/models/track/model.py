@@ -49,7 +49,6 @@ class SweptModel(Model):
             self.contact = SlidingHalfSpace(task, heights, executor, **options)
         else:
             self.contact = SlidingContact(task, heights, executor, bearing_curve=bearing_curve, **options)
-        self._keeps = self.contact.keeps_dents
         self._done = self._row = 0
         self._middle = track.place(0)  # of the counter-body, before it moves [mm]
 
@@ -133,7 +132,7 @@ class SweptModel(Model):
             wear_counter=to_numpy(state.wear_counter),
             wear_disc=to_numpy(state.wear_disc),
             gap=to_numpy(state.counter) - self._track.beneath(disc, row),
-            plastic_disc=to_numpy(state.plastic_disc) if self._keeps else None,
+            plastic_disc=to_numpy(state.plastic_disc) if self.contact.task.keeps_dents else None,
             bare=to_numpy(self.contact.film.bare) if self.contact.film else None,
             slip=self._slip(step.pressure),
             row=row if self._track.moves else None,

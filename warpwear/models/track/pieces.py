@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 import warp as wp
 
-from warpwear.engine.executor import Arguments, Executor, Field, arguments
+from warpwear.engine.executor import Arguments, Executor, Field, arguments, as_numbers
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
@@ -54,18 +54,18 @@ class Pending:
         rows, cell = height.shape[0], grid.cell
         self._executor, self._footprint = executor, footprint
         self.pending: Field = executor.field(law.start((rows, grid.ny), cell, body=number))
-        size = rows * executor.vectors * LANES
+        shape = rows, executor.vectors * LANES
         #: Pieces of a round at most: no two within `apart` cells along both axes.
         self.most = (rows // (law.apart(cell) + 1) + 2) * (grid.ny // (law.apart(cell) + 1) + 2)
         self._of_rows: Field = wp.zeros((3, rows), dtype=wp.float64, device=device)
         self.body = arguments(
             kernels.Body,
-            height=_numbers(height),
-            wear=_numbers(self._wear),
-            pending=_numbers(self.pending),
-            sums=wp.zeros(size, dtype=wp.float64, device=device),
-            candidates=wp.zeros(size, dtype=wp.int32, device=device),
-            overflow=wp.zeros(size, dtype=wp.int32, device=device),
+            height=as_numbers(height, shape),
+            wear=as_numbers(self._wear, shape),
+            pending=as_numbers(self.pending, shape),
+            sums=wp.zeros(math.prod(shape), dtype=wp.float64, device=device),
+            candidates=wp.zeros(math.prod(shape), dtype=wp.int32, device=device),
+            overflow=wp.zeros(math.prod(shape), dtype=wp.int32, device=device),
             peaks=wp.zeros(self.most, dtype=wp.int32, device=device),
             counts=wp.zeros(kernels.COUNTS, dtype=wp.int32, device=device),
             of_rows=self._of_rows,
@@ -156,15 +156,15 @@ class SlidingPieces(Attachment):
         of_counter, of_disc = (bodies.counter, bodies.wear_counter), (bodies.disc, bodies.wear_disc)
         self.counter = Pending(executor, law, self._footprint, of_counter, number=0, periodic=False)
         self.disc = Pending(executor, law, self._footprint, of_disc, number=1, periodic=periodic)
+        self.both = self.counter, self.disc
         both = {"counter": self.counter.body, "disc": self.disc.body}
         self._both = arguments(kernels.Both, footprint=self._footprint, **both)
         self.book = PieceBook()
         room = max(self.counter.most, self.disc.most, ROOM)
         self._release = arguments(
             shedding.Release,
+            device,
             pieces=wp.zeros((room, shedding.COLUMNS), dtype=wp.float64, device=device),
-            **{name: wp.zeros(1, dtype=wp.int32, device=device) for name in ("count", "full")},
-            **{name: wp.zeros(1, dtype=wp.int32, device=device) for name in ("sheds", "closes", "ends")},
             begins=wp.array([1], dtype=wp.int32, device=device),
         )
 
@@ -176,11 +176,6 @@ class SlidingPieces(Attachment):
         if task.pieces is None:
             return None
         return cls(task.pieces, executor, bodies, periodic=periodic)
-
-    @property
-    def both(self) -> tuple[Pending, Pending]:
-        """What is pending of counter-body and disc."""
-        return self.counter, self.disc
 
     def beside(self, columns: tuple[int, int]) -> tuple[int, int]:
         """First column of those given, and the one after the last, where pieces of them may lie too."""
@@ -196,8 +191,9 @@ class SlidingPieces(Attachment):
         return program.branch(self._release.ends)
 
     def before_search(self, program: Program, place: Place) -> None:
-        """Say that a step begins."""
-        self.say_begin(program)
+        """Say that a step begins: what waits since the last one is looked at."""
+        for body in self.both:
+            program.launch(kernels.list_overflow, body.body, **self._alone)
 
     def before_wear(self, program: Program, place: Place) -> None:
         """Say that the wear of the tiles listed becomes pending."""
@@ -205,8 +201,17 @@ class SlidingPieces(Attachment):
         program.launch(kernels.take_tiles, place.slides, self._both, *contact, **self._alone)
 
     def between(self, program: Program, place: Place) -> None:
-        """Say that the pieces of a step leave."""
-        self.say_shed(program, place.slides, place.steps.stepping, place.steps.history)
+        """Say that the pieces of a step leave; the loop over steps ends where their table is full.
+
+        The last columns of the history are `COLUMNS`.
+        """
+        rows = place.steps.history
+        column = rows.shape[1] - len(COLUMNS)
+        for number, body in enumerate(self.both):
+            line = rows, column + number * len(OF_BODY)
+            body.say_shed(program, place.slides, self._release, line)
+        goes = place.steps.stepping
+        program.decide(shedding.end_step, self.counter.body, self.disc.body, self._release, goes)
 
     def end_steps(self, count: int) -> None:
         """Enter into the book that a program has made so many steps."""
@@ -218,28 +223,12 @@ class SlidingPieces(Attachment):
             pieces, wear, pending, most[f"wear_{body}"] = (columns[f"{name}_{body}"] for name in OF_BODY)
             total |= {f"pieces_{body}": pieces, f"wear_{body}": wear, f"pending_{body}": pending}
 
-    def say_begin(self, program: Program) -> None:
-        """Add to a program that a step begins: what waits since the last one is looked at."""
-        for body in self.both:
-            program.launch(kernels.list_overflow, body.body, **self._alone)
-
     def say_take(self, program: Program, slides: Field, pressure: Field) -> None:
         """Add to a program that the wear by a pressure field [MPa] becomes pending.
 
         slides: a `Slide` in an array, by whose `pending_counter`, `pending_disc` and `shift` it does.
         """
         program.launch(kernels.take_field, slides, self._both, pressure, **self._alone)
-
-    def say_shed(self, program: Program, slides: Field, goes: Field, rows: Field) -> None:
-        """Add to a program that the pieces of a step leave.
-
-        goes: flag of the loop over steps, which becomes 0 where the table is full. rows: the history, a row a
-        step, whose last columns are `COLUMNS`.
-        """
-        column = rows.shape[1] - len(COLUMNS)
-        for number, body in enumerate(self.both):
-            body.say_shed(program, slides, self._release, (rows, column + number * len(OF_BODY)))
-        program.decide(shedding.end_step, self.counter.body, self.disc.body, self._release, goes)
 
     def drain(self) -> bool:
         """Enter the pieces that have left into the book; tell whether the program is to go on in its step."""
@@ -263,11 +252,3 @@ class SlidingPieces(Attachment):
         """Slots of passes that write lists: on a CPU one thread does them."""
         slots = self._executor.slots_of(self._executor.grid.nx)
         return {"slots": slots, "chunks": [(0, slots)]}
-
-
-def _numbers(field: Field) -> Field:
-    """Return a field as numbers, shape (rows, columns and padding), in the same memory."""
-    shape = field.shape[0], field.shape[1] * LANES
-    view: Field = wp.array(ptr=field.ptr, dtype=wp.float64, shape=shape, device=field.device, copy=False)
-    view._owner = field  # which keeps the memory
-    return view

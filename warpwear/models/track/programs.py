@@ -3,12 +3,11 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
-from typing import Literal, cast
+from typing import Literal
 
 from warpwear.contact.search import LoadSearch
 from warpwear.engine.executor import SMALL, Arguments, Executor
 from warpwear.engine.program import Program
-from warpwear.engine.tiles import Tiles
 from warpwear.kernels import sliding, sliding_steps
 from warpwear.laws.task import ContactTask
 from warpwear.models.attachment import Attachment, Place
@@ -49,7 +48,7 @@ class StepPrograms:
             search = LoadSearch(
                 self._executor,
                 self._place.bodies.gap,
-                cast(Tiles, self._tiles),
+                self._tiles,
                 load=task.load,
                 hardness=task.hardness,
                 stiffness=None if rigid else of_cells.stiffness,

@@ -1,19 +1,16 @@
 """The list of tiles that a ball can touch on a disc displaced under it."""
 
-import math
 from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
 
-from warpwear.engine.executor import Arguments, Executor, Field, arguments
-from warpwear.engine.numbers import Numbers
+from warpwear.engine.executor import Arguments, Executor, Field, arguments, as_numbers
 from warpwear.engine.program import Program
-from warpwear.engine.tiles import LEAST_TILES, NO_LIMIT
+from warpwear.engine.tiles import NO_LIMIT, TileList
 from warpwear.grid import FloatArray
 from warpwear.kernels import sliding
 from warpwear.kernels.cells import LANES, Cells
-from warpwear.kernels.tiles import Listing
 
 #: Cost of looking at the bounds of a pair of tiles, in cells.
 BOUNDS_IN_CELLS = 1.0
@@ -27,10 +24,7 @@ class PerTile:
     def __init__(self, rows: int, tiles: int, device: Any) -> None:
         groups = -(-tiles // LANES)
         self.vectors = wp.zeros((rows, groups), dtype=Cells, device=device)
-        shape = rows, groups * LANES
-        numbers: Any = wp.array(ptr=self.vectors.ptr, shape=shape, dtype=wp.float64, device=device)
-        numbers._owner = self.vectors  # which keeps the memory
-        self.numbers: Field = numbers
+        self.numbers: Field = as_numbers(self.vectors, (rows, groups * LANES))
 
     def to_numpy(self) -> FloatArray:
         """Shape (rows, tiles and padding)."""
@@ -38,16 +32,15 @@ class PerTile:
         return values
 
 
-class SlidingTiles:
+class SlidingTiles(TileList):
     """Tiles of a ball that the disc beneath them can reach, displaced as a `Slide` says.
 
     Each displacement has its own list, which a search asks for as `engine.tiles.Tiles` has it; with a tile is
     made its gap. The gap of other tiles is not made. A list holds no tile without a cell within the limit.
 
     bodies: heights as worn, of nx rows and of at least as many, and room for the gap; places without a
-    surface stand infinitely high on the ball and low on the disc. slides: a `Slide` in an array. least:
-    cells that a list holds at least, so that a capped contact can carry its load on them. stays: whether the
-    disc lies still and nothing but the pass that wears changes a gap, which is made once then.
+    surface stand infinitely high on the ball and low on the disc. slides: a `Slide` in an array. stays:
+    whether the disc lies still and nothing but the pass that wears changes a gap, which is made once then.
     """
 
     STATE: ClassVar = {"lowest": PerTile, "highest": PerTile}
@@ -55,17 +48,10 @@ class SlidingTiles:
     def __init__(
         self, executor: Executor, bodies: Arguments, slides: Field, *, least: float, stays: bool = False
     ) -> None:
-        self._executor, self._bodies, self._slides = executor, bodies, slides
+        super().__init__(executor, least=least, limit=-NO_LIMIT, asked=-NO_LIMIT)
+        self._bodies, self._slides = bodies, slides
         device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
-        self._cells_of_tile = executor.grid.ny / columns
-        self._least = max(math.ceil(least / self._cells_of_tile), LEAST_TILES)
-        self.list: Field = wp.zeros((nx, columns), dtype=wp.int32, device=device)
-        self.count: Field = wp.zeros(nx, dtype=wp.int32, device=device)
-        self.lists = Numbers(Listing, device, limit=-NO_LIMIT, asked=-NO_LIMIT)
-        #: Flag: a list is asked for.
-        self.listing: Field = wp.zeros(1, dtype=wp.int32, device=device)
         self._depth: Field = wp.array([float(sliding.FIRST_DEPTH)], dtype=wp.float64, device=device)
-        self._split: tuple[int, list[tuple[int, int]]] | None = None  # for the number of a list
         self.lowest = PerTile(nx, columns, device)  # of the counter-body
         self.highest = PerTile(bodies.disc.shape[0], columns, device)  # of the disc
         self.gap = PerTile(nx, columns, device)  # the lowest of each pair, where it was made
@@ -107,20 +93,6 @@ class SlidingTiles:
         bounds, rank = (self.lowest.to_numpy() - self.highest.to_numpy()[beneath]).ravel(), self._least
         enough = float(np.partition(bounds, rank)[rank]) if rank < bounds.size else NO_LIMIT
         return float(bounds.min()), enough
-
-    @property
-    def cells(self) -> float:
-        """Cells that the last list holds."""
-        return float(self.lists["listed"]) * self._cells_of_tile
-
-    @property
-    def chunks(self) -> list[tuple[int, int]]:
-        """Ranges of slots for the threads, of passes over what is listed."""
-        number = self.lists["lists"]
-        if self._split is None or self._split[0] != number:
-            cells = self.count.numpy() * self._cells_of_tile
-            self._split = number, self._executor.split_rows(cells)
-        return self._split[1]
 
     def _chunks_of_bounds(self) -> list[tuple[int, int]]:
         """Ranges of rows for a list: every bound is looked at, and gaps are made as last time."""
