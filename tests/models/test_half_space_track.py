@@ -246,7 +246,7 @@ def test_a_track_goes_on_from_any_step(
     track: str, wears: bool, threads: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In every number of every row and in every cell, on one thread and on two; dents are kept."""
-    monkeypatch.setattr("warpwear.models.track.half_space.LARGEST_ERROR", 0.4)  # parts of a few cells
+    monkeypatch.setattr("warpwear.models.track.part_length.LARGEST_ERROR", 0.4)  # parts of a few cells
     study = small(track, contact__law="half-space", sliding__plastic="keep", sliding__distance="0.9 mm")
     study = study if wears else study.replace({"wear.counter": "0 mm^3/N/m"})
     path = study.track
@@ -322,7 +322,7 @@ def test_a_step_over_a_smooth_disc_is_one_of_single_cells(track: str) -> None:
 
 
 def test_a_step_that_stays_too_long_is_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("warpwear.models.track.half_space.LARGEST_ERROR", np.inf)
+    monkeypatch.setattr("warpwear.models.track.part_length.LARGEST_ERROR", np.inf)
     result = warpwear.run(small("representative", contact__law="half-space", sliding__distance="1.2 mm"))
     assert result.history["parts"].max() == 1.0
     assert any("too long for 2 of the steps" in note for note in result.summary["warnings"])

@@ -76,7 +76,7 @@ class StepLoop:
             prepared = order.model(executor, block=self._block, original=original)
             self._executor, self._heights = executor, prepared.heights
             self._surface_record, self._filled = prepared.record, prepared.filled
-            self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
+            self._model = prepared.model
             #: What plans the cycles where one may stand for many.
             self._jumps = CycleJumps(order, self._model, self._begin) if order.study.jumps else None
             #: What the circles of the disc hold that the counter-body has left.
@@ -153,7 +153,9 @@ class StepLoop:
         if self._jumps is not None:
             record["cycle_jump"] = self._jumps.told()
         with phase("write"):
-            self._writer.finish(history, record, finished=self.finished, book=self._book, pieces=self._pieces)
+            self._writer.finish(
+                history, record, finished=self.finished, book=self._model.book, pieces=self._model.pieces
+            )
 
     def steps(self) -> Iterator[RunStep]:
         """Every step of the study, with its fields; nothing is written."""
@@ -232,14 +234,14 @@ class StepLoop:
         was, now = self._tasks[before.number], self._tasks[self._block.number]
         if was == now:
             return
-        prepared, model = self._order.model_in(self._block, self._heights, self._executor, {}), self._model
-        state.restore(prepared.model, *state.save(model))
-        prepared.model.longest_block = min(model.longest_block, prepared.model.longest_block)
-        self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
+        model = self._order.model_in(self._block, self._heights, self._executor, {})
+        state.restore(model, *state.save(self._model))
+        model.longest_block = min(self._model.longest_block, model.longest_block)
+        self._model = model
         study = self._order.study
         circles = study.circle_of(before), study.circle_of(self._block)
         if self._jumps is not None:
-            self._jumps.model = prepared.model
+            self._jumps.model = model
             self._jumps.begin_anew(*circles)
         if self._circles is not None and circles[0] != circles[1]:
             self._circles.change(self._model, *circles)

@@ -91,6 +91,8 @@ class SlidingContact:
         self.film = BareCells.of_bodies(task.film, executor, self.state.wear_counter, self.state.wear_disc)
         self._slides = Numbers(Slide, device)
         bodies = arguments(Bodies, **self.state.fields, gap=executor.zeros())
+        if self.film is not None and task.shears:
+            bodies.bare = self.film.bare
         self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
         self._recession = None if bearing_curve is None else Recession(bearing_curve, executor, bodies)
         factor = self._factor()
@@ -140,6 +142,7 @@ class SlidingContact:
             rows=executor.grid.nx,
             columns=executor.grid.ny,
             margin=sum(one.margin for one in self.attachments),
+            shear_filmed=1.0 if task.film is None else task.film.part_shear,
         )
         of_cells = arguments(OfCells, factor=factor, factored=int(self._factored))
         for name in ("stiffness", "bare", "parts"):
@@ -245,7 +248,7 @@ class SlidingContact:
         task, row = self.task, self.ledger.row
         removals = np.array(wear_in_steps(task.wear, row["distance"], increments))
         own, dust, track = task.compliance_at(row["area_contact"]), task.dust, self._track_fraction
-        slid, moved = np.array(increments), np.array(shifts)
+        moved = np.array(shifts)
         for shift in (moved.min(), moved.max()):
             self.state.row_of(int(shift), periodic=self.periodic)
         rows = moved % self.state.disc.shape[0]
@@ -256,7 +259,10 @@ class SlidingContact:
         alike = [0.0 if self._stiffness is not None else stiffness_of(one) for one in compliance.tolist()]
         ends = np.add.accumulate([row["distance"], *increments])
         owns = np.full(len(rows), own)
-        depths = np.array(task.wear_per_contact(slid))
+        depths = np.zeros((2, len(rows)))
+        if task.shears:
+            pairs = zip(ends[:-1].tolist(), increments, strict=True)
+            depths = np.array([task.wear_per_contact(*pair) for pair in pairs]).T
         shears = depths * np.array([[1.0], [track]])
         each = rows, ends[:-1], ends[1:], of_counter, of_disc, *pending, owns, compliance, alike, *shears
         plan = np.stack(each, axis=1)

@@ -54,7 +54,7 @@ class SweptModel(Model):
 
     @property
     def pieces(self) -> PieceBook | None:
-        """The pieces that have left; None where wear leaves at once."""
+        """Return the book of the pieces that have left; None where wear leaves at once."""
         return None if self.contact.pieces is None else self.contact.pieces.book
 
     @property

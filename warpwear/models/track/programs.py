@@ -1,6 +1,5 @@
 """The programs of a contact that slides: of many steps in a row, and of one before and after its balance."""
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from typing import Literal
@@ -43,8 +42,6 @@ class StepPrograms:
         """Return the search of steps whose cells are rigid or not."""
         if rigid not in self._searches:
             task, of_cells = self._task, self._place.of_cells
-            if rigid and not math.isfinite(task.hardness):
-                raise ValueError("a contact without compliance needs a hardness")
             search = LoadSearch(
                 self._executor,
                 self._place.bodies.gap,
