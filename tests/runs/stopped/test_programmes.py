@@ -208,9 +208,9 @@ def test_a_model_is_given_up_with_its_block(case: str, monkeypatch: pytest.Monke
     model_in = RunOrder.model_in
 
     def watched(*order: Any) -> Any:
-        prepared = model_in(*order)
-        models.append(weakref.ref(prepared.model))
-        return prepared
+        model = model_in(*order)
+        models.append(weakref.ref(model))
+        return model
 
     monkeypatch.setattr(RunOrder, "model_in", watched)
     gc.disable()

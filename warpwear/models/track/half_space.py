@@ -30,15 +30,9 @@ from warpwear.models.attachment import Place
 from warpwear.models.film import BareCells
 from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.fretting import CyclicSlip
+from warpwear.models.track.part_length import PartLength
 from warpwear.models.track.pieces import OF_BODY, SlidingPieces
 
-#: What a part of a step takes off the area of a contact, relative, over its length in contact lengths and the
-#: real over the nominal area: of a smooth one 1.2 in a first pass, 2.6 after twenty, as losses add up.
-OF_OUTLINE = 2.4
-#: What each cell beyond the first of a part changes of the area of asperities below the hardness.
-OF_ELASTIC_CELL = 0.025
-#: Error of the area that the length of a part may make, relative.
-LARGEST_ERROR = 0.02
 #: Real over nominal area from which the last pressure, where it is, is a better start than none.
 KEEPS_PRESSURE = 0.7
 #: Sums over the cells of a part; the others grow, and the last part's are those of the step.
@@ -59,8 +53,8 @@ class SlidingHalfSpace:
 
     The outline of a ball's contact and its mean pressure do not move with the disc either: S of them makes
     the contact shorter. Asperities below the hardness yield by the wear of the step too, which makes them
-    wider. So a step is solved in parts over so few cells that the estimate of both is `LARGEST_ERROR` of the
-    area at most; over one cell S is none. The estimate is a fit: docs/theory/limits.md has its cases.
+    wider. So a step is solved in parts over so few cells that the estimate of both is 2 % of the area at
+    most, see `part_length`; over one cell S is none.
 
     disc, periodic, track_fraction, moves: as of `local.SlidingContact`. Raises ValueError for the same discs.
     """
@@ -72,8 +66,7 @@ class SlidingHalfSpace:
         "pieces": SlidingPieces,
         "ledger": Ledger,
         "_steps_done": int,
-        "_outline": float,
-        "_asperities": float,
+        "_length": PartLength,
         "film": BareCells,
         "fretting": CyclicSlip,
     }
@@ -143,23 +136,20 @@ class SlidingHalfSpace:
         self._place = Place(self._slides.array, arguments(Steps, device, history=self._of_pieces))
         margin = 1 if self.fretting is None else self.fretting.margin
         self.ledger = Ledger(task, executor.grid, margin=margin, track_fraction=track_fraction)
-        #: Relative error of the area by each cell of a part, and by each beyond the first, as of late.
-        self._outline = self._asperities = 0.0
         self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
         #: Whether bodies wear in pieces alone or in part: those of dust alone never leave.
         self._sheds = self.pieces is not None and task.dust < 1.0
+        self._length = PartLength(task, moves=moves, sheds=self._sheds)
         #: Contacts without wear in the step, which start from nothing: those with it are as they would be.
         self._static = None
         if task.static_area_every:
             self._static = WindowedHalfSpace(executor, modulus=task.modulus, **law)
         self._steps_done = 0
-        self.forget()
 
     def forget(self) -> None:
         """Let the next contact begin as the first one does: the disc is another."""
         self._half_space.forget()
-        if self._moves and not self.task.form.is_flat and not self._sheds:  # else no mean shortens it
-            self._outline = math.inf
+        self._length.forget()
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
@@ -190,7 +180,7 @@ class SlidingHalfSpace:
         certificates: list[Certificate | None] = []
         solves_static = self._static is not None and self._steps_done % self.task.static_area_every == 0
         while done < cells:
-            of_part = self._cells_of_part(cells - done)
+            of_part = self._length.cells(cells - done)
             weight = of_part / cells
             shift = self.state.row_of(row(done, of_part), periodic=self.periodic)
             start = before["distance"] + increment * (done / cells)
@@ -244,7 +234,7 @@ class SlidingHalfSpace:
             for name in pooled:
                 pooled[name] += weight * total[name]
             self._look(total, most)
-            error = max(error, self._error_of_part(of_part))
+            error = max(error, self._length.error(of_part))
         if self.pieces is not None:
             self._shed(total, most)
         cap = min(self.task.hardness, NO_CAP)
@@ -267,17 +257,6 @@ class SlidingHalfSpace:
             self.state.columns = self.pieces.beside(self.state.columns)
         return step
 
-    def _error_of_part(self, cells: int) -> float:
-        """Estimate the error of the area by the length of a part, relative, as the last contact was."""
-        return cells * self._outline + (cells - 1) * self._asperities if cells > 1 else 0.0
-
-    def _cells_of_part(self, left: int) -> int:
-        """Cells of the next part of a step that has some left: as many as in the parts after it, about."""
-        if self._error_of_part(left) <= LARGEST_ERROR:
-            return left
-        most = max(int((LARGEST_ERROR + self._asperities) / (self._outline + self._asperities)), 1)
-        return -(-left // -(-left // most))
-
     def _look(self, total: Mapping[str, float], most: Mapping[str, float]) -> None:
         """See what the contact that was solved says of the next: sums and maxima of its cells."""
         if not self._moves:
@@ -289,11 +268,8 @@ class SlidingHalfSpace:
         if bearing < KEEPS_PRESSURE:
             # The last pressure is then no better a start, neither where it is nor carried on with the disc.
             self._half_space.forget()
-        if not self.task.form.is_flat:  # which has no outline
-            if not self._sheds:
-                self._outline = OF_OUTLINE * bearing / along
-            elastic = 1.0 - total["capped"] / total["contact"]
-            self._asperities = self.task.dust * OF_ELASTIC_CELL * elastic * max(1.0 - bearing, 0.0)
+        elastic = 1.0 - total["capped"] / total["contact"]
+        self._length.learn(along=along, bearing=bearing, elastic=elastic)
 
     def _solve(
         self, increment: float, removals: tuple[float, float], *, certified: bool | None
