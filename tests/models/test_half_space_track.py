@@ -158,7 +158,7 @@ def test_stiff_bodies_wear_as_by_the_local_law(changes: dict[str, Any]) -> None:
             assert found.pressure is not None
             assert expected.pressure is not None
             assert_allclose(found.pressure, expected.pressure, atol=1e-4)
-            assert found.balance.approach == pytest.approx(expected.balance.approach, abs=1e-11)
+            assert found.row["approach"] == pytest.approx(expected.row["approach"], abs=1e-11)
             for name in ("area_contact", "wear_volume_counter", "wear_volume_disc", "plastic_volume_disc"):
                 assert found.row[name] == pytest.approx(expected.row[name], rel=1e-6), name
         fields, asked = (fields_of(contact, executor) for contact in (elastic, local))

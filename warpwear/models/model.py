@@ -71,12 +71,13 @@ class Model(ABC):
         """
         block: list[float] = []
         end: list[None] = [None]
+        in_blocks = self.in_blocks
         for this, following in itertools.pairwise(itertools.chain(plan, end)):
             assert this is not None
             increment, with_pressure, *certified = this
             self.certified = any(certified)
             then = following[0] if following else None
-            if with_pressure or not self.in_blocks:
+            if with_pressure or not in_blocks:
                 yield self.advance(increment, with_pressure=with_pressure, then=then)
                 continue
             block.append(increment)

@@ -1,7 +1,8 @@
 """What a run goes by: a study, the heights given for its disc, and what follows from both, made once."""
 
 import tomllib
-from collections.abc import Callable
+from bisect import bisect_left
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -85,12 +86,13 @@ class RunOrder:
         """Return the blocks of the programme; one, the whole test, without a programme."""
         return self.study.blocks
 
-    def block_of(self, step: Planned) -> Block:
-        """Return the block in which a step of the plan lies."""
-        increment, distance, _ = step
+    def blocks_of(self, steps: Sequence[Planned]) -> list[Block]:
+        """Return the block in which each step of the plan lies."""
         if len(self.blocks) == 1:
-            return self.blocks[0]
-        return next(block for block in self.blocks if distance - 0.5 * increment <= block.end)
+            return [*self.blocks] * len(steps)
+        ends = [block.end for block in self.blocks]
+        middles = (distance - 0.5 * increment for increment, distance, _ in steps)
+        return [self.blocks[bisect_left(ends, middle)] for middle in middles]
 
     @cached_property
     def columns(self) -> tuple[str, ...]:

@@ -63,7 +63,9 @@ class StepPrograms:
         steps.is_rigid = int(rigid)  # each time: a program is recorded when first run
         if (name, rigid, shares) not in self._said:
             search = self.search(rigid=rigid)
-            program = self._said[name, rigid, shares] = Program(self._executor, shares=shares)
+            records = 1 if name == "steps" else 2  # for one step alone recording does not pay
+            program = Program(self._executor, shares=shares, records=records)
+            self._said[name, rigid, shares] = program
             if name == "steps":
                 program.decide(sliding_steps.begin, steps)
                 with program.loop(steps.stepping):
