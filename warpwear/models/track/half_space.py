@@ -185,23 +185,20 @@ class SlidingHalfSpace:
             shift = self.state.row_of(row(done, of_part), periodic=self.periodic)
             start = before["distance"] + increment * (done / cells)
             removals = self.task.wear_per_pressure(start, increment * weight)
-            first, end = columns
             self._slides.set(
                 shift=shift,
-                first_column=first,
-                end_column=end,
+                first_column=columns[0],
+                end_column=columns[1],
                 start=start,
                 end=start + increment * weight,
                 window=self.cells_passing(increment * weight),
-            )
-            if self.fretting is not None:
-                self._begin_cycles(self.fretting, increment, removals)
-            last = done + of_part == cells
-            self._slides.set(
                 shear_counter=weight * shears[0],
                 shear_disc=weight * self._track_fraction * shears[1],
                 shear_filmed=filmed,
             )
+            if self.fretting is not None:
+                self._begin_cycles(self.fretting, increment, removals)
+            last = done + of_part == cells
             contact = self._solve(
                 increment * weight, removals, certified=True if self.certified and last else None
             )
@@ -217,9 +214,8 @@ class SlidingHalfSpace:
                 columns = int(-most["first_column"]), int(most["last_column"]) + 1  # of all touched so far
                 self._slides.set(first_column=columns[0], end_column=columns[1])
                 self._run("rub", partial(self.film.after_step, place=self._place))
-            left = total["pressure"] * self._executor.grid.cell_area - self.task.load
-            left = checked_residual(left, self.task.load, approach=contact.approach)
-            residual = max(residual, left, key=abs)
+            load, left = self.task.load, total["pressure"] * self._executor.grid.cell_area - self.task.load
+            residual = max(residual, checked_residual(left, load, approach=contact.approach), key=abs)
             # What shear wears lowers cells in contact by one depth, so that it lifts the approach alone; what
             # it wears off some beyond that was in their gap.
             lift = weight * (shears[0] + self._track_fraction * shears[1]) * min(filmed, 1.0)
@@ -302,8 +298,7 @@ class SlidingHalfSpace:
         if not fretting.knows_approach:
             fretting.note(self._half_space.solve(self._gap, load=self.task.load))
         fretting.look(self._gap, self._slides)
-        ahead = fretting.ahead(increment)
-        self._slides.set(window=fretting.window, ahead=ahead, **fretting.shares(removals))
+        self._slides.set(window=fretting.window, ahead=fretting.ahead(increment), **fretting.shares(removals))
         self._run("gaps", self._say_gaps)
         if fretting.yields is not None:
             self._run("yields", lambda program: fretting.say_yields(program, self._slides.array))
