@@ -104,15 +104,8 @@ def time_part(increments: list[float], cell: float, distance: float) -> Table:
         for increment in increments:
             wear, touched, contact = worn(scheme, increment)
             error = float(np.sqrt(np.mean((wear - reference) ** 2) / np.mean(reference**2)))
-            table.append(
-                {
-                    "scheme": scheme,
-                    "increment_mm": increment,
-                    "wear_error": error,
-                    "area_touched_mm2": touched,
-                    "area_contact_mm2": contact,
-                }
-            )
+            row = {"scheme": scheme, "increment_mm": increment, "wear_error": error}
+            table.append(row | {"area_touched_mm2": touched, "area_contact_mm2": contact})
     return table
 
 

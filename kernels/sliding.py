@@ -41,6 +41,7 @@ class Slide:
     pending_disc: wp.float64
     shear_counter: wp.float64  # depth that a cell in contact all the step loses by its shear [mm]
     shear_disc: wp.float64
+    shear_filmed: wp.float64  # part of these that a cell loses under a film
     own: wp.float64  # compliance that is not wear [mm³/N]
     full_depth: wp.float64  # overlap of a cell at the hardness [mm]; NONE: the disc springs back
     approach: wp.float64  # [mm]
@@ -74,6 +75,7 @@ class Bodies:
     plastic_disc: wp.array2d(dtype=Cells)  # displaced for good; not looked at of a disc that springs back
     reached: wp.array2d(dtype=Cells)  # 1 where a ball that does not wear was in contact; else one row
     gap: wp.array2d(dtype=Cells)
+    bare: wp.array2d(dtype=Cells)  # 1 where cells are that films let shear wear unalike; no rows of others
 
 
 @wp.struct

@@ -76,6 +76,7 @@ class Steps:
     rows: wp.int32  # and columns, of the grid
     columns: wp.int32
     margin: wp.int32  # columns beside those touched that are worn too
+    shear_filmed: wp.float64  # of `Slide`
 
 
 @wp.func
@@ -85,6 +86,12 @@ def scatter_of(changes: wp.array(dtype=wp.float64)):
     for n in range(CHANGES):
         most = wp.max(most, changes[n])
     return wp.max(TIMES * wp.where(most < ZERO, HALF * FIRST_SCATTER, most), LEAST_SCATTER)
+
+
+@wp.func
+def least_shear(slide: Slide):
+    """What of a depth [mm] that shear wears all cells lose, at least."""
+    return (slide.shear_counter + slide.shear_disc) * wp.min(slide.shear_filmed, ONE)
 
 
 @wp.func
@@ -106,6 +113,7 @@ def begin_step(springs: Springs, steps: Steps):
     slide.own = steps.plan[n, 7]
     slide.shear_counter = steps.plan[n, 10]
     slide.shear_disc = steps.plan[n, 11]
+    slide.shear_filmed = steps.shear_filmed
     slide.full_depth = NONE
     if steps.hardness < NONE:
         slide.full_depth = steps.plan[n, 8] * steps.hardness
@@ -175,7 +183,7 @@ def end_search(springs: Springs, steps: Steps):
         steps.solved[0] = wp.where(springs.search[0].bracket.state == STUCK, 0, 1)
         if steps.solved[0] == 1:
             slide = steps.slides[0]
-            slide.approach = law.base + law.offset + slide.shear_counter + slide.shear_disc
+            slide.approach = law.base + law.offset + least_shear(slide)
             slide.reference = wp.where(steps.is_rigid == 0 and c.mean > ZERO, c.mean, law.cap)
             if not (slide.reference < NONE):
                 slide.reference = ZERO
@@ -217,7 +225,7 @@ def record(springs: Springs, steps: Steps, tables: StepTables, of_rows: OfRows):
     if wp.tid() == 0:
         c = steps.course[0]
         enter_balance(history, row, springs, steps.slides[0].reference)
-        history[row, 1] += steps.slides[0].shear_counter + steps.slides[0].shear_disc
+        history[row, 1] += least_shear(steps.slides[0])
         history[row, OF_ROWS] = touched
         history[row, OF_ROWS + 1] = worn_counter
         history[row, OF_ROWS + 2] = worn_disc

@@ -28,6 +28,7 @@ class Pressed:
     parts: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear it
     rubbed: wp.array2d(dtype=Cells)  # part of the step in contact, and its means; no rows without shear
     rubbed_means: wp.array2d(dtype=Cells)
+    bare: wp.array2d(dtype=Cells)  # 1 where cells are; no rows where all shear alike
     cap: wp.float64  # largest pressure [MPa]
 
 

@@ -112,17 +112,23 @@ def flattened(rng, kind, *, shape=(120, 110)):
 
 
 FIELD = (130, 170)
+#: Points along each side of a pixel, of which those within an outline are its part.
+FINE = 8
 SCARS = ("bowl", "piled", "stadium", "groove", "asperities")
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Heights after and before [mm], what the scar has taken and piled up [mm], and how they lie."""
+    """Heights after and before [mm], what the scar has taken and piled up [mm], and how they lie.
+
+    worn: the part of each pixel within the scar's outline.
+    """
 
     after: np.ndarray
     before: np.ndarray
     gone: np.ndarray
     piled: np.ndarray
+    worn: np.ndarray
     shift: tuple[float, float]
     angle: float
 
@@ -130,7 +136,7 @@ class Pair:
         """Volumes worn, piled up and net [mm³] in a window, and the worn area [mm²]."""
         gone, piled = self.gone[window], self.piled[window]
         worn, above = gone.sum() * PIXEL**2, piled.sum() * PIXEL**2
-        return worn, above, worn - above, float((gone > 0).sum()) * PIXEL**2
+        return worn, above, worn - above, float(self.worn[window].sum()) * PIXEL**2
 
 
 def seen(field, shape, *, shift=(0.0, 0.0), angle=0.0):
@@ -145,23 +151,28 @@ def seen(field, shape, *, shift=(0.0, 0.0), angle=0.0):
 
 
 def scar(rng, kind, clean, sq):
-    """Return what a scar takes from heights [mm] and piles up [mm], shape (nx, ny) each. sq: [mm]."""
+    """Return what a scar takes from heights and piles up [mm], and its part of pixels, (nx, ny). sq: [mm]."""
     nx, ny = clean.shape
-    x, y = (p - rng.uniform(-0.08, 0.08) * n * PIXEL for p, n in
-            zip(places(clean.shape, (PIXEL, PIXEL)), clean.shape, strict=True))  # fmt: skip
+    middle = [rng.uniform(-0.08, 0.08) * n * PIXEL for n in (nx, ny)]
     radius = rng.uniform(0.13, 0.2) * min(nx, ny) * PIXEL
     depth = sq * math.exp(rng.uniform(math.log(0.5), math.log(20.0)))
     # a groove runs through the field
-    straight = {"stadium": 0.6 * radius, "groove": np.inf}.get(kind, 0.0)
-    far = np.maximum(np.abs(x) - straight, 0.0)
-    r = np.hypot.outer(far, y * rng.uniform(0.8, 1.2)) / radius
+    straight, aspect = {"stadium": 0.6 * radius, "groove": np.inf}.get(kind, 0.0), rng.uniform(0.8, 1.2)
+
+    def from_middle(fine):
+        x, y = (p - m for p, m in zip(places((fine * nx, fine * ny), (PIXEL / fine, PIXEL / fine)), middle,
+                strict=True))  # fmt: skip
+        return np.hypot.outer(np.maximum(np.abs(x) - straight, 0.0), y * aspect) / radius
+
+    r = from_middle(1)
     gone, piled = depth * np.maximum(1.0 - np.square(r), 0.0), np.zeros_like(clean)
+    part = (from_middle(FINE) < 1.0).reshape(nx, FINE, ny, FINE).mean(axis=(1, 3))
     if kind == "asperities":  # a smooth bowl about the mean height takes what stands out of it, valleys stay
         gone = np.maximum(clean - clean.mean() + sq - 2.0 * sq * np.square(r), 0.0)
     if kind in ("piled", "stadium", "groove"):
         lip = np.where(r > 1.0, 0.3 * depth * np.exp(-np.square((r - 1.15) / 0.12)), 0.0)
         piled = lip * np.clip((r - 1.0) / 0.05, 0.0, 1.0)
-    return gone, piled
+    return gone, piled, part
 
 
 def pair(rng, kind, worn, *, shape=FIELD, noise=0.03, half=None):
@@ -184,7 +195,7 @@ def pair(rng, kind, worn, *, shape=FIELD, noise=0.03, half=None):
     angle = math.radians(rng.uniform(-3.0, 3.0))
     shift = tuple(rng.uniform(-0.06, 0.06, 2) * np.array(shape) * PIXEL)
     clean = seen(field, shape)
-    gone, piled = scar(rng, worn, clean, sq)
+    gone, piled, part = scar(rng, worn, clean, sq)
     before = seen(field, shape, shift=shift, angle=angle)
     tilted = [
         np.add.outer(*(rng.uniform(-0.01, 0.01) * p for p in places(shape, (PIXEL, PIXEL)))) for _ in "ab"
@@ -195,6 +206,7 @@ def pair(rng, kind, worn, *, shape=FIELD, noise=0.03, half=None):
         before + tilted[1] + scatter[1],
         gone,
         piled,
+        part,
         shift,
         angle,
     )

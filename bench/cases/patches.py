@@ -28,7 +28,7 @@ class Patched:
         step = self._model.advance(increment, then=increment)
         row = step.row
         worn = row["wear_volume_counter"], row["wear_volume_disc"]
-        return Solved(step.balance.approach, *worn, row["area_contact"], step.balance.evaluations)
+        return Solved(row["approach"], *worn, row["area_contact"], int(row["evaluations"]))
 
 
 @contextmanager

@@ -70,11 +70,11 @@ class Package:
     def _solved(step: Step) -> Solved:
         row = step.row
         return Solved(
-            step.balance.approach,
+            row["approach"],
             row["wear_volume_counter"],
             row["wear_volume_disc"],
             row["area_contact"],
-            step.balance.evaluations,
+            int(row["evaluations"]),
         )
 
 

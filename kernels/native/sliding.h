@@ -27,13 +27,18 @@ WARPWEAR_FN double of_team(double value, bool adds)
     return value;
 }
 
-// Make the gap of a tile; the lowest of the cells that a thread makes.
-WARPWEAR_FN Lanes gap_of_tile(int t, int of_row, const Stored* counter, const Stored* disc, Stored* gap)
+// Make the gap of a tile; the lowest of the cells that a thread makes. bare: where cells lose a depth by
+// their shear that their film changes, none else; what they lose beyond the least is in the gap.
+template <typename Slide>
+WARPWEAR_FN Lanes gap_of_tile(int t, int of_row, const Stored* counter, const Stored* disc, Stored* gap,
+                              const Stored* bare, const Slide& slide)
 {
+    const double lift = slide.shear_counter + slide.shear_disc, least = least_shear(slide);
     Lanes low = ABSENT;
     const int last = (t + 1) * OF_TILE < of_row ? (t + 1) * OF_TILE : of_row;
     for (int i = t * OF_TILE + lane_of_team(); i < last; i += TEAM) {
-        const Lanes g = counter[i] - disc[i];
+        Lanes g = counter[i] - disc[i];
+        if (bare) g += lift * strength_of(bare[i], slide.shear_filmed) - least;
         gap[i] = g;
         low = smaller_of(low, g);
     }
@@ -50,7 +55,8 @@ WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Sli
                               const Count& counts)
 {
     const auto& step = wp::index(slides, 0);
-    const double limit = wp::index(lists, 0).limit + step.shear_counter + step.shear_disc;
+    const double lift = (step.shear_counter + step.shear_disc) * wp::max(step.shear_filmed, 1.0);
+    const double limit = wp::index(lists, 0).limit + lift;
     const int shift = step.shift, of_row = bodies.gap.shape[1] * OF_VECTOR;
     const int tiles = (of_row + OF_TILE - 1) / OF_TILE;
     const bool stays = bounds.stays == 1;
@@ -60,8 +66,10 @@ WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Sli
         const Stored *const lowest = row_of(bounds.lowest, row), *const highest =
                                                                      row_of(bounds.highest, under);
         Stored *const gap = row_of(bodies.gap, row), *const of_tiles = row_of(bounds.gap, row);
+        const Stored* const bare = bodies.bare.shape[0] > 0 ? row_of(bodies.bare, row) : nullptr;
         const auto lowest_gap = [&](int t) {
-            const double low = -of_team(most(-gap_of_tile(t, of_row, counter, disc, gap)), false);
+            const Lanes apart = gap_of_tile(t, of_row, counter, disc, gap, bare, step);
+            const double low = -of_team(most(-apart), false);
             if (lane_of_team() == 0) ((double*)of_tiles)[t] = low;
             return low;
         };
@@ -201,7 +209,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
     const bool sheared = RARE && lift > 0.0;
     const bool filmed = RARE && of_cells.bare.shape[0] > 0, is_known = of_tiles.gap.shape[0] > 0;
     const int of_row = bodies.gap.shape[1] * OF_VECTOR;
-    const Lanes zero = 0.0, one = 1.0, none = NO_INDEX;
+    const Lanes zero = 0.0, one = 1.0, none = NO_INDEX, least_lift = NEARLY_NONE;
     const Counts no = 0, yes = 1;
     Lanes pressure = 0.0, weighted = 0.0, deviation = 0.0, highest = 0.0, deepest_counter = 0.0;
     Lanes deepest_disc = 0.0, bared = 0.0, rubbed = 0.0;
@@ -249,8 +257,10 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
                 const Lanes f = factored ? (Lanes)factor[i] : one;
                 Lanes da = of_counter * p, db = of_disc * f * p;
                 if (sheared) {
-                    const Lanes part_of_step = clipped((overlap + lift) / lift, one);
-                    const Lanes rubs = p > zero ? one : part_of_step;
+                    const Lanes tau = filmed ? strength_of(bare[i], step.shear_filmed) : one;
+                    const Lanes own_lift = larger_of(lift * tau, least_lift);
+                    const Lanes part_of_step = clipped((overlap + own_lift) / own_lift, one);
+                    const Lanes rubs = tau * (p > zero ? one : part_of_step);
                     da += step.shear_counter * rubs;
                     db += step.shear_disc * rubs;
                     rubbed += rubs;

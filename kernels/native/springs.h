@@ -172,11 +172,23 @@ WARPWEAR_FN void count_level(int slot, int slots, const List& list, const Count&
                 {filled, &wp::index(springs.trial, 4, slot), false}});
 }
 
-// Whether all cells inside the bracket are gathered. Every thread of a deciding slot gets the answer.
+// Whether all cells inside the bracket are gathered. Every thread of a deciding slot gets the answer. On a
+// CPU they then lie one behind the other from the first slot's line on, as if it had them all.
 template <typename Springs> WARPWEAR_FN bool are_gathered(const Springs& springs)
 {
     const double fullest = most_of_line(springs.trial, 4, 0, springs.trial.shape[1]);
-    return springs.near.shape[0] > 0 && fullest <= springs.near.shape[1] * OF_VECTOR;
+    if (springs.near.shape[0] == 0 || fullest > springs.near.shape[1] * OF_VECTOR) return false;
+#if !defined(__CUDA_ARCH__)
+    Stored* const near = row_of(springs.near, 0);
+    double* const places = &wp::index(springs.trial, 4, 0);
+    int end = int(places[0]);
+    for (int slot = 1; slot < springs.near.shape[0]; ++slot) {
+        for (int i = 0; i < int(places[slot]); ++i) near[end++] = row_of(springs.near, slot)[i];
+        places[slot] = 0.0;
+    }
+    places[0] = end;
+#endif
+    return true;
 }
 
 // The gathered cells below a level, likewise.
@@ -184,7 +196,12 @@ template <typename Springs> WARPWEAR_FN double count_gathered(const Springs& spr
 {
     const Counts no = 0, yes = 1;
     Counts below = 0;
-    for (int slot = lane_of_slot(); slot < springs.near.shape[0]; slot += width_of_slot()) {
+#if defined(__CUDA_ARCH__)
+    const int slots = springs.near.shape[0];
+#else
+    const int slots = 1; // the first has all
+#endif
+    for (int slot = lane_of_slot(); slot < slots; slot += width_of_slot()) {
         const Stored* const near = row_of(springs.near, slot);
         const int places = int(wp::index(springs.trial, 4, slot));
         for (int i = 0; i < places; ++i) below += near[i] < level ? yes : no;

@@ -57,32 +57,40 @@ WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& b
 #endif
     const auto& slide = wp::index(slides, 0);
     const int of_row = gaps.shape[1] * OF_VECTOR, window = slide.window;
+    const double lift = slide.shear_counter + slide.shear_disc, least = least_shear(slide);
     for (int row = slot; row < gaps.shape[0]; row += slots) {
         const auto& worn = slide.counter_moves == 1 ? bodies.wear_disc : bodies.wear_counter;
         const Stored *const counter = row_of(bodies.counter, row), *const wear = row_of(worn, row);
         const Stored* const disc = row_of(bodies.disc, under_row(row, slide.shift, bodies.disc.shape[0]));
         const Stored* const met = mean_of(worn, means, row, window);
+        const Stored* const bare = bodies.bare.shape[0] > 0 ? row_of(bodies.bare, row) : nullptr;
         Stored* const gap = row_of(gaps, row);
-        for (int i = lane_of_slot(); i < of_row; i += width_of_slot())
-            gap[i] = (counter[i] + (met[i] - wear[i])) - disc[i];
+        for (int i = lane_of_slot(); i < of_row; i += width_of_slot()) {
+            Lanes g = (counter[i] + (met[i] - wear[i])) - disc[i];
+            if (bare) g += lift * strength_of(bare[i], slide.shear_filmed) - least; // as of tiles listed
+            gap[i] = g;
+        }
     }
 }
 
 // The part of a step that each cell was in contact: where it bears, all of it; else what is left of the depth
-// that shear wears when its gap at the end is taken off.
+// that shear wears when its gap at the end is taken off; times its strength over that of bare cells.
 template <typename Slides, typename Pressed>
 WARPWEAR_FN void part_of_step(int slot, int slots, const Slides& slides, const Pressed& pressed)
 {
     const auto& slide = wp::index(slides, 0);
     const double lift = slide.shear_counter + slide.shear_disc, approach = slide.approach;
     const int of_row = pressed.pressure.shape[1] * OF_VECTOR;
-    const Lanes zero = 0.0, one = 1.0;
+    const Lanes zero = 0.0, one = 1.0, least_lift = NEARLY_NONE;
     for (int row = slot; row < slide.rows; row += slots) {
         const Stored *const p = row_of(pressed.pressure, row), *const target = row_of(pressed.gradient, row);
+        const Stored* const bare = pressed.bare.shape[0] > 0 ? row_of(pressed.bare, row) : nullptr;
         Stored* const rubbed = row_of(pressed.rubbed, row);
         for (int i = lane_of_slot(); i < of_row; i += width_of_slot()) {
-            const Lanes part = smaller_of(larger_of((approach + lift - target[i]) / lift, zero), one);
-            rubbed[i] = p[i] > zero ? one : part;
+            const Lanes tau = bare ? strength_of(bare[i], slide.shear_filmed) : one;
+            const Lanes own = larger_of(lift * tau, least_lift);
+            const Lanes part = smaller_of(larger_of((approach + own - target[i]) / own, zero), one);
+            rubbed[i] = tau * (p[i] > zero ? one : part);
         }
     }
 }

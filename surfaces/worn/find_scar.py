@@ -15,7 +15,8 @@ from warpwear.surfaces.filling import filled
 from warpwear.surfaces.levelling import without_polynomial
 from warpwear.surfaces.outliers import robust_deviation
 from warpwear.surfaces.sphere import places
-from warpwear.surfaces.worn.patch import SMOOTHED, Body, Patch, Reach, check_points, extents
+from warpwear.surfaces.worn.outline import outlined
+from warpwear.surfaces.worn.patch import INWARDS, SMOOTHED, Body, Patch, Reach, check_points, extents
 from warpwear.surfaces.worn.registration import unchanged
 from warpwear.surfaces.worn.waviness import CHANGED
 
@@ -28,7 +29,6 @@ PIECE = 0.05  # of the largest worn region: a smaller one beside it is no part o
 FILLINGS = 4  # of known points, by which the error of what is filled is told
 MAIN = 0.2  # of what the largest region has lost: a smaller one beside it does not lengthen the scar
 BESIDE = 1.0  # of the scar's mean extent, within which worn asperities that stand alone belong to it
-INWARDS = 3  # rings within the edge of the smoothed scar at which it may end already: smoothing spreads it
 ROUNDS = 15  # in which the scar is found
 FITTED = 20_000  # unworn points, of which the scatter of medians is told
 LEAST_UNWORN = 0.2  # of what is measured
@@ -95,12 +95,16 @@ def find_scar(
         )
     scar = replace(body, unworn=unworn).worn_patch(reach, noise=noise, hurst=hurst)
     guessed = _filling_errors(level, scar) * body.pixel_area
-    hidden = 0.0
-    if reach.doubtful:
-        hidden, guessed[3] = _hidden_area(reach.patch, measured) * body.pixel_area
-    names = ("volume_error", "piled_up_error", "net_error", "area_error")
+    names = ("volume_error", "piled_up_error", "net_error")
     wider: dict[str, Any] = {n: math.hypot(getattr(scar, n), e) for n, e in zip(names, guessed, strict=True)}
-    scar = replace(scar, area=scar.area - hidden, **wider)
+    main, pixel_area = _main(reach.patch, lost), body.pixel_area
+    points = outlined(
+        lost, main=main, core=seed & main, measured=measured, unworn=unworn, level=scar.edge_error
+    )
+    # worn asperities that stand alone may be noise, or be part of it
+    alone = float((reach.patch & ~main).sum()) / math.sqrt(3.0)
+    wider["area"], wider["area_error"] = points[0] * pixel_area, math.hypot(points[1], alone) * pixel_area
+    scar = replace(scar, **wider)
     if not scar.volume > LEAST_ERRORS * scar.volume_error:
         raise InputError(
             f"no scar was found: the deepest region has lost {scar.volume:.3g} mm³, with a standard error "
@@ -139,37 +143,23 @@ def _lengths(
 
 
 def _filling_errors(lost: FloatArray, scar: Patch) -> FloatArray:
-    """Return standard errors that filled points give, shape (4,): of sums over patch, rim, both, of the area.
+    """Return standard errors [mm] that filled points give, shape (3,): of sums over patch, rim and both.
 
-    lost: depth below the form [mm], shape (nx, ny), NaN where missing; sums [mm], area in points. The holes
-    are laid over known points next to them, which are filled in the same way and compared.
+    lost: depth below the form [mm], shape (nx, ny), NaN where missing. The holes are laid over known points
+    next to them, which are filled in the same way and compared.
     """
     holes, patch = np.isnan(lost), scar.patch
-    edge = ndimage.distance_transform_edt(patch) + ndimage.distance_transform_edt(~patch) <= 1 + INWARDS
-    parts = (patch, scar.rim, patch | scar.rim, edge)
+    parts = (patch, scar.rim, patch | scar.rim)
     errors: list[list[float]] = [[0.0] for _ in parts]
     for shift in range(1, 1 + FILLINGS) if (holes & (patch | scar.rim)).any() else ():
         moved = np.roll(holes, [round(shift * n / (FILLINGS + 1)) for n in lost.shape], axis=(0, 1))
         guess = filled(np.where(moved, np.nan, lost))
-        off = (guess - lost, guess - lost, guess - lost, (guess > 0.0) * 1.0 - (lost > 0.0))
-        for part, values, of_part in zip(parts, off, errors, strict=True):
+        for part, of_part in zip(parts, errors, strict=True):
             tried = moved & ~holes & part
             if tried.any():
-                of_part.append(float(values[tried].sum()) * int((holes & part).sum()) / int(tried.sum()))
+                off = float((guess - lost)[tried].sum())
+                of_part.append(off * int((holes & part).sum()) / int(tried.sum()))
     return np.array([math.sqrt(sum(e * e for e in of) / max(len(of) - 1, 1)) for of in errors])
-
-
-def _hidden_area(patch: BoolArray, measured: BoolArray) -> FloatArray:
-    """Return by how many points an area is too large, and its error, where holes hide the outline: (2,).
-
-    patch, measured: shape (nx, ny). A hole from the patch to what is measured beside it is filled with a
-    slope that begins at its far side: the outline is anywhere in what the patch has of it.
-    """
-    labels, holes = ndimage.label(~measured)
-    beside = np.unique(labels[ndimage.binary_dilation(measured & ~patch)])
-    inside = np.bincount(labels[patch], minlength=holes + 1)
-    parts = inside[beside[beside > 0]]
-    return np.array([0.5 * parts.sum(), math.sqrt(float(np.square(parts).sum()) / 12.0)])
 
 
 def _main(patch: BoolArray, lost: FloatArray) -> BoolArray:

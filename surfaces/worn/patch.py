@@ -23,6 +23,7 @@ CLEAR = 4.0  # times the scatter of the unworn surface: a point farther from the
 FEWEST_POINTS = 16  # along each side of a field
 PILE_MARGIN = 0.4  # of the width of pile-up, added to it
 SMOOTHED = 5  # pixels along each side of the mean that tells a scar's edge
+INWARDS = 3  # rings within the edge of a smoothed scar at which it may end already: smoothing spreads it
 BLOCKS = 8  # along each side of the field, whose means tell how far roughness averages out
 CELLS = 14  # along each side of the field, about, at which the error of a volume looks at the unworn surface
 LEAST_CELL = 0.5  # of a cell that must be unworn
@@ -46,6 +47,7 @@ class Patch:
     net_error: float  # its standard error [mm³]
     area: float  # of the patch [mm²]
     area_error: float  # its standard error: how sharply the depth tells the edge [mm²]
+    edge_error: float  # standard error of the form's height over the outline [mm]
     depth: float  # largest [mm]
     along: float  # extent of the patch along axis 0 [mm]
     across: float  # extent of the patch along axis 1 [mm]
@@ -87,7 +89,9 @@ class Body:
         lost, patch, rim, area = self.lost, reach.patch, reach.rim, self.pixel_area
         # where no outline is crossed, where within the rim the patch ends is not known: half, on average
         ending = 0.5 * rim if reach.doubtful else 0.0
-        weights = [np.asarray(w, dtype=np.float64) for w in (patch + ending, rim, patch | rim)]
+        inside, outside = (ndimage.distance_transform_edt(side) for side in (patch, ~patch))
+        edge = inside + outside <= INWARDS
+        weights = [np.asarray(w, dtype=np.float64) for w in (patch + ending, rim, patch | rim, edge)]
         errors = self._errors(weights, hurst=hurst)
         worn, piled_up = float(lost[patch].sum()) * area, -float(lost[rim].sum()) * area
         outlined = worn - float(lost[reach.other].sum()) * area
@@ -109,6 +113,7 @@ class Body:
             net_error=errors[2],
             area=float(patch.sum()) * area - 0.5 * reach.doubtful,
             area_error=reach.blur,
+            edge_error=errors[3] / (float(edge.sum()) * area),
             depth=float(lost[patch].max()),
             along=along,
             across=across,
@@ -153,8 +158,7 @@ class Body:
             crossing = np.abs(ring - edge + 0.5) < inwards
             doubtful = crossing & (np.abs(lost) <= CLEAR * noise)
             patch = np.where(crossing, lost > 0.0, patch)
-            means = (ndimage.uniform_filter((lost > 0.0) * 1.0, n, mode="nearest") for n in (SMOOTHED, 3))
-            patch, other = (np.where(doubtful, mean > 0.5, patch) for mean in means)
+            patch, other = (np.where(doubtful, mostly(lost > 0.0, size), patch) for size in (SMOOTHED, 3))
         whole = math.sqrt(float(patch.sum()) * area / math.pi)
         outer = min(edge, count.size - 1)
         steps = float(error[outer]) / max(float(mean[edge - 1] - mean[outer]), float(error[outer]) + 1e-300)
@@ -235,6 +239,11 @@ def extents(region: BoolArray, pixel: tuple[float, float]) -> tuple[float, float
     ends = [np.flatnonzero(region.any(axis=1 - axis)) for axis in (0, 1)]
     along, across = (float(e[-1] - e[0] + 1) * d if e.size else 0.0 for e, d in zip(ends, pixel, strict=True))
     return along, across
+
+
+def mostly(chosen: BoolArray, size: int) -> BoolArray:
+    """Return where most points of a square of so many pixels are chosen, shape (nx, ny)."""
+    return np.asarray(ndimage.uniform_filter(chosen * 1.0, size, mode="nearest") > 0.5)
 
 
 def check_points(shape: tuple[int, ...]) -> None:

@@ -28,7 +28,7 @@ SENTENCES = [
     ("docs/how-to/sweeps.md", "a warning names the folder", "is told with its folder"),
     ("docs/validation/ball-on-plate.md", "After any sliding distance", "After any way"),
     ("docs/validation/ball-on-plate.md", "but not where along a section", "It says nothing of where"),
-    ("docs/how-to/before-and-after.md", "so do single worn asperities", "that have worn alone"),
+    ("docs/how-to/before-and-after.md", "single ones that lie apart do not", "that have worn alone"),
     (
         "warpwear/templates/trust.txt",
         "Run again with half the cell to see the error of the mesh.",

@@ -123,3 +123,21 @@ def test_an_emulator_that_is_off_is_refused() -> None:
     runs = Runs(study, tuple(asked), random.standard_normal((16, 1)), rows, True)
     with pytest.raises(InputError, match="the emulator of the area is off by"):
         Model(study, tuple(asked), runs)
+
+
+def test_what_a_surface_adds_to_two_courses_is_shared() -> None:
+    """Of courses that both scatter by 8 % with the surface their sum does, and not by 8 %/√2."""
+    at, middle = np.linspace(0.0, 1.0, 30), np.zeros((1, 1))
+    found = []
+    for seed in range(20):
+        places = np.linspace(-1.7, 1.7, 32)[:, None]
+        surface = np.random.default_rng(seed).normal(0.0, 0.08, (32, 1))
+        rising, falling = 0.2 * places + 0.3 * at + surface, -0.3 * places * at + surface
+        errors, total = np.zeros((1, 30)), np.zeros(30)
+        for part in Emulator.together(places, [np.exp(rising), np.exp(falling)]):
+            weights, variances = part.weights(middle)
+            course = np.exp(part.mean + weights[0] @ part.shapes)
+            errors = errors + np.sqrt(variances[0])[:, None] * part.shapes * course
+            total += course
+        found.append(float(np.mean(np.sqrt((errors**2).sum(axis=0)) / total)))
+    assert np.mean(found) == pytest.approx(0.08, rel=0.1)

@@ -105,13 +105,28 @@ STRENGTH = 40.0  # [MPa]
 BY_STRENGTH: dict[str, Any] = {key: value for key, value in ENERGY.items() if key.startswith("wear.")}
 BY_STRENGTH |= {"friction.shear_strength": f"{STRENGTH} MPa"}
 HALF_SPACE = {"contact.law": "half-space", "counter.radius": "3 mm"}
+RUNS_IN = {"friction.initial_ratio": 0.25, "friction.running_in": "1.5 mm"}
+FILM = {"friction.film.thickness": "9 nm", "friction.film.shear_strength": "12 MPa"}
 SHEARED: dict[str, tuple[str, dict[str, Any]]] = {
     "smooth": ("smooth", {}),
     "bearing area": ("rough", {}),
     "springs": ("rough", {"contact.stiffness": "2e5 N/mm^3"}),
     "half-space": ("rough", HALF_SPACE),
+    "half-space, running in": ("rough", HALF_SPACE | RUNS_IN),
     "track": ("track", {}),
     "track, springs, dents": ("track", {"contact.stiffness": "2e5 N/mm^3", "sliding.plastic": "keep"}),
+    "track, running in": ("track", RUNS_IN),
+    "bearing area, film": ("rough", FILM),
+    "springs, film": ("rough", {"contact.stiffness": "2e5 N/mm^3"} | FILM),
+    "half-space, film that grows": ("rough", HALF_SPACE | FILM | {"friction.film.regrowth": "1 mm"}),
+    "track, film": ("track", FILM),
+    "track, half-space, strong film": (
+        "track",
+        HALF_SPACE
+        | {"grid.extent": "0.8 mm", "friction.film.bodies": "disc"}
+        | FILM
+        | {"friction.film.shear_strength": "70 MPa"},
+    ),
     "representative": ("track", {"sliding.stroke": "3 mm", "sliding.track": "0.84 mm"}),
     "track, half-space, ploughing": (
         "track",
@@ -132,19 +147,34 @@ def test_a_shear_strength_wears_what_it_shears(case: str, device: str) -> None:
         np.testing.assert_allclose(worn, alpha * history["friction_energy"], rtol=1e-12)
     sheared, contact = history["area_sheared"], history["area_contact"]
     load = study.contact.load
-    np.testing.assert_allclose(history["cof"], study.friction.ploughing + STRENGTH * sheared / load)
-    assert (sheared >= contact * (1.0 - 1e-12)).all()
+    strength = STRENGTH
+    if "running in" in case:  # the mean over each step, from a quarter
+        ends = np.append(0.0, history["distance"])
+        passed = ends - 0.75 * 1.5 * (1.0 - np.exp(-ends / 1.5))
+        strength = STRENGTH * np.diff(passed) / history["increment"]
+    np.testing.assert_allclose(history["cof"], study.friction.ploughing + strength * sheared / load)
+    part = 1.0
+    if "film" in case:  # the area counts as if all of it were bare
+        filmed = study.friction.film.shear_strength / STRENGTH
+        part = filmed + (1.0 - filmed) * history["bare_fraction"]
+        assert (history["bare_fraction"] > 0.0).any()
+    assert (sheared >= part * contact * (1.0 - 1e-12)).all()
     assert np.abs(history["load_residual"]).max() <= max(1e-12 * load, study.load_tolerance)
 
 
-def worn_by_shear(gap: np.ndarray, depth: float, stiffness: float, load: float, area: float) -> np.ndarray:
-    """Return what the step of cells on springs wears off them: the approach by bisection, w in [0, d]."""
-    low, high = gap.min(), gap.max() + depth
+def approach_of(gap: np.ndarray, depth: Any, stiffness: float, load: float, area: float) -> float:
+    """Return the approach of cells on springs, from which shear takes a depth, by bisection."""
+    low, high = gap.min(), gap.max() + np.max(depth)
     for _ in range(200):
         middle = 0.5 * (low + high)
         carried = stiffness * np.maximum(middle - depth - gap, 0.0).sum() * area
         low, high = (middle, high) if carried < load else (low, middle)
-    return np.clip(0.5 * (low + high) - gap, 0.0, depth)
+    return float(0.5 * (low + high))
+
+
+def worn_by_shear(gap: np.ndarray, depth: Any, stiffness: float, load: float, area: float) -> np.ndarray:
+    """Return what the step of cells on springs wears off them by their shear: w in [0, d]."""
+    return np.clip(approach_of(gap, depth, stiffness, load, area) - gap, 0.0, depth)
 
 
 def test_springs_wear_by_shear_as_a_reference_does(device: str) -> None:
@@ -171,6 +201,32 @@ def test_springs_wear_by_shear_as_a_reference_does(device: str) -> None:
     # What bears goes down by one depth and bears on as before, so that steps of any length are exact.
     np.testing.assert_allclose([*volumes.values()], volumes[256], rtol=1e-12)
     np.testing.assert_allclose(history["pressure_max"], history["pressure_max"][0], rtol=1e-9)
+
+
+@pytest.mark.parametrize("filmed", [15.0, 70.0])
+def test_a_film_lets_cells_wear_unalike_as_a_reference_does(filmed: float, device: str) -> None:
+    """Bare cells lose their own depth, by bisection step by step; a film may be weaker or stronger."""
+    keys = CASES["rough"][1] | {"contact.stiffness": "2e5 N/mm^3", "friction.ploughing": 0.3}
+    keys |= {"contact.hardness": "inf MPa", "sliding.distance": "8 mm", "counter.radius": "4 mm"}
+    keys |= {"friction.film.thickness": "0.1 um", "friction.film.shear_strength": f"{filmed} MPa"}
+    study = Study.load("v3-fine").replace(keys | BY_STRENGTH | {"stepping.increment": "0.5 mm"})
+    history, cells = warpwear.run(study, device=device).history, study.cells
+    gap = np.array(warpwear.run(study.replace({"sliding.distance": "0 mm"})).snapshot(-1).gap)
+    worn, unit = np.zeros((2, *gap.shape)), 1e-3 * 0.5
+    for step in range(16):
+        bare = (worn > 1e-4).all(axis=0)
+        depth = sum(ALPHA) * unit * np.where(bare, STRENGTH, filmed)
+        by_pressure = sum(ALPHA) * unit * 0.3  # ploughing wears by the pressure, which softens the contact
+        stiffness = 1.0 / (1.0 / 2e5 + by_pressure)
+        lost = worn_by_shear(gap, depth, stiffness, study.contact.load, cells.cell_area)
+        sheared = (lost / (sum(ALPHA) * unit * STRENGTH)).sum() * cells.cell_area
+        assert history["area_sheared"][step] == pytest.approx(sheared, rel=1e-9)
+        approach = approach_of(gap, depth, stiffness, study.contact.load, cells.cell_area)
+        lost += by_pressure * stiffness * np.maximum(approach - depth - gap, 0.0)
+        gap = gap + lost
+        worn += np.array(ALPHA)[:, None, None] / sum(ALPHA) * lost
+    bared = history["bare_fraction"]
+    assert ((bared > 0.02) & (bared < 0.98)).any()
 
 
 def test_a_half_space_wears_by_shear_as_its_contact_says(device: str) -> None:
@@ -200,13 +256,8 @@ def test_the_rest_of_a_run_by_energy_goes_on_with_its_friction(tmp_path: Path) -
 
 
 NOT_ALIKE: list[tuple[dict[str, Any], str]] = [
-    (
-        {"friction.film.thickness": "9 nm", "friction.film.shear_strength": "9 MPa"},
-        r"\[friction.film\], whose",
-    ),
     ({"stepping.scheme": "explicit"}, "stepping.scheme = 'explicit': 'implicit' is allowed"),
     ({"friction.area": "nominal"}, "friction.area = 'nominal': 'contact' is allowed"),
-    ({"friction.initial_ratio": 0.5, "friction.running_in": "1 mm"}, "friction.initial_ratio, by which"),
     ({"wear.distance_factor": "across"}, "wear.distance_factor = 'across', by which"),
     ({"wear.particle": "60 um", "wear.particle_thickness": "0.1 um"}, "wear.particle: what is pending"),
 ]

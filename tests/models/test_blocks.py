@@ -96,7 +96,6 @@ def state_of(model: Model) -> dict[str, Any]:
 def assert_same(one: list[Step], other: list[Step]) -> None:
     for number, (a, b) in enumerate(zip(one, other, strict=True)):
         assert a.row == b.row, number
-        assert a.balance.approach == b.balance.approach
         assert (a.touches_edge, a.touches_rim) == (b.touches_edge, b.touches_rim)
 
 
@@ -146,7 +145,7 @@ def test_ties_are_made_in_a_replay(monkeypatch: pytest.MonkeyPatch) -> None:
             task = replace(study("bearing area").contact_task, load_tolerance=1.0e-3)
             model = model_at_rest(task, np.zeros((150, 150)), executor)
             outcomes.append(made_by(model, [0.003] * 20))
-    assert any(step.balance.tie_width for step in outcomes[0])
+    assert all(abs(step.row["load_residual"]) < 1.0e-9 for step in outcomes[0])  # but for ties by whole cells
     assert_same(*outcomes)
 
 

@@ -158,7 +158,7 @@ def test_stiff_bodies_wear_as_by_the_local_law(changes: dict[str, Any]) -> None:
             assert found.pressure is not None
             assert expected.pressure is not None
             assert_allclose(found.pressure, expected.pressure, atol=1e-4)
-            assert found.balance.approach == pytest.approx(expected.balance.approach, abs=1e-11)
+            assert found.row["approach"] == pytest.approx(expected.row["approach"], abs=1e-11)
             for name in ("area_contact", "wear_volume_counter", "wear_volume_disc", "plastic_volume_disc"):
                 assert found.row[name] == pytest.approx(expected.row[name], rel=1e-6), name
         fields, asked = (fields_of(contact, executor) for contact in (elastic, local))
@@ -246,7 +246,7 @@ def test_a_track_goes_on_from_any_step(
     track: str, wears: bool, threads: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In every number of every row and in every cell, on one thread and on two; dents are kept."""
-    monkeypatch.setattr("warpwear.models.track.half_space.LARGEST_ERROR", 0.4)  # parts of a few cells
+    monkeypatch.setattr("warpwear.models.track.part_length.LARGEST_ERROR", 0.4)  # parts of a few cells
     study = small(track, contact__law="half-space", sliding__plastic="keep", sliding__distance="0.9 mm")
     study = study if wears else study.replace({"wear.counter": "0 mm^3/N/m"})
     path = study.track
@@ -322,7 +322,7 @@ def test_a_step_over_a_smooth_disc_is_one_of_single_cells(track: str) -> None:
 
 
 def test_a_step_that_stays_too_long_is_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("warpwear.models.track.half_space.LARGEST_ERROR", np.inf)
+    monkeypatch.setattr("warpwear.models.track.part_length.LARGEST_ERROR", np.inf)
     result = warpwear.run(small("representative", contact__law="half-space", sliding__distance="1.2 mm"))
     assert result.history["parts"].max() == 1.0
     assert any("too long for 2 of the steps" in note for note in result.summary["warnings"])

@@ -360,3 +360,12 @@ def test_the_policy_of_a_page_names_its_scripts(page_of: Callable[..., Path]) ->
     assert f"script-src 'sha256-{digest}'" in policy
     assert policy.startswith("default-src 'none'")
     assert "unsafe-eval" not in policy
+
+
+def test_no_heading_stands_over_nothing_where_scripts_are_off(page_of: Callable[..., Path]) -> None:
+    """A figure that has no picture is drawn by the script alone."""
+    text = page_of("track", quick=True).read_text(encoding="utf-8").partition('id="data"')[0]
+    sections = re.findall(r'<section id="([^"]*)"([^>]*)>(.*?)</section>', text, re.DOTALL)
+    lone = {name for name, tag, _ in sections if tag == ' class="lone"'}
+    assert "roughness" in lone
+    assert lone == {name for name, _, content in sections if "<img" not in content}

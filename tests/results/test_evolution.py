@@ -12,7 +12,8 @@ from scipy import ndimage
 import warpwear
 from warpwear import Result, Study
 from warpwear.history.quantities import EVOLUTION
-from warpwear.results import evolution
+from warpwear.laws.settling import Settling
+from warpwear.results import evolution, summary_models
 from warpwear.results.evolution import (
     inner_scar,
     settling,
@@ -174,3 +175,15 @@ def test_a_way_to_an_equilibrium_has_no_length_where_the_view_changes(
     assert (reason is not None) == grows
     if grows:
         assert "from 2.73 to 3.34 µm" in reason
+
+
+@pytest.mark.parametrize("reason", ["no length, as the inner scar grows", None])
+def test_the_summary_withholds_that_length(
+    result: Result, monkeypatch: pytest.MonkeyPatch, reason: str | None
+) -> None:
+    fit = Settling(1.6, 3.6, 120.0, 0.1, 9.0, 0.05)
+    monkeypatch.setattr(summary_models, "settling", lambda *_: fit)
+    monkeypatch.setattr(summary_models, "growth_of_view", lambda _: reason)
+    numbers = summary_models._inner_scar(result, "disc").value
+    assert numbers["settling"]["running_in_length_mm"] == (None if reason else 120.0)
+    assert numbers["settling"].get("no_length") == reason

@@ -74,11 +74,11 @@ def hdf5(heights: np.ndarray, file: Any) -> None:
 
 def zipped(content: bytes) -> bytes:
     """A container of one measurement, as contact.engineering lists it."""
-    entry = {"name": "mine", "datafile": {"original": "points.xyz"}}
+    entry = {"name": "mine", "size": [4e3, 3e3], "unit": "um", "datafile": {"original": "heights.npy"}}
     listed = {"surfaces": [{"name": "disc", "topographies": [entry]}]}
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("points.xyz", content)
+        archive.writestr("heights.npy", content)
         archive.writestr("index.json", json.dumps(listed))
     return file.getvalue()
 
@@ -113,8 +113,8 @@ def made(nx: int, ny: int) -> dict[str, tuple[bytes, dict[str, Any]]]:
 def large(name: str) -> tuple[bytes, dict[str, Any]]:
     """A file of about `fuzzing.LARGE` bytes, also of formats that results are exported to and that pack."""
     about = GWYDDION if name == "x.asc" else b""
-    of = {"x.asc": "blanks.txt", "x.txt.gz": "blanks.txt", "x.zip": "points.xyz"}.get(name, name)
-    size = LARGE * (2 if of != name and not about else 1)  # what text is packed to, about
+    of = {"x.asc": "blanks.txt", "x.txt.gz": "blanks.txt", "x.zip": "x.npy"}.get(name, name)
+    size = LARGE * (2.7 if of != name and not about else 1.0)  # what text is packed to, about
     if of in MADE:
         content, options = MADE[of]
         nx, ny = NX, NY
@@ -123,13 +123,13 @@ def large(name: str) -> tuple[bytes, dict[str, Any]]:
             nx, ny = round(times * nx), round(times * ny)
             content, options = made(nx, ny)[of]
     else:
-        side = round(math.sqrt(size / {"x.sdf": 10, "x.x3p": 8, "x.mat": 8}[name]))
+        side = round(math.sqrt(size / {"x.sdf": 22.0, "x.x3p": 5.6, "x.mat": 8.0}[name]))
         heights = 1e-3 * np.random.default_rng(5).normal(size=(side, side)).round(4)
         body = Body("disc", "a disc", 2e-3 * np.arange(side), 2e-3 * np.arange(side), heights)
         write: Any = {"x.sdf": write_sdf, "x.x3p": write_x3p, "x.mat": write_mat}[name]
         content, options = made_by(lambda path: write(path, body)), GIVEN if name == "x.mat" else {}
     if name == "x.zip":
-        return zipped(content), options
+        return zipped(content), {}
     return gzip.compress(content) if name == "x.txt.gz" else about + content, {} if about else options
 
 

@@ -265,6 +265,8 @@ def test_one_interrupt_stops_a_pilot(tmp_path: Path) -> None:
     _, errors = process.communicate(timeout=60)
     assert process.returncode == 130
     assert "Traceback" not in errors
+    for log in (tmp_path / "s").glob("runs/*/log.txt"):  # its run was not waited for
+        assert "finished:" not in log.read_text(encoding="utf-8")
 
 
 #: Steps beyond what a test waits for.

@@ -181,17 +181,17 @@ def _nothing_collected() -> Iterator[None]:
 
 
 class Program:
-    """Runs passes and decisions on an executor. It is recorded at its first run; nothing can be added then.
+    """Runs passes and decisions on an executor. Nothing can be added once it has run.
 
     shares: whether threads share its passes, where there are enough cells; else it is of one core. records:
-    whether it is recorded at all, which takes about as long as making a few of its launches.
+    at which run it is recorded, 0 for never: that takes about as long as making a few of its launches.
     """
 
-    def __init__(self, executor: Executor, *, shares: bool = True, records: bool = True) -> None:
+    def __init__(self, executor: Executor, *, shares: bool = True, records: int = 1) -> None:
         self._executor, self._shares = executor, shares
         self._whole = Block()
         self._open = [self._whole]
-        self._records, self._is_closed = records, False
+        self._records, self._runs = records, 0
 
     def launch(
         self,
@@ -233,9 +233,9 @@ class Program:
 
     def run(self) -> None:
         """Replay the program; on a GPU it is queued."""
-        if self._records and not self._is_closed:
+        self._runs += 1
+        if self._runs == self._records:
             self._whole.record(self._executor.device)
-        self._is_closed = True
         self._whole.run()
 
     def _within(self, block: Block) -> Iterator[None]:
@@ -247,7 +247,7 @@ class Program:
             self._open.pop()
 
     def _add(self, node: Node) -> None:
-        assert not self._is_closed
+        assert not self._runs
         self._open[-1].nodes.append(node)
 
 

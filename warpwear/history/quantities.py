@@ -22,7 +22,7 @@ from warpwear.study.study import Study
 Per = Literal["step", "patch", "cell", "snapshot", "depth", "plane", "piece"]
 #: Runs that a quantity may be limited to: name -> what they are called, and whether a study makes one.
 ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
-    **{name: (one.called, one.serves) for name, one in ARRANGEMENTS.items()},
+    **ARRANGEMENTS,
     "half-space": ("half-spaces", lambda study: study.contact.law == "half-space"),
     "half-space track": (
         "half-spaces over a track",

@@ -3,7 +3,7 @@
 import functools
 import math
 import operator
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -27,10 +27,9 @@ Number = Any
 
 
 class Step(NamedTuple):
-    """A step holds what one increment left: its balance, its row, and what it touched."""
+    """A step holds what one increment left: its row, and what it touched."""
 
-    balance: Balance
-    row: dict[str, float]  # the columns of warpwear.history except time and cof
+    row: dict[str, float]  # the columns of warpwear.history that a ledger knows; a run adds to them
     touches_edge: bool  # of the domain
     touches_rim: bool  # of the counter-body: the contact is as wide as the counter-body itself
     pressure: FloatArray | None = None  # [MPa], shape (nx, ny), when it was asked for
@@ -140,9 +139,9 @@ class Ledger:
         row["pressure_std"] = math.sqrt(max(row["pressure_std"], 0.0))
         for name in RUNNING:
             row[name] += self.row[name]
-        self.row = row
+        self.row = row.copy()
         at_edge, at_rim = map(bool, self._flags(self.most))
-        return Step(balance, row, at_edge, at_rim, pressure)
+        return Step(row, at_edge, at_rim, pressure)
 
     def enter_all(
         self,
@@ -152,11 +151,9 @@ class Ledger:
         reference: FloatArray,
         total: Mapping[str, FloatArray],
         most: Mapping[str, FloatArray],
-    ) -> list[Step]:
+    ) -> Iterator[Step]:
         """Book steps in a row as `enter` does one: all are arrays of one number a step."""
         count = len(increment)
-        if not count:
-            return []
         grown = {
             name: np.maximum.accumulate(np.maximum(most[name], before)) for name, before in self.most.items()
         }
@@ -165,12 +162,12 @@ class Ledger:
         for name in RUNNING:
             row[name] = np.add.accumulate([self.row[name], *row[name]])[1:]
         table = np.stack([np.broadcast_to(values, count) for values in row.values()], axis=1)
-        rows = [dict(zip(row, values, strict=True)) for values in table.tolist()]
-        balances = [Balance(*numbers) for numbers in zip(*(part.tolist() for part in balance), strict=True)]
+        self.row = dict(zip(row, table[-1].tolist(), strict=True))
         at_edge, at_rim = (reaches.tolist() for reaches in self._flags(grown))
-        self.row = rows[-1]
         self.most = {name: float(values[-1]) for name, values in grown.items()}
-        return [Step(*step) for step in zip(balances, rows, at_edge, at_rim, strict=True)]
+        # One by one: many at a time would be looked through for garbage.
+        rows = (dict(zip(row, values, strict=True)) for values in table.tolist())
+        return map(Step, rows, at_edge, at_rim)
 
     def _row(
         self,

@@ -5,8 +5,9 @@ A row holds the state solved in the step and the wear of its increment; `distanc
 
 import math
 from array import array
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from difflib import get_close_matches
+from operator import itemgetter
 from typing import TypeVar
 
 import numpy as np
@@ -62,12 +63,15 @@ class Rows:
 
     def __init__(self, names: Iterable[str] = (), table: FloatArray | None = None) -> None:
         self.names = [*names]
+        self._of: Callable[[Mapping[str, float]], tuple[float, ...]] | None = None
         self._values = array("d", () if table is None else table.ravel())
 
     def append(self, row: Mapping[str, float]) -> None:
         """Add a row, by the names of its columns."""
-        self.names = self.names or [*row]
-        self._values.fromlist([row[name] for name in self.names])
+        if self._of is None:
+            self.names = self.names or [*row]
+            self._of = itemgetter(*self.names)
+        self._values.fromlist([*self._of(row)])
 
     def __len__(self) -> int:
         return len(self._values) // max(len(self.names), 1)

@@ -5,6 +5,8 @@ Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sections 
 """
 
 import math
+from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -80,10 +82,10 @@ class GaussianProcess:
         self._of_trend = self._basis.T @ weighted
         self.trend = np.linalg.solve(self._of_trend, weighted.T @ self.values)
         rest = self.values - self._basis @ self.trend
-        freedom = count - self._basis.shape[1]
-        self.scale = max(float(rest @ linalg.cho_solve(self._factor, rest)) / freedom, 1e-300)
+        self.freedom = count - self._basis.shape[1]
+        self.scale = max(float(rest @ linalg.cho_solve(self._factor, rest)) / self.freedom, 1e-300)
         determinants = 2.0 * np.log(np.diag(self._factor[0])).sum() + np.linalg.slogdet(self._of_trend)[1]
-        return -0.5 * (freedom * math.log(self.scale) + float(determinants))
+        return -0.5 * (self.freedom * math.log(self.scale) + float(determinants))
 
     def _misfit(self, logs: FloatArray) -> float:
         """Return minus the logarithm of the likelihood; very much where the covariance has no root."""
@@ -129,6 +131,29 @@ class Emulator:
         predicted = self.mean + (weights - errors.T) @ self.shapes
         size = 1.0 if self.logarithmic else largest
         self.error = float(np.sqrt(np.mean((predicted - scaled) ** 2))) / size
+
+    @classmethod
+    def together(cls, places: FloatArray, courses: Sequence[FloatArray]) -> list["Emulator"]:
+        """Emulate several courses of the same runs, each (runs, points): one a course, of the same weights.
+
+        What one surface adds to a course it adds to the others, so their errors are shared.
+        """
+        positive = [bool((course > 0.0).all()) for course in courses]
+        sizes = [
+            1.0 if log else max(float(np.abs(c).max()), 1e-300)
+            for c, log in zip(courses, positive, strict=True)
+        ]
+        plain = [
+            c if log else np.exp(c / size) for c, log, size in zip(courses, positive, sizes, strict=True)
+        ]
+        whole = cls(places, np.concatenate(plain, axis=1))
+        parts, end = [], 0
+        for course, log, size in zip(courses, positive, sizes, strict=True):
+            part, rows = copy(whole), slice(end, end := end + course.shape[1])
+            part.courses, part.logarithmic, part.mean = course, log, size * whole.mean[rows]
+            part.shapes, part.scatter = size * whole.shapes[:, rows], size * whole.scatter[rows]
+            parts.append(part)
+        return parts
 
     def weights(self, places: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Predict weights of the shapes and their variances at places (n, inputs), both (n, shapes)."""

@@ -5,7 +5,7 @@ run at the distance that wears as much: (K_s + K_d) L.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -66,9 +66,12 @@ class Model:
         whole = len(law.strengths) <= 1
         if not whole:
             columns["bare_fraction"] = runs.course("bare_fraction")[1]
-        for key, sheared in law.sheared(columns).items():
-            name = "area" if whole else f"area that shears by friction.{key}"
-            self._strengths[key] = self._course(distance, sheared, name, scatter if whole else 0.0)
+        sheared = law.sheared(columns)
+        name = "area" if whole else "areas that shear by film and body"
+        emulators = self._emulators([*sheared.values()], name)
+        for key, emulator in zip(sheared, emulators, strict=True):
+            emulator.scatter = np.hypot(emulator.scatter, scatter if whole else 0.0)
+            self._strengths[key] = self._places(distance), emulator
         if "diameter" in self.kinds:
             distance, along = runs.course("patch_along")
             patch = 0.5 * (along + runs.course("patch_across")[1])
@@ -107,15 +110,15 @@ class Model:
         area = np.sum([area for area, _, _ in areas.values()], axis=0)
         history = columns_for(law, load, distance[None], area) if areas else {}
         terms = {f"friction.{law.constant}": np.ones((count, distance.size))}
-        errors = [np.zeros((count, 0, distance.size))]
+        errors: FloatArray = np.zeros((count, 0, distance.size))
         square = np.zeros((count, distance.size))
         for key, (area, apart, scatter) in areas.items():
             name, factor = f"friction.{key}", law.factor(history, key)
             terms[name] = area * factor / load
             each = self.number(values, name)[:, None] * factor / load
-            errors.append(apart * each[:, None])
+            errors = (errors if errors.size else 0.0) + apart * each[:, None]  # of the same runs: shared
             square += (scatter * each) ** 2
-        return Friction(terms, np.concatenate(errors, axis=1), np.sqrt(square))
+        return Friction(terms, errors, np.sqrt(square))
 
     def cof(self, values: Values, distance: FloatArray) -> FloatArray:
         """Return the coefficient of friction itself, (samples, points)."""
@@ -161,25 +164,27 @@ class Model:
         study = self.study
         return study.wear.laws(study.wear_hardness, study.friction, _columns(values))
 
-    def _course(
-        self, distance: FloatArray, courses: FloatArray, name: str, scatter: FloatArray | float = 0.0
-    ) -> tuple[FloatArray, Emulator]:
-        """Return the places of a course, worn depth a pressure [mm³/N] where it scales, and its emulator.
+    def _course(self, distance: FloatArray, courses: FloatArray, name: str) -> tuple[FloatArray, Emulator]:
+        """Return the places of a course and its emulator."""
+        (emulator,) = self._emulators([courses], name)
+        return self._places(distance), emulator
 
-        scatter: of the runs about the courses, (points,), beside what the emulator leaves out.
-        """
+    def _places(self, distance: FloatArray) -> FloatArray:
+        """Return the places of a course: worn depth a pressure [mm³/N] where it scales, or its distances."""
         places = distance * sum(self.runs.study.wear_coefficients) if self.runs.scaled else distance
-        emulator = self._emulator(courses, name)
-        emulator.scatter = np.hypot(emulator.scatter, scatter)
-        return np.maximum(places, SMALLEST), emulator
+        return np.maximum(places, SMALLEST)
 
     def _end(self, values: FloatArray, name: str) -> tuple[FloatArray, Emulator]:
         """Return a single place, and the emulator of values at the end of every run, (runs,)."""
-        return np.zeros(1), self._emulator(values[:, None], name)
+        (emulator,) = self._emulators([values[:, None]], name)
+        return np.zeros(1), emulator
 
-    def _emulator(self, courses: FloatArray, name: str) -> Emulator:
-        """Return the emulator of courses (runs, points). Raises InputError where it is too far off."""
-        emulator = Emulator(self.runs.places, courses)
+    def _emulators(self, courses: Sequence[FloatArray], name: str) -> list[Emulator]:
+        """Return the emulators of courses, each (runs, points). Raises InputError if they are too far off."""
+        if not courses:
+            return []
+        emulators = Emulator.together(self.runs.places, courses)
+        emulator = emulators[0]
         if not emulator.error <= WORST:
             raise InputError(
                 f"between its {len(self.runs.rows)} runs the emulator of the {name} is off by "
@@ -187,7 +192,7 @@ class Model:
                 f"{100 * WORST:.0f} %; more runs (--runs), narrower priors or, where surfaces scatter, a "
                 "longer track are needed"
             )
-        return emulator
+        return emulators
 
     def _looked_up(
         self, places: FloatArray, emulator: Emulator, values: Values, at: FloatArray

@@ -152,9 +152,9 @@ def make_runs(
 ) -> Runs:
     """Make the runs that an inference stands on.
 
-    samples: of a design, by default 8 an unknown that needs runs, and 16 at least, as a power of two. out:
-    folder that keeps them. part: of the fastest wear of the priors, where it is known that the field holds
-    it; else as much as it holds.
+    samples: of a design, by default 8 an unknown that needs runs, 16 at least, as a power of two, and twice
+    that where surfaces are made up, which scatter. out: folder that keeps them. part: of the fastest wear of
+    the priors, where it is known that the field holds it; else as much as it holds.
 
     Raises InputError where a run fails: outside of what the runs cover nothing can be said.
     """
@@ -175,7 +175,8 @@ def make_runs(
             raise InputError(f"the run that the inference stands on {row.status}")
         places, rows = np.zeros((1, 0)), [row]
     else:
-        count = samples if samples is not None else 2 ** max(4, int(np.ceil(np.log2(8 * len(inputs)))))
+        usual = 2 ** max(4, int(np.ceil(np.log2(8 * len(inputs))))) * (2 if other_surfaces(study, 2) else 1)
+        count = samples if samples is not None else usual
         if count < (fewest := 3 * len(inputs) + 5):
             raise InputError(f"runs = {count}: at least {fewest} are needed for {len(inputs)} unknowns")
         vary: dict[str, Any] = other_surfaces(study, count) | {u.key: u.prior for u in inputs}

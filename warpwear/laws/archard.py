@@ -70,14 +70,14 @@ class WearLaw:
         """
         return self.steady * increment
 
-    def wear_per_contact(self, increment: float) -> float:
+    def wear_per_contact(self, start: float, increment: float) -> float:
         """Return the depth that an increment wears off a cell in contact, whatever its pressure [mm]."""
-        return 0.0 * increment
+        return 0.0
 
     @property
     def wears(self) -> bool:
         """Tell whether the body loses anything."""
-        return self.fastest > 0.0 or self.wear_per_contact(1.0) > 0.0
+        return self.fastest > 0.0 or self.wear_per_contact(0.0, 1.0) > 0.0
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ class ExponentialLaw(WearLaw):
 
     def wear_per_pressure(self, start: float, increment: Number) -> Number:
         """Return ∫ K dL [mm³/N]; see `WearLaw`."""
-        return self.steady * _of_decay(start, increment, 1.0 / self.decay)
+        return self.steady * of_decay(start, increment, 1.0 / self.decay)
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ class RunningInLaw(WearLaw):
     def wear_per_pressure(self, start: float, increment: Number) -> Number:
         """Return ∫ K dL [mm³/N]; see `WearLaw`."""
         assert self.initial is not None
-        more = (self.initial - self.steady) * _of_decay(start, increment, self.running_in)
+        more = (self.initial - self.steady) * of_decay(start, increment, self.running_in)
         return self.steady * increment + more
 
 
@@ -135,7 +135,7 @@ class EnergyLaw(WearLaw):
     """Wear is in proportion to the energy that friction dissipates: V = α ∫ τ ds.
 
     What of τ goes with the pressure, μ p, makes K = α μ; a shear strength τ0 wears a cell in contact by a
-    depth of α τ0 a distance, whatever its pressure.
+    depth of α τ a distance, whatever its pressure; τ may run in from another one.
     """
 
     name = "energy"
@@ -143,10 +143,13 @@ class EnergyLaw(WearLaw):
     sentence = "worn volume in proportion to the energy that friction dissipates"
 
     shear: float = 0.0  # α τ0, a depth over a distance
+    ratio: float = 1.0  # of τ at the start to τ0
+    running_in: float = 1.0  # L_τ [mm]
 
-    def wear_per_contact(self, increment: float) -> float:
-        """Return α τ0 ΔL [mm]; see `WearLaw`."""
-        return self.shear * increment
+    def wear_per_contact(self, start: float, increment: float) -> float:
+        """Return ∫ α τ dL [mm]; see `WearLaw`."""
+        more = (self.ratio - 1.0) * of_decay(start, increment, self.running_in)
+        return self.shear * (increment + more)
 
 
 #: Value of `wear.law` -> law.
@@ -179,7 +182,7 @@ def wear_in_steps(
     return [(counter.wear_per_pressure(*step), disc.wear_per_pressure(*step)) for step in slid]
 
 
-def _of_decay(start: float, increment: Number, length: float) -> Number:
+def of_decay(start: Any, increment: Number, length: Any) -> Number:
     """Return ∫ e^(−L/length) dL from start over an increment [mm], exact for small ones too."""
     # NumPy's own exp may differ in the last digit from one processor to the next: runs take that of C.
     arrays = any(isinstance(value, np.ndarray) for value in (start, increment, length))

@@ -30,6 +30,7 @@ class Film:
     regrowth: float = math.inf  # sliding distance without wear after which it is whole again [mm]
     part_filmed: float = 1.0  # cap of a cell over the hardness of the task
     part_bare: float = 1.0
+    part_shear: float = 1.0  # shear strength of a cell with it over that of a bare one
 
     @property
     def changes_caps(self) -> bool:

@@ -13,6 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpwear.grid import FloatArray
+from warpwear.laws.archard import of_decay
 from warpwear.laws.junctions import junction_strength
 from warpwear.laws.passes import WHEN, Laps, When, mean_over, within
 
@@ -41,10 +42,18 @@ class Factor:
     columns: tuple[str, ...] = ("distance",)
 
 
+def _decay(history: Mapping[str, FloatArray], length: Any) -> FloatArray:
+    """Return e^(−L/length) at the end of every step; where what shears wears its mean over the step."""
+    distance, increment = history["distance"], history.get("increment")
+    if "area_sheared" not in history or increment is None or not np.all(increment > 0.0):
+        return np.asarray(np.exp(-distance / length))
+    return np.asarray(of_decay(distance - increment, increment, length) / increment)
+
+
 FACTORS = (
     Factor(
         keys=("initial_ratio", "running_in"),
-        of=lambda history, ratio, length: 1.0 + (ratio - 1.0) * np.exp(-history["distance"] / length),
+        of=lambda history, ratio, length: 1.0 + (ratio - 1.0) * _decay(history, length),
         formula=r"\left(1 + (r - 1) e^{-L/L_\tau}\right)",
         sentence="it runs in by 1 + (r − 1) e^(−L/L_τ), r = {initial_ratio:.4g}, L_τ = {running_in:.4g} mm",
     ),
@@ -108,15 +117,23 @@ class FrictionLaw:
 
     def coefficient(self, history: Mapping[str, FloatArray], *, load: Load, **fit: Any) -> FloatArray:
         """Return the coefficient of friction of every step; NaN while τ waits for the end."""
-        tau = self.strength(history, load=load, **fit)
-        # By the energy law what shears wears, and an area is known that is the mean over the step.
-        area = history.get("area_sheared", history[f"area_{self.area}"])
+        area = history.get("area_sheared")
+        if area is not None:  # what shears wears: the mean over the step, as if all cells of it were bare
+            tau = self.final_strength(history, load=load, **fit) * self.factor(history)
+        else:
+            tau, area = self.strength(history, load=load, **fit), history[f"area_{self.area}"]
         return np.asarray(self.values[PLOUGHING] + tau * area / load)
 
     @property
     def tractions(self) -> tuple[Any, Any]:
         """Return the part of its pressure that shears a cell, and the strength that does beside it [MPa]."""
         return self.values[PLOUGHING], self.values[STRENGTH]
+
+    @property
+    def course(self) -> dict[str, Any]:
+        """Return the numbers by which the strength runs in, as the energy law names them; none without."""
+        named = {"ratio": self.values["initial_ratio"], "running_in": self.values["running_in"]}
+        return {} if None in named.values() else named
 
     def sheared(self, history: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Return key of a strength -> the area [mm²] that it shears at every step, without `factor`."""

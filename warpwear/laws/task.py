@@ -89,15 +89,18 @@ class ContactTask:
         counter, disc = (law.wear_per_pressure(start, increment) for law in self.wear)
         return counter, disc
 
-    def wear_per_contact(self, increment: float) -> tuple[float, float]:
-        """Return the depths [mm] that an increment [mm] wears off cells in contact by their shear."""
-        counter, disc = (law.wear_per_contact(increment) for law in self.wear)
+    def wear_per_contact(self, start: float, increment: float) -> tuple[float, float]:
+        """Return the depths [mm] that an increment [mm] wears off cells in contact by their shear.
+
+        start: distance slid before it [mm].
+        """
+        counter, disc = (law.wear_per_contact(start, increment) for law in self.wear)
         return counter, disc
 
     @property
     def shears(self) -> bool:
         """Tell whether cells in contact wear by their shear, whatever their pressure."""
-        return sum(self.wear_per_contact(1.0)) > 0.0
+        return sum(self.wear_per_contact(0.0, 1.0)) > 0.0
 
     @property
     def is_uniform(self) -> bool:

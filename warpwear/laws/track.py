@@ -17,11 +17,15 @@ import itertools
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Self
+from functools import cached_property
+from typing import Any, Self
 
 import numpy as np
 
 from warpwear.grid import FloatArray, Grid
+
+#: Of a step, or one a step of an array of them.
+Number = Any
 
 #: Largest error of a length that should be a whole number of cells, relative.
 WHOLE = 1.0e-6
@@ -68,10 +72,10 @@ class Track:
         """Return the part of the sliding distance that a disc of this length slides; 1: a whole stroke."""
         return self.cells * self.cell / self.stroke if self.periodic else 1.0
 
-    @property
+    @cached_property
     def steps_of_pass(self) -> int:
-        """Return the number of steps in a pass."""
-        return -(-self.cells // self.shift)
+        """Return the number of steps in a pass; 0 at rest."""
+        return -(-self.cells // self.shift) if self.moves else 0
 
     @property
     def passes_of_cycle(self) -> int:
@@ -93,7 +97,7 @@ class Track:
         """Return the number of cells that step number `step` covers."""
         return self._covered(step)[1]
 
-    def row(self, step: int, done: int = 0, cells: int | None = None) -> int:
+    def row(self, step: Number, done: int = 0, cells: int | None = None) -> Number:
         """Return the disc's row under the first row of the ball at step number `step`, 0 ≤ row < rows.
 
         done, cells: of the part of the step that begins after `done` of its cells and covers `cells` of them.
@@ -114,27 +118,23 @@ class Track:
             return disc[row : row + self.window]
         return np.asarray(disc[np.arange(row, row + self.window) % self.rows])
 
-    def _back(self, step: int) -> bool:
-        """Tell whether the counter-body slides towards the first row in a step."""
-        return self.reverses and self.moves and step // self.steps_of_pass % 2 == 1
-
-    def _first_row(self, step: int, done: int = 0, cells: int | None = None) -> int:
+    def _first_row(self, step: Number, done: int = 0, cells: int | None = None) -> Number:
         """Return what `row` does, of a periodic disc before it is wrapped."""
-        start, covered = self._covered(step)
-        cells = covered if cells is None else cells
-        back = self._back(step)
-        middle = start + (covered - done - cells // 2 if back else done + cells // 2)
+        start, covered, back = self._covered(step)
+        ahead = done + (covered if cells is None else cells) // 2
+        middle = start + ahead + back * (covered - 2 * ahead)
         return middle - self.window // 2 if self.periodic else middle + self.spare // 2
 
-    def _covered(self, step: int) -> tuple[int, int]:
-        """Return the first cell of the pass that a step covers, and the number of cells."""
-        if not self.moves:
-            return 0, 0
-        segment = step % self.steps_of_pass
-        if self._back(step):
-            segment = self.steps_of_pass - 1 - segment
+    def _covered(self, step: Number) -> tuple[Number, Number, Number]:
+        """Return the first cell of the pass that a step covers, their number, and 1 where it goes back."""
+        last = self.steps_of_pass - 1
+        if last < 0:
+            return 0 * step, 0 * step, 0 * step
+        number, segment = divmod(step, last + 1)
+        back = number % 2 * self.reverses
+        segment += back * (last - 2 * segment)
         start = segment * self.shift
-        return start, min(self.shift, self.cells - start)
+        return start, self.shift - (segment == last) * ((last + 1) * self.shift - self.cells), back
 
     def increments(self, distance: float, *, cycle: int = 0) -> Iterator[tuple[float, float]]:
         """Yield the increment of every step and the distance at its end [mm].
@@ -148,11 +148,10 @@ class Track:
         per_cell = self.stroke / self.cells
         done = cycle * self.cycle
         for step in itertools.count(cycle * self.passes_of_cycle * self.steps_of_pass):
-            number = step // self.steps_of_pass
-            start, cells = self._covered(step)
-            slid = self.cells - start if self.reverses and number % 2 else start + cells
+            start, cells, back = self._covered(step)
+            slid = self.cells - start if back else start + cells
             # Counted from the start, not added up: passes end where they should.
-            end = (number + slid / self.cells) * self.stroke
+            end = (step // self.steps_of_pass + slid / self.cells) * self.stroke
             increment = cells * per_cell
             if end >= distance - WHOLE * increment:
                 left = distance - done

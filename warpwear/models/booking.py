@@ -3,8 +3,6 @@
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-import numpy as np
-
 from warpwear.contact.balance import Balance
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
@@ -13,8 +11,8 @@ from warpwear.history.recorder import Ledger, Step
 def booked(
     ledger: Ledger,
     numbers: Sequence[Any],
-    increments: Sequence[float],
-    removals: Sequence[tuple[float, ...]],
+    increments: FloatArray,
+    removals: FloatArray,
     total: dict[str, Any],
     most: dict[str, Any],
     enter: Callable[..., Step],
@@ -22,7 +20,8 @@ def booked(
     """Enter steps into the books, and yield them.
 
     numbers: columns of a balance, and what the scatter of the pressure counts from [MPa], of each step; total
-    and most likewise. enter: books one as a step made by itself, here the last: it may be one that fails.
+    and most likewise. removals: a row a step. enter: books one as a step made by itself, here the last: it
+    may be one that fails.
     """
     count = len(numbers[0])
     if not count:
@@ -33,14 +32,16 @@ def booked(
         return {name: column[which] for name, column in values.items()}
 
     before, last = slice(0, count - 1), count - 1
-    yield from ledger.enter_all(
-        Balance(*(column[before] for column in balance)),
-        np.array(increments[:last]),
-        tuple(np.array(removals[:last]).T),
-        reference[before],
-        part(total, before),
-        part(most, before),
-    )
+    if last:
+        yield from ledger.enter_all(
+            Balance(*(column[before] for column in balance)),
+            increments[before],
+            tuple(removals[before].T),
+            reference[before],
+            part(total, before),
+            part(most, before),
+        )
     alone = Balance._make(float(column[last]) for column in balance)
     sums, maxima = ({n: float(v) for n, v in part(values, last).items()} for values in (total, most))
-    yield enter(alone, float(increments[last]), removals[last], float(reference[last]), sums, maxima)
+    removed = tuple(removals[last].tolist())
+    yield enter(alone, float(increments[last]), removed, float(reference[last]), sums, maxima)

@@ -5,7 +5,9 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
+from warpwear.history.pieces import PieceBook
 from warpwear.history.recorder import Step
+from warpwear.history.recorder_patches import PatchBook
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.track import Track
 
@@ -25,6 +27,14 @@ class Model(ABC):
     stands_for = 1
     #: Rows of a closed track by which they begin elsewhere.
     turned = 0
+
+    #: Book of its patches; None where it has none.
+    book: PatchBook | None = None
+
+    @property
+    def pieces(self) -> PieceBook | None:
+        """Return the book of the pieces in which its bodies have worn; None where wear leaves at once."""
+        return None
 
     @property
     def in_blocks(self) -> bool:
@@ -61,12 +71,13 @@ class Model(ABC):
         """
         block: list[float] = []
         end: list[None] = [None]
+        in_blocks = self.in_blocks
         for this, following in itertools.pairwise(itertools.chain(plan, end)):
             assert this is not None
             increment, with_pressure, *certified = this
             self.certified = any(certified)
             then = following[0] if following else None
-            if with_pressure or not self.in_blocks:
+            if with_pressure or not in_blocks:
                 yield self.advance(increment, with_pressure=with_pressure, then=then)
                 continue
             block.append(increment)

@@ -13,8 +13,7 @@ from warpwear.engine.executor import FIELDS_NEEDED, Executor
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.arrangements import ARRANGEMENTS, name_of
-from warpwear.history.pieces import PieceBook
-from warpwear.history.recorder_patches import PatchBook, bytes_of_book
+from warpwear.history.recorder_patches import bytes_of_book
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.passes import Block
 from warpwear.laws.patches import Patches
@@ -24,7 +23,6 @@ from warpwear.models.model import Model
 from warpwear.runs.plan import plan_of
 from warpwear.study.study import Study
 from warpwear.study.surface import bearing_curve_of
-from warpwear.surfaces.base import BoolArray
 
 # The models, each with its kernels, of which a run needs one: reading them all takes longer than a short run.
 models_rest = lazy.module("warpwear.models.rest.local")
@@ -60,18 +58,6 @@ class Parts:
     heights: FloatArray  # of the unworn disc [mm], shape (nx, ny), or of the track, (rows, ny)
     executor: Executor
     record: Record  # of the surface, to which who makes the model may add
-
-
-@dataclass(frozen=True)
-class PreparedModel:
-    """A model, and what it was made of."""
-
-    model: Model
-    heights: FloatArray  # as those of `Parts`
-    record: Record
-    book: PatchBook | None = None  # of the patches that the model has
-    pieces: PieceBook | None = None  # in which its bodies have worn
-    filled: BoolArray | None = None  # what was not measured of the disc, as its heights; None: all was
 
 
 class Maker:
@@ -112,13 +98,12 @@ class Maker:
         """Return rows of both bodies over those of the grid."""
         return 2.0
 
-    def model(self, parts: Parts) -> PreparedModel:
+    def model(self, parts: Parts) -> Model:
         """Make the model, here of one grid at rest. Raises InputError for heights that it cannot use."""
         curve = bearing_curve_of(parts.study) if parts.study.wear.law == "bearing-curve" else None
         if curve is not None:
             parts.record["bearing_curve"] = asdict(curve)
-        model = model_at_rest(parts.task, parts.heights, parts.executor, bearing_curve=curve)
-        return PreparedModel(model, parts.heights, parts.record, pieces=getattr(model, "pieces", None))
+        return model_at_rest(parts.task, parts.heights, parts.executor, bearing_curve=curve)
 
 
 class AtRest(Maker, name="rest"):
@@ -151,11 +136,11 @@ class OnTrack(Maker, name="track"):
         """Count the disc's rows."""
         return study.track.rows / study.cells.nx + 1.0
 
-    def model(self, parts: Parts) -> PreparedModel:
+    def model(self, parts: Parts) -> Model:
         """Make a model of the whole track."""
         track = parts.study.tracks[parts.block.number - 1]
-        model = models_track.SweptModel(parts.task, track, parts.heights, parts.executor)
-        return PreparedModel(model, parts.heights, parts.record, pieces=model.pieces)
+        model: Model = models_track.SweptModel(parts.task, track, parts.heights, parts.executor)
+        return model
 
 
 class OfPatches(AtRest, name="patches"):
@@ -167,13 +152,13 @@ class OfPatches(AtRest, name="patches"):
         _check_memory_of_book(study, patches, device)
         return Executor(patches.grid, device=device, threads=threads, fields_needed=fields)
 
-    def model(self, parts: Parts) -> PreparedModel:
+    def model(self, parts: Parts) -> Model:
         """Make a model of all patches."""
         patches, half_space = parts.study.patch_layout, parts.task.half_space
         width.refuse_unsuitable(parts.study, patches, parts.heights)
         of_law = models_patches.HalfSpacePatches if half_space else models_two_scale.TwoScaleModel
-        model = of_law(parts.task, patches, parts.heights, parts.executor)
-        return PreparedModel(model, parts.heights, parts.record, book=model.book)
+        model: Model = of_law(parts.task, patches, parts.heights, parts.executor)
+        return model
 
 
 def arrangement_of(study: Study) -> Maker:

@@ -1,6 +1,5 @@
 """The steps of one run, what is checked of each, and what is kept."""
 
-import itertools
 import logging
 import time
 from collections.abc import Callable, Iterator
@@ -17,6 +16,7 @@ from warpwear.engine.executor import Executor
 from warpwear.errors import RESUME_IT, ConvergenceError, InvariantError
 from warpwear.history.rows import Rows
 from warpwear.history.snapshot import Snapshot
+from warpwear.laws.passes import Block
 from warpwear.laws.track import Track
 from warpwear.results.seal import versions
 from warpwear.results.writer import ResultWriter
@@ -76,7 +76,7 @@ class StepLoop:
             prepared = order.model(executor, block=self._block, original=original)
             self._executor, self._heights = executor, prepared.heights
             self._surface_record, self._filled = prepared.record, prepared.filled
-            self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
+            self._model = prepared.model
             #: What plans the cycles where one may stand for many.
             self._jumps = CycleJumps(order, self._model, self._begin) if order.study.jumps else None
             #: What the circles of the disc hold that the counter-body has left.
@@ -153,27 +153,32 @@ class StepLoop:
         if self._jumps is not None:
             record["cycle_jump"] = self._jumps.told()
         with phase("write"):
-            self._writer.finish(history, record, finished=self.finished, book=self._book, pieces=self._pieces)
+            self._writer.finish(
+                history, record, finished=self.finished, book=self._model.book, pieces=self._model.pieces
+            )
 
     def steps(self) -> Iterator[RunStep]:
         """Every step of the study, with its fields; nothing is written."""
         self._progress.start(self._count, by_cycles=self._jumps is not None)
-        for step, wrong in self._steps(with_fields=True):
-            yield step
+        for row, wrong in self._steps(with_fields=True):
+            yield self._shown(row)
             if wrong is not None:
                 raise wrong
 
-    def _steps(self, *, with_fields: bool) -> Iterator[tuple[RunStep, InvariantError | None]]:
-        """Steps of the plan that are still to be made, each checked and booked, and what is wrong with it.
+    def _steps(self, *, with_fields: bool) -> Iterator[tuple[dict[str, float], InvariantError | None]]:
+        """Rows of the steps that are still to be made, each checked and booked, and what is wrong with it.
 
         with_fields: whether every step can be asked for its fields, not only those that are kept.
         """
         parts = [self._order.plan[len(self._rows) :]] if self._jumps is None else self._jumps.parts()
         for part in parts:
-            for _, group in groupby(part, lambda step: self._tasks[self._order.block_of(step).number]):
-                steps = [*group]
-                self._begin(steps[0])
-                yield from self._steps_of(steps, with_fields=with_fields)
+            blocks = self._order.blocks_of(part)
+            tasks = [self._tasks[block.number] for block in blocks]
+            for _, group in groupby(range(len(part)), tasks.__getitem__):
+                numbers = [*group]
+                which = slice(numbers[0], numbers[-1] + 1)
+                self._begin(part[numbers[0]])
+                yield from self._steps_of(part[which], blocks[which], with_fields=with_fields)
 
     @cached_property
     def _count(self) -> int:
@@ -183,59 +188,60 @@ class StepLoop:
         return sum(int(leg.track.steps(leg.length)) for leg in legs_of(self._order.study))
 
     def _steps_of(
-        self, left: list[Planned], *, with_fields: bool
-    ) -> Iterator[tuple[RunStep, InvariantError | None]]:
-        """Yield the steps of a part of the plan, as `_steps` does."""
+        self, left: list[Planned], blocks: list[Block], *, with_fields: bool
+    ) -> Iterator[tuple[dict[str, float], InvariantError | None]]:
+        """Yield the rows of a part of the plan, whose steps lie in these blocks, as `_steps` does."""
         # where points were filled, steps 1, 2, 4, 8, … are looked at too: a run on them stops early
-        numbers, doubtful = itertools.count(len(self._rows) + 1), self._filled is not None
-        looks = [
-            keep or (doubtful and n & (n - 1) == 0) for n, (*_, keep) in zip(numbers, left, strict=False)
-        ]
+        done, doubtful = len(self._rows), self._filled is not None
+        looks = [keep or (doubtful and n & (n - 1) == 0) for n, (*_, keep) in enumerate(left, done + 1)]
         requests = ((step[0], look or with_fields, step[2]) for step, look in zip(left, looks, strict=True))
-        steps = self._model.steps(requests)
-        for (increment, distance, keep), look, step in zip(left, looks, steps, strict=True):
-            block = self._order.block_of((increment, distance, keep))
-            row = step.row | {"distance": distance, "time": block.time(distance), "block": block.number}
+        steps, invariants = self._model.steps(requests), self._order.invariants
+        for (_, distance, keep), block, look, step in zip(left, blocks, looks, steps, strict=True):
+            row = step.row
+            row["distance"], row["time"], row["block"] = distance, block.time(distance), block.number
             if self._jumps is not None:
                 row["cycles"] = float(self._jumps.stands_for)
             stop = self._check(
-                self._order.invariants.of_row(
-                    row, touches_edge=step.touches_edge, touches_rim=step.touches_rim
-                )
+                invariants.of_row(row, touches_edge=step.touches_edge, touches_rim=step.touches_rim)
             )
             wanted = look and (self._filled is not None or self._writer is not None)
             snapshot = self._model.snapshot(step, distance) if wanted else None
             if snapshot is not None and self._filled is not None:
                 snapshot = replace(snapshot, load_on_filled=snapshot.share_on(self._filled))
-                stop = stop or self._check(self._order.invariants.of_filled(snapshot, row))
+                stop = stop or self._check(invariants.of_filled(snapshot, row))
             if snapshot is not None and keep and self._writer is not None:
-                self._check(self._order.invariants.of_fields(vars(snapshot), row))
+                self._check(invariants.of_fields(vars(snapshot), row))
                 with phase("snapshots"):
                     self._writer.add_snapshot(snapshot)
             self._rows.append(row)
             if self._jumps is not None:
                 self._jumps.count(row)
             self._progress.step(row)
-            if len(self._rows) == 1:
+            done += 1
+            if done == 1:
                 self._warn(*doubts.of_count(self._order.study, row["cells_in_contact"], "To begin with"))
             self._last = step
-            index = len(self._rows) - 1
-            yield RunStep(index, self._count, self._order, row, partial(self._snapshot_of, index)), stop
+            yield row, stop
+
+    def _shown(self, row: dict[str, float]) -> RunStep:
+        """Return the step of the last row, as those see it who watch the run."""
+        index = len(self._rows) - 1
+        return RunStep(index, self._count, self._order, row, partial(self._snapshot_of, index))
 
     def _begin(self, step: Planned) -> None:
         """Make the model ready for a step: under another load a new one takes over the bodies as they are."""
-        before, self._block = self._block, self._order.block_of(step)
+        before, (self._block,) = self._block, self._order.blocks_of([step])
         was, now = self._tasks[before.number], self._tasks[self._block.number]
         if was == now:
             return
-        prepared, model = self._order.model_in(self._block, self._heights, self._executor, {}), self._model
-        state.restore(prepared.model, *state.save(model))
-        prepared.model.longest_block = min(model.longest_block, prepared.model.longest_block)
-        self._model, self._book, self._pieces = prepared.model, prepared.book, prepared.pieces
+        model = self._order.model_in(self._block, self._heights, self._executor, {})
+        state.restore(model, *state.save(self._model))
+        model.longest_block = min(self._model.longest_block, model.longest_block)
+        self._model = model
         study = self._order.study
         circles = study.circle_of(before), study.circle_of(self._block)
         if self._jumps is not None:
-            self._jumps.model = prepared.model
+            self._jumps.model = model
             self._jumps.begin_anew(*circles)
         if self._circles is not None and circles[0] != circles[1]:
             self._circles.change(self._model, *circles)
@@ -258,10 +264,10 @@ class StepLoop:
     def _make_steps(self, callback: Callable[[RunStep], object] | None) -> None:
         """Make the steps that are left, and checkpoints between them."""
         with Interrupts() as interrupts:
-            for step, stop in self._steps(with_fields=callback is not None):
+            for row, stop in self._steps(with_fields=callback is not None):
                 try:
                     if callback is not None:
-                        callback(step)
+                        callback(self._shown(row))
                 except BaseException as error:  # stops the run as an interrupt does
                     self.stopped = error
                 if self._model.steps_in_flight:  # of a block that is made, so the state is not this step's

@@ -1,7 +1,8 @@
 """What a run goes by: a study, the heights given for its disc, and what follows from both, made once."""
 
 import tomllib
-from collections.abc import Callable
+from bisect import bisect_left
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -18,15 +19,16 @@ from warpwear.history.rows import Rows
 from warpwear.laws.friction import friction_energy
 from warpwear.laws.passes import Block
 from warpwear.laws.track import WHOLE, Track
+from warpwear.models.model import Model
 from warpwear.results.ensemble import dotted
-from warpwear.runs.arrangements import Maker, Parts, PreparedModel, arrangement_of
+from warpwear.runs.arrangements import Maker, Parts, Record, arrangement_of
 from warpwear.runs.array_surface import ArraySurface, take_surface
 from warpwear.runs.invariants import Invariants
 from warpwear.runs.plan import Planned, plan_of
 from warpwear.study.rules_track import too_small
 from warpwear.study.study import Study
 from warpwear.study.surface import counter_surface, form_of, surface_in
-from warpwear.surfaces.base import Surface
+from warpwear.surfaces.base import BoolArray, Surface
 from warpwear.surfaces.form import Form
 from warpwear.surfaces.made.synthetic import Periodic
 from warpwear.surfaces.measured import Measured
@@ -36,6 +38,15 @@ from warpwear.surfaces.roughness import roughness
 MOST_ROWS = 4000
 #: The largest sampled surface that stays for the next run of this process [B].
 KEPT_SURFACE = 2**26
+
+
+class PreparedModel(NamedTuple):
+    """A model, and what it was made of."""
+
+    model: Model
+    heights: FloatArray  # of the unworn disc [mm], shape (nx, ny), or of the track, (rows, ny)
+    record: Record  # of the surface
+    filled: BoolArray | None  # what was not measured of the disc, as its heights; None: all was
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,12 +86,13 @@ class RunOrder:
         """Return the blocks of the programme; one, the whole test, without a programme."""
         return self.study.blocks
 
-    def block_of(self, step: Planned) -> Block:
-        """Return the block in which a step of the plan lies."""
-        increment, distance, _ = step
+    def blocks_of(self, steps: Sequence[Planned]) -> list[Block]:
+        """Return the block in which each step of the plan lies."""
         if len(self.blocks) == 1:
-            return self.blocks[0]
-        return next(block for block in self.blocks if distance - 0.5 * increment <= block.end)
+            return [*self.blocks] * len(steps)
+        ends = [block.end for block in self.blocks]
+        middles = (distance - 0.5 * increment for increment, distance, _ in steps)
+        return [self.blocks[bisect_left(ends, middle)] for middle in middles]
 
     @cached_property
     def columns(self) -> tuple[str, ...]:
@@ -153,11 +165,12 @@ class RunOrder:
         heaviest = max(self.blocks, key=lambda block: block.load)
         if study.contact_task.prescribed_loads and heaviest.load > self.blocks[0].load:
             self.model_in(heaviest, heights, executor, {})  # refuses a load before the run, not within it
-        return replace(self.model_in(block or self.blocks[0], heights, executor, record), filled=filled)
+        model = self.model_in(block or self.blocks[0], heights, executor, record)
+        return PreparedModel(model, heights, record, filled)
 
     def model_in(
         self, block: Block, heights: FloatArray, executor: Executor, record: dict[str, Any]
-    ) -> PreparedModel:
+    ) -> Model:
         """Make the model of a block of the programme, on unworn bodies.
 
         heights, record: of the disc as it was.

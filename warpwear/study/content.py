@@ -152,8 +152,10 @@ class Content(Programme):
             return None
         on = film.bodies in ("both", "counter"), film.bodies in ("both", "disc")
         regrowth = math.inf if isinstance(film.regrowth, str) else film.regrowth
-        parts = [1.0 if cap == hardness else cap / hardness for cap in self.caps]
-        return Film(film.thickness, on, regrowth, *parts)
+        filmed, bared = (1.0 if cap == hardness else cap / hardness for cap in self.caps)
+        bare = self.friction.shear_strength
+        part = film.shear_strength / bare if bare else 1.0
+        return Film(film.thickness, on, regrowth, filmed, bared, part)
 
     @property
     def effective_modulus(self) -> float | None:

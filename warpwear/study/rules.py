@@ -207,8 +207,6 @@ def _by_area(study: Content) -> None:
         )
     refused = {
         "study.model = 'two-scale'": study.study.model == "two-scale" and ": patches share the load",
-        "[friction.film]": friction.film is not None and ", whose cells differ in strength",
-        "friction.initial_ratio": friction.initial_ratio is not None and ", by which the strength changes",
         f"friction.area = '{friction.area}'": friction.area != "contact" and ": 'contact' is allowed",
         "wear.particle": study.wear.sheds and ": what is pending would bear",
         f"wear.distance_factor = '{study.wear.distance_factor}'": study.wear.distance_factor != "none"

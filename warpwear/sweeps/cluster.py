@@ -4,6 +4,7 @@ import ipaddress
 import logging
 import threading
 import time
+from asyncio import CancelledError
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
@@ -60,8 +61,8 @@ def _watch(client: Any, executor: Executor, address: str, ended: threading.Event
     while not ended.wait(LOOK):
         try:
             alive = bool(client.nthreads())
-        except (OSError, RuntimeError, ValueError):
-            return  # without scheduler, runs are cancelled by its client
+        except (Exception, CancelledError):  # the sweep has ended, or the scheduler
+            return
         if alive:
             since = None
         elif since is None:

@@ -232,8 +232,8 @@ def check_folder(folder: Path, *, resume: bool) -> None:
     foreign = [name for name in (*TABLES, PAGE) if name in names and name not in ours]
     if foreign:
         raise InputError(
-            f"out = {folder} holds {', '.join(foreign)}, which no sweep wrote and this one would replace: "
-            "move what you want to keep, or give another folder (out)."
+            f"out = {folder} holds {', '.join(foreign)}, which its {manifest.NAME} does not name and a sweep "
+            "would replace: move what you want to keep, or give another folder (out)."
         )
 
 

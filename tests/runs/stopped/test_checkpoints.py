@@ -156,4 +156,4 @@ def test_the_checkpoint_is_plain_hdf5(tmp_path: Path) -> None:
     run_stopped(short(), tmp_path / "out", 12)
     with h5py.File(tmp_path / "out" / FILE_NAME) as file:
         assert file["rows"].shape[0] == 12
-        assert {"state.gap", "tiles.list"} <= set(file["model"])
+        assert {"gap", "tiles.list"} <= set(file["model"])

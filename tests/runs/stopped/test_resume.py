@@ -38,9 +38,7 @@ def steps_of(law: str, heights: FloatArray, increments: list[float], restart: in
                 model = OneScaleModel(study.contact_task, heights.copy(), executor)
                 saved.restore(model, arrays, json.loads(json.dumps(numbers)))
             rows.append(model.advance(increment).row)
-        state = model.state
-        fields = (state.gap, state.unworn)
-        return rows, [executor.to_numpy(field).copy() for field in fields]
+        return rows, [executor.to_numpy(model.gap).copy(), *model.worn_depths()]
 
 
 @pytest.mark.parametrize("law", LAWS)

@@ -1,11 +1,16 @@
 """Points that an instrument loses, alone and in clumps: what is told of a scar is within its error."""
 
+import math
+
 import numpy as np
 import pytest
 from cases_worn import PIXEL, SCARS, lose, off_by_errors, pair
 
 from warpwear.surfaces.worn.find_scar import find_scar
 from warpwear.surfaces.worn.registration import difference
+
+#: Seeds of sets of cases that no method was developed on.
+SETS = (9001, 9002, 9003)
 
 
 @pytest.mark.parametrize(
@@ -27,6 +32,37 @@ def test_volumes_hold_where_points_are_lost(kind, worn, number, lost):
     for name in ("worn", "piled up", "net", "area"):
         assert abs(found.off[name]) < 3.0, name
         assert found.relative[name] < 0.25, name
+
+
+@pytest.mark.parametrize("lip", [0.0, 0.4])
+@pytest.mark.parametrize("depth", [1e-3, 8e-3])
+def test_an_outline_goes_on_as_it_bends_where_a_hole_hides_it(lip, depth):
+    """Filled points made the area a twelfth to a third too large; rings about a bowl went on outwards."""
+    x = np.arange(160) - 79.5
+    r = np.hypot.outer(x, x) / 25.0
+    pile = np.where(r > 1.0, lip * depth * np.exp(-np.square((r - 1.15) / 0.12)), 0.0)
+    noise = 5e-5 * np.random.default_rng(3).normal(size=r.shape)
+    heights = noise + pile - depth * np.maximum(1.0 - np.square(r), 0.0)
+    heights[95:118, 70:105] = heights[55:70, 45:72] = np.nan
+    found = find_scar(heights, pixel=(PIXEL, PIXEL))
+    assert abs(found.area - math.pi * (25.0 * PIXEL) ** 2) < 2.5 * found.area_error < 0.06 * found.area
+
+
+@pytest.mark.parametrize(("power", "least"), [(1.0, 1e-3), (0.5, 1e-2)])
+def test_the_area_of_a_scar_is_where_its_depth_comes_to_nothing(power, least):
+    """A bowl's edge is lost in the noise, where its area is taken on, and a steep edge is seen to be one."""
+    x, off, errors = np.arange(160) - 79.5, [], []
+    for seed in range(6):
+        middle = np.random.default_rng([8, seed]).uniform(-0.5, 0.5, 2)
+        r = np.hypot.outer(x - middle[0], x - middle[1]) / 25.0
+        noise = 5e-5 * np.random.default_rng(seed).normal(size=r.shape)
+        bowl = least * (1.0 + 0.2 * seed) * np.maximum(1.0 - np.square(r), 0.0) ** power
+        found = find_scar(noise - bowl, pixel=(PIXEL, PIXEL))
+        off.append(found.area / (math.pi * (25.0 * PIXEL) ** 2) - 1.0)
+        errors.append(found.area_error / found.area)
+    assert np.all(np.abs(off) < 2.5 * np.array(errors)), (off, errors)
+    assert np.max(errors) < 0.02
+    assert abs(np.mean(off)) < 0.01
 
 
 def test_lengths_end_at_what_was_measured():
@@ -56,9 +92,9 @@ def test_a_point_lost_costs_itself_alone():
     )
 
 
-def lost_cases():
+def lost_cases(seed):
     """Return 60 cases with 0 to 10 % scattered and 0 to 20 % clumped loss in both files."""
-    rng = np.random.default_rng(35)
+    rng = np.random.default_rng(seed)
     cases = [
         (kind, worn, n) for kind in ("self-affine", "turned", "real") for worn in SCARS for n in range(4)
     ]
@@ -69,18 +105,20 @@ def lost_cases():
 
 @pytest.mark.slow
 def test_coverage_where_points_are_lost():
-    """Of 60 cases, in two minutes.
-
-    Measured were 67, 72, 64 % (worn, piled up, net) within one error and 91, 97, 93 % within two; lengths 86
-    and 95 %, and 90 % of them within two points.
-    """
-    every = [off_by_errors(61, n, kind, worn, **lost) for kind, worn, n, lost in lost_cases()]
+    """Of three sets of 60 cases, in six minutes; one set alone scatters by 6 % about its coverage."""
+    every = [
+        off_by_errors(seed, n, kind, worn, **lost)
+        for seed in SETS
+        for kind, worn, n, lost in lost_cases(seed)
+    ]
     known = [found for found in every if not isinstance(found, str)]
-    assert len(known) >= 0.95 * len(every)
-    for name in ("worn", "piled up", "net"):
-        off = np.abs([found.off[name] for found in known])
+    assert len(known) >= 0.93 * len(every)
+    for name in ("worn", "piled up", "net", "area"):
+        off = np.abs([found.off[name] for found in known if name in found.off])
+        print(name, [round(float(np.mean(off < errors)), 3) for errors in (1.0, 2.0)])
         assert 0.58 <= np.mean(off < 1.0) <= 0.78, name
         assert np.mean(off < 2.0) >= 0.9, name
+    assert np.median([found.relative["area"] for found in known if "area" in found.relative]) < 0.012
     off = np.abs(np.concatenate([found.off["lengths"] for found in known if "lengths" in found.off]))
     assert np.mean(off < 1.0) >= 0.58
     assert np.mean(off < 2.0) >= 0.9

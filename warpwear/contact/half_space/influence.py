@@ -18,7 +18,6 @@ from warpwear.contact.half_space.lines import line_quarter
 from warpwear.contact.half_space.transforms import Filter, array_module
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.program import Program
-from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid, IntArray
 
 fft = lazy.module("scipy.fft")
@@ -127,12 +126,6 @@ class Influence(Operator):
         self, executor: Executor, *, modulus: float, boundary: str, datum: float | None = None
     ) -> None:
         grid = executor.grid
-        if not (math.isfinite(modulus) and modulus > 0.0):
-            raise InputError(f"E* = {modulus:g} MPa is not possible; it must be positive and finite.")
-        if boundary not in BOUNDARIES:
-            raise InputError(
-                f'contact.boundary = {boundary!r} is unknown; allowed are "periodic", "free" and "line".'
-            )
         self.wraps, periodic = BOUNDARIES[boundary], boundary == "periodic"
         super().__init__(executor, padded_shape(grid, self.wraps), grid.shape)
         self.cells = grid.cells

@@ -91,8 +91,6 @@ class BoundedPressure:
         max_iterations: int = MAX_ITERATIONS,
         rules: SearchRules | None = None,
     ) -> None:
-        if not hardness > 0.0:
-            raise InputError(f"contact.hardness = {hardness:g} MPa is not possible; it must be positive.")
         self._executor = executor
         self._hardness = hardness
         self._rules = replace(rules or SearchRules(), tolerance=tolerance, iterations=max_iterations)
@@ -218,8 +216,6 @@ class BoundedPressure:
 
     def _loads(self, mean_pressure: float | FloatArray | None, approach: float | None) -> FloatArray | None:
         """Sums of the pressures that the groups are to carry [MPa]; None at an approach."""
-        if (mean_pressure is None) == (approach is None):
-            raise InputError("a half-space contact needs either a mean pressure or an approach.")
         if mean_pressure is None:
             return None
         means = np.atleast_1d(mean_pressure)

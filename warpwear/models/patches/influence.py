@@ -8,7 +8,6 @@ from warpwear.contact.half_space import influence
 from warpwear.contact.half_space.filters import filter_of
 from warpwear.contact.half_space.transforms import Filter, Grids
 from warpwear.engine.executor import Executor
-from warpwear.errors import InputError
 from warpwear.grid import Grid
 from warpwear.laws.patches import Patches
 
@@ -59,8 +58,7 @@ class PatchInfluence(influence.Operator):
 
     def set_bulk(self, flexibility: float) -> None:
         """Set 1/K_N of the spring behind every patch [mm³/N]; it yields to the patch's mean pressure."""
-        if flexibility and self._is_free:
-            raise InputError("a free patch contains its mean displacement; a bulk would count it twice.")
+        assert not (flexibility and self._is_free)  # whose mean displacement is contained
         if flexibility != self._bulk:
             self._bulk = flexibility
             self._set_means()

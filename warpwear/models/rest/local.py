@@ -94,7 +94,7 @@ class OneScaleModel(Model):
         self._tables = arguments(wear.Tables, **tables)
         # Many steps; and one, between whose search and wear its pressures can be seen.
         self._many = Program(executor)
-        self._to_search, self._to_wear = (Program(executor, records=False) for _ in range(2))
+        self._to_search, self._to_wear = (Program(executor, records=2) for _ in range(2))
         self._begin(self._many)
         with self._many.loop(self._steps.stepping):
             self._add_search(self._many)
@@ -208,8 +208,8 @@ class OneScaleModel(Model):
         if not self.task.rigid:
             residual = total["pressure"] * self._executor.grid.cell_area - self.task.load
         total, most = (divided(part, self.task.wear_fractions) for part in (total, most))
-        numbers = base, offset, cap, residual, *others
-        return booked(self._ledger, numbers, increments, removals, total, most, self._enter)
+        numbers, slid = (base, offset, cap, residual, *others), np.array(increments)
+        return booked(self._ledger, numbers, slid, np.array(removals), total, most, self._enter)
 
     def _enter(self, balance: Balance, *columns: Any) -> Step:
         """Book a step. Raises ConvergenceError where its pressures do not carry the load."""

@@ -30,15 +30,9 @@ from warpwear.models.attachment import Place
 from warpwear.models.film import BareCells
 from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.fretting import CyclicSlip
+from warpwear.models.track.part_length import PartLength
 from warpwear.models.track.pieces import OF_BODY, SlidingPieces
 
-#: What a part of a step takes off the area of a contact, relative, over its length in contact lengths and the
-#: real over the nominal area: of a smooth one 1.2 in a first pass, 2.6 after twenty, as losses add up.
-OF_OUTLINE = 2.4
-#: What each cell beyond the first of a part changes of the area of asperities below the hardness.
-OF_ELASTIC_CELL = 0.025
-#: Error of the area that the length of a part may make, relative.
-LARGEST_ERROR = 0.02
 #: Real over nominal area from which the last pressure, where it is, is a better start than none.
 KEEPS_PRESSURE = 0.7
 #: Sums over the cells of a part; the others grow, and the last part's are those of the step.
@@ -59,8 +53,8 @@ class SlidingHalfSpace:
 
     The outline of a ball's contact and its mean pressure do not move with the disc either: S of them makes
     the contact shorter. Asperities below the hardness yield by the wear of the step too, which makes them
-    wider. So a step is solved in parts over so few cells that the estimate of both is `LARGEST_ERROR` of the
-    area at most; over one cell S is none. The estimate is a fit: docs/theory/limits.md has its cases.
+    wider. So a step is solved in parts over so few cells that the estimate of both is 2 % of the area at
+    most, see `part_length`; over one cell S is none.
 
     disc, periodic, track_fraction, moves: as of `local.SlidingContact`. Raises ValueError for the same discs.
     """
@@ -72,8 +66,7 @@ class SlidingHalfSpace:
         "pieces": SlidingPieces,
         "ledger": Ledger,
         "_steps_done": int,
-        "_outline": float,
-        "_asperities": float,
+        "_length": PartLength,
         "film": BareCells,
         "fretting": CyclicSlip,
     }
@@ -115,6 +108,8 @@ class SlidingHalfSpace:
         has_means = moves or self.fretting is not None
         self._gap, self._means = executor.zeros(), executor.zeros(executor.grid.nx if has_means else 1)
         self._bodies = arguments(Bodies, **self.state.fields)
+        if self.film is not None and task.shears:
+            self._bodies.bare = self.film.bare
         rows: Field = wp.array(np.arange(executor.grid.nx, dtype=np.int32), device=executor.device)
         self._layout = arguments(
             Layout, vectors=executor.vectors, first_row=rows, first_column=wp.zeros_like(rows)
@@ -141,23 +136,20 @@ class SlidingHalfSpace:
         self._place = Place(self._slides.array, arguments(Steps, device, history=self._of_pieces))
         margin = 1 if self.fretting is None else self.fretting.margin
         self.ledger = Ledger(task, executor.grid, margin=margin, track_fraction=track_fraction)
-        #: Relative error of the area by each cell of a part, and by each beyond the first, as of late.
-        self._outline = self._asperities = 0.0
         self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
         #: Whether bodies wear in pieces alone or in part: those of dust alone never leave.
         self._sheds = self.pieces is not None and task.dust < 1.0
+        self._length = PartLength(task, moves=moves, sheds=self._sheds)
         #: Contacts without wear in the step, which start from nothing: those with it are as they would be.
         self._static = None
         if task.static_area_every:
             self._static = WindowedHalfSpace(executor, modulus=task.modulus, **law)
         self._steps_done = 0
-        self.forget()
 
     def forget(self) -> None:
         """Let the next contact begin as the first one does: the disc is another."""
         self._half_space.forget()
-        if self._moves and not self.task.form.is_flat and not self._sheds:  # else no mean shortens it
-            self._outline = math.inf
+        self._length.forget()
 
     def step(self, shift: int, increment: float, *, with_pressure: bool = False) -> Step:
         """Solve the contact with the disc `shift` rows on, slide by the increment [mm], wear both bodies.
@@ -182,31 +174,31 @@ class SlidingHalfSpace:
         of_film, of_shear = ["bare"] * (self.film is not None), ["rubbed"] * self.task.shears
         pooled = dict.fromkeys((*OF_A_PART, *of_film, *of_shear), 0.0)
         highest, removal, columns = 0.0, (0.0, 0.0), self.state.columns
-        shears = self.task.wear_per_contact(increment)
+        shears = self.task.wear_per_contact(before["distance"], increment)
+        filmed = 1.0 if self.task.film is None else self.task.film.part_shear
         static = math.nan
         certificates: list[Certificate | None] = []
         solves_static = self._static is not None and self._steps_done % self.task.static_area_every == 0
         while done < cells:
-            of_part = self._cells_of_part(cells - done)
+            of_part = self._length.cells(cells - done)
             weight = of_part / cells
             shift = self.state.row_of(row(done, of_part), periodic=self.periodic)
             start = before["distance"] + increment * (done / cells)
             removals = self.task.wear_per_pressure(start, increment * weight)
-            first, end = columns
             self._slides.set(
                 shift=shift,
-                first_column=first,
-                end_column=end,
+                first_column=columns[0],
+                end_column=columns[1],
                 start=start,
                 end=start + increment * weight,
                 window=self.cells_passing(increment * weight),
+                shear_counter=weight * shears[0],
+                shear_disc=weight * self._track_fraction * shears[1],
+                shear_filmed=filmed,
             )
             if self.fretting is not None:
                 self._begin_cycles(self.fretting, increment, removals)
             last = done + of_part == cells
-            self._slides.set(
-                shear_counter=weight * shears[0], shear_disc=weight * self._track_fraction * shears[1]
-            )
             contact = self._solve(
                 increment * weight, removals, certified=True if self.certified and last else None
             )
@@ -222,11 +214,11 @@ class SlidingHalfSpace:
                 columns = int(-most["first_column"]), int(most["last_column"]) + 1  # of all touched so far
                 self._slides.set(first_column=columns[0], end_column=columns[1])
                 self._run("rub", partial(self.film.after_step, place=self._place))
-            left = total["pressure"] * self._executor.grid.cell_area - self.task.load
-            left = checked_residual(left, self.task.load, approach=contact.approach)
-            residual = max(residual, left, key=abs)
-            # What shear wears lowers cells in contact by one depth, so that it lifts the approach alone.
-            lift = weight * (shears[0] + self._track_fraction * shears[1])
+            load, left = self.task.load, total["pressure"] * self._executor.grid.cell_area - self.task.load
+            residual = max(residual, checked_residual(left, load, approach=contact.approach), key=abs)
+            # What shear wears lowers cells in contact by one depth, so that it lifts the approach alone; what
+            # it wears off some beyond that was in their gap.
+            lift = weight * (shears[0] + self._track_fraction * shears[1]) * min(filmed, 1.0)
             approach += weight * (contact.approach + lift)
             fretted = {}
             if self.fretting is not None:
@@ -238,7 +230,7 @@ class SlidingHalfSpace:
             for name in pooled:
                 pooled[name] += weight * total[name]
             self._look(total, most)
-            error = max(error, self._error_of_part(of_part))
+            error = max(error, self._length.error(of_part))
         if self.pieces is not None:
             self._shed(total, most)
         cap = min(self.task.hardness, NO_CAP)
@@ -261,17 +253,6 @@ class SlidingHalfSpace:
             self.state.columns = self.pieces.beside(self.state.columns)
         return step
 
-    def _error_of_part(self, cells: int) -> float:
-        """Estimate the error of the area by the length of a part, relative, as the last contact was."""
-        return cells * self._outline + (cells - 1) * self._asperities if cells > 1 else 0.0
-
-    def _cells_of_part(self, left: int) -> int:
-        """Cells of the next part of a step that has some left: as many as in the parts after it, about."""
-        if self._error_of_part(left) <= LARGEST_ERROR:
-            return left
-        most = max(int((LARGEST_ERROR + self._asperities) / (self._outline + self._asperities)), 1)
-        return -(-left // -(-left // most))
-
     def _look(self, total: Mapping[str, float], most: Mapping[str, float]) -> None:
         """See what the contact that was solved says of the next: sums and maxima of its cells."""
         if not self._moves:
@@ -283,11 +264,8 @@ class SlidingHalfSpace:
         if bearing < KEEPS_PRESSURE:
             # The last pressure is then no better a start, neither where it is nor carried on with the disc.
             self._half_space.forget()
-        if not self.task.form.is_flat:  # which has no outline
-            if not self._sheds:
-                self._outline = OF_OUTLINE * bearing / along
-            elastic = 1.0 - total["capped"] / total["contact"]
-            self._asperities = self.task.dust * OF_ELASTIC_CELL * elastic * max(1.0 - bearing, 0.0)
+        elastic = 1.0 - total["capped"] / total["contact"]
+        self._length.learn(along=along, bearing=bearing, elastic=elastic)
 
     def _solve(
         self, increment: float, removals: tuple[float, float], *, certified: bool | None
@@ -320,8 +298,7 @@ class SlidingHalfSpace:
         if not fretting.knows_approach:
             fretting.note(self._half_space.solve(self._gap, load=self.task.load))
         fretting.look(self._gap, self._slides)
-        ahead = fretting.ahead(increment)
-        self._slides.set(window=fretting.window, ahead=ahead, **fretting.shares(removals))
+        self._slides.set(window=fretting.window, ahead=fretting.ahead(increment), **fretting.shares(removals))
         self._run("gaps", self._say_gaps)
         if fretting.yields is not None:
             self._run("yields", lambda program: fretting.say_yields(program, self._slides.array))
@@ -354,6 +331,8 @@ class SlidingHalfSpace:
             pressed.parts = self._parts
         if self.task.shears:
             pressed.rubbed, pressed.rubbed_means = self._rubbed, self._rubbed_means
+            if self.film is not None:
+                pressed.bare = self.film.bare
             program.launch(wear_from_pressure.part_of_step, slides, pressed)
             program.launch(wear_from_pressure.means, slides, self._rubbed, self._rubbed_means)
         if self.fretting is not None:

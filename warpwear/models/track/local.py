@@ -91,6 +91,8 @@ class SlidingContact:
         self.film = BareCells.of_bodies(task.film, executor, self.state.wear_counter, self.state.wear_disc)
         self._slides = Numbers(Slide, device)
         bodies = arguments(Bodies, **self.state.fields, gap=executor.zeros())
+        if self.film is not None and task.shears:
+            bodies.bare = self.film.bare
         self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
         self._recession = None if bearing_curve is None else Recession(bearing_curve, executor, bodies)
         factor = self._factor()
@@ -140,6 +142,7 @@ class SlidingContact:
             rows=executor.grid.nx,
             columns=executor.grid.ny,
             margin=sum(one.margin for one in self.attachments),
+            shear_filmed=1.0 if task.film is None else task.film.part_shear,
         )
         of_cells = arguments(OfCells, factor=factor, factored=int(self._factored))
         for name in ("stiffness", "bare", "parts"):
@@ -237,28 +240,31 @@ class SlidingContact:
         for one in self.attachments:
             one.end_steps(self._course["step"])
 
-    def _plan(
-        self, shifts: Sequence[int], increments: Sequence[float]
-    ) -> tuple[list[tuple[float, ...]], bool]:
+    def _plan(self, shifts: Sequence[int], increments: Sequence[float]) -> tuple[FloatArray, bool]:
         """Tell the device of the next steps; return K ΔL of both bodies, and whether all are rigid.
 
-        Behind K ΔL is what shear wears off a cell in contact.
+        Behind K ΔL is what shear wears off a cell in contact. A row is a step.
         """
         task, row = self.task, self.ledger.row
-        removals: list[tuple[float, ...]] = [*wear_in_steps(task.wear, row["distance"], increments)]
+        removals = np.array(wear_in_steps(task.wear, row["distance"], increments))
         own, dust, track = task.compliance_at(row["area_contact"]), task.dust, self._track_fraction
-        rows = [self.state.row_of(shift, periodic=self.periodic) for shift in shifts[: len(removals)]]
-        counter, disc = np.array(removals).T
+        moved = np.array(shifts)
+        for shift in (moved.min(), moved.max()):
+            self.state.row_of(int(shift), periodic=self.periodic)
+        rows = moved % self.state.disc.shape[0]
+        counter, disc = removals.T
         of_counter, of_disc = dust * counter, dust * track * disc
         pending = (1.0 - dust) * counter, (1.0 - dust) * (track * disc)
         compliance = own + (of_counter + of_disc) * task.implicit
         alike = [0.0 if self._stiffness is not None else stiffness_of(one) for one in compliance.tolist()]
-        ends = np.add.accumulate([row["distance"], *increments[: len(removals)]])
+        ends = np.add.accumulate([row["distance"], *increments])
         owns = np.full(len(rows), own)
-        depths = [task.wear_per_contact(one) for one in increments[: len(removals)]]
-        shears = np.array(depths).T * np.array([[1.0], [track]])
+        depths = np.zeros((2, len(rows)))
+        if task.shears:
+            pairs = zip(ends[:-1].tolist(), increments, strict=True)
+            depths = np.array([task.wear_per_contact(*pair) for pair in pairs]).T
+        shears = depths * np.array([[1.0], [track]])
         each = rows, ends[:-1], ends[1:], of_counter, of_disc, *pending, owns, compliance, alike, *shears
-        removals = [(*of_both, *shear) for of_both, shear in zip(removals, depths, strict=True)]
         plan = np.stack(each, axis=1)
         compliances = plan[:, sliding_steps.PLAN.index("compliance")]
         rigid = bool(compliances[0] == 0.0)
@@ -267,7 +273,7 @@ class SlidingContact:
         self._course.set(step=0, steps=count)
         if not self._course["is_begun"]:
             self._begin_at(*plan[0])
-        return removals[:count], rigid
+        return np.stack([counter, disc, *depths], axis=1)[:count], rigid
 
     def _begin_at(self, *first: float) -> None:
         """Tell the device where the search of the first step begins."""
@@ -279,7 +285,7 @@ class SlidingContact:
             softest = self._stiffness.softest(self._slides.array)
         self._course.set(smallest=smallest, first_limit=limit, softest=softest)
 
-    def _booked(self, increments: Sequence[float], removals: Sequence[tuple[float, ...]]) -> Iterator[Step]:
+    def _booked(self, increments: Sequence[float], removals: FloatArray) -> Iterator[Step]:
         """The steps that the device has made, as the ledger enters them."""
         count = self._course["step"]
         table = np.ascontiguousarray(self._steps.history[: max(count, 1)].numpy()[:count].T)
@@ -292,7 +298,7 @@ class SlidingContact:
         for one in self.attachments:
             one.enter(columns, total, most)
         numbers = [columns[name] for name in BALANCE]
-        return booked(self.ledger, numbers, increments, removals, total, most, self._enter)
+        return booked(self.ledger, numbers, np.array(increments), removals, total, most, self._enter)
 
     def _enter(self, *columns: Any) -> Step:
         """Book a step as `Ledger.enter` does."""

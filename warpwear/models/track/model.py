@@ -54,7 +54,7 @@ class SweptModel(Model):
 
     @property
     def pieces(self) -> PieceBook | None:
-        """The pieces that have left; None where wear leaves at once."""
+        """Return the book of the pieces that have left; None where wear leaves at once."""
         return None if self.contact.pieces is None else self.contact.pieces.book
 
     @property
@@ -89,7 +89,7 @@ class SweptModel(Model):
         self._row = self._row_of(self._done, done, cells)
         return self._row
 
-    def _row_of(self, step: int, done: int = 0, cells: int | None = None) -> int:
+    def _row_of(self, step: Any, done: int = 0, cells: int | None = None) -> Any:
         """Return what `Track.row` does, on a disc that is turned."""
         row = self._track.row(step, done, cells)
         return (row + self.turned) % self._track.rows if self.turned else row
@@ -102,7 +102,7 @@ class SweptModel(Model):
     def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
         """Steps made on the device in one go, before the first of them is seen."""
         assert isinstance(self.contact, SlidingContact)  # no other is `in_blocks`
-        rows = [self._row_of(self._done + i) for i in range(len(increments))]
+        rows = self._row_of(self._done + np.arange(len(increments)))
         for beyond, step in self.contact.steps(rows, increments):
             self.steps_in_flight = beyond
             yield self._placed(step)

@@ -1,6 +1,5 @@
 """The programs of a contact that slides: of many steps in a row, and of one before and after its balance."""
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from typing import Literal
@@ -43,8 +42,6 @@ class StepPrograms:
         """Return the search of steps whose cells are rigid or not."""
         if rigid not in self._searches:
             task, of_cells = self._task, self._place.of_cells
-            if rigid and not math.isfinite(task.hardness):
-                raise ValueError("a contact without compliance needs a hardness")
             search = LoadSearch(
                 self._executor,
                 self._place.bodies.gap,
@@ -66,7 +63,9 @@ class StepPrograms:
         steps.is_rigid = int(rigid)  # each time: a program is recorded when first run
         if (name, rigid, shares) not in self._said:
             search = self.search(rigid=rigid)
-            program = self._said[name, rigid, shares] = Program(self._executor, shares=shares)
+            records = 1 if name == "steps" else 2  # for one step alone recording does not pay
+            program = Program(self._executor, shares=shares, records=records)
+            self._said[name, rigid, shares] = program
             if name == "steps":
                 program.decide(sliding_steps.begin, steps)
                 with program.loop(steps.stepping):

@@ -168,7 +168,8 @@ class Wear(Section):
         friction: of which the energy law takes what shears a cell. values: dotted keys -> numbers, or arrays
         of them, in the keys' units, that replace those of the study.
         """
-        of_pressure, strength = friction.law_with(values).tractions
+        law = friction.law_with(values)
+        of_pressure, strength = law.tractions
 
         def number(key: str) -> Any:
             value = values.get(f"wear.{key}")
@@ -183,8 +184,8 @@ class Wear(Section):
             return counter, disc
         alphas = (values.get(f"wear.{body}", getattr(self, body).value) for body in BODIES)
         counter, disc = (
-            replace(law, shear=1.0e-3 * alpha * strength)
-            for law, alpha in zip((counter, disc), alphas, strict=True)
+            replace(one, shear=1.0e-3 * alpha * strength, **law.course)
+            for one, alpha in zip((counter, disc), alphas, strict=True)
         )
         return counter, disc
 
