@@ -155,7 +155,11 @@ def thesis(**options: Any) -> None:
 @click.option("--target", metavar="KEY", help="Unknown that the next test shall tell; ranks tests.")
 @repeated("--next", "TEST", "A test to rank, e.g. 'contact.load=16 N, repeats=3'.", "candidates")
 @click.option("--out", type=PATH, help="Folder of report, calibrated study and runs.")
-@click.option("--runs", type=int, help="Runs of the design. [default: 8 an unknown, 16 at least]")
+@click.option(
+    "--runs",
+    type=int,
+    help="Runs of the design. [default: 8 an unknown, 16 at least; double on made-up surfaces]",
+)
 @click.option("--seed", type=int, default=0, show_default=True, help="Of all draws.")
 @DEVICE
 @AS_JSON

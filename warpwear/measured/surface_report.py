@@ -148,7 +148,9 @@ def track_rows(track: Track, *, length: float | None) -> list[Row]:
     rough, measured = "with the roughness in it", f"{ERROR} over the measured {track.length:.4g} mm"
     doubt = None
     if error > DOUBTED * abs(volume):
-        doubt = "neither volume nor width is told from the surface's waviness: --before FILE takes that off"
+        doubt = (
+            "neither volume nor width is told from the surface's own waviness: --before FILE takes that off"
+        )
     rows = [
         Row("track", "width_mm", track.width, digits=3, note="wide at the level of the surface beside it"),
         Row(

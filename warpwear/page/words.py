@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from warpwear.contact.balance import TOLERANCE
+from warpwear.figures.wording import listed
 from warpwear.history.distances import with_unit
 from warpwear.history.end_values import ENDS, value_in
 from warpwear.history.quantities import BY_NAME
@@ -63,6 +64,8 @@ def motion_of(study: Study, distance: float) -> str:
         stroke = f"a stroke of {1e3 * drive.stroke:.4g} µm"
         way = stroke if drive.force is None else f"a force of ± {drive.force:.4g} N"
         return f"frets {cycles:.6g} cycles by {way}"
+    if study.circles:
+        return f"{slid} along tracks of {listed([f'{radius:.4g}' for radius in study.circles])} mm radius"
     return f"{slid} along a track" if study.is_swept else f"{slid} on the same place of the disc"
 
 

@@ -27,11 +27,12 @@ ATTRIBUTES: dict[str, type | tuple[type, ...]] = {
 }
 #: Columns that no step has without a contact.
 AREAS = ("area_contact", "area_touched", "area_cumulative", "area_nominal")
+#: Columns that the results of earlier versions lack, all of a set.
+LATER = ({"parts", "area_error"}, {"friction_energy"}, {"violation", "energy_gap", "energy_gap_relative"})
 #: What a run records beside numbers, with what it has to be.
 RECORD: dict[str, type | tuple[type, ...]] = {
     "surface": dict,
     "warnings": list,
-    "notes": list,
     "elapsed_s": (int, float),
     "made_with": dict,
 }
@@ -66,6 +67,9 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
     tables = {quantity.name for quantity in quantities.PATCH_TABLES}
     stands = {current(name) for name in _group(file, "history")}
     lacking = {column.name for column in quantities.columns_of(study)} - stands
+    for later in LATER:
+        if later <= lacking:
+            lacking -= later
     if lacking:
         raise ValueError(f"its history has no {', '.join(sorted(lacking))}")
     shapes: dict[str, Shape] = {f"history/{name}": (steps,) for name in _group(file, "history")}
@@ -135,7 +139,8 @@ def _check_record(record: Any) -> None:
     for name, kind in RECORD.items():
         if not isinstance(record.get(name), kind):
             raise ValueError(f"the {name} of its record is {record.get(name)!r:.40}")
-    if not all(isinstance(note, str) for note in record["warnings"] + record["notes"]):
+    notes = record.get("notes", [])  # which results of earlier versions lack
+    if not isinstance(notes, list) or not all(isinstance(note, str) for note in record["warnings"] + notes):
         raise ValueError("a warning or a note of its record is no text")
 
 

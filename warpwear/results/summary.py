@@ -358,7 +358,7 @@ def _checks(result: ResultFile, end: dict[str, float]) -> list[Row]:
         Row("", "conservation_relative", off),
         Row("", "disc_volume_over_KFL", end["wear_volume_disc"] / expected if expected else None),
         Row("checks", "", checks),
-        *entries(result.record),
+        *entries({"notes": [], **result.record}),
         Row("assumptions", "assumptions", assumed, sentence=all_of_them),
     ]
 

@@ -164,7 +164,7 @@ def refused(kind: str, out: Path, says: str) -> None:
     check_sentence(told.value)
 
 
-@pytest.mark.parametrize("name", ["sharing.base", "sharing.offset", "foresight.reached"])
+@pytest.mark.parametrize("name", ["sharing.base", "sharing.offset", "courses.reached"])
 def test_arrays_of_another_shape_are_refused(name: str, stopped: dict[str, Path], tmp_path: Path) -> None:
     out = copied(stopped["patches"], tmp_path)
     with resealing(out / FILE_NAME) as file:

@@ -16,6 +16,7 @@ import warpwear
 from warpwear import InputError, Study
 from warpwear.cli.main import commands, main
 from warpwear.laws.friction import friction_energy
+from warpwear.page.content import words_of
 from warpwear.results.summary import summarise, summary_text
 from warpwear.runs.order import RunOrder
 
@@ -406,6 +407,7 @@ def test_a_programme_slides_on_circles_of_its_disc(case: str, tmp_path: Path, de
         history, number = result.history, result.history["block"]
         assert [block["track_radius_mm"] for block in result.summary["blocks"]] == [*RADII]
         assert "on a track of 0.9 mm radius" in summary_text(summarise(result))
+        assert "along tracks of 0.161 and 0.9 mm radius under" in words_of(study, summarise(result))["asked"]
         kept = [float(distance) for distance in result.snapshot_distances]
     assert study.blocks[0].end in kept or not study.output.snapshots
     for body, law in zip(("counter", "disc"), study.wear_laws, strict=True):
