@@ -1,9 +1,9 @@
 """Archard's wear of the gap of two bodies at rest, and the steps of it.
 
-Both bodies open one gap and wear in one proportion: what is worn of them together is the gap less the gap of
-the bodies as they were. A step is a search for the load balance, see `balance` and `bearing`, a pass that
-wears, and a row of the history. The pass that wears evaluates what the approach expected next carries as
-well: most steps on springs need no other, see `foresight`.
+Both bodies bound one gap and wear in a fixed proportion: their wear together is the gap now less the gap
+before any wear. A step is a search for the load balance, see `balance` and `bearing`, a pass that
+wears, and a row of the history. The pass that wears also evaluates the load at the approach
+expected next: most steps on springs need no further pass, see `foresight`.
 """
 
 import warp as wp
@@ -25,7 +25,7 @@ BALANCE = ("base", "offset", "cap", "residual", "tie_width", "tie_pressure", "ev
 PLAN = ("removal", "stiffness")
 TOTALS = wp.constant(wp.int32(len(BALANCE)))
 MAXIMA = wp.constant(wp.int32(len(BALANCE) + len(WearSum)))
-#: The pressures that wore carry the load but for this many tolerances.
+#: The pressures of a step may miss the load by this many tolerances.
 LEFT = wp.constant(wp.float64(2.0))
 LARGEST = wp.constant(wp.float64(1.0e308))
 
@@ -36,7 +36,7 @@ class Increment:
 
     wear_per_pressure: wp.float64  # K ΔL of both bodies [mm³/N]
     stiffness: wp.float64  # 1/c of the step [N/mm³]
-    reference: wp.float64  # squares are those of the deviation from it: near the mean they keep digits [MPa]
+    reference: wp.float64  # deviations are squared about it: near the mean that keeps digits [MPa]
     base_next: wp.float64  # approach of the next step [mm]
     offset_next: wp.float64
     stiffness_next: wp.float64
@@ -56,7 +56,7 @@ class Tables:
 
 @wp.struct
 class Course:
-    """What steps remember, and how far they are."""
+    """Holds what a step leaves to the next one, and how many are done."""
 
     trend: Trend  # of the approach
     mean: wp.float64  # pressure of the last step [MPa]
@@ -89,7 +89,7 @@ class Steps:
 
 @wp.func
 def begin_step(springs: Springs, steps: Steps):
-    """Begin the search of a step where its balance is expected, and look at what is known of that already."""
+    """Begin the search of a step at the approach expected, and use what was evaluated there before."""
     c = steps.course[0]
     removal = steps.plan[c.step, 0]
     stiffness = steps.plan[c.step, 1]
@@ -202,14 +202,14 @@ def total_of(
     row: wp.int32,
     column: wp.int32,
 ) -> None:
-    """Brings each line of a table to a number, in a row from a column on. All threads of a slot call it."""
+    """Reduces each line of a table to a number, in a row from a column on. All threads of a slot call it."""
 
 
 @wp.func_native("return total_step(tables, &wp::index(history, row, column));")
 def total_step(
     tables: Tables, history: wp.array2d(dtype=wp.float64), row: wp.int32, column: wp.int32
 ) -> wp.vec3d:
-    """Brings the tables to numbers, in a row from a column on; returns those of what was looked at ahead."""
+    """Reduces the tables to numbers, in a row from a column on; returns those evaluated ahead."""
 
 
 @wp.func
@@ -240,7 +240,7 @@ def is_within(before: wp.vec4d, now: wp.vec4d, within: wp.array(dtype=wp.float64
 
 @wp.func
 def write_row(springs: Springs, steps: Steps, tables: Tables, thread: wp.int32):
-    """Write the row of a step, and end the steps where none may follow. All threads of the slot follow it."""
+    """Write the row of a step, and end the steps where none may follow. All threads of the slot call it."""
     row = steps.course[0].step
     history = steps.history
     ahead = total_step(tables, history, row, TOTALS)

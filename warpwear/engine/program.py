@@ -1,19 +1,19 @@
-"""A device's program has passes over cells, decisions, loops and branches, said once and replayed often.
+"""A program holds passes over cells, decisions, loops and branches: written once, replayed on a device.
 
     program = Program(executor)
     with program.loop(searching):           # while searching[0] is not 0
-        program.launch(carried, fields)     # a pass: on a CPU a slot a row of cells, on a GPU a slot a block
+        program.launch(carried, fields)     # a pass: a slot is a row of cells on a CPU, a block on a GPU
         program.decide(judge, fields)       # one slot: reads what the pass has left, and writes `searching`
     program.run()
 
 What follows from a pass is decided on the device: a program asks the host nothing. A GPU replays it as a
 graph. A CPU replays it as a recorded loop on one core, as long as no pass is large enough to be shared among
 threads. Such passes, and `call`, which is a step of the host, end a recording: the host then goes from one to
-the next and reads the flags of loops and branches. All three do the same launches in the same order.
+the next and reads the flags of loops and branches. All three ways make the same launches in the same order.
 
-Launches are recorded as they are said: numbers in their arguments stay as they were. What changes from one
-run to the next lives in arrays. A recording knows a kernel by its module and its name, so that overloads of
-a generic kernel need names of their own.
+A launch is recorded with the arguments that it was added with: numbers among them stay. What changes from
+one run to the next has to be in arrays. A recording knows a kernel by its module and its name, so that
+overloads of a generic kernel need names of their own.
 """
 
 import gc
@@ -33,8 +33,8 @@ Chunks = Sequence[tuple[int, int]]
 class Launch:
     """Launches a kernel, shared among threads where its chunks say so.
 
-    chunks: ranges of slots for the threads; a function tells them anew each time. slots: None of a decision,
-    whose kernel takes neither first slot nor slots.
+    chunks: ranges of slots for the threads, or a function that returns them anew for each run. slots: their
+    number; None for a decision, whose kernel takes neither the first slot nor their number.
     """
 
     def __init__(
@@ -46,11 +46,11 @@ class Launch:
         chunks: Chunks | Callable[[], Chunks],
     ) -> None:
         self._executor, self._kernel, self._chunks = executor, kernel, chunks
-        executor.load(kernel)  # which no recording can
+        executor.load(kernel)  # a recording cannot load it
         self._slots, self._arguments = slots, arguments
         self._takes_range = kernel in RANGED
         self._commands: list[tuple[Any, tuple[int, int]]] = []
-        #: Whether it is one loop on one core.
+        #: Whether it is one loop on one core, which a recording can hold.
         self.is_recordable = not executor.is_shared or not (callable(chunks) or len(chunks) > 1)
         if self.is_recordable:
             self._command(0, (0, slots or 1))
@@ -105,7 +105,7 @@ class Call:
 class Block:
     """Runs parts of a program, one after another, under a flag of the device or under none.
 
-    flag: array of one number, 0 for no. repeats: whether it is asked again after the last of them.
+    flag: array of one number, 0 to skip the parts. repeats: whether it is read again after the last part.
     """
 
     def __init__(self, flag: Field | None = None, *, repeats: bool = False) -> None:
@@ -118,7 +118,7 @@ class Block:
         return all(node.is_recordable for node in self.nodes)
 
     def run(self) -> None:
-        """Do all of them, as often as the flag says."""
+        """Run all parts, as often as the flag says."""
         if self._flag is None:
             self._run_all()
         elif self._repeats:
@@ -131,7 +131,7 @@ class Block:
             node.run()
 
     def record(self, device: Any) -> None:
-        """Record what can be, in as few pieces as there can be. The flag stays."""
+        """Record the parts that can be recorded, in as few recordings as possible; the flag stays."""
         recorded: list[Node] = []
         together = Block()
         for node in [*self.nodes, None]:
@@ -151,10 +151,10 @@ class Block:
 class Recording:
     """Holds parts of a program as a graph that a device replays."""
 
-    is_recordable = False  # again
+    is_recordable = False  # a second time
 
     def __init__(self, block: Block, device: Any) -> None:
-        self._block = block  # whose arrays the graph reads
+        self._block = block  # keeps the arrays alive that the graph reads
         with GATE, _nothing_collected(), wp.ScopedCapture(device=device) as capture:
             block.run()
         self._graph = capture.graph
@@ -170,7 +170,7 @@ Node = Launch | Call | Block | Recording
 
 @contextmanager
 def _nothing_collected() -> Iterator[None]:
-    """Keep Python's garbage collector still: a plan of cuFFT that it frees ends a GPU's recording."""
+    """Keep Python's garbage collector still: a plan of cuFFT that it frees would end a GPU's recording."""
     was_enabled = gc.isenabled()
     gc.disable()
     try:
@@ -200,10 +200,10 @@ class Program:
         slots: int | None = None,
         chunks: Chunks | Callable[[], Chunks] | None = None,
     ) -> None:
-        """Add a pass: a kernel of first slot, number of slots and arguments.
+        """Add a pass: a kernel that takes the first slot, the number of slots and the arguments.
 
         slots: by default those of the executor's grid, see `Executor.slots_of`. chunks: ranges of them for
-        the threads, or a function that tells them; by default rows of equal cost.
+        the threads, or a function that returns them; by default rows of equal cost.
         """
         executor = self._executor
         slots = executor.slots_of(executor.grid.nx) if slots is None else slots

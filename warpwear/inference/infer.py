@@ -31,7 +31,7 @@ from warpwear.sweeps.table import RUNS
 DRAWS = 2000
 #: Standard uncertainties by which all priors have to miss a value to exclude it.
 FAR = 4.0
-#: A course that all priors miss by this is excluded by them.
+#: Coefficient of friction by which all priors have to miss a course to exclude it.
 COF_FAR = 0.3
 
 
@@ -51,11 +51,12 @@ def infer(
     """Find unknowns of a study from measurements of a test, by Bayes' rule.
 
     unknown: keys, each with a prior as in a sweep or None for one about the study's value. experiments:
-    courses of friction, one a repeated test. measured: "volume_counter", "volume_disc", "section",
+    courses of friction, one for each repeated test. measured: "volume_counter", "volume_disc", "section",
     "diameter", "sq_counter", "sq_disc" or "cof" -> a text such as "0.80 +- 0.02 mm" or a list, one a repeat;
     "cof" may end in "at 30 mm". Or all that was measured, as of `warpwear.inference.data.data_of`. target: an
-    unknown that the next test shall tell; candidates: such as "contact.load=16 N, repeats=3". out: folder of
-    the report, which keeps the runs. runs: of a design where results do not merely scale. seed: of all draws.
+    unknown that the next test is to narrow; candidates: such as "contact.load=16 N, repeats=3". out: folder
+    of the report, which keeps the runs. runs: of a design where results do not merely scale. seed: of all
+    draws.
 
     Raises InputError for what does not go together, ConvergenceError where samples do not converge.
     """
@@ -94,7 +95,7 @@ def infer(
         posterior = Posterior(base, tuple(noise), data)
         check_priors(posterior, seed=seed)
         trials = []
-        if target is not None:  # before what takes long: a test that cannot be made ends it here
+        if target is not None:  # before sampling, which takes long: here a test may be refused
             place_of(posterior, target)
             trials = [with_model(one) for one in candidates_of(study, candidates, cheap=not base.runs.inputs)]
         samples = sample(posterior.log_density, len(posterior.sampled), seed=seed)
@@ -156,7 +157,7 @@ def _within(what: str, value: float, computed: FloatArray, room: float, kind: st
 
 
 def _check_unknowns(study: Study, unknowns: Sequence[Unknown], data: Data) -> None:
-    """Raise InputError for unknowns that the study does not use, or that nothing follows from."""
+    """Raise InputError for unknowns that the study does not use, and for friction that cannot be inferred."""
     unused = inapplicable(study)
     for unknown in unknowns:
         if unknown.key.removeprefix("friction.") in FITTED and study.friction.law != "coulomb":

@@ -16,9 +16,9 @@ from warpwear.measured.tribometer import alternates, averaged, from_forces, one_
 
 #: A coefficient of friction beyond this is a mistake: a force, percent, or a load that is not yet on.
 LARGEST_COF = 3.0
-#: Share of the rows: more negative coefficients than this are a sign that changes with the direction.
+#: Share of negative coefficients beyond which their sign is taken to change with the direction.
 NEGATIVE_SHARE = 0.1
-#: Distances that go up or down for longer than this many rows are a course, not rows out of order.
+#: Mean number of rows between turns of a distance that goes to and fro; with fewer, rows are out of order.
 RUN = 2.5
 #: Share of the whole distance that may be covered twice.
 OVERLAP = 0.05
@@ -94,7 +94,7 @@ def experiment_of(rows: Rows, motion: Motion) -> Experiment:
 
 
 def _signed(rows: Rows) -> bool:
-    """Return whether coefficients are better taken from forces: they, or the forces below them, alternate."""
+    """Return whether coefficients are better taken from forces: they or the forces beside them alternate."""
     if not {"cof", "friction force"} <= rows.table.keys():
         return False
     cof = rows.table["cof"]
@@ -196,7 +196,7 @@ def _check_cof(path: Path, distance: FloatArray, cof: FloatArray) -> list[str]:
 
 
 def gaps(distance: FloatArray, start: float, end: float) -> list[tuple[float, float]]:
-    """Return the pieces of a range from start to end [mm] without a measured point nearby, from and to [mm].
+    """Return where gaps between measured points begin and end [mm], in a range from start to end [mm].
 
     Each lies between two successive points that are much further apart than the others, whose spacing may
     well change: records are often dense at first. distance: of the points, rising [mm], shape (points,).

@@ -21,7 +21,7 @@ from warpwear.results.track import course, shape_of_growth
 from warpwear.study import text as render
 from warpwear.study.study import Study
 
-#: Columns that change along a track: of a swept run the last step says little.
+#: Columns that change along a track: of a swept run their last value says little.
 OF_A_PASS = ("approach", "area_contact", "area_plastic", "pressure_mean", "pressure_std", "cof")
 #: Behind a coefficient of friction that the study gives or assumes, and that the run says nothing of.
 INPUT, ASSUMED = " (an input)", " (an input, assumed)"
@@ -32,8 +32,9 @@ def summarise(result: ResultFile) -> list[Row]:
 
     `record` makes summary.json of it, `summary_text` the lines of a terminal.
 
-    What goes up and down along a track (approach, cof, areas in contact and at hardness, pressures) is of the
-    last cycle of a swept run, as `end_values` says: the means, and the largest pressure.
+    Of a swept run, values that go up and down along the track (approach, cof, areas in contact and at
+    hardness, pressures) are means over what `end_values` names, mostly the last cycle; the largest
+    pressure is the largest there.
     """
     end = last_values(result)
     rows = [
@@ -87,7 +88,7 @@ def _end(result: ResultFile) -> str:
 
 
 def _run(result: ResultFile, end: dict[str, float]) -> list[Row]:
-    """Declare what was run, and what it hangs on."""
+    """Declare what was run, and its main inputs."""
     study = result.study
     coefficients = dict(zip(BODIES, study.wear_coefficients, strict=True))
     return entries(
@@ -201,7 +202,7 @@ def _by_scheme(result: ResultFile) -> list[Row]:
 
 
 def _on_filled(fractions: FloatArray) -> list[Row]:
-    """Declare parts of the load on points that were not measured, (snapshots,); none where there are none."""
+    """Declare the part of the load on points that were not measured. fractions: one a snapshot, or none."""
     if not fractions.size:
         return []
     percent = 100.0 * fractions
@@ -231,7 +232,7 @@ def _of_one_spot(result: ResultFile) -> list[Row]:
 
 
 def _friction(result: ResultFile, end: dict[str, float]) -> list[Row]:
-    """Declare friction: its course, the strength that it is made of, and those that other choices ask for."""
+    """Declare friction: its course, its shear strength, and the strengths that other areas would need."""
     study, history, section = result.study, result.history, result.study.friction
     law, load, laps = section.law_with(), history["load"], study.laps
     first, last = finite(passes.mean_over(history, history["cof"], "initial", laps)), finite(end["cof"])
@@ -287,7 +288,7 @@ def _strength(study: Study, strength: float | None) -> Row:
 
 
 def _strengths(coefficient: float, strengths: dict[str, float]) -> Row:
-    """Declare the strengths by which a run of other choices would have the coefficient."""
+    """Declare the shear strengths that would give the coefficient with other areas."""
     key = "shear_strength_MPa_for_reference"
     if not strengths:
         return Row("", key, strengths)
@@ -363,7 +364,7 @@ def _checks(result: ResultFile, end: dict[str, float]) -> list[Row]:
 
 
 def _off_archard(end: dict[str, float], body: str) -> float:
-    """Return the part by which worn and pending volume are off Archard's; the volume where his is 0."""
+    """Return the relative deviation of worn and pending volume from Archard's; the volume where his is 0."""
     volume = end[f"wear_volume_{body}"] + end.get(f"pending_volume_{body}", 0.0)
     expected = end[f"archard_volume_{body}"]
     return (volume - expected) / expected if expected else volume

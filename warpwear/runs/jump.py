@@ -2,9 +2,9 @@
 
 A jump of n cycles is one cycle whose increments are n times as long: at each of its places both bodies lose
 n K p dL, and laws of the distance are integrated over all that it stands for. A second state of the same
-model, the coarse one, goes along in jumps twice as long. What both differ by in worn depth, rms over the
-scar, is the error that is told: that of the run is no larger, as it goes with n − 1, the coarse one's with
-2n − 1. It is the error of the whole run so far, so what later cycles mend is in it.
+model, the coarse one, goes along in jumps twice as long. The difference of both in worn depth, rms over the
+scar, is the error that is reported. The run's own error is no larger, as it goes with n − 1, and the coarse
+one's with 2n − 1. It is that of the whole run so far: what later cycles have mended counts no longer.
 """
 
 import json
@@ -23,18 +23,18 @@ from warpwear.laws.track import Track
 from warpwear.runs.order import RunOrder
 from warpwear.runs.plan import Leg, Planned, kept_after, legs_of
 
-#: Part of what is allowed that a jump is made for, as the next ones differ from the last.
+#: Part of the allowed error that a jump aims at, as the next ones differ from the last.
 SAFETY = 0.8
 #: Most that the coarse state's area in contact and bare fraction may differ by, relative.
 OF_CONTACT = 0.02
-#: How far beyond what is allowed the coarse state is given up while cycles are computed one by one, after how
-#: many of its jumps, and when another is begun: after this part of the cycles done.
+#: While cycles are computed one by one, the coarse state is given up if its error is so many times the
+#: allowed one after so many of its jumps. Another begins when this part of the cycles done is done again.
 HOPELESS, PATIENCE, AGAIN = 4.0, 4, 0.25
-#: Jumps of the coarse state before which their size does not grow.
+#: Jumps of one size that the coarse state makes before the size may grow.
 YOUNG = 2
-#: Jumps to a stop over the next one at least: they get shorter, so that the contact there is of no jump.
+#: A jump takes one in so many of the cycles before a stop at most: jumps shorten there, down to one cycle.
 LANDING = 4
-#: Exponent of the distance by which rms depths grow at least: those of a ball by 3/4, of its groove by 5/6.
+#: Least exponent of the distance with which rms depths grow: a ball's have 3/4, those of its groove 5/6.
 GROWTH = 1.0 / 3.0
 #: Part of a closed track from the beginning of one jump to that of the next: no two are near each other.
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
@@ -45,8 +45,8 @@ COMPARED = ("area_contact", "bare_fraction")
 class CycleJumps:
     """Plans the cycles of a run one by one, as steps of a model, and keeps the books of their error.
 
-    Snapshots, ends of blocks and the end are met: their cycles, and the last whole one, stand for themselves.
-    model: of a track. begin: makes it ready for a step.
+    Cycles with a snapshot or the end of a block or run, and the last whole one, stand for themselves alone.
+    model: of a track. begin: makes the model ready for a step.
     """
 
     STATE: ClassVar = {
@@ -112,9 +112,9 @@ class CycleJumps:
             yield part
 
     def begin_anew(self, before: int, after: int) -> None:
-        """Begin a coarse state anew, as the model is another block's; what was told stays.
+        """Begin a coarse state anew, as the model is another block's; the errors so far are kept.
 
-        before, after: numbers of the circles of the disc of the blocks. The model is still on the first.
+        before, after: numbers of the circles of the disc of both blocks. The model is still on the first.
         """
         self._coarse, self._numbers, self._left = {}, "", 0
         self._again, self._age, self._earlier = self._cycle, 0, dict(self._told)
@@ -125,7 +125,7 @@ class CycleJumps:
             self._errors = dict(self._earlier)
 
     def count(self, row: Mapping[str, float]) -> None:
-        """Book a step that was made."""
+        """Count a step that was made."""
         self._step, self.contacts = self._step + 1, self.contacts + 1
         self._means = _added(self._means, row)
         if self._step == self._steps:
@@ -163,7 +163,7 @@ class CycleJumps:
 
     @property
     def _told(self) -> dict[str, float]:
-        """Return the errors as far as the run has jumped itself, not the coarse state alone."""
+        """Return the errors to report: those of a block count only once the run itself has jumped in it."""
         return self._errors if self._jumped else self._earlier
 
     @property
@@ -182,15 +182,15 @@ class CycleJumps:
         return [(stands_for * step, end, False) for (step, _), end in zip(steps, ends, strict=True)]
 
     def _set_out(self, cycle: int, stands_for: int) -> None:
-        """Tell the model of the next cycle: a jump leaves a ramp where it begins, each time elsewhere."""
+        """Tell the model of the next cycle, and begin jumps each time elsewhere: each leaves a ramp there."""
         track, elsewhere = self._track, self._track.periodic and stands_for > 1 and not self._track.reverses
         self.model.stands_for = stands_for
-        # By whole steps: the places of the contact are those of every other cycle.
+        # By whole steps: the contact then has the same places as in all other cycles.
         steps = int(track.steps_of_pass * (cycle * GOLDEN % 1.0)) if elsewhere else 0
         self.model.turned = steps * track.shift
 
     def _choose(self) -> None:
-        """Choose what the cycle that begins stands for: half of a jump of the coarse state."""
+        """Choose how many cycles the next one stands for: half as many as a jump of the coarse state."""
         if self._left == 0:
             if self._coarse and self._behind < self._last:
                 self._follow()
@@ -244,7 +244,7 @@ class CycleJumps:
     def _of_depth(self) -> float:
         """Return the larger relative error of both depths, over what is allowed.
 
-        That is more while the next stop is far: the depths grow until then, and the error is to hold there.
+        More is allowed while the next stop is far: depths grow until then, and the error is to hold there.
         """
         allowed = self._tolerance * max(self._stop / self._cycle, 1.0) ** GROWTH
         return max(self._relative(self._errors).values()) / allowed
@@ -270,5 +270,5 @@ def _added(sums: Mapping[str, float], row: Mapping[str, float]) -> dict[str, flo
 
 
 def _norm(field: FloatArray) -> float:
-    """Return the root of the sum of squares, which of the scar alone is as large as of the whole field."""
+    """Return the root of the sum of squares; beyond the scar a field is 0 and adds nothing."""
     return float(np.sqrt(np.square(field).sum()))

@@ -57,7 +57,7 @@ class StepLoop:
     ) -> None:
         self._order = order
         self.finished = False
-        #: Why the run stopped early: a wrong step, a KeyboardInterrupt, or an exception of who watches it.
+        #: Why the run stopped early: a wrong step, a KeyboardInterrupt, or an exception of the callback.
         self.stopped: BaseException | None = None
         self._checkpoints: Checkpoints | None = None
         self._checkpoint_failed = False
@@ -79,7 +79,7 @@ class StepLoop:
             self._model = prepared.model
             #: What plans the cycles where one may stand for many.
             self._jumps = CycleJumps(order, self._model, self._begin) if order.study.jumps else None
-            #: What the circles of the disc hold that the counter-body has left.
+            #: The state of those circles of the disc that the counter-body has left.
             self._circles = Circles(self._model) if order.study.circles else None
             self._warn(*doubts.of_slope(order.study, prepared.record["on_the_grid"]["rms_slope"]))
             if order.track is not None and writer is not None:
@@ -91,7 +91,7 @@ class StepLoop:
         if folder and work:
             path, device = folder / CHECKPOINT, str(executor.device)
             self._checkpoints = Checkpoints(path, work, order, prepared.heights, device=device)
-            if order.study.run.checkpoint == 0.0:  # after every step, so a block is one
+            if order.study.run.checkpoint == 0.0:  # after every step, so a block has one step
                 self._model.longest_block = 1
             if not self._rows:
                 self._checkpoints.remove()  # of the run that is overwritten
@@ -158,7 +158,7 @@ class StepLoop:
             )
 
     def steps(self) -> Iterator[RunStep]:
-        """Every step of the study, with its fields; nothing is written."""
+        """Yield every step of the study, with its fields; nothing is written."""
         self._progress.start(self._count, by_cycles=self._jumps is not None)
         for row, wrong in self._steps(with_fields=True):
             yield self._shown(row)
@@ -182,7 +182,7 @@ class StepLoop:
 
     @cached_property
     def _count(self) -> int:
-        """Steps of the whole run, those of cycles that are jumped over included."""
+        """Return the number of steps of the whole run, those of cycles that are jumped over included."""
         if self._jumps is None:
             return len(self._order.plan)
         return sum(int(leg.track.steps(leg.length)) for leg in legs_of(self._order.study))
@@ -191,7 +191,7 @@ class StepLoop:
         self, left: list[Planned], blocks: list[Block], *, with_fields: bool
     ) -> Iterator[tuple[dict[str, float], InvariantError | None]]:
         """Yield the rows of a part of the plan, whose steps lie in these blocks, as `_steps` does."""
-        # where points were filled, steps 1, 2, 4, 8, … are looked at too: a run on them stops early
+        # where points were filled, steps 1, 2, 4, 8, … are looked at too: a load on those stops a run early
         done, doubtful = len(self._rows), self._filled is not None
         looks = [keep or (doubtful and n & (n - 1) == 0) for n, (*_, keep) in enumerate(left, done + 1)]
         requests = ((step[0], look or with_fields, step[2]) for step, look in zip(left, looks, strict=True))
@@ -256,7 +256,7 @@ class StepLoop:
         return {block.number: (block.load, track) for block, track in zip(blocks, tracks, strict=True)}
 
     def _snapshot_of(self, index: int) -> Snapshot | None:
-        """Return the fields after a row's step, views of the model's on a CPU; None after a later one."""
+        """Return the fields after a row's step, views of the model's on a CPU; None once another is made."""
         if index != len(self._rows) - 1:
             return None
         return self._model.snapshot(self._last, self._rows.last["distance"])
@@ -270,7 +270,7 @@ class StepLoop:
                         callback(self._shown(row))
                 except BaseException as error:  # stops the run as an interrupt does
                     self.stopped = error
-                if self._model.steps_in_flight:  # of a block that is made, so the state is not this step's
+                if self._model.steps_in_flight:  # its block is computed whole, so the state is a later one
                     if stop is not None:
                         raise stop
                     continue
@@ -306,9 +306,9 @@ class StepLoop:
         return self._elapsed_before + time.perf_counter() - self._started
 
     def _check(self, violations: Iterator[Violation]) -> InvariantError | None:
-        """Record what is violated, once each; with checks.strict the error that stops the run.
+        """Record each violation once; with checks.strict, raise or return the error that stops the run.
 
-        Raised at once where the state is not to be kept; returned where it is, in a checkpoint that tells it.
+        It is raised where the state is not sound, and returned where a checkpoint is to keep the state.
         """
         for violation in violations:
             if self._order.study.checks.strict:
@@ -324,7 +324,7 @@ class StepLoop:
         return None
 
     def _fail(self, error: InvariantError | ConvergenceError) -> None:
-        """Stop with what came before in the folder."""
+        """Stop the run, and say that its folder holds the steps before."""
         LOG.warning(str(error))  # the screen gets it when the run is closed
         if isinstance(error, ConvergenceError):
             self.warnings.append(str(error))

@@ -16,11 +16,11 @@ from warpwear.study.units import LineLoad
 
 #: More steps than anybody waits for, or than a history holds.
 MOST_STEPS = 1_000_000
-#: Cycles that one may be expected to stand for where that shows on the way.
+#: Most cycles that one is expected to stand for where only the run shows how many.
 MOST_JUMP = 1000
 #: Cells across a piece that resolve it, and part of the domain that one may cover.
 CELLS, LARGEST = 4.0, 0.25
-#: Cells across that a contact takes which ends there.
+#: Fewest cells across sliding of a domain that the contact does not go on beyond.
 FEWEST_ACROSS = 4
 #: What is allowed instead of a contact that ends across.
 A_LINE = "a line contact, contact.boundary = 'line' (contact.law = 'local': a cylinder)"
@@ -29,7 +29,7 @@ A_LINE = "a line contact, contact.boundary = 'line' (contact.law = 'local': a cy
 def check(study: Content) -> None:
     """Refuse a study that cannot be computed as it stands: raises ValueError with one sentence."""
     check_keys(study)
-    if study.block is not None:  # each of which was checked by itself
+    if study.block is not None:  # each block was checked by itself
         _steps(study)
         return
     _junction_growth(study)
@@ -95,7 +95,7 @@ def sliding_of_blocks(study: Content) -> Sliding:
     _circles(study)
     laps = {block.lap for block in study.blocks}
     for block, after in pairwise(study.blocks):
-        turns = block.lap != after.lap and not study.circles  # which the counter-body does where it began
+        turns = block.lap != after.lap and not study.circles  # another stroke begins where the last one began
         if first.is_swept and not is_whole(block.length / (block.lap or 1.0) / (2 if turns else 1)):
             raise ValueError(
                 f"block {block.number}: its length, {block.length:g} mm, is not a whole number of "
@@ -103,7 +103,7 @@ def sliding_of_blocks(study: Content) -> Sliding:
                 f"{'stroke' if turns else 'block'} may follow on a track"
             )
     follows = {"distance": study.blocks[-1].end}
-    if study.sliding.lap is None or (first.is_swept and len(laps) == 1):  # what all blocks say instead
+    if study.sliding.lap is None or (first.is_swept and len(laps) == 1):  # what all blocks have in common
         ways = {name: getattr(first.sliding, name) for name in WAYS}
         follows |= {name: value for name, value in ways.items() if value != getattr(study.sliding, name)}
     sliding = study.sliding.model_copy(update=follows)
@@ -112,7 +112,7 @@ def sliding_of_blocks(study: Content) -> Sliding:
 
 
 def _circles(study: Content) -> None:
-    """Refuse circles of a disc on one of which the contact would meet another."""
+    """Refuse circles of a disc so close that the contact on one would reach another."""
     wide = study.grid.sides[1]
     for radius, other in pairwise(sorted(study.circles)):
         if study.is_line or other - radius < wide * (1.0 - WHOLE):
@@ -125,7 +125,7 @@ def _circles(study: Content) -> None:
 
 
 def _fretting(study: Content) -> None:
-    """Refuse forces that make the contact slip as a whole, and means over what is rough."""
+    """Refuse forces that make the contact slip as a whole, and one mean contact on a rough disc."""
     sliding, limit = study.sliding, study.friction.coefficient * study.contact.load
     if study.fretting is None:
         return
@@ -149,7 +149,7 @@ def _fretting(study: Content) -> None:
 
 
 def _line(study: Content) -> None:
-    """Refuse lines that end across sliding, and what lines alone have."""
+    """Refuse line contacts that cannot repeat across, and a load per length or few cells without a line."""
     grid, repeats = study.grid, study.contact.law == "half-space" and study.boundary == "line"
     if repeats and study.study.model == "two-scale":
         raise ValueError("contact.boundary = 'line' is for one grid: patches allow 'free' and 'periodic'")
@@ -360,7 +360,7 @@ def _steps(study: Content) -> None:
     total, (first, growth, largest) = study.sliding.total, study.increments
     if study.is_swept:
         jump = study.stepping.jump
-        # How far cycles may be jumped shows on the way.
+        # How far cycles may be jumped shows only in the run.
         longest = MOST_JUMP if jump == "auto" else jump
         steps = sum(t.steps(b.length) for t, b in zip(study.tracks, study.blocks, strict=True))
         steps = steps / (longest if study.jumps else 1)

@@ -2,11 +2,11 @@
 
 A trial step is clipped to 0 ≤ p ≤ H and shifted to the load, then the minimum along the way to it is taken,
 so that every iterate is feasible, none is worse than the last, and an iteration costs one pair of transforms,
-two with the preconditioner |q| E*/2. The root is Polonsky and Keer 1999, Wear 231, 206; Almqvist et al. 2007,
-Tribol. Int. 40, 574 added the cap, Vollebregt 2014, J. Comput. Phys. 257, 333 the preconditioner.
+two with the preconditioner |q| E*/2. Its origin is Polonsky and Keer 1999, Wear 231, 206; Almqvist et al.
+2007, Tribol. Int. 40, 574 added the cap, Vollebregt 2014, J. Comput. Phys. 257, 333 the preconditioner.
 
-Groups of rows with loads of their own have levels and shifts of their own, and the length and the memory of a
-step in common: together they are one problem, whose matrix has a block for each.
+Each group of rows may have a load of its own, and then a level and a shift of its own; the length and the
+memory of a step are common. Together they are one problem, whose matrix has a block for each group.
 
 The passes are in `kernels.half_space.passes`, the rules in `decisions` and `steps` beside it.
 """
@@ -31,15 +31,16 @@ from warpwear.kernels.half_space.solve import Flag, Request, SearchRules
 
 #: Stands for no cap: kernels compare with it.
 NO_CAP = float(NONE)
-#: Cells of a grid from which responses to steps are made in single precision.
+#: Number of cells from which responses to steps are computed in single precision.
 LEAST_SINGLE = 2**14
 
 
 class Search:
     """Looks for a pressure under one operator, on one gap.
 
-    gap: from the mean planes [mm]. fractions: of the hardness, that cells bear; None: all of it. yields:
-    compliance of each cell beside the operator's [mm/MPa]; None: none. groups: 1, all rows together, or as
+    fields: arrays of `solve.Fields` by name; its gap is from the mean planes [mm]. fractions: parts of the
+    hardness that cells bear; None: all of it. yields: compliance of each cell beside the operator's [mm/MPa];
+    None: none. groups: 1, all rows together, or as
     many as the executor has rows, each of which has a load of its own. tiled: whether gradients are extended
     tile by tile, as a CPU does by default. After a run `numbers` and `groups` hold what the search knows, by
     the names of `kernels.half_space.solve`.
@@ -118,9 +119,10 @@ class Search:
         self._program = self._say()
 
     def run(self, request: Mapping[Request, float], loads: FloatArray, then: Program | None = None) -> int:
-        """Search; returns how it ended, by the numbers of `kernels.half_space.solve`.
+        """Search; return how it ended, by the numbers of `kernels.half_space.solve`.
 
-        loads: Σ p of each group [MPa]; at approaches those [mm]. then: what follows before the host looks.
+        loads: Σ p of each group [MPa], or their approaches [mm] where these are prescribed. then: a program
+        that runs before the host reads the results.
         """
         values = np.array([request.get(name, 0.0) for name in Request])
         loads = np.resize(loads, self._solve.loads.shape)
@@ -145,15 +147,15 @@ class Search:
 
     @property
     def reached(self) -> dict[str, Field]:
-        """Return what kernels know of approach and certificate, by `kernels.half_space.windows.Reach`."""
+        """Return the arrays with approach and certificate, by names of `kernels.half_space.windows.Reach`."""
         return {"groups": self._solve.groups, "proven": self._proof.arguments.groups}
 
     def certificate(self) -> Certificate:
-        """Return what the pressure is worth that was found last, and was to be certified."""
+        """Return the certificate of the last pressure, whose search must have been asked for one."""
         return Certificate.of(self._proven, cell_area=self._executor.grid.cell_area)
 
     def _say(self) -> Program:
-        """Say the search, and what follows where its pressure is to be certified."""
+        """Write the program of a search, and of the certificate where its pressure is to have one."""
         program, search, proof = Program(self._executor), self._solve, self._proof
         program.decide(decisions.begin, search)
         with program.loop(self._flag(Flag.SOLVING)):
@@ -166,7 +168,7 @@ class Search:
         return program
 
     def _search(self, program: Program) -> None:
-        """Say how a search starts, and an iteration, which is made until a decision ends it."""
+        """Add the start of a search, and its iteration, which repeats until a decision ends it."""
         search = self._solve
         program.decide(decisions.start, search)
         with program.branch(self._flag(Flag.STARTS)):
@@ -181,7 +183,7 @@ class Search:
             self._renew(program)
             self._judge(program)
         with program.loop(self._flag(Flag.SEARCHING)):
-            if self._single:  # else a gradient is as good as when it was made
+            if self._single:  # in double precision a gradient stays good
                 with program.branch(self._flag(Flag.RENEWS)):
                     self._renew(program)
             with self._only_if(program, Flag.MOVES, self._single):
@@ -198,11 +200,11 @@ class Search:
         program.decide(decisions.judge, self._solve)
 
     def _only_if(self, program: Program, flag: Flag, asks: bool) -> AbstractContextManager[None]:
-        """Do what follows if a flag says so; always where it is not asked: branches take a GPU time."""
+        """Make what follows depend on a flag if `asks`; else do it always, as a branch costs a GPU time."""
         return program.branch(self._flag(flag)) if asks else nullcontext()
 
     def _renew(self, program: Program) -> None:
-        """Make the gradient of the present pressure anew."""
+        """Compute the gradient anew from the present pressure."""
         search = self._solve
         if search.fields.fractions.shape[0]:
             self._pass(program, passes.bound)
@@ -215,7 +217,7 @@ class Search:
         program.decide(decisions.renew, search)
 
     def _step(self, program: Program) -> None:
-        """Aim at a trial, balance it, and go along the step to it as far as is best."""
+        """Choose a trial, shift it to the load, and go towards it as far as the least energy."""
         search = self._solve
         with program.branch(self._flag(Flag.PRECONDITIONS)):
             self._precondition(program)
@@ -228,7 +230,7 @@ class Search:
             program.decide(steps.go, search)
 
     def _balance(self, program: Program) -> None:
-        """Shift the trial, whose sums were left, until it carries the load."""
+        """Shift the trial, whose sums the pass before has left, until it carries the load."""
         program.decide(decisions.begin_balance, self._solve)
         with program.loop(self._flag(Flag.BALANCING)):
             self._pass(program, passes.carried)
@@ -271,7 +273,7 @@ class Search:
                 self._operator.say_inverse(program, trial, trial)
 
     def _move_few(self, program: Program) -> None:
-        """Move the few cells whose place between the bounds is open at once, exactly."""
+        """Solve the few cells that may still change between 0, free and the cap directly, all at once."""
         search = self._solve
         self._pass(program, active_set.count_open, self._room)
         program.decide(active_set.place_open, search, self._room)
@@ -303,8 +305,8 @@ class Search:
         return arguments(solve.Rules, **rules, **loads, group_cells=float(cells))
 
     def _take_coefficients(self) -> None:
-        """Give the operator's coefficients to the search, which is said anew."""
-        assert isinstance(self._operator, Influence)  # or no few cells are moved
+        """Give the operator's coefficients to the search, and write its program anew."""
+        assert isinstance(self._operator, Influence)  # else few cells are never moved at once
         elastic, along = self._operator.coefficients()
         room, (rows, columns) = self._room, self._operator.far_shape
         room.elastic, room.along, room.rows, room.columns = elastic, along, rows, columns
@@ -315,7 +317,7 @@ class Search:
 
 
 def room_for_few(most: int, device: Any) -> Any:
-    """Return room for the cells that are moved at once, without coefficients yet."""
+    """Return the arrays for the cells that are moved at once; coefficients are added later."""
     integers = dict.fromkeys(("row", "column", "side", "next", "free", "order"), most) | {"count": 1}
     numbers = dict.fromkeys(("slope", "low", "high", "change", "rest", "along"), most)
     numbers |= {"pair": 2 * most, "matrix": most**2}

@@ -35,7 +35,7 @@ from warpwear.models.track.pieces import OF_BODY, SlidingPieces
 
 #: Real over nominal area from which the last pressure, where it is, is a better start than none.
 KEEPS_PRESSURE = 0.7
-#: Sums over the cells of a part; the others grow, and the last part's are those of the step.
+#: Sums that are averaged over the parts of a step; the others accumulate: the last part's are the step's.
 OF_A_PART = ("pressure", "deviation_squared", "contact", "capped")
 
 
@@ -44,19 +44,20 @@ class SlidingHalfSpace:
 
     A step finds the pressure p with which it ends (implicit Archard). During it the asperities, and p with
     them, move on by w cells. A disc cell is worn by its own p, a ball cell by S p, the mean over w cells
-    along x. On its way a disc cell meets S of what the ball has lost, before the step as in it: the gap is
+    along x. On its way a disc cell meets S of what the ball has lost, before the step and in it: the gap is
     made with S of the ball's wear, and p adds (G + K_disc ΔL + K_counter ΔL S²) p to it. With the wear at
-    the middle of the way instead, waves of the ball between w/2 and w, of which S is negative, would grow.
+    the middle of the way instead, waves of the ball between w/2 and w, for which S is negative, would grow.
     Under a flat w is the whole line: its contact goes on beyond the domain, while under a ball a mean over
     the line would smear the contact's outline, which does not move with the disc. Where the disc lies
     still w is one cell, so that both bodies are worn by p, and a step starts from the last one's pressure.
 
     The outline of a ball's contact and its mean pressure do not move with the disc either: S of them makes
     the contact shorter. Asperities below the hardness yield by the wear of the step too, which makes them
-    wider. So a step is solved in parts over so few cells that the estimate of both is 2 % of the area at
-    most, see `part_length`; over one cell S is none.
+    wider. So a step is solved in parts, so short that the error of both together is estimated at 2 % of the
+    area at most, see `part_length`; over one cell S changes nothing.
 
-    disc, periodic, track_fraction, moves: as of `local.SlidingContact`. Raises ValueError for the same discs.
+    disc, periodic, track_fraction, moves: as for `local.SlidingContact`. Raises ValueError for the same
+    discs.
     """
 
     STATE: ClassVar = {
@@ -118,11 +119,11 @@ class SlidingHalfSpace:
         self._sums, self._maxima = (
             wp.zeros((len(lines), slots), dtype=wp.float64, device=device) for lines in (PressureSum, MAXIMA)
         )
-        #: Part of a step that each cell was in contact, and its means along x; where that wears it.
+        #: Part of a step that each cell was in contact, and its means along x; only where wear goes by it.
         self._rubbed = executor.zeros(None if task.shears else 0)
         self._rubbed_means = executor.zeros((executor.grid.nx if moves else 1) if task.shears else 0)
         self._bare = wp.zeros((1, slots), dtype=wp.float64, device=device)
-        #: Sums over the rows of the disc, of its fields as they are: increments added up would drift.
+        #: Sums of the disc's fields over each of its rows, taken anew: sums of increments would drift.
         self._of_rows = {
             name: wp.zeros(disc.shape[0], dtype=wp.float64, device=device)
             for name in ("worn_disc", "pressed_disc")
@@ -137,10 +138,10 @@ class SlidingHalfSpace:
         margin = 1 if self.fretting is None else self.fretting.margin
         self.ledger = Ledger(task, executor.grid, margin=margin, track_fraction=track_fraction)
         self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
-        #: Whether bodies wear in pieces alone or in part: those of dust alone never leave.
+        #: Whether bodies wear in pieces, alone or beside dust: where all is dust no piece leaves.
         self._sheds = self.pieces is not None and task.dust < 1.0
         self._length = PartLength(task, moves=moves, sheds=self._sheds)
-        #: Contacts without wear in the step, which start from nothing: those with it are as they would be.
+        #: Solves contacts without the wear of the step. It is a second solver: the first goes on as it was.
         self._static = None
         if task.static_area_every:
             self._static = WindowedHalfSpace(executor, modulus=task.modulus, **law)
@@ -163,10 +164,10 @@ class SlidingHalfSpace:
     ) -> Step:
         """Slide over cells of the disc by an increment [mm] as `step` does, in as many parts as it takes.
 
-        row: the disc's row under the first of the ball in the part that begins after so many of the cells,
-        and has so many. The row of the step holds the means over its parts, by their lengths, of what it says
-        of the contact (approach, areas, cells, squares of pressures), and the largest pressure; the pressure
-        asked for is that of the last part.
+        row: returns the disc's row under the first one of the ball for a part, from the cells done before it
+        and the cells in it. The history's row of the step has the means over the parts, weighted by their
+        lengths, of approach, areas, cells and squares of pressures, and the largest pressure; the pressure
+        field, if asked for, is that of the last part.
         """
         before = self.ledger.row
         approach = residual = error = 0.0
@@ -216,8 +217,8 @@ class SlidingHalfSpace:
                 self._run("rub", partial(self.film.after_step, place=self._place))
             load, left = self.task.load, total["pressure"] * self._executor.grid.cell_area - self.task.load
             residual = max(residual, checked_residual(left, load, approach=contact.approach), key=abs)
-            # What shear wears lowers cells in contact by one depth, so that it lifts the approach alone; what
-            # it wears off some beyond that was in their gap.
+            # Wear by shear lowers all cells in contact by one depth, which changes the approach alone; what
+            # some cells lose beyond it was in their gap.
             lift = weight * (shears[0] + self._track_fraction * shears[1]) * min(filmed, 1.0)
             approach += weight * (contact.approach + lift)
             fretted = {}
@@ -254,7 +255,7 @@ class SlidingHalfSpace:
         return step
 
     def _look(self, total: Mapping[str, float], most: Mapping[str, float]) -> None:
-        """See what the contact that was solved says of the next: sums and maxima of its cells."""
+        """Learn from sums and maxima of the last contact how to start the next, and how to divide steps."""
         if not self._moves:
             return
         # Extents in cells of all that was ever touched; first rows and columns come with a minus.
@@ -262,7 +263,7 @@ class SlidingHalfSpace:
         across = most["last_column"] + most["first_column"] + 1.0
         bearing = total["contact"] / (0.25 * math.pi * along * across)
         if bearing < KEEPS_PRESSURE:
-            # The last pressure is then no better a start, neither where it is nor carried on with the disc.
+            # The last pressure is then no better a start than none, neither in place nor moved with the disc.
             self._half_space.forget()
         elastic = 1.0 - total["capped"] / total["contact"]
         self._length.learn(along=along, bearing=bearing, elastic=elastic)
@@ -278,7 +279,7 @@ class SlidingHalfSpace:
         else:
             of_place, of_mean = (self.fretting.shares(removals)[f"of_{body}"] for body in BODIES)
             yields = self.fretting.yields
-        own = of_mean if window == 1 else 0.0  # a mean over one cell is none
+        own = of_mean if window == 1 else 0.0  # a mean over one cell changes nothing
         return self._half_space.solve(
             self._gap,
             load=self.task.load,
@@ -292,7 +293,7 @@ class SlidingHalfSpace:
         )
 
     def _begin_cycles(self, fretting: CyclicSlip, increment: float, removals: tuple[float, float]) -> None:
-        """See what slips in a jump over cycles of fretting, and what that lends the contact."""
+        """Find what slips in a jump over cycles of fretting, and the compliance that its wear lends."""
         self._slides.set(window=fretting.window, counter_moves=1)
         self._run("gaps", self._say_gaps)
         if not fretting.knows_approach:
@@ -304,7 +305,7 @@ class SlidingHalfSpace:
             self._run("yields", lambda program: fretting.say_yields(program, self._slides.array))
 
     def _static_area(self) -> float:
-        """Area of the contact [mm²] of the last gap without wear, which lends it a compliance."""
+        """Return the area [mm²] of a contact on the last gap, without the compliance that wear lends it."""
         assert self._static is not None
         self._static.begin_like(self._half_space)
         contact = self._static.solve(
@@ -313,7 +314,7 @@ class SlidingHalfSpace:
         return contact.cells_in_contact * self._executor.grid.cell_area
 
     def _say_gaps(self, program: Program) -> None:
-        """Say how a part begins: what is bare of film or due, and the gap that the disc meets on its way."""
+        """Say how a part begins: bare cells, pieces that are due, and the gap that the disc meets."""
         slides = self._slides.array
         for one in (self.film, self.pieces):
             if one is not None:
@@ -346,7 +347,7 @@ class SlidingHalfSpace:
             self.pieces.say_take(program, slides, pressure)
 
     def _run(self, name: str, say: Callable[[Program], None], field: Field = None) -> None:
-        """Run a program, which is said once for a field."""
+        """Run the program of a name; `say` writes it at first, and anew for another field."""
         said = self._programs.get(name)
         if said is None or said[0] is not field:
             program = Program(self._executor)
@@ -357,7 +358,7 @@ class SlidingHalfSpace:
     def _wear(
         self, contact: HalfSpaceContact, removals: tuple[float, float]
     ) -> tuple[dict[str, float], dict[str, float]]:
-        """Wear both bodies by the pressure of a contact; sums and maxima by name. Others as of `_solve`."""
+        """Wear both bodies by the pressure of a contact; return sums and maxima by name."""
         disc, dust = self._track_fraction * removals[1], self.task.dust
         worn = {"of_counter": dust * removals[0], "of_disc": dust * disc}
         self._slides.set(
@@ -389,7 +390,7 @@ class SlidingHalfSpace:
             most[f"wear_{body}"] = deepest
 
     def cells_passing(self, increment: float) -> int:
-        """Cells of the disc that pass over one of the ball in an increment [mm]; under a flat the line."""
+        """Return the cells of the disc that pass one of the ball in an increment [mm]; under a flat all."""
         grid = self._executor.grid
         if self.fretting is not None:
             return self.fretting.window
