@@ -162,8 +162,8 @@ def _check_unknowns(study: Study, unknowns: Sequence[Unknown], data: Data) -> No
     for unknown in unknowns:
         if unknown.key.removeprefix("friction.") in FITTED and study.friction.law != "coulomb":
             raise InputError(
-                f"{unknown.key} cannot be an unknown: it is measured, and says what friction.shear_strength "
-                "is; allowed is that one, with the coefficient as a measured value (--cof)"
+                f"{unknown.key} cannot be an unknown: it is measured, and fixes friction.shear_strength; "
+                "allowed is that key, with the coefficient as a measured value (--cof)"
             )
         if unknown.key in unused:
             raise InputError(

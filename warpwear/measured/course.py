@@ -174,7 +174,7 @@ def _check_cof(path: Path, distance: FloatArray, cof: FloatArray) -> list[str]:
     if negative.all():
         raise InputError(
             f"{path}: the coefficient of friction is negative everywhere; positive values are expected, so "
-            "the sign of the force has to be turned"
+            "the sign of the force has to be reversed"
         )
     if negative.mean() > NEGATIVE_SHARE:
         raise InputError(

@@ -23,7 +23,7 @@ from warpwear.study.study import Study
 
 #: Columns that change along a track: of a swept run their last value says little.
 OF_A_PASS = ("approach", "area_contact", "area_plastic", "pressure_mean", "pressure_std", "cof")
-#: Behind a coefficient of friction that the study gives or assumes, and that the run says nothing of.
+#: Stands behind a coefficient of friction that the study gives or assumes: it is no result of the run.
 INPUT, ASSUMED = " (an input)", " (an input, assumed)"
 
 

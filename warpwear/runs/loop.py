@@ -38,8 +38,9 @@ LOG = logging.getLogger("warpwear.run")
 class StepLoop:
     """The steps of one run and what is kept of them.
 
-    writer: of the result; None where nobody asks for one. folder: of the run, for checkpoints, which are made
-    in its folder `work`. resume: whether to go on from the one that is there.
+    writer: of the result; None where nobody asks for one. folder: of the run, which holds
+    its checkpoint. work: a folder of the same disk, where checkpoints are made. resume: whether to go on from
+    the checkpoint that is there.
 
     Raises InputError for a checkpoint that is damaged or another run's.
     """
@@ -166,7 +167,7 @@ class StepLoop:
                 raise wrong
 
     def _steps(self, *, with_fields: bool) -> Iterator[tuple[dict[str, float], InvariantError | None]]:
-        """Rows of the steps that are still to be made, each checked and booked, and what is wrong with it.
+        """Yield the rows of the steps that are left, each checked and recorded, with the error it stops with.
 
         with_fields: whether every step can be asked for its fields, not only those that are kept.
         """

@@ -143,8 +143,8 @@ def _fretting(study: Content) -> None:
         rules_track.refuse_parts("sliding.stroke", stroke, study.grid.cell)
     if disc is None or disc.kind != "flat":
         raise ValueError(
-            "sliding.positions = 'mean' needs disc.synthetic.kind = 'flat': what is rough changes from place "
-            "to place; allowed is 'cells'"
+            "sliding.positions = 'mean' needs disc.synthetic.kind = 'flat': a rough contact changes from "
+            "place to place; allowed is 'cells'"
         )
 
 
@@ -237,7 +237,7 @@ def _junction_growth(study: Content) -> None:
     if film is not None and study.study.model == "two-scale" and study.patches.coupling == "load":
         raise ValueError(
             "patches.coupling = 'load' does not go with [friction.film] and friction.junction_growth = "
-            f"{growth:g}: the smooth contact that prescribes loads knows no bare cells; allowed is 'approach'"
+            f"{growth:g}: the smooth contact that prescribes loads has no bare cells; allowed is 'approach'"
         )
 
 
