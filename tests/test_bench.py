@@ -180,14 +180,14 @@ def test_courses_are_drawn_from_their_table(tmp_path: Path) -> None:
 
     courses = {f"friction, seed {n}": {30.0: 0.07 * n, 90.0: 0.1} for n in (1, 3)}
     courses["area, load, H, Ra, mesh: 4 N"] = {30.0: 1.18, 90.0: 1.33}
-    running_in.write_csv(tmp_path / "courses.csv", courses)
-    assert running_in.read_csv(tmp_path / "courses.csv") == courses
+    table = tmp_path / "courses.json"
+    table.write_text(json.dumps(courses), encoding="utf-8")
     figure = running_in.draw(courses)
     (band,) = figure.axes[0].lines
     assert list(band.get_ydata()) == pytest.approx([0.14, 0.1])
     (course, _) = figure.axes[7].lines  # the other says where F/H is
     assert list(course.get_ydata()) == [1.18, 1.33]
-    files = ["--read", str(tmp_path / "courses.csv"), "--draw", str(tmp_path / "a.png")]
+    files = ["--read", str(table), "--draw", str(tmp_path / "a.png")]
     running_in.main(files, standalone_mode=False)
     assert (tmp_path / "a.png").stat().st_size > 10_000
     for _, keys in running_in.cases().values():

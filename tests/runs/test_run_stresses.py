@@ -221,7 +221,7 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
             "fatigue": FATIGUE,
             "sliding": {"kinematics": "swept", "distance": None, "stroke": "1 mm", "cycles": 1},
         },
-        r"\[fatigue\] does not go with sliding\.kinematics = 'swept'",
+        r"\[fatigue\] needs a contact that stays where it is, by sliding\.kinematics = 'stationary' or",
     ),
 }
 
