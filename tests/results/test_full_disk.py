@@ -1,17 +1,20 @@
-"""NetCDF on a disk that is too small: a sentence that names the file, and no crash of the process."""
+"""Files on a disk that is too small, half written or locked: sentences, no crash, and nothing left behind."""
 
 import errno
 import os
 import shutil
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
+import h5py
 import pytest
 
 import warpwear
 from warpwear import Study
 from warpwear.results.manifest import replacing
+from warpwear.results.seal import opened
 
 ROOT = Path(__file__).parents[2]
 #: Mounts disks of some sizes [KiB], and writes on each.
@@ -72,3 +75,20 @@ def _write_half(path: Path) -> None:
     with replacing(path) as new:
         new.write_text("half of it")
         raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def test_a_file_that_is_locked_for_a_moment_is_waited_for(tmp_path: Path) -> None:
+    """A process that starts holds what was open, with the lock of a writer that has closed it since."""
+    fcntl = pytest.importorskip("fcntl")
+    path = tmp_path / "result.h5"
+    with h5py.File(path, "w") as file:
+        file["x"] = 1.0
+    with path.open("rb") as holder:
+        fcntl.flock(holder, fcntl.LOCK_EX)
+        with pytest.raises(BlockingIOError):
+            h5py.File(path, "r")
+        later = threading.Timer(0.2, fcntl.flock, (holder, fcntl.LOCK_UN))
+        later.start()
+        with opened(path) as file:
+            assert file["x"][()] == 1.0
+        later.join()

@@ -19,7 +19,7 @@ from warpwear.history.quantities import FIELDS, OF_PIECES, UNITS, stress_columns
 from warpwear.history.rows import History, Named
 from warpwear.history.snapshot import Snapshot
 from warpwear.results.check import ATTRIBUTES, check_content, check_fields, current, stored
-from warpwear.results.seal import digest_of, has_mark, read_header
+from warpwear.results.seal import digest_of, has_mark, opened, read_header
 from warpwear.study.study import Study
 from warpwear.study.units import parse
 from warpwear.surfaces.form import Form, Given
@@ -115,10 +115,10 @@ class ResultFile:
         check_seal(file)
         result = cls.open_sealed(file)
         try:
-            with result._reading() as opened:
-                if not ("history" in opened and "study" in opened.attrs):
+            with result._reading() as content:
+                if not ("history" in content and "study" in content.attrs):
                     raise InputError(f"{file} is an HDF5 file, but not a result of warpwear.")
-                check_content(opened, result.study, patch=PATCH)
+                check_content(content, result.study, patch=PATCH)
         except BaseException:
             result.close()
             raise
@@ -128,10 +128,9 @@ class ResultFile:
     def open_sealed(cls, file: Path) -> Self:
         """The result in a file that this process has just sealed, or looked at. Raises InputError."""
         try:
-            opened = h5py.File(file, "r")
+            return cls(opened(file), file)
         except OSError as error:
             raise InputError(f"{file} is no HDF5 file or is damaged: {error}.") from error
-        return cls(opened, file)
 
     @property
     def folder(self) -> Path | None:

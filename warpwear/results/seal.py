@@ -7,14 +7,17 @@ blocks for zeros and does not survive every damage.
 
 import hashlib
 import platform
+import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from io import BufferedIOBase
 from pathlib import Path
 from typing import Any
+
+import h5py
 
 from warpwear.version import __version__
 
@@ -29,6 +32,18 @@ def seal(file: BufferedIOBase, mark: str) -> None:
     digest = digest_of(file)
     file.seek(0)
     file.write(f"{mark} {digest}\n".encode())
+
+
+def opened(path: Path) -> h5py.File:
+    """Open an HDF5 file to read, and wait up to two seconds for one that is locked. Raises OSError.
+
+    A process that starts holds whatever was open for a moment, and with it the lock of a file closed since.
+    """
+    for _ in range(100):
+        with suppress(BlockingIOError):
+            return h5py.File(path, "r")
+        time.sleep(0.02)
+    return h5py.File(path, "r")
 
 
 @contextmanager
