@@ -14,7 +14,7 @@ import pytest
 import warpwear
 from warpwear import Study
 from warpwear.results.manifest import replacing
-from warpwear.results.seal import opened
+from warpwear.results.seal import open_to_read
 
 ROOT = Path(__file__).parents[2]
 #: Mounts disks of some sizes [KiB], and writes on each.
@@ -89,6 +89,6 @@ def test_a_file_that_is_locked_for_a_moment_is_waited_for(tmp_path: Path) -> Non
             h5py.File(path, "r")
         later = threading.Timer(0.2, fcntl.flock, (holder, fcntl.LOCK_UN))
         later.start()
-        with opened(path) as file:
+        with open_to_read(path) as file:
             assert file["x"][()] == 1.0
         later.join()

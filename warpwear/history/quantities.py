@@ -213,6 +213,10 @@ def columns_of(study: Study) -> tuple[Quantity, ...]:
     return tuple(quantity for quantity in per("step") if quantity.applies_to(study))
 
 
+#: Measures of a stress, by name; and of a cycle, where there are fatigue limits.
+MEASURES, OF_A_CYCLE = ("mises", "max_shear", "principal"), ("crossland", "dang_van")
+
+
 def stress_columns(study: Study) -> list[str]:
     """Name the quantities of depths and of a plane that a run of the study has, or has with stresses."""
     return [

@@ -9,12 +9,9 @@ from warpwear.contact.array.solve import solve_contact
 from warpwear.contact.stress.responses import COMPONENTS, Loads
 from warpwear.contact.stress.stresses import Stresses, stresses
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import stress_columns
+from warpwear.history.quantities import MEASURES, OF_A_CYCLE, stress_columns
 from warpwear.history.snapshot import Snapshot
 from warpwear.study.study import Study
-
-#: Measures of a stress, by name; and of a cycle, where there are fatigue limits.
-MEASURES, OF_A_CYCLE = ("mises", "max_shear", "principal"), ("crossland", "dang_van")
 
 
 def traction_of(study: Study, snapshot: Snapshot, row: Mapping[str, float]) -> FloatArray:

@@ -19,7 +19,7 @@ from warpwear.history.quantities import FIELDS, OF_PIECES, UNITS, stress_columns
 from warpwear.history.rows import History, Named
 from warpwear.history.snapshot import Snapshot
 from warpwear.results.check import ATTRIBUTES, check_content, check_fields, current, stored
-from warpwear.results.seal import digest_of, has_mark, opened, read_header
+from warpwear.results.seal import digest_of, has_mark, open_to_read, read_header
 from warpwear.study.study import Study
 from warpwear.study.units import parse
 from warpwear.surfaces.form import Form, Given
@@ -128,7 +128,7 @@ class ResultFile:
     def open_sealed(cls, file: Path) -> Self:
         """The result in a file that this process has just sealed, or looked at. Raises InputError."""
         try:
-            return cls(opened(file), file)
+            return cls(open_to_read(file), file)
         except OSError as error:
             raise InputError(f"{file} is no HDF5 file or is damaged: {error}.") from error
 

@@ -34,7 +34,7 @@ def seal(file: BufferedIOBase, mark: str) -> None:
     file.write(f"{mark} {digest}\n".encode())
 
 
-def opened(path: Path) -> h5py.File:
+def open_to_read(path: Path) -> h5py.File:
     """Open an HDF5 file to read, and wait up to two seconds for one that is locked. Raises OSError.
 
     A process that starts holds whatever was open for a moment, and with it the lock of a file closed since.

@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.contact.stress.stresses import deepest
+from warpwear import lazy
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import BY_NAME
-from warpwear.history.stresses import MEASURES, OF_A_CYCLE
+from warpwear.history.quantities import BY_NAME, MEASURES, OF_A_CYCLE
 from warpwear.laws.archard import BODIES, CALLED
 from warpwear.laws.fretting import HONEST_MEAN, regime_of
 from warpwear.laws.passes import WHEN, mean_over
@@ -17,6 +16,8 @@ from warpwear.results.evolution import growth_of_view, settling, surface_evoluti
 from warpwear.results.file import ResultFile
 from warpwear.results.report import Row, entries, finite, record, shown
 from warpwear.results.track import both_directions, groove, is_short, roughness_in_track, scar_length
+
+below = lazy.module("warpwear.contact.stress.stresses")
 
 
 def arrangement(result: ResultFile) -> list[Row]:
@@ -365,7 +366,7 @@ def stresses(result: ResultFile) -> list[Row]:
         rows.append(Row(BY_NAME[name].short, name, number | place, sentence=text))
     if limit is not None:
         volume = float(np.trapezoid(table["yielding"], table["depth"])) * study.cells.area
-        deep = deepest(table["depth"], table["mises"], limit)
+        deep = below.deepest(table["depth"], table["mises"], limit)
         source = "as given" if study.disc.yield_strength is not None else "a third of the hardness"
         where = f"to a depth of {deep:.3g} mm, in {volume:.3g} mm³" if deep else "nowhere"
         text = f"{where}; yield strength {limit:.4g} MPa, {source}"

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.contact.array.arguments import checked_heights
+from warpwear import lazy
 from warpwear.errors import OTHER_FOLDER, InputError
 from warpwear.grid import FloatArray
 from warpwear.results.file import SURFACE_FILE
@@ -17,6 +17,8 @@ from warpwear.surfaces.base import Surface
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.preparation import Preparation, prepare
 from warpwear.surfaces.reading import Reading
+
+arguments = lazy.module("warpwear.contact.array.arguments")
 
 #: What the study of a run in memory names in the place of a file.
 NO_FILE = "array given to run"
@@ -69,7 +71,7 @@ def take_surface(study: Study, surface: Any, folder: Path | None) -> ArraySurfac
             f"surface is a {type(surface).__name__}; an array of heights in mm is expected, or an object "
             "with heights(x, y). The name of a file belongs in disc.surface."
         )
-    heights = checked_heights(surface, 1, name="surface")[0].copy()
+    heights = arguments.checked_heights(surface, 1, name="surface")[0].copy()
     shape = (x.size, cells.ny)
     if heights.shape != shape:
         where = "track" if study.is_swept else "domain"

@@ -16,7 +16,6 @@ from warpwear.clock import Clock, phase
 from warpwear.engine.device import check_threads, find_device, report_out_of_memory
 from warpwear.engine.executor import Executor
 from warpwear.errors import InputError
-from warpwear.history import stresses
 from warpwear.history.snapshot import Snapshot
 from warpwear.result import Result
 from warpwear.results import manifest
@@ -42,6 +41,7 @@ if TYPE_CHECKING:
 
 process = lazy.module("warpwear.figures.process")
 pages = lazy.module("warpwear.page.content")
+stresses = lazy.module("warpwear.history.stresses")
 
 LOG, USER_LOG = logging.getLogger("warpwear.run"), logging.getLogger("warpwear")
 

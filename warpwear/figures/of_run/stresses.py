@@ -9,9 +9,8 @@ from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Ma
 from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import BY_NAME
+from warpwear.history.quantities import BY_NAME, MEASURES, OF_A_CYCLE
 from warpwear.history.snapshot import extents
-from warpwear.history.stresses import MEASURES, OF_A_CYCLE
 
 #: Points of a map in depth.
 POINTS = 120
