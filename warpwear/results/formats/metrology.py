@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from warpwear import lazy
-from warpwear.errors import printable
+from warpwear.errors import InputError, printable
 from warpwear.results.formats.bodies import Body
 from warpwear.results.formats.forms import filled
 from warpwear.version import __version__
@@ -23,8 +23,10 @@ MAIN, SUMS, POINTS, VALID = "main.xml", "md5checksum.hex", "bindata/data.bin", "
 
 
 def _spacing(body: Body) -> tuple[float, float]:
-    """Return the distances of the points along x and y [m]."""
+    """Return the distances of the points along x and y [m]. Raises InputError where they are no numbers."""
     x, y = ((side[-1] - side[0]) / max(side.size - 1, 1) * METRES for side in (body.x, body.y))
+    if not np.isfinite([x, y]).all():
+        raise InputError(f"{body.title}: the places of its cells are no numbers; the result is damaged.")
     return float(x), float(y)
 
 
