@@ -20,8 +20,8 @@ class Source:
     """Describe a kind of measurement.
 
     relation: how a volume follows from it; worn: the body, where that is certain; unit: of what is measured;
-    needs, may_have: options of the lengths that it must and can be given with; found: what is looked for in
-    it, where it is a file.
+    needs, may_have: options of the lengths that it must and can be given with; file: what is looked for in
+    it, where it is a measured file.
     """
 
     relation: str
@@ -29,7 +29,7 @@ class Source:
     unit: str = "mm"
     needs: tuple[str, ...] = ()
     may_have: tuple[str, ...] = ()
-    found: Kind | None = None
+    file: Kind | None = None
 
     @property
     def is_groove(self) -> bool:
@@ -48,9 +48,9 @@ SOURCES = {
     "--scar": Source("diameter of the worn patch; flat cap", "counter", needs=("--radius",)),
     "--width": Source(_SEGMENT, "disc", needs=("--radius", "--track-radius")),
     "--section": Source("cross-section of a groove × length", "disc", "mm^2", may_have=("--length",)),
-    "--track": Source(_TRACK, "disc", may_have=("--length", "--track-width"), found="track"),
-    "--after": Source(_AFTER, "disc", found="scar"),
-    "--ball": Source(_BALL, "counter", may_have=("--radius",), found="ball"),
+    "--track": Source(_TRACK, "disc", may_have=("--length", "--track-width"), file="track"),
+    "--after": Source(_AFTER, "disc", file="scar"),
+    "--ball": Source(_BALL, "counter", may_have=("--radius",), file="ball"),
 }
 #: A value with its standard uncertainty: 0.018 +- 0.001 mm^3.
 _WITH_ERROR = re.compile(r"\(?\s*(?P<value>\S+)\s*(?:\+-|±)\s*(?P<error>[^\s)]+)\s*\)?(?P<unit>.*)")
@@ -120,9 +120,9 @@ def _check(source: str, options: Options, preparation: Preparation) -> None:
             allowed = ", ".join(kind.needs + kind.may_have) or "no length"
             raise InputError(f"{name} is not for {source}: allowed with it is {allowed}")
     prepared = [name.replace("_", "-") for name, value in preparation.items() if value is not None]
-    if kind.found is None and prepared:
+    if kind.file is None and prepared:
         raise InputError(f"--{prepared[0]} is not for {source}: it prepares a measured file")
-    if kind.found is not None and options["--uncertainty"] is not None:
+    if kind.file is not None and options["--uncertainty"] is not None:
         raise InputError(f"--uncertainty is not for {source}: a topography brings its own standard error")
     if source == "--ball" and "level" in prepared:
         raise InputError("--level is not for --ball: its form is the sphere through what is unworn")
@@ -158,8 +158,8 @@ def _volume(
 ) -> volumes.WornVolume:
     """Find the volume of one test. value: of the source's option; lengths [mm]. Raises InputError."""
     kind, radius = SOURCES[source], lengths["--radius"] or 0.0
-    if kind.found is not None:
-        return _of_topography(kind.found, value, lengths, options["--before"], preparation)
+    if kind.file is not None:
+        return _of_topography(kind.file, value, lengths, options["--before"], preparation)
     unit = kind.unit
     texts, uncertainties = zip(*map(_with_error, value if source == "--diagonals" else (value,)), strict=True)
     if any(uncertainties) and options["--uncertainty"] is not None:
@@ -203,27 +203,27 @@ def _of_topography(
     """
     sizes: Any = {"width": lengths["--track-width"], "radius": lengths["--radius"]}
     worn = worn_in(file, kind, preparation, before=before, **sizes)
-    found, depth, more = worn.found, worn.found.depth, ""
+    body, depth, more = worn.body, worn.body.depth, ""
     if kind == "track":
         length = lengths["--length"] or 0.0
-        if length < found.length * (1.0 - 1e-9):
+        if length < body.length * (1.0 - 1e-9):
             raise InputError(
-                f"--length is {length:g} mm: allowed is at least the piece in {file}, {found.length:g} mm"
+                f"--length is {length:g} mm: allowed is at least the piece in {file}, {body.length:g} mm"
             )
-        if found.net.size == 1:
+        if body.net.size == 1:
             more = ", but not how sections scatter along the track, which several profiles tell"
-        elif found.length < 0.9 * length:
-            more = f", and how sections scatter along the measured {found.length:.4g} mm"
-        volume, error = found.volume(length)
-        section = f"section {1e6 * found.net.mean():.5g} ± {1e6 * found.net_error:.2g} µm² × {length:g} mm"
+        elif body.length < 0.9 * length:
+            more = f", and how sections scatter along the measured {body.length:.4g} mm"
+        volume, error = body.volume(length)
+        section = f"section {1e6 * body.net.mean():.5g} ± {1e6 * body.net_error:.2g} µm² × {length:g} mm"
         measured = f"{section}, degree {worn.degree} beside it"
     elif kind == "scar":
-        volume, error = found.net, found.net_error
-        measured = f"scar {found.along:.4g} × {found.across:.4g} mm, {before} laid over it and taken off"
+        volume, error = body.net, body.net_error
+        measured = f"scar {body.along:.4g} × {body.across:.4g} mm, {before} laid over it and taken off"
     else:
-        volume, error = found.volume, found.volume_error
-        counter = f"{found.sphere.radius:.5g} mm ({'given' if lengths['--radius'] else 'fitted'})"
-        measured = f"patch {found.along:.4g} × {found.across:.4g} mm on a radius of {counter}"
+        volume, error = body.volume, body.volume_error
+        counter = f"{body.sphere.radius:.5g} mm ({'given' if lengths['--radius'] else 'fitted'})"
+        measured = f"patch {body.along:.4g} × {body.across:.4g} mm on a radius of {counter}"
     if volume <= 0.0:
         raise InputError(
             f"{file} has lost no volume: {volume:.3g} ± {error:.2g} mm³; a wear coefficient needs a loss"

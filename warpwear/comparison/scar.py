@@ -87,7 +87,7 @@ def compare_scar(files: ScarFiles, runs: Sequence[RunData]) -> ScarComparison:
     if not known:
         raise InputError("--scar needs a run with a snapshot of its whole field to compare with")
     worn = worn_in(files.after, "scar", files.preparation, before=files.before)
-    scar, surface, changed = worn.found, worn.source, worn.changed
+    scar, surface, changed = worn.body, worn.source, worn.changed
     profile = mean_profile(scar)
     heights = surface.measured if changed is None else surface.measured[changed.window]
     x, y = places((scar.lost.shape[0], scar.lost.shape[1]), scar.pixel)

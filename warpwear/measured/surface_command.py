@@ -119,12 +119,12 @@ def _as_it_is(
 class Worn:
     """A worn body was found in a file.
 
-    found: a Track, a Patch or a WornBall; source: the map that it is in, or the profile; missing: points that
+    body: a Track, a Patch or a WornBall; source: the map that it is in, or the profile; missing: points that
     were not measured, shape (nx, ny); changed: what an earlier measurement was laid over, if there is one;
     degree: of the polynomial taken off beside it.
     """
 
-    found: Any
+    body: Any
     source: Any
     missing: BoolArray
     changed: Difference | None = None
@@ -164,15 +164,15 @@ def worn_in(
         earlier = read_surface(before, {**preparation, "level": "none", "crop": None})
         changed = difference(heights, earlier.measured, pixel=pixel, earlier_pixel=earlier.pixel)
         heights = changed.heights
-    found: Any
+    body: Any
     if kind == "ball":
-        found = find_worn_ball(heights, pixel=pixel, radius=radius)
+        body = find_worn_ball(heights, pixel=pixel, radius=radius)
     elif kind == "track":
-        found = find_track(heights, pixel=pixel, degree=degree, width=width)
+        body = find_track(heights, pixel=pixel, degree=degree, width=width)
     else:
         hurst = ROUGH if changed is None else CHANGED
-        found = find_scar(heights, pixel=pixel, degree=degree, hurst=hurst)
-    return Worn(found, surface, np.isnan(heights), changed, degree)
+        body = find_scar(heights, pixel=pixel, degree=degree, hurst=hurst)
+    return Worn(body, surface, np.isnan(heights), changed, degree)
 
 
 def _worn(
@@ -186,12 +186,12 @@ def _worn(
     """Measure a worn body. sizes: of options [mm]. Raises InputError."""
     width, length, radius = (sizes[name] for name in ("track_width", "track_length", "radius"))
     worn = worn_in(file, kind, preparation, before=before, width=width, radius=radius, line=line)
-    found, missing, degree = worn.found, worn.missing, worn.degree
+    body, missing, degree = worn.body, worn.missing, worn.degree
     if isinstance(worn.source, Profile):
         refuse({"--track-length": length}, OF_MAPS)
         beside = " through the profile beside the groove"
-        rows = [*profile_report.profile_rows(worn.source, degree, beside), *profile_report.groove_rows(found)]
-        return profile_report.profile_lines(rows), rows, partial(profile_report.groove_figure, found)
+        rows = [*profile_report.profile_rows(worn.source, degree, beside), *profile_report.groove_rows(body)]
+        return profile_report.profile_lines(rows), rows, partial(profile_report.groove_figure, body)
     own, done = worn.source.record(), f"polynomial of degree {degree} through the surface beside the {kind} "
     done += "taken off"
     rows = [Row("", "surface", own)]
@@ -199,19 +199,17 @@ def _worn(
         done = f"{before} laid over it and taken off, {done}"
         rows.append(Row("before", "before", surface_report.before_rows(worn.changed, file=str(before))))
     if kind == "ball":
-        flat = surface_report.cap_rows(
-            cap_of_diagonals(found.along, found.across, radius=found.sphere.radius)
-        )
-        rows.append(Row("", kind, surface_report.ball_rows(found)))
+        flat = surface_report.cap_rows(cap_of_diagonals(body.along, body.across, radius=body.sphere.radius))
+        rows.append(Row("", kind, surface_report.ball_rows(body)))
         rows.append(Row("by two diagonals", "by_two_diagonals", flat, note=", were the patch flat"))
     elif kind == "track":
-        rows.append(Row("", kind, surface_report.track_rows(found, length=length)))
+        rows.append(Row("", kind, surface_report.track_rows(body, length=length)))
     else:
-        filled = float(missing[found.patch].mean())
-        rows.append(Row("", kind, surface_report.scar_rows(found, filled=filled)))
+        filled = float(missing[body.patch].mean())
+        rows.append(Row("", kind, surface_report.scar_rows(body, filled=filled)))
     draw: Any = {"track": track_figure, "scar": scar_figure, "ball": ball_figure}[kind]
     text = surface_report.file_lines(own, *([] if kind == "ball" else [done]))
-    return [*text, *lines(rows)], rows, partial(draw, found, filled=missing)
+    return [*text, *lines(rows)], rows, partial(draw, body, filled=missing)
 
 
 def _profile_in(file: Path, preparation: Preparation) -> Profile:
