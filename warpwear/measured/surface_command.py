@@ -14,7 +14,7 @@ from warpwear.errors import InputError
 from warpwear.figures.describe import Figure
 from warpwear.measured import profile_report, surface_report
 from warpwear.measured.options import optional, quantity, refuse
-from warpwear.measured.surface_figure import ball_figure, save, scar_figure, surface_figure, track_figure
+from warpwear.measured.surface_figure import groove_figure, patch_figure, save, surface_figure, track_figure
 from warpwear.results.report import Row, lines, record, to_json
 from warpwear.study.bodies import Disc
 from warpwear.study.loading import value_of_text
@@ -191,25 +191,25 @@ def _worn(
         refuse({"--track-length": length}, OF_MAPS)
         beside = " through the profile beside the groove"
         rows = [*profile_report.profile_rows(worn.source, degree, beside), *profile_report.groove_rows(body)]
-        return profile_report.profile_lines(rows), rows, partial(profile_report.groove_figure, body)
+        return profile_report.profile_lines(rows), rows, partial(groove_figure, body)
     own, done = worn.source.record(), f"polynomial of degree {degree} through the surface beside the {kind} "
     done += "taken off"
     rows = [Row("", "surface", own)]
     if worn.changed is not None:
         done = f"{before} laid over it and taken off, {done}"
         rows.append(Row("before", "before", surface_report.before_rows(worn.changed, file=str(before))))
-    if kind == "ball":
-        flat = surface_report.cap_rows(cap_of_diagonals(body.along, body.across, radius=body.sphere.radius))
-        rows.append(Row("", kind, surface_report.ball_rows(body)))
-        rows.append(Row("by two diagonals", "by_two_diagonals", flat, note=", were the patch flat"))
-    elif kind == "track":
+    if kind == "track":
         rows.append(Row("", kind, surface_report.track_rows(body, length=length)))
     else:
         filled = float(missing[body.patch].mean())
-        rows.append(Row("", kind, surface_report.scar_rows(body, filled=filled)))
-    draw: Any = {"track": track_figure, "scar": scar_figure, "ball": ball_figure}[kind]
+        rows.append(Row("", kind, surface_report.patch_rows(body, filled=filled)))
+    if kind == "ball":
+        flat = cap_of_diagonals(body.along, body.across, radius=body.sphere.radius)
+        cap = surface_report.cap_rows(flat)
+        rows.append(Row("by two diagonals", "by_two_diagonals", cap, note=", were the patch flat"))
+    draw = track_figure if kind == "track" else patch_figure
     text = surface_report.file_lines(own, *([] if kind == "ball" else [done]))
-    return [*text, *lines(rows)], rows, partial(draw, body, filled=missing)
+    return [*text, *lines(rows)], rows, lambda: draw(body, filled=missing)
 
 
 def _profile_in(file: Path, preparation: Preparation) -> Profile:
