@@ -191,7 +191,7 @@ def _fit_rows(fit: FrictionFit) -> list[Row]:
         used += f", {fit.left_out} beyond the run's distances left out"
     return [
         *_shear_rows(fit),
-        Row("μ_p", "ploughing", fit.ploughing, error=("ploughing_error", fit.ploughing_error)),
+        Row("μ_p", "ploughing", fit.ploughing, error=fit.ploughing_error),
         Row("", "distance_used_mm", [fit.first, fit.last]),
         Row("points used", "points_used", fit.points, note=used),
         Row("", "points_left_out", fit.left_out),
@@ -205,7 +205,7 @@ def _fit_rows(fit: FrictionFit) -> list[Row]:
 
 def _shear_rows(fit: FrictionFit | ShearFit) -> list[Row]:
     """Declare what a fit with and one without ploughing have in common."""
-    error = ("shear_strength_error_MPa", fit.shear_strength_error)
+    error = fit.shear_strength_error
     return [
         Row("τ0", "shear_strength_MPa", fit.shear_strength, error=error, note="(standard error)"),
         Row("RMS residual", "rms_residual", fit.rms, digits=3),

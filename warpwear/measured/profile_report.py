@@ -98,7 +98,7 @@ def groove_rows(groove: Track) -> list[Row]:
         Row("summed", "window_mm", [low + middle, high + middle], note="from the profile's beginning"),
         Row("below", "section_below_um2", 1e6 * below, digits=5),
         Row("above", "section_above_um2", 1e6 * above, digits=3),
-        Row("section", "section_um2", 1e6 * net, 5, ERROR, ("section_error_um2", 1e6 * error)),
+        Row("section", "section_um2", 1e6 * net, 5, ERROR, 1e6 * error),
         Row("warning", "warning", doubt if error > DOUBTED * abs(net) else None),
     ]
 

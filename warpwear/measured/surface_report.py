@@ -171,15 +171,14 @@ def track_rows(track: Track, *, length: float | None) -> list[Row]:
         Row("single sections", "section_net_um2", net, note="below − above, ± standard deviation"),
         Row("", "sections", int(track.net.size)),
         Row("", "length_mm", track.length),
-        Row("volume", "volume_mm3", volume, digits=5, error=("volume_error_mm3", error), note=measured),
+        Row("volume", "volume_mm3", volume, digits=5, error=error, note=measured),
         Row("warning", "warning", doubt),
     ]
     if length is None:
         return rows
     volume, error = track.volume(length)
-    whole_error = ("whole_volume_error_mm3", error)
     alike = f"over {length:.4g} mm, were it all like the measured piece"
-    whole = Row("whole track", "whole_volume_mm3", volume, digits=5, error=whole_error, note=alike)
+    whole = Row("whole track", "whole_volume_mm3", volume, digits=5, error=error, note=alike)
     return [*rows, Row("", "whole_length_mm", length), whole]
 
 
@@ -211,20 +210,19 @@ def patch_rows(patch: Patch, *, filled: float = 0.0) -> list[Row]:
     along, across = patch.length_errors
     size = [
         Row("depth", "depth_um", 1e3 * patch.depth),
-        Row("along", "patch_along_mm", patch.along, error=("patch_along_error_mm", along)),
-        Row("across", "patch_across_mm", patch.across, error=("patch_across_error_mm", across)),
+        Row("along", "patch_along_mm", patch.along, error=along),
+        Row("across", "patch_across_mm", patch.across, error=across),
     ]
     net_note = f"net above {form} in the rim beside the patch"
-    volume, piled_up = ("volume_error_mm3", patch.volume_error), ("piled_up_error_mm3", patch.piled_up_error)
-    net, over = ("net_error_mm3", patch.net_error), f"deep, over {profile.length:.3g} mm along sliding"
+    over = f"deep, over {profile.length:.3g} mm along sliding"
     by_place = {"y_mm": profile.y.tolist(), "depth_um": depth.tolist(), "error_um": error}
     return [
         Row("sphere's radius", "radius_mm", radius, digits=5, note="through the unworn part"),
         Row("worn patch", "", size),
-        Row("worn", "volume_mm3", patch.volume, digits=5, error=volume, note=f"lost in the patch {ERROR}"),
-        Row("piled up", "piled_up_mm3", patch.piled_up, digits=2, error=piled_up, note=net_note),
-        Row("net", "net_mm3", patch.net, error=net, note="worn − piled up"),
-        Row("area", "area_mm2", patch.area, error=("area_error_mm2", patch.area_error)),
+        Row("worn", "volume_mm3", patch.volume, 5, f"lost in the patch {ERROR}", patch.volume_error),
+        Row("piled up", "piled_up_mm3", patch.piled_up, 2, net_note, patch.piled_up_error),
+        Row("net", "net_mm3", patch.net, error=patch.net_error, note="worn − piled up"),
+        Row("area", "area_mm2", patch.area, error=patch.area_error),
         Row("mean profile", "profile_depth_um", float(depth.max()), 4, over, ("profile_error_um", error)),
         Row("unworn part", "scatter_of_unworn_um", 1e3 * patch.noise, digits=3, note=f"(rms about {form})"),
         Row("", "profile", by_place),
