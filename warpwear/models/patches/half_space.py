@@ -33,9 +33,9 @@ from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.models.film import BareCells
 from warpwear.models.model import Model
-from warpwear.models.patches.cells import unworn
 from warpwear.models.patches.influence import PatchInfluence
 from warpwear.models.patches.smooth import SmoothContact
+from warpwear.models.unworn import gap_over, layout_of
 
 #: Growth of the approach in a step, as is thought before it, over what the last mean pressure would wear off.
 GROWTH_GUESS = 2.0
@@ -69,8 +69,7 @@ class HalfSpacePatches(Model):
         self.task, self._executor = task, executor
         self._ledger = PatchLedger(task, patches)
         self.book = self._ledger.book
-        _, layout = unworn(patches, heights, executor, form=task.form)
-        of_patches = layout.lowest.numpy().min(axis=1)
+        of_patches = executor.to_numpy(gap_over(task.form, heights, executor, patches)).min(axis=1)
         self._smooth = SmoothContact(task, patches, executor) if task.prescribed_loads else None
         reached = of_patches if self._smooth is None else self._smooth.initial
         self._order = np.argsort(reached, kind="stable")
@@ -81,7 +80,10 @@ class HalfSpacePatches(Model):
             first_column=patches.first_column[self._order],
         )
         self.lowest: FloatArray = of_patches[self._order]  # before any wear [mm]
-        self.gap, self._layout = unworn(self.patches, heights, executor, form=task.form)
+        self.gap, self._layout = (
+            gap_over(task.form, heights, executor, self.patches),
+            layout_of(executor, self.patches),
+        )
         self.worn = executor.zeros()  # by both bodies [mm]
         self._film = BareCells.of_both(task.film, executor, self.worn, task.wear_fractions)
         self._parts = None if self._film is None else self._film.parts

@@ -26,7 +26,7 @@ from warpwear.laws.archard import wear_in_steps
 from warpwear.laws.task import ContactTask
 from warpwear.models.booking import booked
 from warpwear.models.model import Model
-from warpwear.models.track.bodies import gap_over
+from warpwear.models.unworn import gap_over
 
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 2.0
@@ -63,7 +63,8 @@ class OneScaleModel(Model):
         self._ledger = Ledger(task, executor.grid)
         #: Gap from the mean planes as worn, and as it was without wear [mm]: what is worn lies between. Steps
         #: near a late contact move three fields, not six; their rounding is that of the gap, 1e-17 mm a step.
-        self.gap, self._unworn = gap_over(task, executor, heights)
+        self.gap, self._unworn = gap_over(task.form, heights, executor), executor.zeros()
+        wp.copy(self._unworn, self.gap)
         fully = task.load / (task.hardness * executor.grid.cell_area)
         self.tiles = Tiles(executor, self.gap, self._unworn, least=SPARE * fully)
         self._search = LoadSearch(

@@ -19,7 +19,7 @@ from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import contact, fourier, wear_from_pressure
-from warpwear.kernels.cells import MAXIMA, Layout, PressureSum, names_of
+from warpwear.kernels.cells import MAXIMA, PressureSum, names_of
 from warpwear.kernels.half_space import passes
 from warpwear.kernels.sliding import Bodies, OfRows, Slide
 from warpwear.kernels.sliding_steps import Steps
@@ -32,6 +32,7 @@ from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.fretting import CyclicSlip
 from warpwear.models.track.part_length import PartLength
 from warpwear.models.track.pieces import OF_BODY, SlidingPieces
+from warpwear.models.unworn import layout_of
 
 #: Real over nominal area from which the last pressure, where it is, is a better start than none.
 KEEPS_PRESSURE = 0.7
@@ -111,10 +112,7 @@ class SlidingHalfSpace:
         self._bodies = arguments(Bodies, **self.state.fields)
         if self.film is not None and task.shears:
             self._bodies.bare = self.film.bare
-        rows: Field = wp.array(np.arange(executor.grid.nx, dtype=np.int32), device=executor.device)
-        self._layout = arguments(
-            Layout, vectors=executor.vectors, first_row=rows, first_column=wp.zeros_like(rows)
-        )
+        self._layout = layout_of(executor)
         device, slots = executor.device, executor.slots_of(executor.grid.nx)
         self._sums, self._maxima = (
             wp.zeros((len(lines), slots), dtype=wp.float64, device=device) for lines in (PressureSum, MAXIMA)
