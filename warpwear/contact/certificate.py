@@ -140,8 +140,8 @@ class Proof:
                 fractions=executor.zeros(0) if fractions is None else fractions,
             ),
             visited=wp.full(1, rows, dtype=wp.int32, device=device) if visited is None else visited,
-            groups=wp.zeros(groups, dtype=kernels.Proven, device=device),
-            table=wp.zeros((kernels.LINES, self._slots), dtype=wp.float64, device=device),
+            groups=groups,
+            table=(kernels.LINES, self._slots),
         )
 
     def add_to(self, program: Program, chunks: Any = None) -> None:

@@ -73,9 +73,6 @@ class Search:
         gathered = rows, LANES * executor.vectors * self._extends
         slots = grid.nx if groups > 1 else executor.slots_of(grid.nx)
 
-        def array(size: int | tuple[int, ...], dtype: Any) -> Field:
-            return wp.zeros(size, dtype=dtype, device=device)
-
         self._solve = arguments(
             solve.Solve,
             device,
@@ -85,18 +82,19 @@ class Search:
             rules=wp.array([self._kernel_rules(groups)], dtype=solve.Rules, device=device),
             fields=arguments(
                 solve.Fields,
+                device,
                 **fields,
                 cap=min(hardness, NO_CAP),
                 fractions=executor.zeros(0) if fractions is None else fractions,
                 yields=executor.zeros(0) if yields is None else yields,
-                gathered=array(gathered, wp.float32),
+                gathered=gathered,
             ),
-            request=array(len(Request), wp.float64),
-            loads=array(groups, wp.float64),
+            request=len(Request),
+            loads=groups,
             visited=operator.visited,
-            groups=array(groups, solve.Group),
-            table=array((solve.LINES, slots), wp.float64),
-            flags=array(len(Flag), wp.int32),
+            groups=groups,
+            table=(solve.LINES, slots),
+            flags=len(Flag),
         )
         if self._extends:
             self._solve.neighbours = operator.neighbours
@@ -318,10 +316,7 @@ class Search:
 
 def room_for_few(most: int, device: Any) -> Any:
     """Return the arrays for the cells that are moved at once; coefficients are added later."""
-    integers = dict.fromkeys(("row", "column", "side", "next", "free", "order"), most) | {"count": 1}
-    numbers = dict.fromkeys(("slope", "low", "high", "change", "rest", "along"), most)
-    numbers |= {"pair": 2 * most, "matrix": most**2}
-    numbers |= dict.fromkeys(("equations", "factor"), most * (most + 2))
-    arrays = {name: wp.zeros(size, dtype=wp.int32, device=device) for name, size in integers.items()}
-    arrays |= {name: wp.zeros(size, dtype=wp.float64, device=device) for name, size in numbers.items()}
-    return arguments(solve.ActiveSet, **arrays, elastic=wp.zeros((0, 0), dtype=wp.float64, device=device))
+    names = ("row", "column", "slope", "low", "high", "change", "side", "next", "free", "order", "rest")
+    sizes = dict.fromkeys(names, most) | {"pair": 2 * most, "matrix": most**2}
+    sizes |= dict.fromkeys(("equations", "factor"), most * (most + 2))
+    return arguments(solve.ActiveSet, device, **sizes, elastic=(0, 0))

@@ -143,8 +143,8 @@ class ShearSearch:
             **{name: executor.zeros(2 * grid.nx) for name in vectors},
             tie=executor.zeros(),
             bound=executor.zeros(),
-            table=wp.zeros((kernels.LINES, executor.slots_of(grid.nx)), dtype=wp.float64, device=device),
-            flags=wp.zeros(len(ShearFlag), dtype=wp.int32, device=device),
+            table=(kernels.LINES, executor.slots_of(grid.nx)),
+            flags=len(ShearFlag),
         )
         self._program = self._say()
 

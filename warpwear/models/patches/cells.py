@@ -36,13 +36,14 @@ class PatchContact:
         parts = None if self.film is None else self.film.parts
         self.surfaces = arguments(
             kernels.Surfaces,
+            executor.device,
             layout=layout_of(executor, patches),
             lowest=wp.array(lowest, dtype=wp.float64, device=executor.device),
             cells=float(patches.side**2),
             gap=self.gap,
             unworn=self.initial,
             parts=executor.zeros(0) if parts is None else parts,
-            trial=wp.zeros((3, patches.count), dtype=wp.float64, device=executor.device),
+            trial=(3, patches.count),
         )
         self._measure_wear = Program(executor)
         if self.film:

@@ -66,26 +66,27 @@ class TwoScaleModel(Model):
         )
         self.longest_block = max(1, min(LONGEST_BLOCK, MOST_NUMBERS // patches.count))
         count, device, rows = patches.count, executor.device, self.longest_block
-        tables = {
-            "sums": (len(PATCH_SUMS), count),
-            "maxima": (len(PATCH_MAXIMA), count),
-            "rows": (rows, len(kernels.HEADER) + len(PATCH_SUMS) + len(PATCH_MAXIMA)),
-            "loads": (rows, count),
-            "areas": (rows, count),
-        }
-        zeros = {name: wp.zeros(shape, dtype=wp.float64, device=device) for name, shape in tables.items()}
         #: By which the approaches of the next step are foreseen: of the bodies, and of every patch.
         self._memory = Numbers(kernels.Memory, device, ahead=-1.0)
-        names = "start", "deflection", "giving", "reached", "base_next", "offset_next"
-        self._courses: dict[str, Field] = {
-            name: wp.zeros(count, dtype=wp.float64, device=device) for name in names
-        }
+        names = [*kernels.Courses.vars]
+        courses = arguments(kernels.Courses, device, **dict.fromkeys(names, count))
+        self._courses: dict[str, Field] = {name: getattr(courses, name) for name in names}
         self._courses["reached"].fill_(-math.inf)
-        self._books = arguments(kernels.Books, ahead=self.contact.surfaces.trial, **zeros)
+        self._books = arguments(
+            kernels.Books,
+            device,
+            ahead=self.contact.surfaces.trial,
+            sums=(len(PATCH_SUMS), count),
+            maxima=(len(PATCH_MAXIMA), count),
+            rows=(rows, len(kernels.HEADER) + len(PATCH_SUMS) + len(PATCH_MAXIMA)),
+            loads=(rows, count),
+            areas=(rows, count),
+        )
         follows = task.uses_bulk_stiffness and task.bulk_updated and isinstance(task.bulk_stiffness, str)
         self._now = Numbers(kernels.Now, device)
         self._steps = arguments(
             kernels.Steps,
+            device,
             load=self.sharing.load,
             lowest=float(lowest.min()),
             cell=patches.domain.cell,
@@ -96,13 +97,13 @@ class TwoScaleModel(Model):
             # Where a film is, wear changes the caps.
             looks_ahead=int(self._smooth is None and task.film is None),
             within=wp.vec4d(*self._ledger.within),
-            plan=wp.zeros((self.longest_block + 1, 3), dtype=wp.float64, device=device),
+            plan=(rows + 1, 3),
             now=self._now.array,
             memory=self._memory.array,
             search=self.sharing.search.array,
             flags=self.sharing.flags,
         )
-        self._state = self._steps, self.sharing.curves, arguments(kernels.Courses, **self._courses)
+        self._state = self._steps, self.sharing.curves, courses
         self._work = np.full(count, LEAST_WORK * patches.side**2)
         self._chunks: list[tuple[int, int]] = []
         self._find, self._wear, self._many = (Program(executor) for _ in range(3))

@@ -53,8 +53,8 @@ class SmoothContact:
             initial=wp.array(self.initial, dtype=wp.float64, device=device),
             worn=self.worn,
             approach=self._approach,
-            target=wp.zeros((1, count), dtype=wp.float64, device=device),
-            room=wp.zeros((2, count), dtype=wp.float64, device=device),
+            target=(1, count),
+            room=(2, count),
         )
         load = arguments(
             Load, load=task.load, area=self.area, hardness=task.hardness, tolerance=TOLERANCE, evaluations=0

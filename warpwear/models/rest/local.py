@@ -82,17 +82,16 @@ class OneScaleModel(Model):
         self._steps = arguments(
             wear.Steps,
             device,
-            plan=wp.zeros((LONGEST_ON_GPU + 1, len(wear.PLAN)), dtype=wp.float64, device=device),
-            history=wp.zeros((LONGEST_ON_GPU, columns), dtype=wp.float64, device=device),
+            plan=(LONGEST_ON_GPU + 1, len(wear.PLAN)),
+            history=(LONGEST_ON_GPU, columns),
             within=wp.array(self._ledger.within, dtype=wp.float64, device=device),
             course=self._course.array,
             is_rigid=int(task.rigid),
             smallest=self.tiles.smallest,
         )
         self._slots = slots = executor.slots_of(executor.grid.nx, most=MOST_SLOTS)
-        lines = {"sums": len(SUMS), "maxima": len(MAXIMA), "ahead": 3}
-        tables = {name: wp.zeros((n, slots), dtype=wp.float64, device=device) for name, n in lines.items()}
-        self._tables = arguments(wear.Tables, **tables)
+        tables = {"sums": (len(SUMS), slots), "maxima": (len(MAXIMA), slots), "ahead": (3, slots)}
+        self._tables = arguments(wear.Tables, device, **tables)
         # Many steps; and one, between whose search and wear its pressures can be seen.
         self._many = Program(executor)
         self._to_search, self._to_wear = (Program(executor, records=2) for _ in range(2))

@@ -57,23 +57,22 @@ class Pending:
         shape = rows, executor.vectors * LANES
         #: Pieces of a round at most: no two within `apart` cells along both axes.
         self.most = (rows // (law.apart(cell) + 1) + 2) * (grid.ny // (law.apart(cell) + 1) + 2)
-        self._of_rows: Field = wp.zeros((3, rows), dtype=wp.float64, device=device)
         self.body = arguments(
             kernels.Body,
+            device,
             height=as_numbers(height, shape),
             wear=as_numbers(self._wear, shape),
             pending=as_numbers(self.pending, shape),
-            sums=wp.zeros(math.prod(shape), dtype=wp.float64, device=device),
-            candidates=wp.zeros(math.prod(shape), dtype=wp.int32, device=device),
-            overflow=wp.zeros(math.prod(shape), dtype=wp.int32, device=device),
-            peaks=wp.zeros(self.most, dtype=wp.int32, device=device),
-            counts=wp.zeros(kernels.COUNTS, dtype=wp.int32, device=device),
-            of_rows=self._of_rows,
+            **dict.fromkeys(("sums", "candidates", "overflow"), math.prod(shape)),
+            peaks=self.most,
+            counts=kernels.COUNTS,
+            of_rows=(3, rows),
             down=1.0 if number == 0 else -1.0,
             number=number,
             columns=grid.ny,
             periodic=int(periodic),
         )
+        self._of_rows: Field = self.body.of_rows
         every = Program(executor, records=False)
         whole = Numbers(Slide, executor.device, rows=rows + executor.grid.nx)
         self._count(int(kernels.OVERFLOW_BEFORE), 1)
@@ -164,7 +163,7 @@ class SlidingPieces(Attachment):
         self._release = arguments(
             shedding.Release,
             device,
-            pieces=wp.zeros((room, shedding.COLUMNS), dtype=wp.float64, device=device),
+            pieces=(room, shedding.COLUMNS),
             begins=wp.array([1], dtype=wp.int32, device=device),
         )
 
