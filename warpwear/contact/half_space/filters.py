@@ -67,7 +67,7 @@ class PaddedFilter(Filter):
     ) -> None:
         grids, executor = self._grids, self._executor
         members = {name: getattr(grids, name) for name in ("visited", "rows", "columns", "stride")}
-        around = arguments(fourier.Around, divides=divides, scale=self.scale, **members)
+        around = arguments(fourier.Plan, divides=divides, scale=self.scale, **members)
 
         def launch(kernel: Any, rows: int, *arrays: Any) -> None:
             slots = executor.slots_of(grids.count * rows)

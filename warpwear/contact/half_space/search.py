@@ -99,16 +99,7 @@ class Search:
         if self._extends:
             self._solve.neighbours = operator.neighbours
         self._room: Any = room_for_few(self._few, device) if self._few else None
-        self._proof = Proof(
-            executor,
-            pressure=fields["pressure"],
-            gap=fields["gap"],
-            displacement=fields["response"],
-            cap=hardness,
-            fractions=fractions,
-            groups=groups,
-            visited=operator.visited,
-        )
+        self._proof = Proof(executor, self._solve.fields, groups=groups, visited=operator.visited)
         self._inputs = Mirror(self._solve.request, self._solve.loads)
         self._mirror = Mirror(self._solve.numbers, self._solve.groups, self._proof.arguments.groups)
         self._slots = slots
