@@ -1,17 +1,21 @@
 """The fine cells of all patches have places, a gap, and a film on them."""
 
+from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
 import warp as wp
 
 from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.engine.tiles import of_tiles
 from warpwear.grid import FloatArray
 from warpwear.kernels import patches as kernels
+from warpwear.kernels.sliding import Slide
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
+from warpwear.models.attachment import Place
 from warpwear.models.film import BareCells
 from warpwear.models.unworn import gap_over, layout_of
 
@@ -31,8 +35,11 @@ class PatchContact:
         #: Lowest gap of each patch before any wear [mm]: below that approach it carries nothing.
         self.lowest: FloatArray = lowest.min(axis=1)
         #: Worn by both bodies [mm], where a film asks for it.
-        worn = executor.zeros(None if task.film else 0)
-        self.film = BareCells.of_both(task.film, executor, worn, task.wear_fractions)
+        self._worn = executor.zeros(None if task.film else 0)
+        self.film = BareCells.of_both(task.film, executor, self._worn, task.wear_fractions)
+        #: The step, and how many cells of each patch were bare under its pressure, where there is a film.
+        self.slides = Numbers(Slide, executor.device, written=False, rows=patches.count)
+        self.bare = wp.zeros((1, patches.count), dtype=wp.float64, device=executor.device)
         parts = None if self.film is None else self.film.parts
         self.surfaces = arguments(
             kernels.Surfaces,
@@ -45,18 +52,8 @@ class PatchContact:
             parts=executor.zeros(0) if parts is None else parts,
             trial=(3, patches.count),
         )
-        self._measure_wear = Program(executor)
-        if self.film:
-            self._measure_wear.launch(kernels.worn, self.surfaces, worn, slots=patches.count)
 
-    def look(self, distance: float) -> None:
-        """See which cells are bare of film as a step begins at a sliding distance [mm]."""
-        if self.film:
-            self._measure_wear.run()
-            self.film.look(distance)
-
-    def rub(self, distance: float) -> None:
-        """Note what a step that ends at a sliding distance [mm] has worn."""
-        if self.film:
-            self._measure_wear.run()
-            self.film.rub(distance)
+    def add_film(self, program: Program, add: Callable[[Program, Place], None]) -> None:
+        """Add to a program what a film does before a step or after it, of what is worn then."""
+        program.launch(kernels.worn, self.surfaces, self._worn, slots=self.gap.shape[0])
+        add(program, Place(self.slides.array))

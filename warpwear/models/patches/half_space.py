@@ -26,11 +26,12 @@ from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import wear_from_pressure
-from warpwear.kernels.cells import PADDING, PATCH_MAXIMA, PATCH_SUMS, PressureMost, PressureSum
+from warpwear.kernels.cells import LANES, PADDING, PATCH_MAXIMA, PATCH_SUMS, PressureMost, PressureSum
 from warpwear.kernels.sliding import Bodies, OfRows, Slide
 from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
+from warpwear.models.attachment import Place
 from warpwear.models.film import BareCells
 from warpwear.models.model import Model
 from warpwear.models.patches.influence import PatchInfluence
@@ -101,7 +102,13 @@ class HalfSpacePatches(Model):
             wp.zeros((len(lines), executor.grid.nx), dtype=wp.float64, device=executor.device)
             for lines in (PressureSum, PressureMost)
         )
-        self._slides = Numbers(Slide, executor.device, written=False, window=1)
+        self._slides = Numbers(
+            Slide, executor.device, written=False, window=1, end_column=executor.vectors * LANES
+        )
+        self._bare = wp.zeros((1, executor.grid.nx), dtype=wp.float64, device=executor.device)
+        self._look = Program(executor)
+        if self._film:
+            self._film.before_search(self._look, Place(self._slides.array))
         self._worn_by: Field = None
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
@@ -111,8 +118,9 @@ class HalfSpacePatches(Model):
         """
         removals = self.task.wear_per_pressure(self._ledger.row["distance"], increment)
         start, certified = self._ledger.row["distance"], self.certified or None
+        self._slides.set(start=start, end=start + increment)
         if self._film:
-            self._film.look(start)
+            self._look.run()
         if self._smooth is None:
             self._influence.set_bulk(1.0 / self._ledger.foundation)
             contact = self._share(sum(removals), certified=certified)
@@ -123,8 +131,7 @@ class HalfSpacePatches(Model):
         pressure = self.patches.on_domain(contact.pressure) if with_pressure else None
         worn = self._wear(contact, sum(removals), approach)
         if self._film:
-            worn = replace(worn, bare=self._film.under(contact.pressure_field, self.visited))
-            self._film.rub(start + increment)
+            worn = replace(worn, bare=float(self._bare.numpy()[0, : self.visited].sum()))
         step = self._ledger.enter_worn(worn, increment, removals, pressure)
         step.row.update(columns_of(contact.certificate))
         return step
@@ -221,4 +228,7 @@ class HalfSpacePatches(Model):
             *tables,
             slots=self.patches.count,
         )
+        if self._film:
+            self._film.add_under(program, self._slides.array, contact.pressure_field, self._bare)
+            self._film.after_step(program, Place(self._slides.array))
         return program

@@ -17,7 +17,7 @@ from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import patches as passes
-from warpwear.kernels.cells import EXTENTS, PATCH_MAXIMA, PATCH_SUMS
+from warpwear.kernels.cells import EXTENTS, LANES, PATCH_MAXIMA, PATCH_SUMS
 from warpwear.kernels.two_scale import pressing
 from warpwear.kernels.two_scale import steps as kernels
 from warpwear.laws.archard import wear_in_steps
@@ -107,8 +107,14 @@ class TwoScaleModel(Model):
         self._work = np.full(count, LEAST_WORK * patches.side**2)
         self._chunks: list[tuple[int, int]] = []
         self._find, self._wear, self._many = (Program(executor) for _ in range(3))
+        film = self.contact.film
+        if film:
+            self.contact.slides.set(end_column=executor.vectors * LANES)
+            self.contact.add_film(self._find, film.before_search)
         self._say_find(self._find)
         self._say_wear(self._wear)
+        if film:
+            self.contact.add_film(self._wear, film.after_step)
         flags = self.sharing.flags
         with self._many.loop(flags.stepping):
             self._say_find(self._many)
@@ -173,15 +179,14 @@ class TwoScaleModel(Model):
         """
         distance, film = self._ledger.row["distance"], self.contact.film
         removals = self._begin([increment], then)
-        self.contact.look(distance)
+        self.contact.slides.set(start=distance, end=distance + increment)
         self._find.run()
         if not self.sharing.is_balanced:
             raise self._failure()
         field = self._press() if with_pressure or film else None
-        bare = film.under(field) if film else None
+        bare = float(self.contact.bare.numpy().sum()) if film else None
         pressure = self.patches.on_domain(self._executor.to_numpy(field)) if with_pressure else None
         self._wear.run()
-        self.contact.rub(distance + increment)
         worn = replace(next(self._results(1)), bare=bare)
         return self._ledger.enter_worn(worn, increment, removals[0], pressure)
 
@@ -220,6 +225,9 @@ class TwoScaleModel(Model):
             self._pressure = self._executor.zeros()
             inputs = self._steps, self.sharing.curves, self.contact.surfaces, self._pressure
             self._pass(self._press_program, passes.pressures, *inputs)
+            if film := self.contact.film:
+                slides, bare = self.contact.slides.array, self.contact.bare
+                film.add_under(self._press_program, slides, self._pressure, bare)
         self._press_program.run()
         return self._pressure
 

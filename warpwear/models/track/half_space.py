@@ -340,7 +340,7 @@ class SlidingHalfSpace:
         tables = [arguments(OfRows, **self._of_rows), self._sums, self._maxima]
         program.launch(wear_from_pressure.wear, slides, self._layout, pressed, self._bodies, *tables)
         if self.film is not None:
-            self.film.say_under(program, slides, pressure, self._bare)
+            self.film.add_under(program, slides, pressure, self._bare)
         if self.pieces is not None:
             self.pieces.say_take(program, slides, pressure)
 
