@@ -90,11 +90,11 @@ class BareCells(Attachment):
         return {"bare": self.bare} | ({} if self.parts is None else {"parts": self.parts})
 
     def before_search(self, program: Program, place: Place) -> None:
-        """Say that it is seen which cells are bare as a step begins."""
+        """Add a look at which cells are bare as a step begins."""
         program.launch(kernels.look, place.slides, self.films)
 
     def after_step(self, program: Program, place: Place) -> None:
-        """Say that it is noted what the step has worn."""
+        """Add a note of what the step has worn."""
         if self._heals:
             program.launch(kernels.rub, place.slides, self.films)
 

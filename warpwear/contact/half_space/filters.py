@@ -62,7 +62,7 @@ class PaddedFilter(Filter):
     def set_mean(self, value: float) -> None:
         self._table[:1, :1].fill_(value)
 
-    def say(
+    def add_to(
         self, program: Program, field_in: Field, line: Any, field_out: Field, *, divides: bool = False
     ) -> None:
         grids, executor = self._grids, self._executor

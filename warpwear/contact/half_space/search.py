@@ -20,7 +20,7 @@ import warp as wp
 
 from warpwear.contact.balance import TOLERANCE
 from warpwear.contact.certificate import LOAD_TOLERANCE, Certificate, Proof
-from warpwear.contact.half_space.influence import Influence, Operator
+from warpwear.contact.half_space.influence import Influence
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Mirror
 from warpwear.engine.program import Program
@@ -49,7 +49,7 @@ class Search:
     def __init__(
         self,
         executor: Executor,
-        operator: Operator,
+        operator: Influence,
         *,
         hardness: float,
         rules: SearchRules,
@@ -62,10 +62,9 @@ class Search:
         self._executor, self._operator, self._rules = executor, operator, rules
         device, grid = executor.device, executor.grid
         on_cpu = device.is_cpu
-        of_one_grid = isinstance(operator, Influence)
-        self._single = of_one_grid and on_cpu and operator.cells >= LEAST_SINGLE
+        self._single = operator.is_one and on_cpu and operator.cells >= LEAST_SINGLE
         self._yields = yields is not None
-        self._extends = of_one_grid and not self._yields
+        self._extends = operator.is_one and not self._yields
         self._few = rules.few if self._extends and on_cpu and hardness < NO_CAP and groups == 1 else 0
         #: Whether what is extended is gathered tile by tile.
         self._tiled = on_cpu if tiled is None else tiled
@@ -105,7 +104,7 @@ class Search:
         self._slots = slots
         #: Ranges of slots for the threads, as of `Program.launch`.
         self._chunks = None if operator.chunks is None else lambda: operator.chunks or [(0, slots)]
-        self._program = self._say()
+        self._program = self._make_program()
 
     def run(self, request: Mapping[Request, float], loads: FloatArray, then: Program | None = None) -> int:
         """Search; return how it ended, by the numbers of `kernels.half_space.solve`.
@@ -125,7 +124,7 @@ class Search:
         if then is not None:
             then.run()
         numbers, groups, proven = self._mirror.read()
-        visited = 1 if len(groups) == 1 else self._operator.rows_visited
+        visited = 1 if len(groups) == 1 else int(self._operator.visited.numpy()[0])
         self.numbers, self.groups, self._proven = numbers[0], groups[:visited], proven[:visited]
         return int(self.numbers["status"])
 
@@ -143,7 +142,7 @@ class Search:
         """Return the certificate of the last pressure, whose search must have been asked for one."""
         return Certificate.of(self._proven, cell_area=self._executor.grid.cell_area)
 
-    def _say(self) -> Program:
+    def _make_program(self) -> Program:
         """Write the program of a search, and of the certificate where its pressure is to have one."""
         program, search, proof = Program(self._executor), self._solve, self._proof
         program.decide(decisions.begin, search)
@@ -237,7 +236,7 @@ class Search:
             self._pass(program, passes.residual)
             if self._yields:
                 self._pass(program, passes.weigh)
-            self._operator.say_inverse(program, trial, trial)
+            self._operator.add_inverse(program, trial, trial)
             if self._yields:
                 self._pass(program, passes.weigh)
             return
@@ -249,7 +248,7 @@ class Search:
                 program.launch(passes.extend, search, slots=blocks)
             with program.branch(self._flag(Flag.EXTENDS_NOT)):
                 self._pass(program, passes.residual)
-            self._operator.say_inverse(program, trial, trial)
+            self._operator.add_inverse(program, trial, trial)
             with program.branch(self._flag(Flag.EXTENDS)):
                 program.launch(passes.gather, search, slots=blocks)
             return
@@ -259,7 +258,7 @@ class Search:
                 for number in numbers:
                     self._pass(program, passes.extend_once, number)
             if numbers[0] == 0:
-                self._operator.say_inverse(program, trial, trial)
+                self._operator.add_inverse(program, trial, trial)
 
     def _move_few(self, program: Program) -> None:
         """Solve the few cells that may still change between 0, free and the cap directly, all at once."""
@@ -278,7 +277,7 @@ class Search:
 
     def _respond(self, program: Program, field: str, *, single: bool) -> None:
         fields = self._solve.fields
-        self._operator.say_response(program, getattr(fields, field), fields.response, single=single)
+        self._operator.add_response(program, getattr(fields, field), fields.response, single=single)
         if self._yields:
             self._pass(program, passes.yield_to_step if field == "step" else passes.yield_to_pressure)
 
@@ -295,14 +294,13 @@ class Search:
 
     def _take_coefficients(self) -> None:
         """Give the operator's coefficients to the search, and write its program anew."""
-        assert isinstance(self._operator, Influence)  # else few cells are never moved at once
         elastic, along = self._operator.coefficients()
         room, (rows, columns) = self._room, self._operator.far_shape
         room.elastic, room.along, room.rows, room.columns = elastic, along, rows, columns
         rules = self._solve.rules.numpy()
         rules["has_coefficients"] = 1
         self._solve.rules.assign(rules)
-        self._program = self._say()
+        self._program = self._make_program()
 
 
 def room_for_few(most: int, device: Any) -> Any:

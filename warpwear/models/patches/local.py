@@ -111,19 +111,19 @@ class TwoScaleModel(Model):
         if film:
             self.contact.slides.set(end_column=executor.vectors * LANES)
             self.contact.add_film(self._find, film.before_search)
-        self._say_find(self._find)
-        self._say_wear(self._wear)
+        self._add_find(self._find)
+        self._add_wear(self._wear)
         if film:
             self.contact.add_film(self._wear, film.after_step)
         flags = self.sharing.flags
         with self._many.loop(flags.stepping):
-            self._say_find(self._many)
+            self._add_find(self._many)
             with self._many.branch(flags.balanced):
-                self._say_wear(self._many)
+                self._add_wear(self._many)
         self._pressure: Field = None
         self._press_program = Program(executor)
 
-    def _say_find(self, program: Program) -> None:
+    def _add_find(self, program: Program) -> None:
         """Add the search for the approaches of a step to a program."""
         curves, smooth = self.sharing.curves, self._smooth
         state = self._state
@@ -133,12 +133,12 @@ class TwoScaleModel(Model):
 
         if smooth is None:
             program.decide(kernels.begin, *state)
-            self.sharing.say(program, evaluate)
+            self.sharing.add_to(program, evaluate)
             return
         program.decide(pressing.begin, *state, smooth.smooth, smooth.brackets)
-        smooth.say(program, self.sharing, evaluate)
+        smooth.add_to(program, self.sharing, evaluate)
 
-    def _say_wear(self, program: Program) -> None:
+    def _add_wear(self, program: Program) -> None:
         """Add the wear of a step whose approaches are solved to a program."""
         state = self._state
         program.decide(kernels.foresee, *state)

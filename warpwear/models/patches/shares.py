@@ -60,7 +60,7 @@ class LoadSharing:
         self.search = Numbers(sharing.Search, device)
         self.flags = arguments(sharing.Flags, device)
 
-    def say(self, program: Program, evaluate: Callable[[], None]) -> None:
+    def add_to(self, program: Program, evaluate: Callable[[], None]) -> None:
         """Add the search to a program, from where a decision before it begins.
 
         evaluate: adds the pass that asks the patches.

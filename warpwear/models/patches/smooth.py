@@ -64,7 +64,7 @@ class SmoothContact:
         self._alone = Program(executor)
         self._alone.decide(kernels.press_smoothly, self.smooth, load, self._step)
 
-    def say(self, program: Program, sharing: LoadSharing, evaluate: Callable[[], None]) -> None:
+    def add_to(self, program: Program, sharing: LoadSharing, evaluate: Callable[[], None]) -> None:
         """Add the search of patches for what is prescribed to a program, from where a decision begins.
 
         evaluate: adds the pass that asks the patches.
