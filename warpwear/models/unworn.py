@@ -17,8 +17,9 @@ def layout_of(executor: Executor, patches: Patches | None = None) -> Arguments:
     places, vectors = np.stack([np.arange(executor.grid.nx), np.zeros(executor.grid.nx)]), executor.vectors
     if patches is not None:
         places, vectors = np.stack([patches.first_row, patches.first_column]), patches.vectors
-    first_row, first_column = (wp.array(p.astype(np.int32), device=executor.device) for p in places)
-    return arguments(Layout, vectors=vectors, first_row=first_row, first_column=first_column)
+    rows: Field = wp.array(places[0].astype(np.int32), device=executor.device)
+    columns: Field = wp.array(places[1].astype(np.int32), device=executor.device)
+    return arguments(Layout, vectors=vectors, first_row=rows, first_column=columns)
 
 
 def gap_over(form: Form, heights: FloatArray, executor: Executor, patches: Patches | None = None) -> Field:

@@ -68,7 +68,7 @@ class TwoScaleModel(Model):
         count, device, rows = patches.count, executor.device, self.longest_block
         #: By which the approaches of the next step are foreseen: of the bodies, and of every patch.
         self._memory = Numbers(kernels.Memory, device, ahead=-1.0)
-        names = [*kernels.Courses.vars]
+        names = "start", "deflection", "giving", "reached", "base_next", "offset_next"
         courses = arguments(kernels.Courses, device, **dict.fromkeys(names, count))
         self._courses: dict[str, Field] = {name: getattr(courses, name) for name in names}
         self._courses["reached"].fill_(-math.inf)
