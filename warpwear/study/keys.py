@@ -6,6 +6,7 @@ repeat. Keys that are not used under the choices made are ignored with a notice 
 one key can change a kind.
 """
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -172,10 +173,6 @@ class Declared:
     one_of: str = ""
     #: Whether the thing that the key says must be said, by this one or by another.
     must_be_said: bool = False
-    #: Dotted name before the key was renamed.
-    formerly: str | None = None
-    #: Old and new name of a value.
-    former_value: tuple[str, str] | None = None
     #: What pydantic knows of the key; set by `declarations`.
     field: FieldInfo | None = None
 
@@ -212,12 +209,9 @@ class Section(BaseModel):
 LONGEST_NAME = 80
 
 
-def no_such_key(model: type[BaseModel], name: str, *, now: str = "") -> str:
-    """Return the sentence about a name that no key has, with one so called elsewhere or a near one beside.
-
-    now: the name under the section's new name, where it was typed under an old one.
-    """
-    section, _, last = (now or name).rpartition(".")
+def no_such_key(model: type[BaseModel], name: str) -> str:
+    """Return the sentence about a name that no key has, with one so called elsewhere or a near one beside."""
+    section, _, last = re.sub(r"\.\d+(?=\.)", "", name).rpartition(".")  # numbers are of blocks
     last = last[:LONGEST_NAME]
     parts = {key: key.rpartition(".") for key in declarations(model)}
     siblings = {end: key for key, (above, _, end) in parts.items() if above == section}

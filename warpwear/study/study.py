@@ -20,11 +20,12 @@ class Study(Content):
     copy. Raises InputError, with one sentence, for anything that cannot be computed.
     """
 
-    #: Sentences about keys and values that were given by their old names.
+    #: What is said of keys and values that were given by their old names.
     _old_names: tuple[str, ...] = ()
 
     def __init__(self, **sections: Any) -> None:
-        sections, old_names = loading.with_new_names(sections)
+        flat, old_names = loading.with_new_names(loading.flat(sections))
+        sections = loading.nested(flat)
         names = loading.fill(sections)
         try:
             super().__init__(**sections)
@@ -33,7 +34,7 @@ class Study(Content):
         for name in names:  # so that they are told from what was given
             section, _, key = name.partition(".")
             getattr(self, section).model_fields_set.discard(key)
-        self._old_names = tuple(old_names)
+        self._old_names = old_names
 
     def _check(self) -> None:
         super()._check()
@@ -128,11 +129,11 @@ class Study(Content):
             if not isinstance(keys, Mapping):
                 raise InputError(f"{section} = {keys!r} is not a section; write {{'contact.load': '4 N'}}.")
             flat |= {f"{section}.{k}": v for k, v in keys.items()}
-        flat, old_names = loading.changes_with_new_names(flat)
+        flat, old_names = loading.with_new_names(flat)
         nested = self.model_dump(exclude_unset=True)
         loading.change(nested, flat)
         changed_study = type(self)(**nested)
-        changed_study._old_names = tuple(dict.fromkeys([*self._old_names, *old_names]))
+        changed_study._old_names = tuple(dict.fromkeys((*self._old_names, *old_names)))
         if not self.study.description or "study.description" in flat:
             return changed_study
         before, after = self.model_dump(), changed_study.model_dump()

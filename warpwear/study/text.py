@@ -1,7 +1,6 @@
 """A study is written as TOML text, for files and for people."""
 
 import math
-import re
 from collections.abc import Iterator
 from html import escape
 from pathlib import Path
@@ -157,7 +156,7 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     kind, value = first["type"], first.get("input")
     text = _SHOWN.repr(str(value) if is_quantity(value) else value)
     if kind == "extra_forbidden":
-        return no_such_key(model, name, now=re.sub(r"\.\d+", "", name) if of_block else "")
+        return no_such_key(model, name)
     if kind == "missing":
         return f"{name} is missing{_expected(model, name)}."
     if of_block and len(first["loc"]) == 1 and kind != "value_error":

@@ -43,7 +43,6 @@ class FilmSection(Section):
         "both",
         "bodies that carry a film; a cell of the contact is bare where all of them have lost it",
         assumed="oxide on both metals",
-        former_value=("sphere", "counter"),
     )
     regrowth: Annotated[float | Literal["never"], Quantity("mm", words=("never",))] = key(
         "never",

@@ -49,12 +49,10 @@ class PatchesSection(Section):
     macro_cell: Length = key(
         "50 um",
         "size of a macro cell, each of which has one patch of the grid's cells",
-        formerly="macro.cell",
     )
     width: Length | None = key(
         None,
         "size of a patch; by default the macro cell, which tiles the contact; smaller ones stand for it",
-        formerly="macro.patch",
     )
     bulk: Literal["spring", "none"] = key(
         "spring",
@@ -62,15 +60,12 @@ class PatchesSection(Section):
         "the patch's own law carries that compliance, as free patches of the half-space do",
         assumed="springs of the patches yield as the smooth bodies do; without hardness or asperities",
         applies=ONE_APPROACH,
-        formerly="macro.bulk",
         demands=excludes("contact.boundary", "free", of="spring", why=COUNTED_TWICE),
-        former_value=("foundation", "spring"),
     )
     coupling: Literal["approach", "load"] = key(
         "approach",
         "approach: one for all patches, whose own answers share the load; load: a smooth macro contact "
         "prescribes the load of each patch",
-        formerly="macro.coupling",
         demands=needs("stepping.scheme", "implicit", of="load")
         + needs(
             "caps_pressure",
@@ -83,11 +78,8 @@ class PatchesSection(Section):
         "centre",
         "place of a smaller patch in its macro cell: in the middle, or at random by patches.seed",
         applies=SAMPLES,
-        formerly="macro.placement",
     )
-    seed: Annotated[int, Field(ge=0, strict=True)] = key(
-        0, "seed of the random placement", applies=AT_RANDOM, formerly="macro.seed"
-    )
+    seed: Annotated[int, Field(ge=0, strict=True)] = key(0, "seed of the random placement", applies=AT_RANDOM)
 
     @property
     def patch_width(self) -> float:

@@ -82,7 +82,6 @@ class Wear(Section):
         ...,
         'wear coefficient K of the counter-body, such as "2e-6 mm^3/N/m"; 0 where it does not wear; without '
         "a unit k = K H, H as of the disc",
-        formerly="wear.sphere",
     )
     disc: WearCoefficient = key(
         ...,
@@ -111,7 +110,6 @@ class Wear(Section):
     initial_counter: WearCoefficient | None = running_in_key(
         None,
         "running-in: K0 of the counter-body; K if not given",
-        formerly="wear.initial_sphere",
     )
     initial_disc: WearCoefficient | None = running_in_key(None, "running-in: K0 of the disc; K if not given")
     distance_factor: Literal["none", "across", "radial"] = key(
