@@ -146,7 +146,7 @@ def test_a_missing_key_is_named() -> None:
     ("content", "message"),
     [
         (b"[contact\n", "is not TOML"),
-        (b"\xff\xfe\x00", "is not text"),
+        (b"\xff\xfe\x00", "is not TOML: 'utf-8' codec"),
         (b"", "counter is missing"),
         (b"disc = 3", "missing"),
     ],
@@ -159,7 +159,9 @@ def test_a_file_that_is_no_study(tmp_path: Path, content: bytes, message: str) -
 
 
 def test_an_unknown_name_suggests_the_nearest() -> None:
-    with pytest.raises(InputError, match=r"neither a file nor a preset .*Did you mean 'v3-fine'\?"):
+    with pytest.raises(
+        InputError, match=r"is no file, no run folder and no preset .*Did you mean 'v3-fine'\?"
+    ):
         Study.load("v3fine")
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from warpwear.cli.options import DEVICE, PATH, THREADS
-from warpwear.cli.places import results, run_checkpoint, run_folder, run_order, runner, summaries
+from warpwear.cli.places import results, run_checkpoint, runner, summaries
 from warpwear.cli.study import CHANGES, STUDY, load_study
 from warpwear.version import __version__
 
@@ -65,10 +65,6 @@ def run(
     # A run folder that is to be resumed is itself where it goes on.
     own = Path(study) if options["resume"] and Path(study).is_dir() else Path(loaded.study.name)
     folder = own if out is None else out
-    order = run_order.RunOrder(loaded)
-    if options["resume"] and not options["overwrite"] and run_folder.is_finished(folder, order):
-        click.echo(f"{folder}/ holds this run, finished: nothing is left to do")
-        return
     try:
         with runner.Progress(loaded.study.name, all_notes=notes) as progress:
             run_options = runner.RunOptions(
@@ -79,6 +75,9 @@ def run(
                 **options,
             )
             with runner.run_study(loaded, run_options) as result:
+                if not result.seconds:
+                    click.echo(f"{folder}/ holds this run, finished: nothing is left to do")
+                    return
                 click.echo(summaries.summary_text(summaries.summarise(result)))
             page = "report.html" if (folder / "report.html").exists() else "summary.json"
             progress.elsewhere = f"{folder / page}, or --notes"

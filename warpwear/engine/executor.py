@@ -14,9 +14,8 @@ from typing import Any, Self
 import numpy as np
 import warp as wp
 
-from warpwear.engine.device import check_threads, find_device, free_memory
+from warpwear.engine.device import check_threads, find_device, require_memory
 from warpwear.engine.kernel_cache import begin_to_load
-from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
 
@@ -78,14 +77,9 @@ class Executor:
         self.grid = grid
         self.device = find_device(device)
         self.threads = check_threads(threads)
-        needed = fields_needed * 8 * grid.cells
-        for place, there in free_memory(device).items():
-            if needed > there:
-                raise InputError(
-                    f"grid.cell = {1e3 * grid.cell:g} µm makes {grid.nx} × {grid.ny} cells, which need "
-                    f"{needed / 2**30:.1f} GiB of memory; {place} has {there / 2**30:.1f} GiB free, so "
-                    "larger cells or a smaller grid.extent are needed."
-                )
+        what = f"grid.cell = {1e3 * grid.cell:g} µm makes {grid.nx} × {grid.ny} cells"
+        instead = "larger cells or a smaller grid.extent are needed."
+        require_memory(device, 8.0 * fields_needed * grid.cells, what, instead)
         self.vectors = -(-grid.ny // LANES)
         self.tiles_per_row = -(-self.vectors // int(TILE_VECTORS))
         workers = min(self.threads, grid.cells // CELLS_PER_THREAD) - 1 if self.device.is_cpu else 0

@@ -2,7 +2,7 @@
 
 import logging
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from itertools import groupby
@@ -173,13 +173,11 @@ class StepLoop:
         """
         parts = [self._order.plan[len(self._rows) :]] if self._jumps is None else self._jumps.parts()
         for part in parts:
-            blocks = self._order.blocks_of(part)
-            tasks = [self._tasks[block.number] for block in blocks]
-            for _, group in groupby(range(len(part)), tasks.__getitem__):
-                numbers = [*group]
-                which = slice(numbers[0], numbers[-1] + 1)
-                self._begin(part[numbers[0]])
-                yield from self._steps_of(part[which], blocks[which], with_fields=with_fields)
+            pairs = zip(part, self._order.blocks_of(part), strict=True)
+            for _, group in groupby(pairs, lambda pair: self._tasks[pair[1].number]):
+                left, blocks = zip(*group, strict=True)
+                self._begin(left[0])
+                yield from self._steps_of(left, blocks, with_fields=with_fields)
 
     @cached_property
     def _count(self) -> int:
@@ -189,7 +187,7 @@ class StepLoop:
         return sum(int(leg.track.steps(leg.length)) for leg in legs_of(self._order.study))
 
     def _steps_of(
-        self, left: list[Planned], blocks: list[Block], *, with_fields: bool
+        self, left: Sequence[Planned], blocks: Sequence[Block], *, with_fields: bool
     ) -> Iterator[tuple[dict[str, float], InvariantError | None]]:
         """Yield the rows of a part of the plan, whose steps lie in these blocks, as `_steps` does."""
         # where points were filled, steps 1, 2, 4, 8, … are looked at too: a load on those stops a run early

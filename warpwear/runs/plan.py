@@ -39,15 +39,11 @@ def legs_of(study: Study) -> list[Leg]:
 def plan_of(study: Study) -> list[Planned]:
     """Plan every step: its increment, the distance at its end [mm], and whether its fields are kept."""
     stops, total = study.snapshot_distances, study.sliding.total
-    ends = {block.end for block in study.blocks}
     if study.is_swept:
         return kept_after(stops, (step for leg in legs_of(study) for step in leg.steps()), total)
-    if study.output.snapshots == "auto":
-        return kept_after(stops, increments(study.increments, total, ends), total)
-    return [
-        (increment, distance, distance in stops or distance == total)
-        for increment, distance in increments(study.increments, total, {*stops, *ends})
-    ]
+    ends = {block.end for block in study.blocks}
+    meets = ends if study.output.snapshots == "auto" else {*stops, *ends}
+    return kept_after(stops, increments(study.increments, total, meets), total)
 
 
 def kept_after(

@@ -8,12 +8,11 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from warpwear.errors import InputError
+from warpwear.errors import InputError, explained
+from warpwear.study.bodies import CONSTANTS
 from warpwear.study.content import Content
 from warpwear.study.keys import alternatives_of, no_such_key, value_of
-from warpwear.study.materials import material
 from warpwear.study.motion import LENGTHS
-from warpwear.study.units import text
 
 
 def presets() -> list[str]:
@@ -64,25 +63,16 @@ def read_sections(path_or_preset: str | Path) -> dict[str, Any]:
         source = resources.files("warpwear") / "presets" / f"{path_or_preset}.toml"
         return parse_toml(source.read_text(encoding="utf-8"))
     path = Path(path_or_preset)
-    try:
+    with explained(f"{str(path)[:200]} cannot be read"):
         if path.is_dir():
-            if not (path / "study.toml").is_file():
-                raise InputError(f"STUDY = '{path}' is a folder without a study.toml.")
             path = path / "study.toml"
-        elif path.exists() and not path.is_file() and path.parts[:2] != ("/", "dev"):
-            raise InputError(f"STUDY = '{path}' is a pipe or a device; a file is expected")  # no endless wait
-        with path.open(encoding="utf-8-sig") as file:
-            sections = parse_toml(file.read(MOST_CHARACTERS + 1))
-    except InputError:
-        raise
-    except FileNotFoundError:
-        raise InputError(_no_such_study(str(path_or_preset))) from None
-    except OSError as error:
-        raise InputError(f"{str(path)[:200]} cannot be read: {error.strerror}.") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path} is not text, which a study is.") from error
-    except (ValueError, RecursionError) as error:  # also numbers of thousands of digits, endless nesting
-        raise InputError(f"{path} is not TOML: {error}.") from error
+        if not path.is_file() and path.parts[:2] != ("/", "dev"):  # a pipe would be an endless wait
+            raise InputError(_no_such_study(str(path_or_preset)))
+        try:
+            with path.open(encoding="utf-8-sig") as file:
+                sections = parse_toml(file.read(MOST_CHARACTERS + 1))
+        except (ValueError, RecursionError) as error:  # also numbers of thousands of digits, endless nesting
+            raise InputError(f"{path} is not TOML: {error}.") from error
     for name in FILES:
         if isinstance(file := value_of(sections, name), str):
             insert(sections, name, str(path.parent.resolve() / file))
@@ -100,12 +90,11 @@ def value_of_text(text: str) -> Any:
 def _no_such_study(name: str) -> str:
     near = get_close_matches(name, presets(), n=1)
     hint = f" Did you mean '{near[0]}'?" if near else ""
-    return f"STUDY = '{name}' is neither a file nor a preset ({', '.join(presets())}).{hint}"
+    return f"STUDY = '{name}' is no file, no run folder and no preset ({', '.join(presets())}).{hint}"
 
 
 #: Keys that name a file, relative to the study's.
 FILES = ("disc.surface", "disc.synthetic.like", "counter.surface")
-CONSTANTS = ("young", "poisson", "hardness")
 MACRO_CELL = "10 um"
 
 
@@ -115,19 +104,6 @@ def fill(sections: dict[str, Any]) -> set[str]:
     A value that cannot be understood is left to the validation of the study.
     """
     names: set[str] = set()
-    for body in ("counter", "disc"):
-        keys = sections.get(body)
-        if not isinstance(keys, dict) or not isinstance(keys.get("material"), str):
-            continue
-        try:
-            known = material(keys["material"])
-        except ValueError:
-            continue
-        young, hardness = text(known.young, "MPa"), text(known.hardness, "MPa")
-        values = {"young": young, "poisson": known.poisson, "hardness": hardness}
-        missing = {name: value for name, value in values.items() if keys.get(name) is None}
-        keys.update(missing)
-        names |= {f"{body}.{name}" for name in missing}
     blocks = sections.get("block")
     if isinstance(blocks, list | tuple) and blocks and all(isinstance(block, dict) for block in blocks):
         sections.setdefault("sliding", {})

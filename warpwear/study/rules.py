@@ -11,7 +11,7 @@ from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study import rules_track
 from warpwear.study.content import Content
 from warpwear.study.keys import check_keys
-from warpwear.study.motion import LENGTHS, WAYS, BlockSection, Sliding
+from warpwear.study.motion import LENGTHS, WAYS, BlockSection, Sliding, refuse_parts
 from warpwear.study.units import LineLoad
 
 #: More steps than anybody waits for, or than a history holds.
@@ -140,7 +140,7 @@ def _fretting(study: Content) -> None:
         return
     stroke, disc = sliding.stroke or 0.0, study.disc.synthetic
     if stroke > study.grid.cell:
-        rules_track.refuse_parts("sliding.stroke", stroke, study.grid.cell)
+        refuse_parts("sliding.stroke", stroke, study.grid.cell)
     if disc is None or disc.kind != "flat":
         raise ValueError(
             "sliding.positions = 'mean' needs disc.synthetic.kind = 'flat': a rough contact changes from "

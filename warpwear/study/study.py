@@ -71,11 +71,11 @@ class Study(Content):
     def notices(self) -> list[str]:
         """Return a sentence about each old name, each unused key, and each number that misleads."""
         total = self.sliding.total
-        sentences = [*self._old_names, *unused_key_notices(self), *doubts.of_track(self)]
+        sentences = [*self._old_names, *unused_key_notices(self), *doubts.doubts(self)]
         late = ", ".join(f"{s:g}" for s in self.snapshot_distances if s > total or s == 0.0 < total)
         if late:
             sentences.append(f"output.snapshots that no step ends at: {late} mm.")
-        return [*sentences, *doubts.doubts(self)]
+        return sentences
 
     def to_toml(self) -> str:
         """Return the whole study after defaults, as TOML that `load` reads back without loss."""

@@ -11,9 +11,10 @@ import tomli_w
 from pydantic import BaseModel, ValidationError
 
 from warpwear.errors import printable
+from warpwear.study.bodies import CONSTANTS
 from warpwear.study.content import Content
 from warpwear.study.keys import declarations, given_keys, inapplicable, key_of, no_such_key, section_in
-from warpwear.study.loading import CONSTANTS, FILES, insert
+from warpwear.study.loading import FILES, insert
 from warpwear.study.materials import material
 from warpwear.study.units import is_quantity
 
