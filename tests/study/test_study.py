@@ -61,7 +61,7 @@ BAD = [
     ),
     (
         {"counter.radius": "2 um"},
-        r"^counter\.radius = 0\.002 mm is too small: .* carries 0\.007414 N .*load = 8 N needs .*0\.0657 mm",
+        r"^contact\.load = 8 N is more than .* carries .*\(0\.007414 N\); .* a larger counter-body",
     ),
     (
         {"friction.coefficient": "0,55"},
@@ -112,7 +112,7 @@ BAD = [
     ({"wear.counter": 10**400}, r"wear\.counter = 1000.*: is too large"),
     ({"sliding.passes": 10**400}, r"sliding\.passes = 1000"),
     ({"counter.radius": "1 mm", "grid.extent": "4 mm", "contact.hardness": "1 MPa"}, r"carries .*3\.142 N"),
-    ({"stepping.increment": "1 nm"}, r"sliding\.distance = 2400 mm takes 2\.4e\+09 steps .*1,000,000"),
+    ({"stepping.increment": "1 nm"}, r"sliding\.distance = 2400 mm takes 2\.4e\+09 steps; .*1,000,000"),
     ({"stepping.largest": "1 nm", "stepping.first": "0.1 nm"}, r"takes 2\.4e\+09 steps"),
     ({"stepping.first": "3 um", "stepping.largest": "1 um"}, r"stepping\.first = 0\.003 mm must not exceed"),
     ({"grid.cell": "1e-25 mm"}, r"grid\.cell = 1e-25 mm makes more than 1,000,000 cells"),

@@ -4,7 +4,7 @@ import math
 from typing import Annotated, Literal
 
 from warpwear.laws.elastic import MATCHES
-from warpwear.study.keys import Section, key, needs, needs_compliance, when
+from warpwear.study.keys import Section, excludes, key, needs, needs_compliance, when
 from warpwear.study.units import Load, Quantity, Range
 
 #: K_N plays a part in the macro model, and in the two-scale model where it is the bulk behind the patches.
@@ -55,6 +55,7 @@ class Contact(Section):
         assumed="nothing beyond the domain under a counter-body; under a flat the domain is repeated, and in "
         "the two-scale model each patch",
         applies=when("contact.law", "half-space"),
+        demands=excludes("study.model", "two-scale", of="line"),
     )
     stiffness: Annotated[float, Quantity("N/mm^3", Range(infinite=True))] = key(
         "inf N/mm^3",

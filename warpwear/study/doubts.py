@@ -11,7 +11,7 @@ from warpwear.study.bodies import Synthetic
 from warpwear.study.content import Content
 from warpwear.study.keys import attribute_of, given_keys
 from warpwear.study.motion import in_words
-from warpwear.study.rules import CELLS, diameter, um, unstable, without_unit
+from warpwear.study.rules import CELLS, diameter, longest_step, um, unstable, without_unit
 from warpwear.study.rules_track import sides_worn, spared, worn_patch
 from warpwear.study.units import LineLoad
 
@@ -239,13 +239,7 @@ def _of_steps(study: Content) -> Iterator[str]:
     pieces = study.pieces
     if pieces is None or not math.isfinite(study.hardness):
         return
-    total, largest = study.sliding.total, study.increments[2]
-    fraction = 1.0
-    if study.is_swept:
-        track = study.track
-        largest = track.shift * track.stroke / track.cells
-        fraction = track.track_fraction
-    slid = min(largest, total)
+    slid, fraction = longest_step(study)
     allowed = OF_THICKNESS * pieces.thickness
     for name, law, part in zip(BODIES, study.wear_laws, (1.0, fraction), strict=True):
         depth = law.fastest * study.hardness * part * slid

@@ -46,7 +46,8 @@ def when(name: str, *values: Any, otherwise: str | None = None) -> tuple[Rule, .
     otherwise: what to say of the key elsewhere, by default "does not apply to NAME = 'VALUE'". Rules are
     tuples, which add up.
     """
-    return (Rule(name, values or (True,), otherwise or f"does not apply to {name} = '{{}}'"),)
+    shown = "sliding.kinematics" if name == "kinematics" else name  # as the study comes to it
+    return (Rule(name, values or (True,), otherwise or f"does not apply to {shown} = '{{}}'"),)
 
 
 @dataclass(frozen=True)
@@ -59,10 +60,13 @@ class Demand:
     what: str  # is needed, in words; by default the name and its values
     why: str  # end of the sentence, with its comma or colon
     excludes: bool
+    where: str  # property of the study without which nothing is demanded; none: always
 
     def refusal(self, study: BaseModel, key: str) -> str | None:
         """Return the sentence about a study that does not meet the demand of a key; None where it does."""
         demanding = attribute_of(study, key)
+        if self.where and not attribute_of(study, self.where):
+            return None
         if demanding not in self.of if self.of else not (demanding and _is_given(study, key)):
             return None
         value, other = attribute_of(study, self.name), declarations(type(study)).get(self.name)
@@ -84,7 +88,8 @@ class Demand:
 
 def attribute_of(study: BaseModel, name: str) -> Any:
     """Return the value of a dotted key or property; None where it, or its section, is not there."""
-    return reduce(lambda value, part: getattr(value, part, None), filter(None, name.split(".")), study)
+    value: Any = study
+    return reduce(lambda value, part: getattr(value, part, None), filter(None, name.split(".")), value)
 
 
 def _is_given(study: BaseModel, name: str) -> bool:
@@ -133,14 +138,21 @@ def _allowed(study: BaseModel, name: str, barred: tuple[Any, ...]) -> str:
 
 
 def needs(
-    name: str, *values: Any, of: Any = (), what: str = "", why: str = "", excluded: bool = False
+    name: str,
+    *values: Any,
+    of: Any = (),
+    what: str = "",
+    why: str = "",
+    excluded: bool = False,
+    where: str = "",
 ) -> tuple[Demand, ...]:
     """Return the demand that `name` has one of the values, or says something at all, beside a key.
 
     of: value of the key, or a tuple of them, that demands it; by default any that is given. what: what is
-    needed, in words, by default the name and the values. why: end of the sentence. Demands add up.
+    needed, in words, by default the name and the values. why: end of the sentence. where: property of the
+    study that has to be true for it. Demands add up.
     """
-    return (Demand(name, values, of if isinstance(of, tuple) else (of,), what, why, excluded),)
+    return (Demand(name, values, of if isinstance(of, tuple) else (of,), what, why, excluded, where),)
 
 
 def needs_compliance(of: Any, what: str = "compliance") -> tuple[Demand, ...]:

@@ -237,11 +237,6 @@ def _remove(nested: dict[str, Any], name: str) -> None:
 
 #: Between a description and the keys changed since it was written.
 CHANGED = "; changed: "
-#: Most keys that are named; the rest are "others".
-NAMED = 4
-OTHERS = " and others"
-
-
 #: Sections of whose changes a description does not speak: names, checks, and what is written.
 NOT_DESCRIBED = ("study", "checks", "output", "assumed")
 
@@ -249,10 +244,6 @@ NOT_DESCRIBED = ("study", "checks", "output", "assumed")
 def with_changes(description: str, changed: Sequence[str]) -> str:
     """Return a description followed by the keys changed since, each once, those that it names included."""
     text, _, listed = description.partition(CHANGED)
-    more = listed.endswith(OTHERS)
-    known = [name for name in listed.removesuffix(OTHERS).split(", ") if name]
-    known += [n for n in changed if n == "study.model" or n.partition(".")[0] not in NOT_DESCRIBED]
-    names = list(dict.fromkeys(known))
-    if not names:
-        return description
-    return f"{text}{CHANGED}{', '.join(names[:NAMED])}{OTHERS if more or len(names) > NAMED else ''}"
+    more = [n for n in changed if n == "study.model" or n.partition(".")[0] not in NOT_DESCRIBED]
+    names = dict.fromkeys([*filter(None, listed.split(", ")), *more])
+    return f"{text}{CHANGED}{', '.join(names)}" if names else description

@@ -31,7 +31,7 @@ FEWEST_CYCLES = 100
 Count = Annotated[int, Field(ge=1, le=1_000_000_000, strict=True)]
 Strokes = Annotated[int, Field(ge=0, le=1_000_000_000, strict=True)]
 
-SWEPT = when("kinematics", "swept", otherwise="does not apply to sliding.kinematics = '{}'")
+SWEPT = when("kinematics", "swept")
 ON_A_CIRCLE = when(
     "sliding.uses_track_radius", otherwise="does not apply to sliding.kinematics = 'stationary'"
 )

@@ -33,7 +33,6 @@ def check(study: Content) -> None:
         _steps(study)
         return
     _junction_growth(study)
-    _by_area(study)
     if study.study.model == "two-scale":
         rules_track.check_patches(study)
     _line(study)
@@ -151,8 +150,6 @@ def _fretting(study: Content) -> None:
 def _line(study: Content) -> None:
     """Refuse line contacts that cannot repeat across, and a load per length or few cells without a line."""
     grid, repeats = study.grid, study.contact.law == "half-space" and study.boundary == "line"
-    if repeats and study.study.model == "two-scale":
-        raise ValueError("contact.boundary = 'line' is for one grid: patches allow 'free' and 'periodic'")
     if repeats and study.counter.form.rises[1]:
         raise ValueError(
             "contact.boundary = 'line' would repeat the counter-body beside itself: allowed is 'free', or a "
@@ -195,29 +192,6 @@ def _shape(study: Content) -> None:
         )
 
 
-def _by_area(study: Content) -> None:
-    """Refuse what wear by the shear strength of cells in contact cannot be computed with."""
-    if not study.wears_by_area:
-        return
-    friction, alone = study.friction, "wear.law = 'energy' by a shear strength wears cells in contact alike"
-    if friction.shear_strength is None:
-        raise ValueError(
-            "wear.law = 'energy' needs friction.shear_strength, as a measured coefficient gives it at the "
-            "end alone, or friction.law = 'coulomb'"
-        )
-    refused = {
-        "study.model = 'two-scale'": study.study.model == "two-scale" and ": patches share the load",
-        f"friction.area = '{friction.area}'": friction.area != "contact" and ": 'contact' is allowed",
-        "wear.particle": study.wear.sheds and ": what is pending would bear",
-        f"wear.distance_factor = '{study.wear.distance_factor}'": study.wear.distance_factor != "none"
-        and ", by which cells differ",
-        "stepping.scheme = 'explicit'": study.stepping.scheme == "explicit" and ": 'implicit' is allowed",
-    }
-    for key, why in refused.items():
-        if why:
-            raise ValueError(f"{alone}: it does not go with {key}{why}; friction.law = 'coulomb' does")
-
-
 def _junction_growth(study: Content) -> None:
     """Refuse junctions that grow where the shear leaves a cell no pressure, or has no smooth contact."""
     friction, hardness = study.friction, study.indentation_hardness
@@ -234,11 +208,6 @@ def _junction_growth(study: Content) -> None:
                 f"{hardness:g} MPa hardness no pressure to bear: allowed are less than H/√α = "
                 f"{hardness / math.sqrt(growth):.4g} MPa"
             )
-    if film is not None and study.study.model == "two-scale" and study.patches.coupling == "load":
-        raise ValueError(
-            "patches.coupling = 'load' does not go with [friction.film] and friction.junction_growth = "
-            f"{growth:g}: the smooth contact that prescribes loads has no bare cells; allowed is 'approach'"
-        )
 
 
 def _pieces(study: Content) -> None:
@@ -296,22 +265,14 @@ def without_unit(study: Content) -> Iterator[str]:
 
 
 def _capacity(study: Content) -> None:
-    counter, hardness = study.counter, min(study.caps)  # all cells may become bare
-    under_counter = math.pi * counter.form.reach**2
-    carried = hardness * min(study.cells.area, under_counter)
-    if hardness * under_counter < study.contact.load:
-        radius = math.sqrt(study.contact.load / (math.pi * hardness))
-        raise ValueError(
-            f"counter.radius = {counter.nominal_radius:g} mm is too small: at this hardness, "
-            f"{hardness:g} MPa, a {counter.shape} carries {hardness * under_counter:.4g} N on its whole "
-            f"section, and contact.load = {study.contact.load:g} N needs more than {radius:.3g} mm"
-        )
+    under_counter = math.pi * study.counter.form.reach**2
+    carried = min(study.caps) * min(study.cells.area, under_counter)  # all cells may become bare
     if carried < study.contact.load:
         of_length = f" ({study.loads})" if study.is_line else ""
         raise ValueError(
             f"contact.load = {study.contact.load:g} N{of_length} is more than the domain under the "
             f"counter-body carries at this hardness ({carried:.4g} N{_of_sheared(study)}); allowed are "
-            "smaller loads, a larger grid.extent or contact.hardness"
+            "smaller loads, a larger counter-body, grid.extent or contact.hardness"
         )
 
 
@@ -341,41 +302,47 @@ def _stability(study: Content) -> None:
         )
 
 
+def longest_step(study: Content) -> tuple[float, float]:
+    """Return what is slid in the longest step [mm], and the part of it that a cell of the disc slides."""
+    slid, fraction = study.increments[2], 1.0
+    if study.is_swept:
+        track = study.track
+        slid, fraction = track.shift * track.stroke / track.cells, track.track_fraction
+    return min(slid, study.sliding.total), fraction
+
+
 def unstable(study: Content) -> str | None:
     """Return the start of a sentence about explicit steps that are too large; None where they are not."""
     if study.stepping.scheme == "implicit":
         return None
-    if study.is_swept:
-        return rules_track.unstable(study)
-    limit = study.stable_increment(sum(law.fastest for law in study.wear_laws))
-    if min(study.increments[2], study.sliding.total) < limit:
+    counter, disc = (law.fastest for law in study.wear_laws)
+    slid, fraction = longest_step(study)
+    limit = study.stable_increment(counter + fraction * disc)
+    if slid < limit:
         return None
-    return (
-        f"stepping.{_largest(study)} = {study.increments[2]:g} mm is beyond the explicit stability limit "
-        f"2/(k K) = {limit:.3g} mm"
-    )
+    named = f"stepping.{_largest(study)} = {study.increments[2]:g} mm"
+    if study.is_swept:
+        named = f"sliding.shift = {study.shift} cells, {slid:.3g} mm of sliding,"
+    return f"{named} is beyond the explicit stability limit 2/(k K) = {limit:.3g} mm"
 
 
 def _steps(study: Content) -> None:
     total, (first, growth, largest) = study.sliding.total, study.increments
     if study.is_swept:
-        jump = study.stepping.jump
-        # How far cycles may be jumped shows only in the run.
-        longest = MOST_JUMP if jump == "auto" else jump
         steps = sum(t.steps(b.length) for t, b in zip(study.tracks, study.blocks, strict=True))
-        steps = steps / (longest if study.jumps else 1)
-        by, larger = f"sliding.shift = {study.shift} cells", "sliding.shift or grid.cell"
+        if study.jumps:  # how far shows only in the run
+            steps /= MOST_JUMP if study.stepping.jump == "auto" else study.stepping.jump
     elif growth > 1.0:
         # Growing steps cover first growth^n/(growth − 1); at most the whole distance is left for the largest.
         covered = (largest - first) / (growth - 1.0)
         steps = math.log(largest / first) / math.log(growth) + max(0.0, total - covered) / largest
-        by, larger = "this [stepping]", "stepping.largest"
     else:
-        steps, by, larger = total / first, "this [stepping]", f"stepping.{_largest(study)}"
+        steps = total / first
     if steps > MOST_STEPS:
+        larger = "sliding.shift or grid.cell" if study.is_swept else f"stepping.{_largest(study)}"
         raise ValueError(
-            f"sliding.distance = {total:g} mm takes {steps:.3g} steps by {by}; allowed are {MOST_STEPS:,}, "
-            f"so a larger {larger} is needed"
+            f"sliding.distance = {total:g} mm takes {steps:.3g} steps; allowed are {MOST_STEPS:,}, so a "
+            f"larger {larger} is needed"
         )
 
 

@@ -170,18 +170,3 @@ def spared(patch: float) -> float:
     """Return an extent [mm] with some room beside a patch [mm]."""
     digit = 10.0 ** (math.floor(math.log10(patch)) - 1)
     return float(f"{math.ceil(SPARE * patch / digit) * digit:.3g}")
-
-
-def unstable(study: Content) -> str | None:
-    """Return the start of a sentence about a shift too large for explicit steps; None where it is not."""
-    compliance = 1.0 / study.stiffness
-    track = study.track
-    counter, disc = (law.fastest for law in study.wear_laws)
-    slid = min(track.shift * track.stroke / track.cells, study.sliding.total)
-    removal = (counter + track.track_fraction * disc) * slid
-    if compliance == 0.0 or removal < 2.0 * compliance:
-        return None
-    return (
-        f"sliding.shift = {track.shift} cells, which removes {removal:.3g} mm³/N a step, is beyond the "
-        f"explicit stability limit 2/k = {2.0 * compliance:.3g} mm³/N"
-    )

@@ -23,6 +23,10 @@ COUNTED_TWICE = (
 )
 
 
+#: Why junctions that grow by a film do not go with loads of a smooth contact.
+NO_BARE_CELLS = " and friction.junction_growth, as the smooth contact that prescribes loads has no bare cells"
+
+
 class About(Section):
     """The section [study] names the run and says which model computes it."""
 
@@ -46,13 +50,9 @@ class About(Section):
 class PatchesSection(Section):
     """The section [patches] says where patches of the two-scale model lie and how they share the load."""
 
-    macro_cell: Length = key(
-        "50 um",
-        "size of a macro cell, each of which has one patch of the grid's cells",
-    )
+    macro_cell: Length = key("50 um", "size of a macro cell, each of which has one patch of the grid's cells")
     width: Length | None = key(
-        None,
-        "size of a patch; by default the macro cell, which tiles the contact; smaller ones stand for it",
+        None, "size of a patch; by default the macro cell, which tiles the contact; smaller ones stand for it"
     )
     bulk: Literal["spring", "none"] = key(
         "spring",
@@ -67,6 +67,7 @@ class PatchesSection(Section):
         "approach: one for all patches, whose own answers share the load; load: a smooth macro contact "
         "prescribes the load of each patch",
         demands=needs("stepping.scheme", "implicit", of="load")
+        + excludes("friction.film", of="load", where="friction.junction_growth", why=NO_BARE_CELLS)
         + needs(
             "caps_pressure",
             of="load",
