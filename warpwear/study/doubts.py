@@ -49,14 +49,10 @@ def _of_part(study: Content) -> Iterator[str]:
             "volumes and depths look right."
         )
     if study.samples_area:
-        updated = study.uses_bulk_stiffness and study.contact.bulk_update == "updated"
-        by_them = " and friction.area = 'nominal'" * (study.friction.area == "nominal")
-        by_them += " and contact.bulk_update = 'updated'" * updated
         yield (
             f"patches.width = {1e3 * study.patches.patch_width:g} µm stands for patches.macro_cell = "
             f"{1e3 * study.patches.macro_cell:g} µm: the scar's extents and its nominal area are those of "
-            "what touched in patches, off by up to a macro cell on each side"
-            f"{f',{by_them} with them' if by_them else ''}."
+            "what touched in patches, off by up to a macro cell on each side, and so is what follows from them."
         )
     if study.wear.law == "bearing-curve":
         yield (
@@ -243,21 +239,16 @@ def _of_steps(study: Content) -> Iterator[str]:
     allowed = OF_THICKNESS * pieces.thickness
     for name, law, part in zip(BODIES, study.wear_laws, (1.0, fraction), strict=True):
         depth = law.fastest * study.hardness * part * slid
-        if depth <= allowed * (1.0 + 1.0e-9):
-            continue
-        longest = slid * allowed / depth
-        change = f"increments of {longest:.2g} mm or less are needed (stepping)"
-        if study.is_swept:
-            cells = math.floor(study.shift * allowed / depth)
-            changes = [f"sliding.shift = {cells}"] if cells else ["a smaller grid.cell"]
-            if name == "counter" and fraction < 1.0 and study.sliding.track != "full":
-                longer = float(study.sliding.track) * depth / allowed
-                changes.append(f"a sliding.track of {longer:.2g} mm or more")
-            change = f"{' or '.join(changes)} is needed"
-        yield (
-            f"A step wears a cell of the {CALLED[name]} at the hardness by K H ΔL = {um(depth)}, more than "
-            f"half of wear.particle_thickness = {um(pieces.thickness)}, so areas depend on it: {change}."
-        )
+        if depth > allowed * (1.0 + 1.0e-9):
+            cells = math.floor(study.shift * allowed / depth) if study.is_swept else 0
+            shorter = f"sliding.shift = {cells}" if cells else "a smaller grid.cell"
+            if not study.is_swept:
+                shorter = f"increments of {slid * allowed / depth:.2g} mm or less (stepping)"
+            yield (
+                f"A step wears a cell of the {CALLED[name]} at the hardness by K H ΔL = {um(depth)}, more "
+                f"than half of wear.particle_thickness = {um(pieces.thickness)}, so areas depend on it: "
+                f"{shorter} would do."
+            )
 
 
 def _of_critical(study: Content, pieces: Pieces) -> str:

@@ -60,12 +60,12 @@ class Demand:
     what: str  # is needed, in words; by default the name and its values
     why: str  # end of the sentence, with its comma or colon
     excludes: bool
-    where: str  # property of the study without which nothing is demanded; none: always
+    where: tuple[Rule, ...]  # that have to hold, or nothing is demanded
 
     def refusal(self, study: BaseModel, key: str) -> str | None:
         """Return the sentence about a study that does not meet the demand of a key; None where it does."""
         demanding = attribute_of(study, key)
-        if self.where and not attribute_of(study, self.where):
+        if any(rule.why_not(study) for rule in self.where):
             return None
         if demanding not in self.of if self.of else not (demanding and _is_given(study, key)):
             return None
@@ -144,13 +144,13 @@ def needs(
     what: str = "",
     why: str = "",
     excluded: bool = False,
-    where: str = "",
+    where: tuple[Rule, ...] = (),
 ) -> tuple[Demand, ...]:
     """Return the demand that `name` has one of the values, or says something at all, beside a key.
 
     of: value of the key, or a tuple of them, that demands it; by default any that is given. what: what is
-    needed, in words, by default the name and the values. why: end of the sentence. where: property of the
-    study that has to be true for it. Demands add up.
+    needed, in words, by default the name and the values. why: end of the sentence. where: rules, see `when`,
+    that have to hold for it. Demands add up.
     """
     return (Demand(name, values, of if isinstance(of, tuple) else (of,), what, why, excluded, where),)
 

@@ -124,9 +124,14 @@ class Friction(Section):
         return FRICTION_LAWS[self.law](numbers)
 
     @property
+    def grows(self) -> bool:
+        """True where junctions grow."""
+        return self.junction_growth > 0.0
+
+    @property
     def limit(self) -> str:
         """Formula of the shear stress that a body of hardness H bears."""
-        return "H/√α" if self.junction_growth else "H/(3√3)"
+        return "H/√α" if self.grows else "H/(3√3)"
 
     def _check(self) -> None:
         if self.fitted in ("end", "initial") and self.coefficient <= self.ploughing:

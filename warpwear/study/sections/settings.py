@@ -24,6 +24,7 @@ COUNTED_TWICE = (
 
 
 #: Why junctions that grow by a film do not go with loads of a smooth contact.
+GROWS = when("friction.grows", otherwise="unless friction.junction_growth is 0")
 NO_BARE_CELLS = " and friction.junction_growth, as the smooth contact that prescribes loads has no bare cells"
 
 
@@ -67,7 +68,7 @@ class PatchesSection(Section):
         "approach: one for all patches, whose own answers share the load; load: a smooth macro contact "
         "prescribes the load of each patch",
         demands=needs("stepping.scheme", "implicit", of="load")
-        + excludes("friction.film", of="load", where="friction.junction_growth", why=NO_BARE_CELLS)
+        + excludes("friction.film", of="load", where=GROWS, why=NO_BARE_CELLS)
         + needs(
             "caps_pressure",
             of="load",

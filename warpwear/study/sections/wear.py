@@ -27,7 +27,8 @@ CRITICAL = (
     "and hardness; or give a diameter, such as '20 um'"
 )
 #: Where cells in contact wear alike by the energy of a shear strength, and what else there is.
-BY_AREA, BY_COULOMB = "wears_by_area", ", or friction.law = 'coulomb', by which cells in contact wear unalike"
+BY_AREA = when("friction.law", "shear-strength")
+BY_COULOMB = ", or friction.law = 'coulomb', by which cells in contact wear unalike"
 no_energy = partial(excludes, of="energy", where=BY_AREA, why=BY_COULOMB.replace("or", "unless", 1))
 IN_ONE_PROPORTION = ", which keeps what counter-body and disc wear in one proportion"
 
