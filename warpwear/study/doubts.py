@@ -52,7 +52,7 @@ def _of_part(study: Content) -> Iterator[str]:
         yield (
             f"patches.width = {1e3 * study.patches.patch_width:g} µm stands for patches.macro_cell = "
             f"{1e3 * study.patches.macro_cell:g} µm: the scar's extents and its nominal area are those of "
-            "what touched in patches, off by up to a macro cell on each side, and so is what follows from them."
+            "what touched in patches, off by up to a macro cell on each side, and so what follows from them."
         )
     if study.wear.law == "bearing-curve":
         yield (

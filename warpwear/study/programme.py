@@ -241,15 +241,10 @@ class Programme(Section):
         sliding, cell, shift = self.sliding, self.grid.cell, self.shift
         lap = sliding.lap
         assert lap is not None  # checked with the study
-        rotates = sliding.track_radius is not None
-        if sliding.track != "full":
-            cells = round(float(sliding.track) / cell)
-        elif rotates:
-            cells = max(1, round(lap / (shift * cell))) * shift
-        else:
-            cells = round(lap / cell)
-        periodic = rotates or sliding.track != "full"
-        return Track(cells, shift, cell, self.cells.nx, lap, periodic, not rotates)
+        full, rotates = sliding.track == "full", sliding.track_radius is not None
+        length, unit = lap if full else float(sliding.track), shift if full and rotates else 1
+        cells = max(1, round(length / (unit * cell))) * unit
+        return Track(cells, shift, cell, self.cells.nx, lap, rotates or not full, not rotates)
 
     @property
     def tracks(self) -> tuple[Track, ...]:

@@ -123,12 +123,8 @@ class Study(Content):
             raise InputError(f"{changes!r} is no change of a study; write {{'contact.load': '4 N'}}.")
         flat = dict(changes or {})
         for section, keys in sections.items():
-            if section == "block":
-                flat[section] = keys
-                continue
-            if not isinstance(keys, Mapping):
-                raise InputError(f"{section} = {keys!r} is not a section; write {{'contact.load': '4 N'}}.")
-            flat |= {f"{section}.{k}": v for k, v in keys.items()}
+            of_section = isinstance(keys, Mapping)
+            flat |= {f"{section}.{k}": v for k, v in keys.items()} if of_section else {section: keys}
         flat, old_names = loading.with_new_names(flat)
         nested = self.model_dump(exclude_unset=True)
         loading.change(nested, flat)
@@ -138,7 +134,6 @@ class Study(Content):
             return changed_study
         before, after = self.model_dump(), changed_study.model_dump()
         changed = [name for name in flat if value_of(before, name) != value_of(after, name)]
-        description = loading.with_changes(self.study.description, changed)
-        return changed_study.model_copy(
-            update={"study": changed_study.study.model_copy(update={"description": description})}
-        )
+        described = loading.with_changes(self.study.description, changed)
+        changed_study.study.__dict__["description"] = described  # frozen once it is made
+        return changed_study
