@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from warpwear import lazy
 from warpwear.clock import Clock, phase
-from warpwear.engine.device import check_threads, find_device, report_out_of_memory
+from warpwear.engine.device import check_threads, report_out_of_memory
 from warpwear.engine.executor import Executor
 from warpwear.errors import InputError
 from warpwear.result import Result
@@ -25,8 +25,6 @@ from warpwear.results.summary import with_seconds
 from warpwear.results.tables import write_summary, write_tables
 from warpwear.results.writer import ResultWriter
 from warpwear.runs import folder as run_folder
-from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
-from warpwear.runs.checkpoint import opened
 from warpwear.runs.console import Progress
 from warpwear.runs.loop import StepLoop
 from warpwear.runs.order import RunOrder, order_of
@@ -163,8 +161,10 @@ def run_study(study: Study | str | Path, options: RunOptions) -> Result:
     progress = shared or Progress(order.study.study.name, quiet=not options.progress)
     clock = Clock(import_seconds=options.import_seconds, entered=progress.phase)
     with clock.running(), nullcontext() if shared else progress:
-        if options.out is not None and _is_there(order, options, options.out):
-            return Result.open(options.out)
+        if options.out is not None:
+            run_folder.check(options.out, overwrite=options.overwrite, resume=options.resume)
+            if options.resume and run_folder.is_finished(options.out, order):
+                return Result.open(options.out)
         draws = options.out is not None and options.plots != "none"
         cores = check_threads(options.threads)
         with run_folder.owned(options.out):
@@ -178,21 +178,6 @@ def run_study(study: Study | str | Path, options: RunOptions) -> Result:
                 if rows is not None:
                     write_summary(options.out, with_seconds(rows, result.seconds))
     return result
-
-
-def _is_there(order: RunOrder, options: RunOptions, folder: Path) -> bool:
-    """Whether the folder holds the run, finished. Raises InputError where it cannot be written or resumed."""
-    run_folder.check(folder, overwrite=options.overwrite, resume=options.resume)
-    if not options.resume:
-        return False
-    if run_folder.is_finished(folder, order):
-        if order.heights:
-            order.heights.refuse_others(folder)
-        return True
-    with opened(folder / CHECKPOINT) as checkpoint:  # before anything is made that takes long
-        if checkpoint is not None:
-            checkpoint.refuse_changes(order, device=str(find_device(options.device)))
-    return False
 
 
 def _compute(
