@@ -329,7 +329,7 @@ def test_a_bad_track_is_one_sentence(changes: dict[str, Any], message: str) -> N
 
 def test_a_track_that_memory_does_not_hold(monkeypatch: pytest.MonkeyPatch) -> None:
     study = Study.load("v3-fine").replace({"sliding.kinematics": "swept"})
-    monkeypatch.setattr("warpwear.engine.device.free_memory", lambda device: {"the host": 10**9})
+    monkeypatch.setattr("warpwear.engine.executor.free_memory", lambda device: {"the host": 10**9})
     with pytest.raises(
         InputError, match=r"31500 × 1500 cells, which need 1\.5 GiB .* sliding\.track = '3\.2 mm'"
     ):

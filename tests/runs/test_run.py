@@ -242,7 +242,7 @@ def test_what_cannot_be_computed_leaves_nothing_behind(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, changes: dict[str, Any], message: str
 ) -> None:
     # a host with more memory would make these cells, for minutes
-    monkeypatch.setattr("warpwear.engine.device.free_memory", lambda device: {"the host": 8 * 2**30})
+    monkeypatch.setattr("warpwear.engine.executor.free_memory", lambda device: {"the host": 8 * 2**30})
     with pytest.raises(InputError, match=message):
         warpwear.run(quick().replace(changes), out=tmp_path / "new" / "out")
     assert list(tmp_path.iterdir()) == []

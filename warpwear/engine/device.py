@@ -57,19 +57,6 @@ def free_memory(device: str) -> dict[str, int]:
     return free
 
 
-def require_memory(device: str, needed: float, what: str, instead: str) -> None:
-    """Refuse what the host or a device does not hold: raises InputError.
-
-    needed: [B]. what: begins the sentence, up to what needs it. instead: what is allowed.
-    """
-    for place, free in free_memory(device).items():
-        if needed > free:
-            raise InputError(
-                f"{what}, which need {needed / 2**30:.1f} GiB of memory; {place} has {free / 2**30:.1f} GiB "
-                f"free, so {instead}"
-            )
-
-
 @contextmanager
 def _native_messages_hidden() -> Iterator[None]:
     """Warp's native part warns of a missing GPU or driver; where that matters, our own words follow."""

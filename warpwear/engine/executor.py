@@ -14,8 +14,9 @@ from typing import Any, Self
 import numpy as np
 import warp as wp
 
-from warpwear.engine.device import check_threads, find_device, require_memory
+from warpwear.engine.device import check_threads, find_device, free_memory
 from warpwear.engine.kernel_cache import begin_to_load
+from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
 
@@ -55,6 +56,19 @@ def as_numbers(field: Field, shape: int | tuple[int, int]) -> Field:
     view: Field = wp.array(ptr=field.ptr, dtype=wp.float64, shape=shape, device=field.device, copy=False)
     view._owner = field  # which keeps the memory
     return view
+
+
+def require_memory(device: str, needed: float, what: str, instead: str) -> None:
+    """Refuse what the host or a device does not hold: raises InputError.
+
+    needed: [B]. what: begins the sentence, up to what needs it. instead: what is allowed.
+    """
+    for place, free in free_memory(device).items():
+        if needed > free:
+            raise InputError(
+                f"{what}, which need {needed / 2**30:.1f} GiB of memory; {place} has {free / 2**30:.1f} GiB "
+                f"free, so {instead}"
+            )
 
 
 class Executor:

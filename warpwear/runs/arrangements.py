@@ -8,8 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar, TypeAlias
 
 from warpwear import lazy
-from warpwear.engine.device import require_memory
-from warpwear.engine.executor import FIELDS_NEEDED, Executor
+from warpwear.engine.executor import FIELDS_NEEDED, Executor, require_memory
 from warpwear.grid import FloatArray
 from warpwear.history.arrangements import ARRANGEMENTS, name_of
 from warpwear.history.recorder_patches import bytes_of_book

@@ -2,7 +2,7 @@
 
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from importlib import resources
 from pathlib import Path
@@ -241,9 +241,14 @@ CHANGED = "; changed: "
 NOT_DESCRIBED = ("study", "checks", "output", "assumed")
 
 
-def with_changes(description: str, changed: Sequence[str]) -> str:
-    """Return a description followed by the keys changed since, each once, those that it names included."""
-    text, _, listed = description.partition(CHANGED)
-    more = [n for n in changed if n == "study.model" or n.partition(".")[0] not in NOT_DESCRIBED]
-    names = dict.fromkeys([*filter(None, listed.split(", ")), *more])
-    return f"{text}{CHANGED}{', '.join(names)}" if names else description
+def described(before: Content, after: Content, names: Iterable[str]) -> str:
+    """Return the description of a study followed by the keys changed since, those that it names included.
+
+    names: dotted, of the keys that were given anew.
+    """
+    text, _, listed = before.study.description.partition(CHANGED)
+    was, now = before.model_dump(), after.model_dump()
+    changed = [name for name in names if value_of(was, name) != value_of(now, name)]
+    changed = [n for n in changed if n == "study.model" or n.partition(".")[0] not in NOT_DESCRIBED]
+    listing = dict.fromkeys([*filter(None, listed.split(", ")), *changed])
+    return f"{text}{CHANGED}{', '.join(listing)}" if listing else text

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import Any, Self, TypeVar
 
 import numpy as np
@@ -11,7 +11,7 @@ from pydantic import Field
 from warpwear.grid import Grid
 from warpwear.laws.passes import Block, Laps
 from warpwear.laws.patches import Patches
-from warpwear.laws.track import WHOLE, Track
+from warpwear.laws.track import WHOLE, Leg, Track
 from warpwear.study import motion
 from warpwear.study.bodies import CounterBody, Disc
 from warpwear.study.contact import Contact
@@ -254,6 +254,13 @@ class Programme(Section):
             track if track.periodic else replace(track, spare=longest.cells - track.cells)
             for track in (part.track for part in self.parts)
         )
+
+    @property
+    def legs(self) -> list[Leg]:
+        """Return the legs of a swept study: blocks in a row that slide over one track."""
+        pairs = groupby(zip(self.tracks, self.blocks, strict=True), lambda pair: pair[0])
+        legs = [(track, [block for _, block in blocks]) for track, blocks in pairs]
+        return [Leg(track, blocks[0].start, blocks[-1].end) for track, blocks in legs]
 
     @property
     def patch_layout(self) -> Patches:

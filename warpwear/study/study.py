@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from warpwear.errors import InputError
 from warpwear.study import doubts, loading, rules, text
 from warpwear.study.content import Content
-from warpwear.study.keys import unused_key_notices, value_of
+from warpwear.study.keys import unused_key_notices
 
 
 class Study(Content):
@@ -132,8 +132,6 @@ class Study(Content):
         changed_study._old_names = tuple(dict.fromkeys((*self._old_names, *old_names)))
         if not self.study.description or "study.description" in flat:
             return changed_study
-        before, after = self.model_dump(), changed_study.model_dump()
-        changed = [name for name in flat if value_of(before, name) != value_of(after, name)]
-        described = loading.with_changes(self.study.description, changed)
+        described = loading.described(self, changed_study, flat)
         changed_study.study.__dict__["description"] = described  # frozen once it is made
         return changed_study
