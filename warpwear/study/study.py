@@ -1,6 +1,7 @@
 """A study: what to compute, read from TOML, checked, frozen."""
 
 from collections.abc import Mapping
+from html import escape
 from pathlib import Path
 from typing import Any, Self
 
@@ -60,8 +61,8 @@ class Study(Content):
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
-        """Return a notebook's view of the study: a table of its keys with the assumptions marked."""
-        return text.to_html(self)
+        """Return a notebook's view of the study: its keys, with the assumptions marked."""
+        return f"<div>{escape(repr(self))}<pre>{escape(text.to_marked_toml(self))}</pre></div>"
 
     def refuse_blocks(self, what: str) -> None:
         """Raise InputError for a programme of blocks, in the name of what goes by one load alone."""

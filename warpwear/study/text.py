@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from html import escape
 from pathlib import Path
 from reprlib import Repr
 from typing import Any
@@ -75,22 +74,6 @@ def assumptions(study: Content) -> dict[str, str]:
         elif assumed := declarations(type(study))[name].assumed:
             reasons[name] = assumed
     return reasons
-
-
-def to_html(study: Content) -> str:
-    """Return the keys that apply as a table for a notebook: defaults and assumptions are marked."""
-    explicit, reasons = given_keys(study), assumptions(study)
-    cell = "style='text-align:left;vertical-align:top;padding:.1em .6em'"
-    rows = []
-    for name, value in _applicable(study):
-        mark = "" if name in explicit else "default"
-        if name in reasons:
-            mark = f"<b style='color:#b35900'>assumed:</b> {escape(reasons[name])}"
-        text = escape(str(readable(value)))
-        rows.append(
-            f"<tr><td {cell}><code>{name}</code></td><td {cell}>{text}</td><td {cell}>{mark}</td></tr>"
-        )
-    return f"<div>{escape(repr(study))}<br>{len(reasons)} assumptions.<table>{''.join(rows)}</table></div>"
 
 
 def _applicable(study: Content) -> Iterator[tuple[str, Any]]:
