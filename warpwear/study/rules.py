@@ -115,11 +115,9 @@ def _circles(study: Content) -> None:
     wide = study.grid.sides[1]
     for radius, other in pairwise(sorted(study.circles)):
         if study.is_line or other - radius < wide * (1.0 - WHOLE):
-            why = "goes on across" if study.is_line else f"is {wide:g} mm wide (grid.extent)"
             raise ValueError(
-                f"block: tracks of {radius:g} and {other:g} mm radius would overlap, as the domain {why}; "
-                "allowed are one track_radius"
-                + (", and a counter-body that ends across" if study.is_line else f", or {wide:g} mm between")
+                f"block: tracks of {radius:g} and {other:g} mm radius would overlap: allowed are one "
+                f"track_radius, or {wide:g} mm (grid.extent) between, and a counter-body that ends across"
             )
 
 
@@ -148,13 +146,8 @@ def _fretting(study: Content) -> None:
 
 
 def _line(study: Content) -> None:
-    """Refuse line contacts that cannot repeat across, and a load per length or few cells without a line."""
-    grid, repeats = study.grid, study.contact.law == "half-space" and study.boundary == "line"
-    if repeats and study.counter.form.rises[1]:
-        raise ValueError(
-            "contact.boundary = 'line' would repeat the counter-body beside itself: allowed is 'free', or a "
-            "cylinder or a flat"
-        )
+    """Refuse a load of a length, and few cells across, where there is no line contact."""
+    grid = study.grid
     if study.is_line:
         return
     load = study.contact.load
@@ -172,11 +165,12 @@ def _line(study: Content) -> None:
 
 def _boundary(study: Content) -> None:
     """Refuse a half-space that repeats a counter-body, unless that goes on beyond its file."""
-    form = study.counter.form
-    if study.repeats and not form.is_flat and all(form.rises):
+    form, elastic = study.counter.form, study.contact.law == "half-space"
+    both_ways = study.repeats and not form.is_flat and all(form.rises)
+    if both_ways or (elastic and study.boundary == "line" and form.rises[1]):
         raise ValueError(
-            "contact.boundary = 'periodic' would repeat the counter-body beside itself: allowed is 'free', "
-            "or a flat, counter.radius = 'inf mm'"
+            f"contact.boundary = '{study.boundary}' would repeat the counter-body beside itself: allowed are "
+            "'free', a flat, counter.radius = 'inf mm', and of 'line' a cylinder"
         )
 
 
