@@ -281,7 +281,7 @@ def test_patches_do_not_wear_by_a_shear_strength() -> None:
     [
         (
             ENERGY | {"friction.law": "shear-strength"},
-            "wear.law = 'energy' needs friction.shear_strength, as",
+            "wear.law = 'energy' needs friction.shear_strength, a pressure",
         ),
         (
             ENERGY | {"wear.disc": "2e-6 mm^3/N/m"},

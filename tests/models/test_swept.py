@@ -287,11 +287,11 @@ def test_a_static_contact_and_a_measured_time() -> None:
 BAD: list[tuple[dict[str, Any], str]] = [
     (
         {"sliding.track": "3.25 mm", "sliding.shift": 8},
-        r"sliding\.track = 3\.25 mm is not a whole .* nearest allowed is 3\.28 mm",
+        r"sliding\.track = 3\.25 mm is not a whole .* nearest that is, is 3\.28 mm",
     ),
     (
         {"sliding.track": "2.9 mm", "sliding.shift": 160, "disc.surface": "disc.npz", "disc.synthetic": None},
-        r"sliding\.track = 2\.9 mm .* nearest allowed is 1\.6 mm",
+        r"sliding\.track = 2\.9 mm .* nearest that is, is 3\.2 mm",
     ),
     ({"sliding.track": "0.8 mm"}, r"sliding\.track = 0\.8 mm is shorter than grid\.extent = 1\.5 mm"),
     ({"sliding.track": "32 mm"}, r"sliding\.track = 32 mm is longer than sliding\.stroke = 30 mm"),

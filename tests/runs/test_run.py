@@ -322,7 +322,7 @@ def test_an_absurd_coefficient_and_a_contact_of_few_cells_are_told() -> None:
 def test_a_preset_runs_by_its_name(tmp_path: Path) -> None:
     (tmp_path / "study.toml").write_text(quick(sliding__distance="0 mm").to_toml())
     assert warpwear.run(tmp_path).finished
-    with pytest.raises(InputError, match="folder without a study"):
+    with pytest.raises(InputError, match="is no file, no run folder and no preset"):
         Study.load(tmp_path.parent)
 
 
