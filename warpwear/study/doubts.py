@@ -85,8 +85,8 @@ def _of_film(study: Content) -> Iterator[str]:
 
 def _of_hardness(study: Content) -> Iterator[str]:
     """Yield a sentence about each hardness that is given and plays no part, or one part for both bodies."""
-    limit, given = study.contact.hardness, given_keys(study) - study.assumed.keys()
-    names = [name for name in ("counter.hardness", "disc.hardness") if name in given]
+    limit, explicit = study.contact.hardness, given_keys(study) - study.assumed.keys()
+    names = [name for name in ("counter.hardness", "disc.hardness") if name in explicit]
     if limit is not None and names:
         bodies = " and ".join(f"{name} = {attribute_of(study, name):g} MPa" for name in names)
         yield (

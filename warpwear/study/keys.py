@@ -46,8 +46,8 @@ def when(name: str, *values: Any, otherwise: str | None = None) -> tuple[Rule, .
     otherwise: what to say of the key elsewhere, by default "does not apply to NAME = 'VALUE'". Rules are
     tuples, which add up.
     """
-    shown = "sliding.kinematics" if name == "kinematics" else name  # as the study comes to it
-    return (Rule(name, values or (True,), otherwise or f"does not apply to {shown} = '{{}}'"),)
+    label = "sliding.kinematics" if name == "kinematics" else name  # as the study comes to it
+    return (Rule(name, values or (True,), otherwise or f"does not apply to {label} = '{{}}'"),)
 
 
 @dataclass(frozen=True)
@@ -95,8 +95,8 @@ def attribute_of(study: BaseModel, name: str) -> Any:
 def _is_given(study: BaseModel, name: str) -> bool:
     """Tell whether a key or section was given, and not left to its default."""
     section, _, last = name.rpartition(".")
-    given = getattr(attribute_of(study, section), "model_fields_set", ())
-    return last in given and attribute_of(study, name) is not None
+    names = getattr(attribute_of(study, section), "model_fields_set", ())
+    return last in names and attribute_of(study, name) is not None
 
 
 def _named(study: BaseModel, name: str) -> str:
