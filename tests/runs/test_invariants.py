@@ -264,22 +264,16 @@ def test_an_extent_that_roughness_may_fill_is_told_before() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "helps"),
+    "changes",
     [
-        (
-            {"stepping": {"first": "3 um", "largest": "40 um"}},
-            r"stepping\.first='0\.0015 mm', stepping\.largest='0\.02 mm'",
-        ),
-        ({"stepping": {"increment": "0.02 mm"}}, r"stepping\.increment='0\.01 mm'"),
-        (
-            {"stepping": {"increment": None, "largest": None}},
-            r"stepping\.first='0\.0015 mm', stepping\.largest='1\.5 mm'",
-        ),
+        {"stepping": {"first": "3 um", "largest": "40 um"}},
+        {"stepping": {"increment": "0.02 mm"}},
+        {"stepping": {"increment": None, "largest": None}},
     ],
     ids=["growing", "fixed", "by themselves"],
 )
 def test_an_unbalanced_step_leaves_the_run_so_far(
-    changes: dict[str, Any], helps: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    changes: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Solving it again would end alike, so that is not what is advised."""
     advance, calls = OneScaleModel.advance, []
@@ -293,7 +287,7 @@ def test_an_unbalanced_step_leaves_the_run_so_far(
     monkeypatch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
     monkeypatch.setattr(OneScaleModel, "advance", failing)
     kept = rf"The run folder {re.escape(str(tmp_path / 'out'))} holds the steps so far\."
-    told = rf"8 N are left\. {kept} A new run may get further with smaller increments: {helps}\.$"
+    told = rf"8 N are left\. {kept} A new run may get further with smaller increments \(\[stepping\]\)\.$"
     with pytest.raises(ConvergenceError, match=told):
         warpwear.run(small().replace(changes), out=tmp_path / "out", plots=False)
     with Result.open(tmp_path / "out") as result:

@@ -61,6 +61,19 @@ def as_numbers(field: Field, shape: int | tuple[int, int]) -> Field:
     return view
 
 
+def require_memory(device: str, needed: float, what: str, instead: str) -> None:
+    """Refuse what the host or a device does not hold: raises InputError.
+
+    needed: [B]. what: begins the sentence, up to what needs it. instead: what is allowed.
+    """
+    for place, free in free_memory(device).items():
+        if needed > free:
+            raise InputError(
+                f"{what}, which need {needed / 2**30:.1f} GiB of memory; {place} has {free / 2**30:.1f} GiB "
+                f"free, so {instead}"
+            )
+
+
 class Executor:
     """Launches kernels over the rows of one grid on one device, and makes fields for them.
 
@@ -81,14 +94,9 @@ class Executor:
         self.grid = grid
         self.device = find_device(device)
         self.threads = check_threads(threads)
-        needed = fields_needed * 8 * grid.cells
-        for place, there in free_memory(device).items():
-            if needed > there:
-                raise InputError(
-                    f"grid.cell = {1e3 * grid.cell:g} µm makes {grid.nx} × {grid.ny} cells, which need "
-                    f"{needed / 2**30:.1f} GiB of memory; {place} has {there / 2**30:.1f} GiB free, so "
-                    "larger cells or a smaller grid.extent are needed."
-                )
+        what = f"grid.cell = {1e3 * grid.cell:g} µm makes {grid.nx} × {grid.ny} cells"
+        instead = "larger cells or a smaller grid.extent are needed."
+        require_memory(device, 8.0 * fields_needed * grid.cells, what, instead)
         self.vectors = -(-grid.ny // LANES)
         self.tiles_per_row = -(-self.vectors // int(TILE_VECTORS))
         workers = min(self.threads, grid.cells // CELLS_PER_THREAD) - 1 if self.device.is_cpu else 0
