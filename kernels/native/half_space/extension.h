@@ -35,12 +35,12 @@ WARPWEAR_FN float around_cell(const Solve& solve, const Value* const (&rows)[3],
     return weights[0] * along + weights[1] * across + weights[2] * corner;
 }
 
-// Columns that a thread looks at together: all that they need is on its way before any of it is used.
-static const int AT_ONCE = 4;
-
+// One of five passes: 0 and 1 extend the trial of free cells to the others; 2 to 4 add to it what the others
+// have. What lies around a cell is loaded whether it is needed or not: a branch would wait for the cell's
+// own.
 template <int pass, typename Solve> WARPWEAR_FN void extend_pass(int slot, int slots, Solve& solve)
 {
-    const int rows = solve.fields.pressure.shape[0], columns = solve.columns, width = width_of_slot();
+    const int rows = solve.fields.pressure.shape[0], columns = solve.columns;
     const Lanes level = solve.groups.data[0].level;
     for (int row = slot; row < rows; row += slots) {
         const SearchRow cells(solve.fields, row);
@@ -65,33 +65,21 @@ template <int pass, typename Solve> WARPWEAR_FN void extend_pass(int slot, int s
                 return around_cell(solve, three, column);
             }
         };
-        for (int first = lane_of_slot(); first < columns; first += AT_ONCE * width) {
-            bool may[AT_ONCE];
-            float near[AT_ONCE];
-            double value[AT_ONCE];
-            for (int k = 0; k < AT_ONCE; ++k) {
-                const int last = columns - 1, column = first + k * width < last ? first + k * width : last;
-                const int i = column / LANES;
-                may[k] = lane_of(is_free(cells.pressure[i], cells.gradient[i], level, cells.cap_of(i)),
-                                 column % LANES);
-                value[k] = trial[column];
-                near[k] = pass == 2 ? 0.0f : around(column);
-            }
-            for (int k = 0; k < AT_ONCE; ++k) {
-                const int column = first + k * width;
-                if (column >= columns) break;
-                if (pass == 0) one[column] = may[k] ? float(value[k]) : near[k];
-                if (pass == 1 && !may[k]) trial[column] = near[k];
-                if (pass == 2) one[column] = may[k] ? 0.0f : float(value[k]);
-                if (pass == 3) other[column] = may[k] ? 0.0f : float(value[k]) + near[k];
-                if (pass == 4 && may[k]) trial[column] = value[k] + near[k];
-            }
+        for (int column = lane_of_slot(); column < columns; column += width_of_slot()) {
+            const int i = column / LANES, j = column % LANES;
+            const Mask may_move = is_free(cells.pressure[i], cells.gradient[i], level, cells.cap_of(i));
+            const bool may = lane_of(may_move, j);
+            const double value = trial[column];
+            const float near = pass == 2 ? 0.0f : around(column);
+            if (pass == 0) one[column] = may ? float(value) : near;
+            if (pass == 1 && !may) trial[column] = near;
+            if (pass == 2) one[column] = may ? 0.0f : float(value);
+            if (pass == 3) other[column] = may ? 0.0f : float(value) + near;
+            if (pass == 4 && may) trial[column] = value + near;
         }
     }
 }
 
-// One of five passes: 0 and 1 extend the trial of free cells to the others; 2 to 4 add to it what the others
-// have.
 template <typename Solve> WARPWEAR_FN void extend_once(int slot, int slots, Solve& solve, int pass)
 {
     if (pass == 0) extend_pass<0>(slot, slots, solve);
