@@ -66,8 +66,8 @@ STANDARDS = {
 def calibrate_wear(preparation: Preparation, *, as_json: bool, **texts: Any) -> str:
     """Find a wear coefficient: the text for people, or JSON. Raises InputError.
 
-    preparation: keys of [disc], as text, for a measured file. texts: options with a unit, None where left out; a
-    source's by test.
+    preparation: keys of [disc], as text, for a measured file. texts: options with a unit, None where left
+    out; a source's by test.
     """
     options = Options(texts)
     if options["--diameter"] is not None:
