@@ -302,7 +302,10 @@ BALL = ("--scar", "0.8 mm", "--radius", "3 mm")
         (["wear", "--volume", "1 mm^3", *TEST, "--crop", "3 mm"], "--crop is not for --volume"),
         (["wear", "--volume", "1 mm^3", *TEST, "--standard", "g99-disc"], "is for --width"),
         (["wear", "--scar", "0.8 mm", *TEST], "--scar needs --radius"),
-        (["wear", "--scar", "6.1 mm", "--radius", "3 mm", *TEST], "up to the ball's diameter, 6 mm"),
+        (
+            ["wear", "--scar", "6.1 mm", "--radius", "3 mm", *TEST],
+            "allowed is up to the ball's, 6 mm",
+        ),
         (["wear", *BALL, *TEST, "--uncertainty", "-1 um"], "--uncertainty = '-1 um': must be at least 0"),
         (["wear", "--width", "7 mm", "--radius", "3 mm", "--track-radius", "9 mm", *TEST], "width is 7 mm"),
         (["wear", "--section", "1 um^2", *TEST], "--section needs --length"),

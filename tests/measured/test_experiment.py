@@ -122,7 +122,7 @@ def test_a_distance_that_starts_again_is_refused(tmp_path: Path) -> None:
         ("Distance (mm),COF\n1,0.2\n", "rows with all values: 1; two or more"),
         ("Distance (mm),COF\n1,0.2\n1,0.2\n", "one distance only"),
         ("Distance (mm);Temperature (°C)\n1;20\n2;21\n", "no column for the coefficient of friction"),
-        ("COF;Temperature (°C)\n1;20\n2;21\n", "neither a distance nor a time"),
+        ("COF;Temperature (°C)\n1;20\n2;21\n", "neither distance nor time"),
         ("1,0.2\n2,0.3\n", "no header with a name for each of its 2 columns"),
         ("Distance (mm),COF\n0,1,0,2\n0,2,0,3\n", "no header with a name for each of its 4 columns"),
         ("Distance,CoF\n1,0.1\n2,0.2\n", "'Distance' has no unit"),

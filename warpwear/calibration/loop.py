@@ -35,10 +35,7 @@ def calibrate_loop(file: Path, *, study: str | None = None, as_json: bool = Fals
         o.refuse("--load", why="and --study exclude each other: the study has its load")
     known = None if study is None else Study.load(study)
     if known is not None and known.is_line:
-        raise InputError(
-            f"--study {study} is a line contact, of which it computes a strip: "
-            "type --load with that of the whole contact, instead of --study"
-        )
+        raise InputError(f"--study {study} is a line contact: type --load, that of all of it, instead")
     force = o.load if known is None else known.contact.load
     place, friction = _read(file)
     rows = [

@@ -175,10 +175,6 @@ def _volume(
         case "--width":
             track = lengths["--track-radius"] or 0.0
             return volumes.circular_track(*sizes, radius=radius, track_radius=track, error=error)
-    if max(sizes) > 2.0 * radius:
-        raise InputError(
-            f"{source} has {max(sizes):g} mm: allowed is up to the ball's diameter, {2 * radius:g} mm"
-        )
     return volumes.cap(*sizes, radius=radius, error=error)
 
 
@@ -221,9 +217,7 @@ def _of_topography(
         counter = f"{body.sphere.radius:.5g} mm ({'given' if lengths['--radius'] else 'fitted'})"
         measured = f"patch {body.along:.4g} × {body.across:.4g} mm on a radius of {counter}"
     if volume <= 0.0:
-        raise InputError(
-            f"{file} has lost no volume: {volume:.3g} ± {error:.2g} mm³; a wear coefficient needs a loss"
-        )
+        raise InputError(f"{file} has lost no volume: {volume:.3g} ± {error:.2g} mm³; a loss is needed")
     origin, measured = f"what the same sum finds on unworn surface{more}", f"{file}: {measured}"
     return volumes.WornVolume(volume=volume, error=error, error_from=origin, depth=depth, measured=measured)
 
