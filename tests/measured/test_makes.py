@@ -60,7 +60,7 @@ def test_files_of_strokes_are_one_record_and_the_offset_of_the_force_drops_out(t
     assert any("their offset is 0.19" in note for note in found.notes)  # 20 g
     rows = read_rows(tmp_path)
     assert rows.table["normal force"][0] == -200.0 * 0.00980665
-    with pytest.raises(InputError, match=r"--stroke is needed, such as --stroke '10 mm'\.$"):
+    with pytest.raises(InputError, match=r"--stroke '10 mm' is needed\.$"):
         read_experiment(tmp_path)
     assert any("the stroke, 8 mm (as given)" in note for note in found.notes)
     by_speed = read_experiment(tmp_path, speed=10.0)
