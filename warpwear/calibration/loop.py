@@ -114,10 +114,7 @@ def _compliance(place: FloatArray, force: FloatArray) -> float:
         x, q = np.roll(x, -start), np.roll(q, -start)
         steps = int(np.argmax(q < (1.0 - 2.0 * STRAIGHT) * q.max()))
         if steps < FEWEST_STRAIGHT:
-            raise InputError(
-                f"only {steps} points lie behind a tip of the loop before half of the force is gone: "
-                f"{FEWEST_STRAIGHT} or more are needed for a slope"
-            )
+            raise InputError(f"{steps} points lie behind a tip of the loop: {FEWEST_STRAIGHT} are needed")
         slopes.append(np.polyfit(q[:steps], x[:steps], 1)[0])
     return float(np.mean(slopes))
 

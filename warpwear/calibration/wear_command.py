@@ -142,10 +142,7 @@ def _lengths(source: str, options: Options) -> dict[str, float | None]:
     if options["--standard"] == "g133-flat" and options["--stroke"] is not None:
         stroke, length = quantity("--stroke", options["--stroke"], "mm"), lengths["--length"] or 0.0
         if not math.isclose(length, stroke, rel_tol=1e-9):
-            raise InputError(
-                f"--length is {length:g} mm and --stroke {stroke:g} mm: --standard g133-flat takes the mean "
-                "cross-section × the stroke, so allowed is the stroke alone"
-            )
+            raise InputError(f"--length {length:g} mm is not --stroke {stroke:g} mm, which g133-flat takes")
     return lengths
 
 

@@ -123,19 +123,13 @@ def _in_order(path: Path, distance: FloatArray, cof: FloatArray) -> Experiment:
     before = distance < 0.0
     if before.any():
         if before.mean() > NEGATIVE_SHARE:
-            raise InputError(
-                f"{path}: {before.sum()} of {before.size} distances or times are negative; those since the "
-                "start of sliding are expected"
-            )
+            raise InputError(f"{path}: {before.sum()} of {before.size} distances or times are negative")
         distance, cof = distance[~before], cof[~before]
         notes.append(f"Rows before the start (negative distance or time), left out: {before.sum()}.")
     if np.any(np.diff(distance) < 0.0):
         again = _covered_again(distance)
         if again is not None:
-            raise InputError(
-                f"{path}: the distance falls back at row {again + 1} and covers the same range again: it was "
-                "reset or is a position; an accumulated distance is expected"
-            )
+            raise InputError(f"{path}: from row {again + 1} on the distance covers the same range again")
         order = np.argsort(distance, kind="stable")
         repeated = np.diff(distance[order]) == 0.0
         if np.any(repeated & (np.diff(cof[order]) != 0.0)):

@@ -117,10 +117,7 @@ def one_sign(path: Path, friction: FloatArray) -> float:
     friction = friction[np.isfinite(friction)]
     sign = float(np.sign(np.median(friction))) if friction.size else 0.0
     if sign == 0.0 or (sign * friction < 0.0).mean() > OTHER_SIGN:
-        raise InputError(
-            f"{path}: the friction force changes its sign and there is no position to tell the direction; a "
-            "column such as 'Position [mm]' is expected"
-        )
+        raise InputError(f"{path}: the friction force changes its sign: 'Position [mm]' is expected")
     return sign
 
 
@@ -141,17 +138,11 @@ def _by_cycles(
     """Return the course cycle by cycle, of the passes forth and back between the turning points."""
     turns, smooth = turning_points(position)
     if turns.size < LEAST_TURNS:
-        raise InputError(
-            f"{path}: the position turns {turns.size} times, so there are no two whole cycles; a "
-            "reciprocating record of four passes or more is expected"
-        )
+        raise InputError(f"{path}: the position turns {turns.size} times: two whole cycles are expected")
     ends = [float(np.median(smooth[turns[side::2]])) for side in (0, 1)]
     measured, middle = abs(ends[1] - ends[0]), 0.5 * (ends[0] + ends[1])
     if stroke is not None and abs(measured - stroke) > OTHER_STROKE * stroke:
-        raise InputError(
-            f"{path}: the stroke is {measured:.3g} mm by the position where {stroke:g} mm was given; they "
-            "must agree within a tenth (--stroke, or sliding.stroke of the runs)"
-        )
+        raise InputError(f"{path}: the stroke is {measured:.3g} mm by the position, not {stroke:g} mm")
     used = measured if stroke is None else stroke
     inside = np.abs(position - middle) <= (0.5 - CUT) * measured
     start = abs(float(smooth[turns[0]] - smooth[0]))
