@@ -129,7 +129,7 @@ def _in_order(path: Path, distance: FloatArray, cof: FloatArray) -> Experiment:
     if np.any(np.diff(distance) < 0.0):
         again = _covered_again(distance)
         if again is not None:
-            raise InputError(f"{path}: from row {again + 1} on the distance covers the same range again")
+            raise InputError(f"{path}: row {again + 1} starts again: an accumulated distance is expected")
         order = np.argsort(distance, kind="stable")
         repeated = np.diff(distance[order]) == 0.0
         if np.any(repeated & (np.diff(cof[order]) != 0.0)):
