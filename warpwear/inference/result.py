@@ -257,12 +257,8 @@ class Inference:
         )
 
     def _repr_html_(self) -> str:
-        """Write table and sentences for a notebook."""
-        rows = "".join(
-            f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in self._cells
-        )
-        lines = "".join(f"<li>{escape(sentence)}</li>" for sentence in self.sentences)
-        return f"<table>{rows}</table><ul>{lines}</ul><p>{escape(self.how)}</p>"
+        """Write tables and sentences for a notebook."""
+        return f"<pre>{escape(str(self))}</pre>"
 
     @property
     def _some(self) -> dict[str, FloatArray]:
