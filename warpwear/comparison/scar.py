@@ -14,7 +14,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.snapshot import extents
 from warpwear.measured.surface_command import worn_in
-from warpwear.measured.surface_report import scar_rows
+from warpwear.measured.surface_report import patch_rows
 from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
 from warpwear.results.report import Row, lines, record
@@ -220,7 +220,7 @@ def _rows_measured(scar: ScarComparison) -> list[Row]:
     return [
         Row("file", "file", str(scar.files.after)),
         Row("before", "before", None if before is None else str(before)),
-        *scar_rows(scar.measured),
+        *patch_rows(scar.measured),
         Row("Sq in the scar", "sq_um", scar.sq, digits=3, note="(its middle, form taken off)"),
     ]
 

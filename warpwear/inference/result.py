@@ -237,7 +237,9 @@ class Inference:
             lines += _titled(f"next tests for {self.target}, now ± {100 * self.tests[0].now:.2g} %", tests)
         return "\n".join([*lines, f"  {self.how}"])
 
-    __repr__ = __str__
+    def _repr_html_(self) -> str:
+        """Write tables and sentences for a notebook."""
+        return f"<pre>{escape(str(self))}</pre>"
 
     @property
     def _some(self) -> dict[str, FloatArray]:
