@@ -42,10 +42,8 @@ def best_of_few(
 ) -> FloatArray | None:
     """Changes of the pressures of cells, as the kernel makes them; distances do not wrap."""
     tables = (wp.array(values, dtype=wp.float64, device="cpu") for values in (elastic, along))
-    room, count = (
-        room_for_few(len(rows), "cpu", (10**6, 10**6), *tables),
-        wp.zeros(1, dtype=int, device="cpu"),
-    )
+    room = room_for_few(len(rows), "cpu", (10**6, 10**6), *tables)
+    count = wp.zeros(1, dtype=wp.int32, device="cpu")
     for name, values in {"row": rows, "column": columns, "slope": slope, "low": low, "high": high}.items():
         getattr(room, name).numpy()[:] = values
     wp.launch(solve_few, dim=1, inputs=[room, len(rows), count], device="cpu")
