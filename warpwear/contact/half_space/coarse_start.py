@@ -44,7 +44,7 @@ def coarse_grid(grid: Grid) -> Grid:
     return Grid(-(-grid.nx // 2), -(-grid.ny // 2), 2.0 * grid.cell)
 
 
-def carry(kernel: Any, executor: Executor, field: Field, target: Field, *, fine: Grid) -> Field:
+def carry(kernel: Any, executor: Executor, field: Field, target: Field, *, fine: Grid) -> None:
     """Give the field of an executor what another one holds, by a kernel: `restrict` or `prolong`.
 
     A wide cell gets the mean of its four, `PADDING` where one of them is that, and each of them its value.
@@ -52,4 +52,3 @@ def carry(kernel: Any, executor: Executor, field: Field, target: Field, *, fine:
     """
     transfer = arguments(windows.Transfer, field=field, target=target, columns=fine.ny)
     launch_once(executor, kernel, transfer)
-    return target
