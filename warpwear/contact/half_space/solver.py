@@ -1,6 +1,11 @@
 """Two bodies in contact whose surfaces deform together are one elastic–plastic half-space, 0 ≤ p ≤ H.
 
 The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approach; see `search`.
+
+A contact of many cells begins with the pressure on cells twice as wide, which is solved roughly. The gap of a
+wide cell is the mean of its four, so that the long waves are those of the fine grid, and its pressure is that
+of all four. A pair of transforms costs a quarter there, and what a search spends on the long waves, which
+decide where load goes, it then need not spend on the fine grid.
 """
 
 import math
@@ -11,21 +16,30 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpwear.contact.certificate import Certificate
-from warpwear.contact.half_space import coarse_start
-from warpwear.contact.half_space.coarse_start import carry
 from warpwear.contact.half_space.influence import Influence
 from warpwear.contact.half_space.search import Search
 from warpwear.contact.half_space.transforms import release
-from warpwear.engine.executor import Executor, Field
-from warpwear.engine.program import Program
+from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.program import Program, launch_once
 from warpwear.errors import ConvergenceError, InputError
-from warpwear.grid import FloatArray
+from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.half_space import windows
 from warpwear.kernels.half_space.solve import CONVERGED, UNBALANCED, Request, SearchRules
 
 #: Largest violation of complementarity, over the rms height of the gap.
 TOLERANCE = SearchRules.tolerance
 MAX_ITERATIONS = SearchRules.iterations
+#: Cells along each side of a grid from which wide ones pay.
+LEAST_SIDE = 256
+#: On a GPU, where a solve on wide cells takes a graph of its own, once.
+LEAST_SIDE_ON_GPU = 4096
+#: Fields of the fine grid that a solver on wide cells, and those that it starts from, take of a GPU.
+FIELDS_ON_GPU = 6.0
+#: Fields that a search on a GPU takes for itself afterwards.
+FIELDS_OF_SEARCH = 10.0
+#: Tolerance of the contact on wide cells, as of `BoundedPressure`, and its iterations at most.
+ROUGH = 1.0e-3
+ROUGH_ITERATIONS = 100
 #: Tolerance from which single precision may be enough for a whole search.
 LOOSE = 1.0e-5
 
@@ -247,7 +261,7 @@ class HalfSpace(BoundedPressure):
     def solve(self, gap: Field, *, certified: bool | None = True, **where: Any) -> HalfSpaceContact:
         """Solve a contact as `BoundedPressure` does, from that on cells twice as wide if from nothing."""
         begins = not self.started
-        transforms = self._start(gap, **where) if begins and coarse_start.is_worth_it(self._executor) else 0
+        transforms = self._start(gap, **where) if begins and wide_cells_pay(self._executor) else 0
         certified = begins if certified is None else certified
         contact = super().solve(gap, certified=certified, **where)
         return replace(contact, transforms=contact.transforms + transforms)
@@ -257,10 +271,12 @@ class HalfSpace(BoundedPressure):
         fine, fields = self._executor, {"gap": gap}
         fields |= {name: where.pop(name) for name in ("parts", "yields") if where.get(name) is not None}
         if self._wide is None or self._wide_fields.keys() != fields.keys():
+            # Of an odd number of cells the last wide one goes over the edge.
+            coarse = Grid(-(-fine.grid.nx // 2), -(-fine.grid.ny // 2), 2.0 * fine.grid.cell)
             self._wide = HalfSpace(
-                Executor(coarse_start.coarse_grid(fine.grid), device=str(fine.device), threads=fine.threads),
-                tolerance=coarse_start.TOLERANCE,
-                max_iterations=coarse_start.MAX_ITERATIONS,
+                Executor(coarse, device=str(fine.device), threads=fine.threads),
+                tolerance=ROUGH,
+                max_iterations=ROUGH_ITERATIONS,
                 **self._like,
             )
             self._wide_fields = {name: self._wide._executor.zeros() for name in fields}
@@ -276,8 +292,32 @@ class HalfSpace(BoundedPressure):
             return 0
         carry(windows.prolong, fine, contact.pressure_field, self.pressure_field, fine=fine.grid)
         self.started, transforms = True, -(-contact.transforms // 4)
-        if coarse_start.memory_is_short(fine):
+        if memory_is_short(fine):
             self._wide, self._wide_fields = None, {}
             del wide, targets, contact
             release(fine.device)
         return transforms
+
+
+def wide_cells_pay(executor: Executor) -> bool:
+    """Tell whether wide cells make a solve shorter, and there is room for them."""
+    device, grid = executor.device, executor.grid
+    if device.is_cpu:
+        return min(grid.shape) >= LEAST_SIDE
+    return min(grid.shape) >= LEAST_SIDE_ON_GPU and device.free_memory > FIELDS_ON_GPU * 8 * grid.cells
+
+
+def memory_is_short(executor: Executor) -> bool:
+    """Tell whether a solver on wide cells takes memory worth more than the time of making it anew."""
+    device = executor.device
+    return device.is_cpu or device.free_memory < FIELDS_OF_SEARCH * 8 * executor.grid.cells
+
+
+def carry(kernel: Any, executor: Executor, field: Field, target: Field, *, fine: Grid) -> None:
+    """Give the field of an executor what another one holds, by a kernel: `restrict` or `prolong`.
+
+    A wide cell gets the mean of its four, `PADDING` where one of them is that, and each of them its value.
+    fine: grid of the narrow cells.
+    """
+    transfer = arguments(windows.Transfer, field=field, target=target, columns=fine.ny)
+    launch_once(executor, kernel, transfer)

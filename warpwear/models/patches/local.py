@@ -25,8 +25,7 @@ from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.models.model import Model
 from warpwear.models.patches.cells import PatchContact
-from warpwear.models.patches.shares import LoadSharing
-from warpwear.models.patches.smooth import SmoothContact
+from warpwear.models.patches.shares import LoadSharing, SmoothContact
 
 #: Work of a patch where no cell has touched yet, over that of one where all have.
 LEAST_WORK = 0.05
