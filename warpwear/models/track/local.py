@@ -210,18 +210,17 @@ class SlidingContact:
         """Whether `steps` can be made in a row: not where 1/c of one follows from the one before."""
         return self.longest > 1 and not self.task.bulk_updated
 
-    def steps(self, shifts: Sequence[int], increments: Sequence[float]) -> Iterator[tuple[int, Step]]:
-        """Steps as `step` makes them, in few replays; each with how many are made beyond it."""
-        done = 0
-        while done < len(increments):
-            end = done + self.longest
-            removals, rigid = self._plan(shifts[done:end], increments[done:end])
-            self._run(self._programs.program("steps", rigid=rigid))
-            count = self._course["step"]
-            for number, step in enumerate(self._booked(increments[done:end], removals)):
-                yield count - number - 1, step
-            self._programs.search(rigid=rigid).check()
-            done += count
+    def replay(self, shifts: Sequence[int], increments: Sequence[float]) -> tuple[int, Iterator[Step]]:
+        """Make steps as `step` makes them, as many as a replay has; return their number, and them."""
+        end = self.longest
+        removals, rigid = self._plan(shifts[:end], increments[:end])
+        self._search = self._programs.search(rigid=rigid)
+        self._run(self._programs.program("steps", rigid=rigid))
+        return self._course["step"], self._booked(increments[:end], removals)
+
+    def check(self) -> None:
+        """Raise ConvergenceError where the last replay ended at a step without a balance."""
+        self._search.check()
 
     def forget(self) -> None:
         """Let the next search begin as the first one does: the disc is another."""
