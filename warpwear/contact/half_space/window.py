@@ -202,11 +202,6 @@ class WindowedHalfSpace:
         self._stored: dict[Grid, OnWindow] = {}
 
     @property
-    def window(self) -> list[int] | None:
-        """Return where a search looks first: the first row and the one after the last, vectors likewise."""
-        return None if self._window is None else [*vars(self._window).values()]
-
-    @property
     def columns(self) -> tuple[int, int]:
         """Return the first column that may have a pressure to start from, and the one after the last."""
         if self._window is None or not self._started:
