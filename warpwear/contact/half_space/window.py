@@ -272,8 +272,9 @@ class WindowedHalfSpace:
             self._clear_beside(window)
             here.solver.started = self._started
             mean = load / window.grid(whole).area
-            then = partial(self._after, here, gap)
-            contact = here.solver.solve(**here.fields, mean_pressure=mean, then=then, **options)
+            contact = here.solver.solve(
+                **here.fields, mean_pressure=mean, then=partial(self._after, here, gap), **options
+            )
             self._started = True
             transforms, iterations = transforms + contact.transforms, iterations + contact.iterations
             first_row, last_row, first, last = self._mirror.read()[0].max(axis=1).tolist()
