@@ -104,7 +104,7 @@ def test_standards_of_astm_are_under_their_names() -> None:
     assert same["wear_coefficient_mm3_per_Nm"] == found["wear_coefficient_mm3_per_Nm"]
     refused = calibrate("wear", *flat, "--standard", "g133-flat", "--length", "25 mm").exception
     assert isinstance(refused, InputError)
-    assert "--length is 25 mm and --stroke 30 mm: --standard g133-flat" in str(refused)
+    assert "--length 25 mm is not --stroke 30 mm, which g133-flat takes" in str(refused)
     longer = record("wear", *flat, "--length", "25 mm")  # without the standard it is a length like any other
     assert longer["wear_coefficient_mm3_per_Nm"] == pytest.approx(12.7e-4 * 25 / 30)
 
