@@ -21,7 +21,7 @@ INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
 
 #: The lines of tables of partial results, by the names of Python, and how many there are.
 LINES = "".join(
-    f"enum class {table.__name__} {{ {', '.join(line.name for line in table)}, LINES }};\n" for table in TABLES
+    f"enum class {table.__name__} {{ {', '.join(table.__members__)}, LINES }};\n" for table in TABLES
 )
 #: Kernels that take the first and the end of a range of slots.
 RANGED: set[Any] = set()

@@ -6,7 +6,15 @@
 // else: in the pressure, in its slope, and, where it bends, in IS_STRAIGHT.
 #include "lanes.h"
 
-// The pressure of a cell without bounds.
+// x between 0 and the cap.
+template <typename Real> WARPWEAR_FN Real clipped(Real x, Real cap)
+{
+    const Real zero = 0.0;
+    x = x > zero ? x : zero;
+    return x < cap ? x : cap;
+}
+
+// The pressure of a cell without bounds: 0 or less where there is no overlap.
 template <typename Real> WARPWEAR_FN Real on_spring(Real overlap, Real stiffness)
 { return overlap * stiffness; }
 
@@ -16,14 +24,6 @@ template <typename Real> WARPWEAR_FN Real slope_on_spring(Real, Real) { return 1
 // Whether the slope is the same at every overlap: then a step of Newton's method that meets no bound is
 // exact.
 static const bool IS_STRAIGHT = true;
-
-// x between 0 and the cap.
-template <typename Real> WARPWEAR_FN Real clipped(Real x, Real cap)
-{
-    const Real zero = 0.0;
-    x = x > zero ? x : zero;
-    return x < cap ? x : cap;
-}
 
 // By how much a pressure without bounds may change before the slope of a cell does: until it opens, closes or
 // reaches its cap.
