@@ -230,7 +230,7 @@ def _contact_of(
         if hardness is not None:
             np.minimum(pressure[rows], hardness, out=pressure[rows])
             pressure[rows][p >= task.cap] = hardness
-        return float(pressure[rows].sum()), int(np.count_nonzero(pressure[rows]))
+        return float(pressure[rows].sum()), int(np.count_nonzero(p > 0.0))
 
     fields = [solution.pressure, solution.displacement]
     if here:
