@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from warpwear.laws.elastic import LEAST_TORSION
+from warpwear.laws.friction import RUNNING_IN
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study import rules_track
@@ -34,6 +35,7 @@ def check(study: Content) -> None:
         return
     _junction_growth(study)
     _by_area(study)
+    _factors(study)
     if study.study.model == "two-scale":
         rules_track.check_patches(study)
     _line(study)
@@ -216,6 +218,17 @@ def _by_area(study: Content) -> None:
     for key, why in refused.items():
         if why:
             raise ValueError(f"{alone}: it does not go with {key}{why}; friction.law = 'coulomb' does")
+
+
+def _factors(study: Content) -> None:
+    """Refuse factors of the shear strength where caps or wear follow from one strength at all steps."""
+    growth = study.friction.junction_growth
+    for factor in study.friction.law_with().factors:
+        if growth or (study.wears_by_area and factor is not RUNNING_IN):
+            one = f"friction.junction_growth = {growth:g}" if growth else "wear.law = 'energy'"
+            raise ValueError(
+                f"friction.{factor.keys[0]} does not go with {one}, which does not follow it; allowed is none"
+            )
 
 
 def _junction_growth(study: Content) -> None:
