@@ -181,7 +181,7 @@ class Shedding:
         self._program = Program(executor)
         with self.pieces.at_beginning(self._program):
             self.pieces.before_search(self._program, Place(self._slides.array))
-            self.pieces.say_take(self._program, self._slides.array, self._pressure)
+            self.pieces.add_take(self._program, self._slides.array, self._pressure)
         steps = arguments(Steps, stepping=goes, history=self._rows)
         self.pieces.between(self._program, Place(self._slides.array, steps))
 
@@ -436,7 +436,7 @@ def test_steps_and_cells_that_are_too_long_are_told_with_what_would_do() -> None
 
     assert "wear.particle" not in told("track")
     assert "grid.cell of 2.5 µm or less" in told("track", wear__particle="10 um")
-    assert "sliding.shift = 2 or a sliding.track of" in told("track", wear__particle_thickness="0.1 um")
+    assert "sliding.shift = 2 would do" in told("track", wear__particle_thickness="0.1 um")
     assert "increments of 0.54 mm or less" in told("at rest", stepping__increment="2 mm")
 
 

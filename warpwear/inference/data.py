@@ -166,7 +166,7 @@ def data_of(
     InputError for what does not go with the study.
     """
     courses = [_course(study, experiment, columns) for experiment in experiments]
-    old_names = [name for name in measured if name in FORMER]
+    old_names = [name for name in FORMER if measured.get(name)]
     both = [
         _measured(study, FORMER.get(kind, kind), text)
         for kind, texts in measured.items()

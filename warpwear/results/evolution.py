@@ -13,8 +13,8 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import EVOLUTION
 from warpwear.history.snapshot import Snapshot, extents
 from warpwear.laws.archard import BODIES
+from warpwear.laws.courses import Settling, fit_settling
 from warpwear.laws.junctions import share_above
-from warpwear.laws.settling import Settling, fit_settling
 from warpwear.results.file import ResultFile
 from warpwear.results.formats.bodies import worn_heights
 from warpwear.results.track import inner_rows

@@ -13,7 +13,7 @@ from warpwear.history.rows import Named
 from warpwear.history.verdict import verdict_of
 from warpwear.laws import passes
 from warpwear.laws.archard import BODIES
-from warpwear.laws.film import Breaking, fit_breaking
+from warpwear.laws.courses import Breaking, fit_breaking
 from warpwear.results import summary_models
 from warpwear.results.file import ResultFile
 from warpwear.results.report import Row, entries, finite, lines, record, shown
