@@ -20,9 +20,7 @@ FOLDER = Path(__file__).with_name("native")
 INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
 
 #: The lines of tables of partial results, by the names of Python, and how many there are.
-LINES = "".join(
-    f"enum class {table.__name__} {{ {', '.join(table.__members__)}, LINES }};\n" for table in TABLES
-)
+LINES = "".join(f"enum class {t.__name__} {{ {', '.join(t.__members__)}, LINES }};\n" for t in TABLES)
 #: Kernels that take the first and the end of a range of slots.
 RANGED: set[Any] = set()
 

@@ -72,13 +72,13 @@ WARPWEAR_FN void give_nothing(Curves& curves, int patch, double base, double off
 }
 
 // What the cells of a patch carry at its trial approach.
-template <typename Curves, typename Surfaces>
-WARPWEAR_FN void carry_patch(int patch, double cap, double stiffness, Curves& curves,
-                             const Surfaces& surfaces)
+template <typename Steps, typename Curves, typename Surfaces>
+WARPWEAR_FN void carry_patch(int patch, int, const Steps& steps, Curves& curves, const Surfaces& surfaces)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(off)
 #endif
+    const double cap = steps.load.hardness, stiffness = wp::index(steps.now, 0).stiffness;
     const double base = wp::index(curves.base, patch), offset = wp::index(curves.offset, patch);
     if (!((base - wp::index(curves.lowest, patch)) + offset > 0.0)) {
         if (lane_of_slot() == 0) give_nothing(curves, patch, base, offset);
@@ -143,10 +143,11 @@ WARPWEAR_FN Extents extents_of(int patch, const Surfaces& surfaces, const WearBy
 
 // Wear the cells of a patch that it has reached or reaches next, and leave what they add up to. Where the
 // next step is foreseen the patch answers for it as well.
-template <typename Steps, typename Now, typename Curves, typename Courses, typename Surfaces, typename Books>
-WARPWEAR_FN void wear_patch(int patch, const Steps& steps, const Now& now, Curves& curves,
-                            const Courses& courses, const Surfaces& surfaces, Books& books)
+template <typename Steps, typename Curves, typename Courses, typename Surfaces, typename Books>
+WARPWEAR_FN void wear_patch(int patch, int, const Steps& steps, Curves& curves, const Courses& courses,
+                            const Surfaces& surfaces, Books& books)
 {
+    const auto& now = wp::index(steps.now, 0);
     const double base = wp::index(curves.base, patch), offset = wp::index(curves.offset, patch);
     const double base_next = wp::index(courses.base_next, patch);
     const double offset_next = wp::index(courses.offset_next, patch);

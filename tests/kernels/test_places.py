@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from enum import IntEnum
 
 import pytest
 
@@ -41,14 +42,14 @@ for name in ("v3-fine", "track", "two-scale"):
 
 
 @pytest.mark.parametrize("table", [WearSum, TrackSum, PressureSum])
-def test_every_sum_of_a_step_is_made(table: type[WearSum]) -> None:
+def test_every_sum_of_a_step_is_made(table: type[IntEnum]) -> None:
     """One that is named and never made would be 0; one that is made without a name does not compile."""
     text = "".join(path.read_text(encoding="utf-8") for path in native_code.FOLDER.rglob("*.h"))
     assert [line.name for line in table if f"{table.__name__}::{line.name}) +=" not in text] == []
 
 
 @pytest.mark.parametrize("table", TABLES)
-def test_lines_are_numbered_in_their_order(table: type[WearSum]) -> None:
+def test_lines_are_numbered_in_their_order(table: type[IntEnum]) -> None:
     """Those of C++ are."""
     assert [*table] == [*range(len(table))]
 

@@ -49,7 +49,7 @@ def test_running_in_law(increment: str, device: str) -> None:
 
 @pytest.mark.parametrize("law", WEAR_LAWS.values(), ids=WEAR_LAWS)
 def test_no_law_wears_faster_than_it_says(law: type[WearLaw]) -> None:
-    """An inference looks for a field that holds the scar of `fastest`, and would refuse one that is larger."""
+    """An inference looks for a field that holds the scar of `fastest`, and refuses a larger one."""
     draw = np.random.default_rng(1)
     for numbers in draw.uniform(0.1, 2.0, (20, len(fields(law)))):
         body = law(*numbers.tolist())

@@ -191,12 +191,12 @@ def _shape(study: Content) -> None:
 def _factors(study: Content) -> None:
     """Refuse factors of the shear strength where caps or wear follow from one strength at all steps."""
     growth = study.friction.junction_growth
-    for factor in study.friction.law_with().factors:
-        if growth or (study.wears_by_area and factor is not RUNNING_IN):
-            one = f"friction.junction_growth = {growth:g}" if growth else "wear.law = 'energy'"
-            raise ValueError(
-                f"friction.{factor.keys[0]} does not go with {one}, which does not follow it; allowed is none"
-            )
+    beside = f"friction.junction_growth = {growth:g}" if growth else "wear.law = 'energy'"
+    factors = study.friction.law_with().factors if growth or study.wears_by_area else ()
+    for key in (factor.keys[0] for factor in factors if growth or factor is not RUNNING_IN):
+        raise ValueError(
+            f"friction.{key} does not go with {beside}, which does not follow it; allowed is none"
+        )
 
 
 def _junction_growth(study: Content) -> None:
