@@ -10,9 +10,9 @@ above the patch's approach are skipped.
 
 import warp as wp
 
-from warpwear.kernels import native_code
 from warpwear.kernels.cells import LANES, ONE, ZERO, Cells, Layout
 from warpwear.kernels.contact import Law, pressure_of
+from warpwear.kernels.native_code import native_pass
 from warpwear.kernels.two_scale.curves import TOGETHER, Curves
 from warpwear.kernels.two_scale.steps import Books, Courses, Steps
 
@@ -30,7 +30,7 @@ class Surfaces:
     trial: wp.array2d(dtype=wp.float64)  # what a pass adds up for `Curves.answer`
 
 
-@native_code.native_pass("carry_patch", module=TOGETHER)
+@native_pass("carry_patch", module=TOGETHER)
 def carried(steps: Steps, curves: Curves, surfaces: Surfaces):
     """Add up what the cells of every patch carry at its trial approach, and give its `Curves.answer`.
 
@@ -69,7 +69,7 @@ def pressures(
         pressure_out[patch, k] = p
 
 
-@native_code.native_pass("wear_patch", module=TOGETHER)
+@native_pass("wear_patch", module=TOGETHER)
 def wear(steps: Steps, curves: Curves, courses: Courses, surfaces: Surfaces, books: Books):
     """Wear the cells in place: the gap opens by K p ΔL of both bodies; evaluate them for the next step.
 

@@ -73,7 +73,8 @@ WARPWEAR_FN void give_nothing(Curves& curves, int patch, double base, double off
 
 // What the cells of a patch carry at its trial approach.
 template <typename Steps, typename Curves, typename Surfaces>
-WARPWEAR_FN void carry_patch(int patch, int, const Steps& steps, Curves& curves, const Surfaces& surfaces)
+WARPWEAR_FN void carry_patch(int patch, int slots, const Steps& steps, Curves& curves,
+                             const Surfaces& surfaces)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(off)
@@ -144,7 +145,7 @@ WARPWEAR_FN Extents extents_of(int patch, const Surfaces& surfaces, const WearBy
 // Wear the cells of a patch that it has reached or reaches next, and leave what they add up to. Where the
 // next step is foreseen the patch answers for it as well.
 template <typename Steps, typename Curves, typename Courses, typename Surfaces, typename Books>
-WARPWEAR_FN void wear_patch(int patch, int, const Steps& steps, Curves& curves, const Courses& courses,
+WARPWEAR_FN void wear_patch(int patch, int slots, const Steps& steps, Curves& curves, const Courses& courses,
                             const Surfaces& surfaces, Books& books)
 {
     const auto& now = wp::index(steps.now, 0);
