@@ -128,7 +128,7 @@ class Executor:
             self._foreseen[module] = begin_to_load(module, self.device, self._loader)
 
     def load(self, kernel: Any) -> Any:
-        """Load, or compile, the file of a kernel before any thread needs it; return what is to be launched."""
+        """Load, or compile, the file of a kernel before any thread needs it; return what to launch."""
         kernel = self._copies.get(kernel, kernel)
         module = kernel.module
         if module not in self._loaded:
