@@ -89,7 +89,7 @@ def experiment_of(rows: Rows, motion: Motion) -> Experiment:
     ]
     if rows.format != PLAIN.name:
         notes.insert(0, f"Format: {rows.format}" + (f", {len(steps)} steps." if len(steps) > 1 else "."))
-    notes += _check_cof(path, course.distance, course.cof)
+    notes += check_cof(path, course.distance, course.cof)
     return replace(course, notes=tuple(notes), warnings=(*warnings, *course.warnings))
 
 
@@ -123,19 +123,13 @@ def _in_order(path: Path, distance: FloatArray, cof: FloatArray) -> Experiment:
     before = distance < 0.0
     if before.any():
         if before.mean() > NEGATIVE_SHARE:
-            raise InputError(
-                f"{path}: {before.sum()} of {before.size} distances or times are negative; those since the "
-                "start of sliding are expected"
-            )
+            raise InputError(f"{path}: {before.sum()} of {before.size} distances or times are negative")
         distance, cof = distance[~before], cof[~before]
         notes.append(f"Rows before the start (negative distance or time), left out: {before.sum()}.")
     if np.any(np.diff(distance) < 0.0):
         again = _covered_again(distance)
         if again is not None:
-            raise InputError(
-                f"{path}: the distance falls back at row {again + 1} and covers the same range again: it was "
-                "reset or is a position; an accumulated distance is expected"
-            )
+            raise InputError(f"{path}: row {again + 1} starts again: an accumulated distance is expected")
         order = np.argsort(distance, kind="stable")
         repeated = np.diff(distance[order]) == 0.0
         if np.any(repeated & (np.diff(cof[order]) != 0.0)):
@@ -168,28 +162,28 @@ def _covered_again(distance: FloatArray) -> int | None:
     return int(np.flatnonzero(steps < 0.0)[0]) + 1
 
 
-def _check_cof(path: Path, distance: FloatArray, cof: FloatArray) -> list[str]:
+def check_cof(path: Path | str, distance: FloatArray, cof: FloatArray) -> list[str]:
     """Return notes on coefficients of friction. Raises InputError for those that no contact has."""
     negative = cof < 0.0
     if negative.all():
-        raise InputError(
-            f"{path}: the coefficient of friction is negative everywhere; positive values are expected, so "
-            "the sign of the force has to be reversed"
-        )
+        raise InputError(f"{path}: friction is negative everywhere: the force's sign has to be reversed")
     if negative.mean() > NEGATIVE_SHARE:
         raise InputError(
             f"{path}: {negative.sum()} of {negative.size} coefficients of friction are negative: a signed "
             "friction of both directions; the raw record with forces and position, or means per cycle, are "
             "expected"
         )
-    large = cof > LARGEST_COF
+    large, typical = cof > LARGEST_COF, float(np.median(cof))
     if large.any():
         first = int(np.flatnonzero(large)[0])
+        percent = ", as if in percent: 20 instead of 0.20" if 1.0 < typical / LARGEST_COF < 100.0 else ""
         raise InputError(
             f"{path}: {large.sum()} of {large.size} coefficients of friction exceed {LARGEST_COF:g} (the "
-            f"first is {cof[first]:.4g} at {distance[first]:.4g} mm), which no contact has; a plain ratio of "
-            "forces under load is expected"
+            f"first is {cof[first]:.4g} at {distance[first]:.4g} mm), which no contact has{percent}; a plain "
+            "ratio of forces under load is expected"
         )
+    if typical == 0.0:
+        raise InputError(f"{path}: the coefficient of friction is 0 in the middle: nothing was measured")
     if not negative.any():
         return []
     return [f"Coefficients of friction below zero, kept: {negative.sum()} of {negative.size}."]
@@ -223,8 +217,5 @@ def check_coverage(experiment: Experiment, start: float, end: float) -> list[str
     where = f"{100.0 * missing:.0f} % of the distance shared with the runs, the longest piece from "
     where += f"{low:.4g} to {high:.4g} mm"
     if missing > MOST_IN_GAPS:
-        raise InputError(
-            f"{experiment.name} has no measured point over {where}; points over half of it or more are "
-            "expected"
-        )
+        raise InputError(f"{experiment.name} has no measured point over {where}; half of it is expected")
     return [f"It has no measured point over {where}: straight lines bridge that in the rms."]

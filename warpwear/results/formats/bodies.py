@@ -104,7 +104,7 @@ class Job:
     """What is to be written: which snapshots, bodies and fields of a result.
 
     points: most along a side, of which each is the mean of a block of cells; None for every cell.
-    exaggeration: of the heights in space. added: files that go into a crate.
+    added: files that go into a crate.
     """
 
     result: ResultFile
@@ -112,7 +112,6 @@ class Job:
     bodies: tuple[str, ...] = BODIES
     fields: tuple[str, ...] = tuple(WRITABLE)
     points: int | None = None
-    exaggeration: float = 1.0
     added: tuple[Path, ...] = ()
     _kept: dict[str, Any] = field(default_factory=dict, repr=False)
 
@@ -155,9 +154,7 @@ class Job:
         row = np.searchsorted(history["distance"], snapshot.distance * (1.0 - 1.0e-12))
         approach = float(history["approach"][min(int(row), history["approach"].size - 1)])
         if not abs(approach) < NO_SURFACE:
-            raise InputError(
-                f"the result's approach at {snapshot.distance:g} mm is {approach:g} mm, which is none"
-            )
+            raise InputError(f"the approach at {snapshot.distance:g} mm is {approach:g} mm, which is none")
         x, y, fields = self._reduced(x, {"heights": heights})
         return Body(name, title, x, y, fields["heights"], approach)
 
