@@ -31,6 +31,8 @@ ADVANCE |= {
     (SlidingHalfSpace, "slide"): SlidingHalfSpace.slide,
 }
 
+#: Changes of a study on springs.
+HALF_SPACE = {"contact.law": "half-space", "counter.radius": "3 mm"}
 
 SHORT = {"sliding.distance": "0.2 mm", "output.snapshots": ["0.05 mm"]}
 
