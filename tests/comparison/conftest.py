@@ -9,7 +9,7 @@ import warpwear
 from warpwear import Study
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folders of runs: 'a', at half the load 'light', with another disc 'soft', and static 'still'."""
     folder = tmp_path_factory.mktemp("runs")

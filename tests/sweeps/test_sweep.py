@@ -181,23 +181,20 @@ def test_a_hardness_that_decides_nothing_is_told_with_the_reason() -> None:
     """A disc at rest runs in until no cell bears the hardness; early it decides."""
     vary = {"contact.hardness": ["500 MPa", "700 MPa"], "contact.load": ["6 N", "8 N"]}
     late, early = (
-        summary_text(warpwear.sweep(small().replace({"sliding.distance": d}), vary=vary, workers=1))
+        summary_text(warpwear.sweep(small().replace({"sliding.distance": d}), vary=vary, executor=Here()))
         for d in ("60 mm", "0.1 mm")
     )
     assert "contact.hardness without influence at the end: a disc at rest runs in" in late
     assert "without influence" not in early
 
 
-def test_a_table_holds_no_formula_of_a_spreadsheet(tmp_path: Path) -> None:
+def test_a_table_holds_no_formula_of_a_spreadsheet(tmp_path: Path, quick_pictures: Any) -> None:
     """As in the table of a comparison; the run is found again, so that the sweep may go on."""
     names = ["=1+2", "plain"]
+    vary = {"study.description": names, "contact.load": ["8 N"]}
     for _ in range(2):
-        warpwear.sweep(
-            small(),
-            vary={"study.description": names, "contact.load": ["8 N"]},
-            out=tmp_path / "out",
-            workers=1,
-        )
+        with quick_pictures(blank=True):
+            warpwear.sweep(small(), vary=vary, out=tmp_path / "out", executor=Here())
     text = (tmp_path / "out" / "table.csv").read_text(encoding="utf-8")
     assert "'=1+2" in text
     assert ",=1+2" not in text

@@ -71,9 +71,9 @@ def test_what_is_evaluated_ahead_is_what_patches_answer(kind: str, device: str) 
     assert compared > stepped.patches.count
 
 
-def test_threads_change_nothing(threads: int) -> None:
+def test_threads_change_nothing(two_threads: int) -> None:
     study = of_kind("bulk")
-    runs = [Stepped(study, threads=count) for count in (1, threads)]
+    runs = [Stepped(study, threads=count) for count in (1, two_threads)]
     increments = (3e-3, 0.03, 0.3, 3.0)
     one, other = ([step.row for step in run.model.steps((d, False) for d in increments)] for run in runs)
     assert one == other

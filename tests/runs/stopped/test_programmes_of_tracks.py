@@ -14,12 +14,12 @@ from warpwear import InputError, Study
 from warpwear.page.content import words_of
 from warpwear.results.summary import summarise, summary_text
 
-STROKES: list[dict[str, Any]] = [{"stroke": "0.9 mm", "load": "4 N", "cycles": 2}]
+STROKES: list[dict[str, Any]] = [{"stroke": "0.9 mm", "load": "4 N", "cycles": 1}]
 
 
 STROKES += [
-    {"stroke": "0.5 mm", "load": "4 N", "cycles": 3},
-    {"stroke": "1.2 mm", "load": "9 N", "passes": 3},
+    {"stroke": "0.5 mm", "load": "4 N", "cycles": 2},
+    {"stroke": "1.2 mm", "load": "9 N", "passes": 2},
 ]
 
 
@@ -64,7 +64,7 @@ def test_blocks_of_other_strokes_wear_one_disc(case: str, tmp_path: Path, device
         places = history["position"][number == block.number]
         assert np.abs(places).max() <= 0.5 * track.cells * CELL
         assert_allclose(history["distance"][number == block.number][-1], block.end, rtol=1e-14)
-    assert summary["track"]["passes"] == pytest.approx(4 + 6 + 3)
+    assert summary["track"]["passes"] == pytest.approx(2 + 4 + 2)
     inside = int(np.flatnonzero(number == 2.0)[0])
     run_stopped(study, other, inside, threads=2, device=device)
     run_stopped(study, other, 2, resume=True, threads=1, device=device)
@@ -94,12 +94,12 @@ def test_cycles_of_a_stroke_stand_for_its_own(tmp_path: Path, device: str) -> No
     """Jumps of two strokes wear as much as every cycle would, and go on where they were stopped."""
     study = of_strokes("full").replace({"stepping.jump": 4, "counter.radius": "3 mm"})
     study = study.replace({f"block.{number}.load": "1 N" for number in (1, 2, 3)})
-    study = study.replace({"block.1.cycles": 12, "block.2.cycles": 18, "block.3.passes": 16})
+    study = study.replace({"block.1.cycles": 8, "block.2.cycles": 10, "block.3.passes": 12})
     one, other = tmp_path / "alone", tmp_path / "stopped"
     with warpwear.run(study, out=one, plots=False, threads=1, device=device) as result:
         history, jumps = result.history, result.summary["track"]["jumps"]
     assert history["cycles"].max() > 1.0
-    assert jumps["cycles"] == pytest.approx(12 + 18 + 8)
+    assert jumps["cycles"] == pytest.approx(8 + 10 + 6)
     volume = study.wear_coefficients[1] * sum(block.load * block.length for block in study.blocks)
     assert_allclose(history["wear_volume_disc"][-1], volume, rtol=1e-12)
     inside = int(np.flatnonzero(history["block"] == 2.0)[0]) + 9
@@ -160,7 +160,7 @@ ON_CIRCLES: dict[str, dict[str, Any]] = {
 }
 
 
-def of_circles(case: str, revolutions: tuple[int, ...] = (3, 1, 2), **changes: Any) -> Study:
+def of_circles(case: str, revolutions: tuple[int, ...] = (2, 1, 1), **changes: Any) -> Study:
     """A programme on two circles of a disc, to the first of which it returns."""
     loads = (4, 9, 6)
     blocks = [
@@ -202,10 +202,10 @@ def test_each_circle_goes_its_own_way(case: str, device: str) -> None:
     """Under a ball that does not wear circles know nothing of each other, to the last bit."""
     alone = {"wear.counter": 0.0, "contact.load": "6 N", "counter.radius": "3 mm"}
     alone |= {"sliding.shift": 1}  # of one part, however wide the contact was before
-    study = of_circles(case, **alone).replace({f"block.{n}.load": "6 N" for n in (1, 2, 3)})
+    study = of_circles(case, (1, 1, 1), **alone).replace({f"block.{n}.load": "6 N" for n in (1, 2, 3)})
     history = warpwear.run(study, device=device).history
     part = {"sliding.track": f"{study.tracks[0].cells * CELL!r} mm"}
-    for radius, turns, blocks in ((0.161, 5, (1.0, 3.0)), (0.9, 1, (2.0,))):
+    for radius, turns, blocks in ((0.161, 2, (1.0, 3.0)), (0.9, 1, (2.0,))):
         way = {"sliding.track_radius": f"{radius} mm", "sliding.revolutions": turns}
         own = warpwear.run(study.replace({"block": None} | way | part), device=device).history
         mine = np.isin(history["block"], blocks)
@@ -214,12 +214,12 @@ def test_each_circle_goes_its_own_way(case: str, device: str) -> None:
 
 
 def test_cycles_on_circles_stand_for_their_own(tmp_path: Path, device: str) -> None:
-    study = of_circles("local", (24, 16, 24), **{"stepping.jump": 3})
+    study = of_circles("local", (12, 7, 12), **{"stepping.jump": 3})
     one, other = tmp_path / "alone", tmp_path / "stopped"
     with warpwear.run(study, out=one, plots=False, threads=1, device=device) as result:
         history, jumps = result.history, result.summary["track"]["jumps"]
     assert history["cycles"].max() == 3.0
-    assert jumps["cycles"] == pytest.approx(64)
+    assert jumps["cycles"] == pytest.approx(31)
     assert 0.0 < jumps["depth_error_percent"]["disc"] < 20.0
     volume = study.wear_coefficients[1] * sum(block.load * block.length for block in study.blocks)
     assert_allclose(history["wear_volume_disc"][-1], volume, rtol=1e-12)
