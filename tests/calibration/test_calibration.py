@@ -132,14 +132,14 @@ def test_the_numbers_of_the_thesis():
     assert k_of(volume_given(0.01805)) == pytest.approx(9.4e-4, abs=0.05e-4)
     assert k_of(volume_given(0.02438)) == pytest.approx(12.7e-4, abs=0.05e-4)
     assert k_of(groove(812.8e-6, length=30.0)) == pytest.approx(12.7e-4, rel=1e-12)
-    for printed, found in table_4_1().values():
-        assert 1e3 * found.mean == pytest.approx(printed.value, rel=1e-3)
+    for rows in table_4_1().values():
+        row = record(rows)
+        assert row["wear_coefficient_mm3_per_Nm"] == pytest.approx(row["printed_mm3_per_Nm"], rel=1e-3)
     worn = patch()
-    assert 1e3 * worn.by_cap.mean == pytest.approx(3.5e-4, abs=0.05e-4)
-    assert 1e3 * worn.by_ellipsoid.mean == pytest.approx(9.35e-4, abs=0.005e-4)
-    assert worn.needed_small == pytest.approx(1.025, abs=5e-4)
-    assert worn.needed == pytest.approx(1.022, abs=5e-4)
-    assert k_of(cap(worn.needed, radius=3.0)) == pytest.approx(9.4e-4, rel=1e-12)
+    assert worn["by_cap_mm3_per_Nm"] == pytest.approx(3.5e-4, abs=0.05e-4)
+    assert worn["by_ellipsoid_mm3_per_Nm"] == pytest.approx(9.35e-4, abs=0.005e-4)
+    assert worn["diameter_asked_for_mm"] == pytest.approx(1.022, abs=5e-4)
+    assert k_of(cap(worn["diameter_asked_for_mm"], radius=3.0)) == pytest.approx(9.4e-4, rel=1e-12)
 
 
 def test_the_printed_test_agrees_with_itself():

@@ -85,7 +85,7 @@ def test_a_line_of_a_map(here: Path) -> None:
         (("map.npy", "--pixel", "2 um", "--height-unit", "um", "--line", "y, 9 mm"), "the map has 0.12 mm"),
         (
             ("map.npy", "--pixel", "2 um", "--height-unit", "um", "--line", "y, 0.1 mm", "--ball"),
-            "--line is not",
+            "--line and --ball exclude each other",
         ),
     ],
 )

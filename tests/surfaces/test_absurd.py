@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from warpwear import InputError, Study, run
-from warpwear.measured.surface_command import SurfaceOptions, describe
+from warpwear.measured.surface_command import describe
 from warpwear.surfaces.measured import read_measured
 
 X = np.linspace(-0.01, 0.01, 5)
@@ -61,7 +61,7 @@ def test_a_flat_has_a_page_and_a_figure(tmp_path: Path) -> None:
     path = saved(tmp_path, 3.0 + np.add.outer(0.001 * np.arange(40), 0.02 * np.arange(40)))
     figure = tmp_path / "flat.png"
     given = {"pixel": "1 um", "height_unit": "um"}
-    page = describe(path, SurfaceOptions(figure=figure, preparation=given))
+    page = describe(path, given, figure=figure)
     assert "roughness        none: the surface is flat" in page
     assert "no Ra" in page
     assert figure.is_file()

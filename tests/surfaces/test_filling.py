@@ -9,7 +9,7 @@ import pytest
 from warpwear.errors import InputError
 from warpwear.figures.paint import paint
 from warpwear.figures.paint_map import paint_map
-from warpwear.measured.surface_command import SurfaceOptions, describe
+from warpwear.measured.surface_command import describe
 from warpwear.measured.surface_figure import _map_of_heights, ball_figure, track_figure
 from warpwear.measured.surface_report import examine
 from warpwear.surfaces.filling import completed
@@ -155,11 +155,11 @@ def test_every_picture_hatches_them(tmp_path: Path, rough: np.ndarray) -> None:
     track = find_track(0.1 * some + trough, pixel=TWICE)
     np.save(tmp_path / "disc.npy", np.where(filled, np.nan, some))
     how = {"pixel": "4 um", "height_unit": "mm"}
-    describe(tmp_path / "disc.npy", SurfaceOptions(figure=tmp_path / "a.svg", preparation=how))
+    describe(tmp_path / "disc.npy", how, figure=tmp_path / "a.svg")
     assert "<pattern" in (tmp_path / "a.svg").read_text()
     for draw in (
         lambda where: track_figure(track, filled=where),
-        lambda where: ball_figure(ball, size=(0.6, 0.6), filled=where),
+        lambda where: ball_figure(ball, filled=where),
     ):
         told = [paint(draw(where)).axes[0].get_title() for where in (filled, None)]
         assert told == ["hatched: not measured, filled in", ""]

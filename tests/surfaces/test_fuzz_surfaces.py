@@ -33,7 +33,7 @@ from fuzzing import LARGE, check_sentence, in_a_child, mutated_bytes, mutated_fi
 from scipy.io import savemat
 
 from warpwear.errors import InputError
-from warpwear.measured.surface_command import SurfaceOptions, describe
+from warpwear.measured.surface_command import describe
 from warpwear.results.formats.bodies import Body
 from warpwear.results.formats.metrology import write_sdf, write_x3p
 from warpwear.surfaces.measured import read_measured
@@ -170,7 +170,7 @@ def outcome(path: Path, content: bytes, options: dict[str, Any]) -> Reading | No
             assert np.isfinite(surface.levelled).all()
             if surface.levelled.size < 10_000:
                 given = {"pixel": "1 um", "height_unit": "um"} if options else {}
-                assert describe(path, SurfaceOptions(as_json=True, preparation=given)).startswith("{")
+                assert describe(path, given, as_json=True).startswith("{")
         except InputError as error:
             check_sentence(error)
     return found
@@ -258,11 +258,11 @@ def test_broken_files_of_five_megabytes(name: str, tmp_path: Path) -> None:
     """The command reads or refuses each in a sentence, within 10 s of the processor and 1 GiB."""
     content, options = content_of(name) if name.startswith("sur") else large(name)
     given = {"pixel": "1 um", "height_unit": "um"} if options else {}
-    path, how = tmp_path / name, SurfaceOptions(as_json=True, preparation=given)
+    path = tmp_path / name
     ends = []
     for seed in [None, *numbers(12)]:
         path.write_bytes(content if seed is None else mutated_file(content, random.Random(seed)))
-        ends.append(in_a_child(lambda: describe(path, how)))
+        ends.append(in_a_child(lambda: describe(path, given, as_json=True)))
     said, seconds, memory = zip(*ends, strict=True)
     assert said[0] == "", said[0]
     print(

@@ -10,10 +10,9 @@ from typing import Any
 from warpwear.calibration import wear as volumes
 from warpwear.errors import InputError
 from warpwear.measured.options import distance_of, load_of, optional, quantity
-from warpwear.measured.surface_command import groove_in, read_surface, scar_in
+from warpwear.measured.surface_command import Kind, Preparation, worn_in
 from warpwear.results.report import Row, lines, record, scientific, times, to_json
 from warpwear.study.units import NOT_NEGATIVE
-from warpwear.surfaces.worn.ball import find_worn_ball
 
 
 @dataclass(frozen=True)
@@ -21,7 +20,8 @@ class Source:
     """Describe a kind of measurement.
 
     relation: how a volume follows from it; worn: the body, where that is certain; unit: of what is measured;
-    needs, may_have: options of the lengths that it must and can be given with.
+    needs, may_have: options of the lengths that it must and can be given with; file: what is looked for in
+    it, where it is a measured file.
     """
 
     relation: str
@@ -29,6 +29,12 @@ class Source:
     unit: str = "mm"
     needs: tuple[str, ...] = ()
     may_have: tuple[str, ...] = ()
+    file: Kind | None = None
+
+    @property
+    def is_groove(self) -> bool:
+        """Return whether its volume is a section times a length."""
+        return "--length" in self.may_have
 
 
 _CAP = "two diameters of the worn patch; flat cap, its width their mean"
@@ -42,14 +48,10 @@ SOURCES = {
     "--scar": Source("diameter of the worn patch; flat cap", "counter", needs=("--radius",)),
     "--width": Source(_SEGMENT, "disc", needs=("--radius", "--track-radius")),
     "--section": Source("cross-section of a groove × length", "disc", "mm^2", may_have=("--length",)),
-    "--track": Source(_TRACK, "disc", may_have=("--length", "--track-width")),
-    "--after": Source(_AFTER, "disc"),
-    "--ball": Source(_BALL, "counter", may_have=("--radius",)),
+    "--track": Source(_TRACK, "disc", may_have=("--length", "--track-width"), file="track"),
+    "--after": Source(_AFTER, "disc", file="scar"),
+    "--ball": Source(_BALL, "counter", may_have=("--radius",), file="ball"),
 }
-#: Sources whose volume is a section times a length.
-GROOVES = ("--section", "--track")
-#: Sources that are files.
-TOPOGRAPHIES = ("--track", "--after", "--ball")
 #: A value with its standard uncertainty: 0.018 +- 0.001 mm^3.
 _WITH_ERROR = re.compile(r"\(?\s*(?P<value>\S+)\s*(?:\+-|±)\s*(?P<error>[^\s)]+)\s*\)?(?P<unit>.*)")
 LENGTHS = ("--radius", "--track-radius", "--length", "--track-width")
@@ -64,7 +66,6 @@ STANDARDS = {
 
 #: Options by their names on the command line -> texts with a unit, None where not given; a source's by test.
 Options = Mapping[str, Any]
-Preparation = Mapping[str, str | None]
 
 
 def calibrate_wear(options: Options, *, preparation: Preparation, as_json: bool) -> str:
@@ -119,9 +120,9 @@ def _check(source: str, options: Options, preparation: Preparation) -> None:
             allowed = ", ".join(kind.needs + kind.may_have) or "no length"
             raise InputError(f"{name} is not for {source}: allowed with it is {allowed}")
     prepared = [name.replace("_", "-") for name, value in preparation.items() if value is not None]
-    if source not in TOPOGRAPHIES and prepared:
+    if kind.file is None and prepared:
         raise InputError(f"--{prepared[0]} is not for {source}: it prepares a measured file")
-    if source in TOPOGRAPHIES and options["--uncertainty"] is not None:
+    if kind.file is not None and options["--uncertainty"] is not None:
         raise InputError(f"--uncertainty is not for {source}: a topography brings its own standard error")
     if source == "--ball" and "level" in prepared:
         raise InputError("--level is not for --ball: its form is the sphere through what is unworn")
@@ -130,14 +131,14 @@ def _check(source: str, options: Options, preparation: Preparation) -> None:
         raise InputError(f"--before is not for {source}: allowed is it with --track and --after")
     if before != tests and (before or source == "--after"):
         raise InputError(f"--before is given {before} times, {source} {tests}: each needs its own")
-    if source not in GROOVES and options["--stroke"] is not None and options["--passes"] is None:
+    if not kind.is_groove and options["--stroke"] is not None and options["--passes"] is None:
         raise InputError("--stroke needs --passes")
 
 
 def _lengths(source: str, options: Options) -> dict[str, float | None]:
     """Turn the lengths into mm: option -> length; a groove is as long as the stroke unless told otherwise."""
     texts = {name: options[name] for name in LENGTHS}
-    if source in GROOVES and options["--length"] is None:
+    if SOURCES[source].is_groove and options["--length"] is None:
         if options["--stroke"] is None:
             raise InputError(f"{source} needs --length, that of the whole track, such as '30 mm'")
         texts["--length"] = options["--stroke"]
@@ -156,10 +157,10 @@ def _volume(
     source: str, value: Any, lengths: dict[str, float | None], options: Options, preparation: Preparation
 ) -> volumes.WornVolume:
     """Find the volume of one test. value: of the source's option; lengths [mm]. Raises InputError."""
-    if source in TOPOGRAPHIES:
-        return _of_topography(source, value, lengths, options["--before"], preparation)
-    radius = lengths["--radius"] or 0.0
-    unit = SOURCES[source].unit
+    kind, radius = SOURCES[source], lengths["--radius"] or 0.0
+    if kind.file is not None:
+        return _of_topography(kind.file, value, lengths, options["--before"], preparation)
+    unit = kind.unit
     texts, uncertainties = zip(*map(_with_error, value if source == "--diagonals" else (value,)), strict=True)
     if any(uncertainties) and options["--uncertainty"] is not None:
         raise InputError(f"--uncertainty and {source} with +- exclude each other: both say the uncertainty")
@@ -194,37 +195,35 @@ def _with_error(text: str) -> tuple[str, str | None]:
 
 
 def _of_topography(
-    source: str, file: Path, lengths: dict[str, float | None], before: Path | None, preparation: Preparation
+    kind: Kind, file: Path, lengths: dict[str, float | None], before: Path | None, preparation: Preparation
 ) -> volumes.WornVolume:
     """Find the volume that a track, a scar or a ball lost from a topography, or from a profile of a track.
 
     lengths [mm]; before: the file of the same place before the test, or None. Raises InputError.
     """
-    more = ""
-    if source == "--track":
-        track, degree = groove_in(file, before, preparation, width=lengths["--track-width"])
+    sizes: Any = {"width": lengths["--track-width"], "radius": lengths["--radius"]}
+    worn = worn_in(file, kind, preparation, before=before, **sizes)
+    body, depth, more = worn.body, worn.body.depth, ""
+    if kind == "track":
         length = lengths["--length"] or 0.0
-        if length < track.length * (1.0 - 1e-9):
+        if length < body.length * (1.0 - 1e-9):
             raise InputError(
-                f"--length is {length:g} mm: allowed is at least the piece in {file}, {track.length:g} mm"
+                f"--length is {length:g} mm: allowed is at least the piece in {file}, {body.length:g} mm"
             )
-        if track.net.size == 1:
+        if body.net.size == 1:
             more = ", but not how sections scatter along the track, which several profiles tell"
-        elif track.length < 0.9 * length:
-            more = f", and how sections scatter along the measured {track.length:.4g} mm"
-        (volume, error), depth = track.volume(length), track.depth
-        section = f"section {1e6 * track.net.mean():.5g} ± {1e6 * track.net_error:.2g} µm² × {length:g} mm"
-        measured = f"{section}, degree {degree} beside it"
-    elif source == "--after":
-        scar, _, _ = scar_in(read_surface(file, {**preparation, "level": "none"}), before, preparation)
-        volume, error, depth = scar.net, scar.net_error, scar.depth
-        measured = f"scar {scar.along:.4g} × {scar.across:.4g} mm, {before} laid over it and taken off"
+        elif body.length < 0.9 * length:
+            more = f", and how sections scatter along the measured {body.length:.4g} mm"
+        volume, error = body.volume(length)
+        section = f"section {1e6 * body.net.mean():.5g} ± {1e6 * body.net_error:.2g} µm² × {length:g} mm"
+        measured = f"{section}, degree {worn.degree} beside it"
+    elif kind == "scar":
+        volume, error = body.net, body.net_error
+        measured = f"scar {body.along:.4g} × {body.across:.4g} mm, {before} laid over it and taken off"
     else:
-        surface = read_surface(file, {**preparation, "level": "none"})
-        ball = find_worn_ball(surface.measured, pixel=surface.pixel, radius=lengths["--radius"])
-        volume, error, depth = ball.volume, ball.volume_error, ball.depth
-        counter = f"{ball.sphere.radius:.5g} mm ({'given' if lengths['--radius'] else 'fitted'})"
-        measured = f"patch {ball.along:.4g} × {ball.across:.4g} mm on a radius of {counter}"
+        volume, error = body.volume, body.volume_error
+        counter = f"{body.sphere.radius:.5g} mm ({'given' if lengths['--radius'] else 'fitted'})"
+        measured = f"patch {body.along:.4g} × {body.across:.4g} mm on a radius of {counter}"
     if volume <= 0.0:
         raise InputError(
             f"{file} has lost no volume: {volume:.3g} ± {error:.2g} mm³; a wear coefficient needs a loss"

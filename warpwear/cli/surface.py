@@ -60,5 +60,4 @@ def surface(file: Path | None, **options: Any) -> None:
     With --before what a wear scar has lost and piled up, with --track the volume of a worn track, with
     --ball that of a worn ball.
     """
-    settings = surface_command.SurfaceOptions(preparation=prepared(options), **options)
-    click.echo(surface_command.describe(file, settings))
+    click.echo(surface_command.describe(file, prepared(options), **options))

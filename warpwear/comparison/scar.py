@@ -13,7 +13,7 @@ from warpwear.comparison.groups import RunData
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.snapshot import extents
-from warpwear.measured.surface_command import read_surface, scar_in
+from warpwear.measured.surface_command import worn_in
 from warpwear.measured.surface_report import scar_rows
 from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
@@ -86,8 +86,8 @@ def compare_scar(files: ScarFiles, runs: Sequence[RunData]) -> ScarComparison:
     known = [run for run in runs if run.wear]
     if not known:
         raise InputError("--scar needs a run with a snapshot of its whole field to compare with")
-    surface = read_surface(files.after, {**files.preparation, "level": "none"})
-    scar, changed, _ = scar_in(surface, files.before, files.preparation)
+    worn = worn_in(files.after, "scar", files.preparation, before=files.before)
+    scar, surface, changed = worn.body, worn.source, worn.changed
     profile = mean_profile(scar)
     heights = surface.measured if changed is None else surface.measured[changed.window]
     x, y = places((scar.lost.shape[0], scar.lost.shape[1]), scar.pixel)

@@ -156,10 +156,8 @@ def _bars(sheet: Any, grid: Any, cells: Sequence[Panel]) -> None:
             place = axes.inset_axes(BESIDE if cell.square else (1.012, 0.0, 0.012, 1.0))
             bar = sheet.colorbar(axes.images[-1], cax=place, extend=cell.scale.beyond)
             _number_bar(bar, cell.scale)
-        low, high = axes.get_xlim()
-        room = CORNER * (high - low)  # for labels of two panels that meet
-        if cell.square:
-            axes.set_xticks([tick for tick in axes.get_xticks() if low + room < tick < high - room])
+        if cell.square:  # labels of two panels meet at their corners
+            axes.set_xticks(style.inner_ticks(*axes.get_xlim(), CORNER))
         if len({other.extent for _, other in maps}) == 1 and len(maps) == len(cells) and cell.square:
             axes.label_outer()
 

@@ -59,10 +59,7 @@ def paint_box(axes: Any, box: Box) -> None:
     for artist in axes.collections:  # the box is larger than the square that axes in 3-D keep to
         artist.set_clip_on(False)
     axes.zaxis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
-    for axis, low, high in ((axes.xaxis, x0, x1), (axes.yaxis, y0, y1)):
-        ticks = MaxNLocator(4, steps=[1, 2, 5, 10]).tick_values(low, high)
-        room = CORNER * (high - low)
-        axis.set_ticks([tick for tick in ticks if low + room < tick < high - room])
+    axes.set(xticks=style.inner_ticks(x0, x1, CORNER), yticks=style.inner_ticks(y0, y1, CORNER))
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
     axes.tick_params(pad=-2.5)

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axis import Axis
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogFormatter, ScalarFormatter
+from matplotlib.ticker import LogFormatter, MaxNLocator, ScalarFormatter
 
 from warpwear.errors import InputError
 from warpwear.figures import wording
@@ -58,6 +58,13 @@ def bytes_of(figure: Figure, file_format: str = "png", *, dpi: float | str = "fi
     with style():
         figure.savefig(written, format=file_format, dpi=dpi, metadata=FORMATS[file_format], **more)
     return written.getvalue()
+
+
+def inner_ticks(low: float, high: float, corner: float) -> list[float]:
+    """Choose two to five ticks of an axis, none in its ends, a part `corner` of it each."""
+    low, high = low + corner * (high - low), high - corner * (high - low)
+    ticks = MaxNLocator(4, steps=[1, 2, 5, 10]).tick_values(low, high)
+    return [float(tick) for tick in ticks if low < tick < high]
 
 
 def plain_numbers(axis: Axis, *, decades: float = 0.5) -> None:

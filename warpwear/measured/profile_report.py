@@ -10,7 +10,7 @@ from warpwear.grid import FloatArray
 from warpwear.measured.options import quantity
 from warpwear.measured.surface_figure import ZERO, stack
 from warpwear.measured.surface_report import DOUBTED, ERROR
-from warpwear.results.report import Row, lines, times
+from warpwear.results.report import Row, lines, record, times
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.profiles.profile import Parameters, Profile, checked, material_ratio
 from warpwear.surfaces.roughness import material_ratio_curve
@@ -40,7 +40,7 @@ def line_of(surface: Measured, line: str) -> Profile:
     return checked(Profile(surface.pixel[1 - across], np.take(surface.measured, index, axis=across), about))
 
 
-def profile_rows(profile: Profile, degree: int, *, beside: str = "") -> list[Row]:
+def profile_rows(profile: Profile, degree: int, beside: str = "") -> list[Row]:
     """Declare what was read. degree: of the polynomial taken off, beside: fitted to what."""
     form = f"polynomial of degree {degree}{beside} taken off"
     about = profile.about
@@ -103,10 +103,10 @@ def groove_rows(groove: Track) -> list[Row]:
     ]
 
 
-def profile_lines(head: list[Row], rows: list[Row]) -> list[str]:
+def profile_lines(rows: list[Row]) -> list[str]:
     """Return the report for people."""
-    about = {row.key: row.value for row in head}
-    return [f"{about['file']}: {about['format']}, a profile", *lines([*head, *rows])]
+    about = record(rows)
+    return [f"{about['file']}: {about['format']}, a profile", *lines(rows)]
 
 
 def profile_figure(profile: Profile, p: Parameters) -> Figure:

@@ -1,6 +1,5 @@
 """Draw measured surfaces, worn tracks and worn balls: panels of one column's width in a stack."""
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -12,7 +11,7 @@ from warpwear.figures.paint import paint
 from warpwear.figures.style import write_figure
 from warpwear.grid import FloatArray
 from warpwear.measured.surface_report import SurfaceReport
-from warpwear.results.report import record
+from warpwear.results.report import VALUES, record
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.roughness import material_ratio_curve
 from warpwear.surfaces.sphere import places
@@ -29,8 +28,8 @@ PIXELS = 700
 LONG = 4.0
 #: Height of a panel of a stack, and of a row of the sheet of a surface [inch].
 ROW, SHEET = 2.4, 2.7
-#: Filters of a profile's roughness: name, key of the record, unit.
-FILTERS = (("λs", "lambda_s_um", "µm"), ("λc", "lambda_c_mm", "mm"))
+#: Labels of what the sheet of a surface draws, or leaves to the screen.
+UNWRITTEN = ("as read", "done", "filtered", "rms slope", "warning")
 #: Lines at zero, and through what is found.
 ZERO, MARK = Look(width=0.6), Look(describe.NEUTRAL, "dash", 0.8)
 
@@ -45,9 +44,14 @@ def surface_figure(report: SurfaceReport) -> Figure:
     surface = report.surface
     slopes = Line(1e3 * report.cut_offs, report.slopes, look=Look(describe.DISC))
     slope = Chart("Slope", Axis("S-filter, µm", "log"), Axis("rms gradient Sdq, –", low=0.0), [slopes])
+    done = "; ".join(text.partition(":")[0].partition(" (")[0] for text in record(report.rows)["operations"])
+    text, label = [("file", report.text[0]), ("done", done)], ""
+    for line in report.text[1:]:
+        label = line[:VALUES].strip() or label
+        text += [(line[:VALUES].strip(), line[VALUES:])] if label not in UNWRITTEN else []
     above: list[describe.Panel] = [
         _map_of_heights(surface.levelled, surface.size, surface.filled),
-        describe.Text(list(_numbers(record(report.rows)))),
+        describe.Text(text),
         describe.Empty(),
     ]
     return Figure([*above, _bearing(report), _spectrum(report), slope], 3, width=describe.PAGE, height=SHEET)
@@ -68,36 +72,6 @@ def _spectrum(report: SurfaceReport) -> Chart:
     scale: Any = "log" if lines else "linear"
     up = Axis("power spectral density, µm⁴", scale, low=low, high=high)
     return Chart("Spectrum", Axis("wavelength, µm", scale), up, lines, note)
-
-
-def _numbers(r: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Give the numbers of a sheet as label and text. r: the record of the report."""
-    (nx, ny), (px, py), (lx, ly) = r["grid"], r["pixel_um"], r["extent_mm"]
-    yield "file", f"{r['file']} ({r['format']})"
-    yield "window", f"{lx:.4g} × {ly:.4g} mm"
-    yield "points", f"{nx} × {ny}, {px:.4g} × {py:.4g} µm apart"
-    yield "missing", f"{r['missing']} points ({r['missing_percent']:.2g} %)"
-    yield "done", "; ".join(r["operations"]) or "nothing"
-    yield "height", f"Sa {r['sa_um']:.3g}, Sq {r['sq_um']:.3g}, Sz {r['sz_um']:.3g} µm"
-    yield "", f"Ssk {r['ssk']:.3g}, Sku {r['sku']:.3g}".replace("-", "−")
-    developed = f", Sdr {r['sdr_percent']:.3g} %" if "sdr_percent" in r else ""  # a flat has none
-    yield "slope", f"Sdq {r['rms_slope']:.3g}{developed}, between points"
-    if (length := r["autocorrelation_length_um"]) is not None:
-        yield "length", f"Sal {length:.3g} µm (autocorrelation falls to 0.2)"
-    bearing = r["bearing"]
-    yield "bearing", f"Spk {bearing['spk_um']:.3g}, Sk {bearing['sk_um']:.3g}, Svk {bearing['svk_um']:.3g} µm"
-    yield "", f"Smr1 {bearing['smr1_percent']:.3g}, Smr2 {bearing['smr2_percent']:.3g} %"
-    for axis, profiles in r["ra"].items():
-        if profiles.get("ra_um") is not None:
-            filters = [
-                f"{name} {profiles[key]:.3g} {unit}" for name, key, unit in FILTERS if profiles.get(key)
-            ]
-            ra = f"{profiles['ra_um']:.3g} ± {profiles['scatter_um']:.2g} µm"
-            yield f"Ra along {axis}", f"{ra} ({', '.join(filters) or 'unfiltered'})"
-    if r["roll_off"]["wavelength_um"] is not None:
-        hurst = r["roll_off"]["hurst"]
-        exponent = f", Hurst exponent {hurst:.2g}" if hurst is not None else ""
-        yield "roll-off", f"{r['roll_off']['wavelength_um']:.3g} µm{exponent}"
 
 
 def track_figure(track: Track, *, filled: BoolArray | None = None) -> Figure:
@@ -141,13 +115,13 @@ def track_figure(track: Track, *, filled: BoolArray | None = None) -> Figure:
     )
 
 
-def ball_figure(ball: WornBall, *, size: Pair, filled: BoolArray | None = None) -> Figure:
+def ball_figure(ball: WornBall, *, filled: BoolArray | None = None) -> Figure:
     """Draw the depth below the unworn sphere: a map, profiles through the patch.
 
-    size: of the field [mm]; filled: points that were not measured, shape (nx, ny).
+    filled: points that were not measured, shape (nx, ny).
     """
-    nx, ny = ball.lost.shape
-    x, y = places((nx, ny), (size[0] / nx, size[1] / ny))
+    (nx, ny), (px, py) = ball.lost.shape, ball.pixel
+    x, y = places((nx, ny), ball.pixel)
     rows, columns = np.nonzero(ball.patch)
     i, j = round(float(rows.mean())), round(float(columns.mean()))
     lines: list[Line | Level] = [
@@ -157,7 +131,7 @@ def ball_figure(ball: WornBall, *, size: Pair, filled: BoolArray | None = None) 
     ]
     depth = Scale("depth worn, µm", 0.0, 1e3 * ball.depth, colours="depths", beyond="both")
     return stack(
-        _map(1e3 * ball.lost, size, depth, filled),
+        _map(1e3 * ball.lost, (nx * px, ny * py), depth, filled),
         Chart("Profiles", Axis("place, mm"), Axis("depth worn, µm", inverted=True), lines),
     )
 

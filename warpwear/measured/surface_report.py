@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.results.report import Row, lines, times
+from warpwear.results.report import Row, lines, record, times
 from warpwear.surfaces import roughness
 from warpwear.surfaces import spectrum as spectra
 from warpwear.surfaces.measured import Measured
@@ -59,6 +59,11 @@ class SurfaceReport:
     roll_off: spectra.RollOff
     rows: list[Row]
 
+    @property
+    def text(self) -> list[str]:
+        """Return the lines for people."""
+        return [*file_lines(record(self.rows)), *lines(self.rows)]
+
 
 def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMBDA_S) -> SurfaceReport:
     """Find everything about a measured surface. cut_off, short: λc and λs [mm] of the roughness profiles.
@@ -104,8 +109,10 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
         Row("", "extent_mm", list(surface.size)),
         Row("", "ra", ra_rows),
         Row("lay", "lay", lay, sentence="no clear lay" if lay == "none" else f"along {lay}"),
-        Row("bearing curve", "bearing", bearing_rows),
-        Row("", "autocorrelation_length_um", times(1e3, correlation)),
+        Row("bearing", "bearing", bearing_rows),
+        Row(
+            "Sal", "autocorrelation_length_um", times(1e3, correlation), note="(autocorrelation falls to 0.2)"
+        ),
         Row("roll-off", "roll_off", roll_off_rows),
         Row("rms slope", "slope_against_cut_off", by_cut_off, sentence=f"{few} on"),
         Row("", "power_spectrum", {key: values.tolist() for key, values in by_wave.items()}),

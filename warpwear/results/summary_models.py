@@ -166,8 +166,10 @@ def _parts(history: Mapping[str, FloatArray]) -> list[Row]:
         "most_of_a_step": int(history["parts"].max()),
         "estimated_error_at_most": error,
     }
-    text = f"{number} contacts; by estimate their length changes the area by at most {100.0 * error:.2g} %"
-    return [Row("steps divided into", "parts", numbers, sentence=text)]
+    steps, most = history["parts"].size, numbers["most_of_a_step"]
+    text = f"{number} for {steps} steps, {f'each in 1 to {most} parts' if number > steps else 'none divided'}"
+    text += f"; by estimate their length changes the area by at most {100.0 * error:.2g} %"
+    return [Row("contacts solved", "parts", numbers, sentence=text)]
 
 
 def _half_space(result: ResultFile) -> Row:

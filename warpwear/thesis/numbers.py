@@ -14,7 +14,7 @@ from warpwear.result import Result
 from warpwear.results.track import shape_of_growth
 from warpwear.thesis import printed as thesis
 from warpwear.thesis import runs as plans
-from warpwear.thesis.coefficients import DIAMETER, K_OF_BALL, patch
+from warpwear.thesis.coefficients import DIAMETER, WORK, patch
 from warpwear.thesis.printed import read
 from warpwear.thesis.runs import Runs
 
@@ -259,13 +259,12 @@ def _stability(runs: Runs) -> Numbers:
 def calibration() -> Numbers:
     """Find what the printed patch of the ball and the printed wear coefficients say of each other."""
     worn = patch()
-    by_cap, by_ellipsoid = 1e3 * worn.by_cap.mean, 1e3 * worn.by_ellipsoid.mean  # [mm³/(N m)]
-    groove = 1e-3 * thesis.WEAR_COEFFICIENTS["disc"].value * thesis.LOAD.value * thesis.DISTANCE.value
+    by_cap, groove = worn["by_cap_mm3_per_Nm"], 1e-3 * thesis.WEAR_COEFFICIENTS["disc"].value * WORK
     return {
         "experiment.K_by_cap": by_cap,
-        "experiment.K_by_ellipsoid": by_ellipsoid,
-        "experiment.K_over_cap": 1e3 * K_OF_BALL / by_cap,
-        "experiment.patch_of_printed_K_mm": worn.needed,
+        "experiment.K_by_ellipsoid": worn["by_ellipsoid_mm3_per_Nm"],
+        "experiment.K_over_cap": worn["printed_mm3_per_Nm"] / by_cap,
+        "experiment.patch_of_printed_K_mm": worn["diameter_asked_for_mm"],
         # A groove with the profile of a parabola, as wide as the patch and as long as the stroke.
         "experiment.groove_depth_um": 1e3 * 1.5 * groove / (DIAMETER.value * thesis.STROKE.value),
         "experiment.distance_by_strokes_mm": thesis.STROKE.value * thesis.PASSES.value,

@@ -16,7 +16,6 @@ from warpwear.results.folder import check_folder
 from warpwear.results.report import to_json
 from warpwear.study.keys import value_of
 from warpwear.study.text import readable
-from warpwear.thesis import curves, maps
 from warpwear.thesis.figures import CAPTIONS, FIGURES
 from warpwear.thesis.items import ALL_ITEMS, FINDINGS, OF_THESIS, SUMMARY, Row
 from warpwear.thesis.numbers import Numbers, collect
@@ -27,8 +26,6 @@ from warpwear.version import __version__
 
 PAGE = "report.html"
 NUMBERS = "numbers.json"
-#: What declares figures; importing them fills `FIGURES`.
-DECLARED_IN = (curves, maps)
 #: Columns of the table at the top.
 PRINTED_COLUMNS = ("thesis V1", "thesis V2", "thesis V3", "experiment")
 

@@ -36,37 +36,57 @@ WARPWEAR_FN float around_cell(const Solve& solve, const Value* const (&rows)[3],
 }
 
 // One of five passes: 0 and 1 extend the trial of free cells to the others; 2 to 4 add to it what the others
-// have.
-template <typename Solve> WARPWEAR_FN void extend_once(int slot, int slots, Solve& solve, int pass)
+// have. What lies around a cell is loaded whether it is needed or not: a branch would wait for the cell's
+// own.
+template <int pass, typename Solve> WARPWEAR_FN void extend_pass(int slot, int slots, Solve& solve)
 {
     const int rows = solve.fields.pressure.shape[0], columns = solve.columns;
     const Lanes level = solve.groups.data[0].level;
     for (int row = slot; row < rows; row += slots) {
         const SearchRow cells(solve.fields, row);
-        const auto trial = [&](int r) { return (double*)row_of(solve.fields.trial, r); };
-        const auto one = [&](int r) { return &wp::index(solve.fields.gathered, r, 0); };
-        const auto other = [&](int r) { return &wp::index(solve.fields.gathered, rows + r, 0); };
+        double* const trial = (double*)cells.trial;
+        float* const one = &wp::index(solve.fields.gathered, row, 0);
+        float* const other = &wp::index(solve.fields.gathered, rows + row, 0);
         const int above = row > 0 ? row - 1 : solve.wraps_along == 1 ? rows - 1 : -1;
         const int below = row < rows - 1 ? row + 1 : solve.wraps_along == 1 ? 0 : -1;
-        const double* const begun[3] = {above < 0 ? nullptr : trial(above), trial(row),
-                                        below < 0 ? nullptr : trial(below)};
-        const auto around = [&](auto of_row, int column) {
-            const float* const three[3] = {above < 0 ? nullptr : of_row(above), of_row(row),
-                                           below < 0 ? nullptr : of_row(below)};
-            return around_cell(solve, three, column);
+        const auto around = [&](int column) {
+            if constexpr (pass == 0) {
+                const auto of = [&](int r) {
+                    return r < 0 ? nullptr : (double*)row_of(solve.fields.trial, r);
+                };
+                const double* const three[3] = {of(above), trial, of(below)};
+                return around_cell(solve, three, column);
+            } else {
+                const int first = pass == 4 ? rows : 0; // of `other`, or of `one`
+                const auto of = [&](int r) {
+                    return r < 0 ? nullptr : &wp::index(solve.fields.gathered, first + r, 0);
+                };
+                const float* const three[3] = {of(above), of(row), of(below)};
+                return around_cell(solve, three, column);
+            }
         };
         for (int column = lane_of_slot(); column < columns; column += width_of_slot()) {
             const int i = column / LANES, j = column % LANES;
             const Mask may_move = is_free(cells.pressure[i], cells.gradient[i], level, cells.cap_of(i));
             const bool may = lane_of(may_move, j);
-            double& value = trial(row)[column];
-            if (pass == 0) one(row)[column] = may ? float(value) : around_cell(solve, begun, column);
-            if (pass == 1 && !may) value = around(one, column);
-            if (pass == 2) one(row)[column] = may ? 0.0f : float(value);
-            if (pass == 3) other(row)[column] = may ? 0.0f : float(value) + around(one, column);
-            if (pass == 4 && may) value += around(other, column);
+            const double value = trial[column];
+            const float near = pass == 2 ? 0.0f : around(column);
+            if (pass == 0) one[column] = may ? float(value) : near;
+            if (pass == 1 && !may) trial[column] = near;
+            if (pass == 2) one[column] = may ? 0.0f : float(value);
+            if (pass == 3) other[column] = may ? 0.0f : float(value) + near;
+            if (pass == 4 && may) trial[column] = value + near;
         }
     }
+}
+
+template <typename Solve> WARPWEAR_FN void extend_once(int slot, int slots, Solve& solve, int pass)
+{
+    if (pass == 0) extend_pass<0>(slot, slots, solve);
+    if (pass == 1) extend_pass<1>(slot, slots, solve);
+    if (pass == 2) extend_pass<2>(slot, slots, solve);
+    if (pass == 3) extend_pass<3>(slot, slots, solve);
+    if (pass == 4) extend_pass<4>(slot, slots, solve);
 }
 
 // A CPU makes both iterations at once, tile by tile.

@@ -162,7 +162,9 @@ def solve_contact(
     ):
         try:
             solve = partial(solve_half_space, tolerance=tolerance) if edge else solve_cells
-            contact, carried = _contact_of(task, solve(task, executor), executor, hardness, tolerance)
+            contact, carried, touched = _contact_of(
+                task, solve(task, executor), executor, hardness, tolerance
+            )
             contact = replace(contact, modulus=modulus, boundary=edge)
         except ConvergenceError as error:
             raise ConvergenceError(
@@ -175,7 +177,6 @@ def solve_contact(
             "beyond which nothing carries; a larger array is needed for the whole contact.",
             stacklevel=2,
         )
-    touched = np.count_nonzero(contact.pressure)
     if response and 0 < touched < FEWEST_CELLS < contact.pressure.size:
         warnings.warn(
             f"the contact is of {touched} cells, whose area and pressures are those of the cells rather than "
@@ -211,8 +212,8 @@ def _touches_edge(pressure: FloatArray, form: Form | FloatArray, edge: str | Non
 
 def _contact_of(
     task: Task, solution: Solution, executor: Executor, hardness: float | None, tolerance: float
-) -> tuple[ArrayContact, float]:
-    """Return a solved task in the caller's units, certified, and the sum of its pressures. May raise."""
+) -> tuple[ArrayContact, float, int]:
+    """Return a solved task in the caller's units, certified, Σ p and the cells that carry. May raise."""
     certificate = solution.certificate or _certify(task, solution, executor, tolerance)
     if certificate.fault:
         raise ConvergenceError(f"the pressure cannot be certified: {certificate.fault}.")
@@ -220,7 +221,7 @@ def _contact_of(
     pressure, cell = np.empty(task.shape), task.unscaled.grid.cell
     gap_after = task.gap if here else np.empty(task.shape)
 
-    def take(rows: slice, p: FloatArray, displaced: FloatArray) -> float:
+    def take(rows: slice, p: FloatArray, displaced: FloatArray) -> tuple[float, int]:
         gap = gap_after[rows] if here else task.gap_of(rows)
         np.add(gap, displaced, out=gap_after[rows])
         gap_after[rows] -= solution.approach
@@ -229,14 +230,14 @@ def _contact_of(
         if hardness is not None:
             np.minimum(pressure[rows], hardness, out=pressure[rows])
             pressure[rows][p >= task.cap] = hardness
-        return float(pressure[rows].sum())
+        return float(pressure[rows].sum()), int(np.count_nonzero(p > 0.0))
 
     fields = [solution.pressure, solution.displacement]
     if here:
-        sums = each(lambda rows: take(rows, *(field[rows] for field in fields)), task.shape, task.threads)
+        blocks = each(lambda rows: take(rows, *(field[rows] for field in fields)), task.shape, task.threads)
     else:
         pitches = [executor.vectors * LANES if f.dtype is Cells else task.shape[1] for f in fields]
-        sums = download(executor, fields, take, pitches)
+        blocks = download(executor, fields, take, pitches)
     contact = ArrayContact(
         pressure=pressure,
         gap=gap_after,
@@ -246,7 +247,8 @@ def _contact_of(
         certificate=certificate.scaled(length=task.length, pressure=task.pressure, area=cell**2),
         evaluations=solution.evaluations,
     )
-    return contact, sum(sums)
+    carried, touched = map(sum, zip(*blocks, strict=True))
+    return contact, carried, touched
 
 
 def _certify(task: Task, solution: Solution, executor: Executor, tolerance: float) -> Certificate:

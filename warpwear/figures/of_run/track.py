@@ -18,6 +18,8 @@ SHOWN = 4
 #: Bins along a track, and most blocks of its map.
 BINS, BLOCKS = 200, 600
 CHANGE = "change of height, µm"
+#: Mean depths of a pass below this are shown in nm [mm].
+THIN = 1e-4
 
 
 @words.figure(*words.GROOVE, essential=True)
@@ -84,15 +86,18 @@ def wear_per_pass(data: FigureData) -> Figure:
     # Of a short stroke the scar keeps its middle.
     length = np.maximum(table["distance"] / many, table["patch_along"])
     marker = "o" if number.size < 12 else ""
+    looks = {
+        ("wear_volume_disc", "worn"): Look(describe.DISC, marker=marker),
+        ("plastic_volume_disc", "displaced"): Look(describe.NEUTRAL, "dot", marker=marker),
+    }
+    depths = {name: (table[name] / (many * length * table["patch_across"]))[whole] for name, _ in looks}
+    unit, factor = ("nm", 1e6) if max(float(d.max()) for d in depths.values()) < THIN else ("µm", 1e3)
     lines = [
-        Line(number, 1e3 * (table[name] / (many * length * table["patch_across"]))[whole], label, look)
-        for name, label, look in (
-            ("wear_volume_disc", "worn", Look(describe.DISC, marker=marker)),
-            ("plastic_volume_disc", "displaced", Look(describe.NEUTRAL, "dot", marker=marker)),
-        )
+        Line(number, factor * depths[name], label, look)
+        for (name, label), look in looks.items()
         if table[name].any()
     ]
-    axes = Axis("pass, –", integer=True), Axis("mean depth of a pass, µm", "auto")
+    axes = Axis("pass, –", integer=True), Axis(f"mean depth of a pass, {unit}", "auto")
     return Figure([Chart("Wear per pass", *axes, lines)], legend=2 * (len(lines) > 1))
 
 
