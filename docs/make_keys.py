@@ -96,7 +96,8 @@ def demand_text(demand: Demand) -> str:
     values = " or ".join(f'`"{value}"`' for value in demand.values)
     what = demand.what or f"`{demand.name}`" + f" = {values}" * bool(values)
     of = " or ".join("`inf`" if value == math.inf else f'`"{value}"`' for value in demand.of)
-    return f"{of} " * bool(of) + ("does not go with" if demand.excludes else "needs") + f" {what}"
+    where = "".join(f" {condition(rule)}" for rule in demand.where)
+    return f"{of} " * bool(of) + ("does not go with" if demand.excludes else "needs") + f" {what}{where}"
 
 
 def entry(name: str, of_section: int) -> str:

@@ -22,43 +22,36 @@ def begin(solve: Solve):
 
 @wp.kernel(module=TOGETHER)
 def start(solve: Solve):
-    """Begin a search as the host asks, or go on with one that waited for the host."""
-    resumes = solve.request[Request.RESUMES] > ZERO
+    """Begin a search as the host asks."""
     at_load = solve.request[Request.AT_LOAD] > ZERO
     anew = solve.request[Request.ANEW] > ZERO
     rough = solve.request[Request.ROUGH] > ZERO and solve.rules[0].single_rounding > ZERO
-    if not resumes:
-        for i in range(search.lane(), search.groups_of(solve), search.width()):
-            group = search.Group()
-            group.load = solve.loads[i]
-            group.level = wp.where(at_load, ZERO, group.load)
-            solve.groups[i] = group
+    for i in range(search.lane(), search.groups_of(solve), search.width()):
+        group = search.Group()
+        group.load = solve.loads[i]
+        group.level = wp.where(at_load, ZERO, group.load)
+        solve.groups[i] = group
     if search.lane() == 0:
-        if resumes:
-            n = solve.numbers[0]
-            n.status = search.RUNS
-            solve.numbers[0] = n
-        else:
-            n = search.Numbers()
-            if solve.request[Request.RENEWED] > ZERO:
-                last = solve.numbers[0]
-                n.before = last.before + last.iteration
-                n.transforms_before = last.transforms_before + last.transforms
-                n.renewals = last.renewals + 1
-            n.response = solve.request[Request.RESPONSE]
-            n.stiffness = ONE / n.response
-            n.at_load = wp.where(at_load, 1, 0)
-            n.plain_length = n.stiffness
-            n.near_length = ONE
-            n.last = -1
-            n.few_below = NONE
-            solve.numbers[0] = n
-            solve.flags[Flag.RENEWS] = 1
-            solve.flags[Flag.RENEWS_ROUGHLY] = wp.where(rough, 1, 0)
-            solve.flags[Flag.RENEWS_EXACTLY] = wp.where(rough, 0, 1)
-            solve.flags[Flag.MOVES] = 0
-        solve.flags[Flag.STARTS] = wp.where(resumes, 0, 1)
-        solve.flags[Flag.ANEW] = wp.where(anew and not resumes, 1, 0)
+        n = search.Numbers()
+        if solve.request[Request.RENEWED] > ZERO:
+            last = solve.numbers[0]
+            n.before = last.before + last.iteration
+            n.transforms_before = last.transforms_before + last.transforms
+            n.renewals = last.renewals + 1
+        n.response = solve.request[Request.RESPONSE]
+        n.stiffness = ONE / n.response
+        n.at_load = wp.where(at_load, 1, 0)
+        n.plain_length = n.stiffness
+        n.near_length = ONE
+        n.last = -1
+        n.few_below = NONE
+        solve.numbers[0] = n
+        solve.flags[Flag.RENEWS] = 1
+        solve.flags[Flag.RENEWS_ROUGHLY] = wp.where(rough, 1, 0)
+        solve.flags[Flag.RENEWS_EXACTLY] = wp.where(rough, 0, 1)
+        solve.flags[Flag.MOVES] = 0
+        solve.flags[Flag.STARTS] = 1
+        solve.flags[Flag.ANEW] = wp.where(anew, 1, 0)
         solve.flags[Flag.SEARCHING] = 1
 
 
@@ -66,8 +59,7 @@ def start(solve: Solve):
 def measure(solve: Solve):
     """Measure the gap: its mean, its rms height and its lowest point, about 0, then about the mean."""
     n = solve.numbers[0]
-    i = search.first_group(solve)
-    while i < search.groups_of(solve):
+    for i in range(search.first_group(solve), search.groups_of(solve), search.stride(solve)):
         lines = search.lines_of(solve, i, 3, 4)
         first = lines[1] / lines[0]
         second = lines[2] / lines[0]
@@ -81,7 +73,6 @@ def measure(solve: Solve):
                 group.level = group.mean
             group.unit = n.stiffness * (group.mean - lowest)
             solve.groups[i] = group
-        i += search.stride(solve)
 
 
 @wp.func
@@ -101,8 +92,7 @@ def balanced(solve: Solve, begins: wp.bool):
     many = solve.groups.shape[0] > 1
     looking = ZERO
     stuck = ZERO
-    i = search.first_group(solve)
-    while i < search.groups_of(solve):
+    for i in range(search.first_group(solve), search.groups_of(solve), search.stride(solve)):
         lines = search.lines_of(solve, i, 2, 2)
         total = lines[0]
         between = lines[1]
@@ -121,7 +111,6 @@ def balanced(solve: Solve, begins: wp.bool):
             stuck += wp.where(group.bracket.state == STUCK and misses, ONE, ZERO)
         if search.writes(solve):
             solve.groups[i] = group
-        i += search.stride(solve)
     looking = search.over_groups(solve, looking, True)
     stuck = search.over_groups(solve, stuck, True)
     if search.lane() == 0:
@@ -197,8 +186,7 @@ def judge(solve: Solve):
     reach = -NONE
     least_violation = -NONE
     least_allowed = -NONE
-    i = search.first_group(solve)
-    while i < search.groups_of(solve):
+    for i in range(search.first_group(solve), search.groups_of(solve), search.stride(solve)):
         lines = search.lines_of(solve, i, 4, 6)
         group = solve.groups[i]
         group.total = lines[0]
@@ -225,7 +213,6 @@ def judge(solve: Solve):
         reach = wp.max(reach, off)
         least_violation = wp.max(least_violation, -group.violation)
         least_allowed = wp.max(least_allowed, -group.allowed)
-        i += search.stride(solve)
     all_between = search.over_groups(solve, all_between, True)
     all_touching = search.over_groups(solve, all_touching, True)
     off_load = search.over_groups(solve, off_load, True)
@@ -261,8 +248,6 @@ def judge(solve: Solve):
             solve.flags[Flag.PRECONDITIONS] = 1 - n.plain
             few = (n.plain == 1 or capped) and n.loaded == 1 and n.at_load == 1
             if few and all_between <= wp.float64(rules.few) and reach <= n.few_below and rules.few > 0:
-                if solve.rules[0].has_coefficients == 0:
-                    n.status = search.NEEDS_COEFFICIENTS
                 n.few_below = HALF * reach
                 n.near = rules.near * reach
                 solve.flags[Flag.MOVES_FEW] = 1
@@ -295,8 +280,7 @@ def accept(solve: Solve, proof: Proof):
     """Search on from a pressure that could not be certified: what the search added up has drifted."""
     rules = solve.rules[0]
     faults = ZERO
-    i = search.first_group(proof)
-    while i < search.groups_of(proof):
+    for i in range(search.first_group(proof), search.groups_of(proof), search.stride(proof)):
         group = proof.groups[i]
         off = ZERO
         if group.load >= ZERO:
@@ -309,11 +293,9 @@ def accept(solve: Solve, proof: Proof):
         holds = group.over <= ZERO and group.under <= ZERO and wp.abs(off) <= rules.certified_load
         holds = holds and violation <= group.allowed and group.gap < NONE
         faults += wp.where(holds, ZERO, ONE)
-        i += search.stride(proof)
     faults = search.over_groups(proof, faults, True)
     if search.lane() == 0 and faults > ZERO and solve.numbers[0].renewals < rules.renewals:
         solve.request[Request.ANEW] = ZERO
         solve.request[Request.ROUGH] = ZERO
-        solve.request[Request.RESUMES] = ZERO
         solve.request[Request.RENEWED] = ONE
         solve.flags[Flag.SOLVING] = 1

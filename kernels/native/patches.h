@@ -30,19 +30,19 @@ WARPWEAR_FN double next_number(double v, double to)
 
 // Visit the cells of a patch in the tiles that it reaches: `Lanes` by line and place in it. reaches: tells by
 // the lowest gap of a tile before any wear.
-template <typename Layout, typename Reaches, typename Visit>
-WARPWEAR_FN void visit_patch(const Layout& layout, int patch, const Reaches& reaches, const Visit& visit)
+template <typename Surfaces, typename Reaches, typename Visit>
+WARPWEAR_FN void visit_patch(const Surfaces& surfaces, int patch, const Reaches& reaches, const Visit& visit)
 {
-    const double* const lowest = &wp::index(layout.lowest, patch, 0);
-    const int of_line = layout.vectors * OF_VECTOR, tiles = (of_line + OF_TILE - 1) / OF_TILE;
+    const double* const lowest = &wp::index(surfaces.lowest, patch, 0);
+    const int of_line = surfaces.layout.vectors * OF_VECTOR, tiles = (of_line + OF_TILE - 1) / OF_TILE;
 #if defined(__CUDA_ARCH__)
-    for (int n = threadIdx.x; n < layout.lowest.shape[1] * OF_TILE; n += blockDim.x) {
+    for (int n = threadIdx.x; n < surfaces.lowest.shape[1] * OF_TILE; n += blockDim.x) {
         const int tile = n / OF_TILE, line = tile / tiles;
         const int place = (tile - line * tiles) * OF_TILE + n % OF_TILE;
         if (reaches(lowest[tile]) && place < of_line) visit(line, place);
     }
 #else
-    for (int tile = 0; tile < layout.lowest.shape[1]; ++tile) {
+    for (int tile = 0; tile < surfaces.lowest.shape[1]; ++tile) {
         if (!reaches(lowest[tile])) continue;
         const int line = tile / tiles, first = (tile - line * tiles) * OF_TILE;
         const int end = first + OF_TILE < of_line ? first + OF_TILE : of_line;
@@ -72,13 +72,14 @@ WARPWEAR_FN void give_nothing(Curves& curves, int patch, double base, double off
 }
 
 // What the cells of a patch carry at its trial approach.
-template <typename Curves, typename Surfaces>
-WARPWEAR_FN void carry_patch(int patch, double cap, double stiffness, Curves& curves,
+template <typename Steps, typename Curves, typename Surfaces>
+WARPWEAR_FN void carry_patch(int patch, int slots, const Steps& steps, Curves& curves,
                              const Surfaces& surfaces)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(off)
 #endif
+    const double cap = steps.load.hardness, stiffness = wp::index(steps.now, 0).stiffness;
     const double base = wp::index(curves.base, patch), offset = wp::index(curves.offset, patch);
     if (!((base - wp::index(curves.lowest, patch)) + offset > 0.0)) {
         if (lane_of_slot() == 0) give_nothing(curves, patch, base, offset);
@@ -89,28 +90,26 @@ WARPWEAR_FN void carry_patch(int patch, double cap, double stiffness, Curves& cu
     const Stored* const gap = row_of(surfaces.gap, patch);
     const Stored* const parts = parted ? row_of(surfaces.parts, patch) : nullptr;
     const Lanes zero = 0.0;
-    const Counts no = 0, yes = 1;
-    Lanes pressure = 0.0, nearest = ABSENT;
-    Counts between = 0;
+    Lanes pressure = 0.0, between = 0.0, nearest = ABSENT;
     double beside = ABSENT; // of the tiles that are skipped
     const auto reaches = [&](double low) {
         const double overlap = (base - low) + offset;
         if (!(overlap > 0.0)) beside = wp::min(beside, -overlap);
         return overlap > 0.0;
     };
-    visit_patch(surfaces.layout, patch, reaches, [&](int line, int place) {
+    visit_patch(surfaces, patch, reaches, [&](int line, int place) {
         const int i = line * of_line + place;
         const Lanes most_here = parted ? Lanes(cap * parts[i]) : Lanes(cap);
-        const Lanes q = on_spring((base - Lanes(gap[i])) + offset, Lanes(stiffness)),
-                    p = clipped(q, most_here);
+        const Lanes overlap = (base - Lanes(gap[i])) + offset;
+        const Lanes q = on_spring(overlap, Lanes(stiffness)), p = clipped(q, most_here);
         pressure += p;
-        between += p > zero && q < most_here ? yes : no;
+        between += p > zero && q < most_here ? slope_on_spring(overlap, Lanes(stiffness)) : zero;
         const Lanes near = to_bound(q, most_here);
         nearest = nearest < near ? nearest : near;
     });
     leave_each(
         {{total(pressure), &wp::index(surfaces.trial, 0, patch), true},
-         {count(between) * stiffness, &wp::index(surfaces.trial, 1, patch), true},
+         {total(between) * stiffness, &wp::index(surfaces.trial, 1, patch), true},
          {-wp::min(-most(-nearest), beside * stiffness), &wp::index(surfaces.trial, 2, patch), false}});
     give_answer(curves.answer, patch, surfaces.trial, surfaces.cells, stiffness);
 }
@@ -130,7 +129,7 @@ WARPWEAR_FN Extents extents_of(int patch, const Surfaces& surfaces, const WearBy
         return extents;
     const double* const gap = (const double*)row_of(surfaces.gap, patch);
     const double* const unworn = (const double*)row_of(surfaces.unworn, patch);
-    visit_patch(surfaces.layout, patch, reaches, [&](int line, int place) {
+    visit_patch(surfaces, patch, reaches, [&](int line, int place) {
         for (int i = place * LANES; i < place * LANES + LANES; ++i) {
             const int cell = line * of_line * LANES + i;
             if (!was_touched(by, gap[cell], unworn[cell])) continue;
@@ -145,10 +144,11 @@ WARPWEAR_FN Extents extents_of(int patch, const Surfaces& surfaces, const WearBy
 
 // Wear the cells of a patch that it has reached or reaches next, and leave what they add up to. Where the
 // next step is foreseen the patch answers for it as well.
-template <typename Steps, typename Now, typename Curves, typename Courses, typename Surfaces, typename Books>
-WARPWEAR_FN void wear_patch(int patch, const Steps& steps, const Now& now, Curves& curves,
-                            const Courses& courses, const Surfaces& surfaces, Books& books)
+template <typename Steps, typename Curves, typename Courses, typename Surfaces, typename Books>
+WARPWEAR_FN void wear_patch(int patch, int slots, const Steps& steps, Curves& curves, const Courses& courses,
+                            const Surfaces& surfaces, Books& books)
 {
+    const auto& now = wp::index(steps.now, 0);
     const double base = wp::index(curves.base, patch), offset = wp::index(curves.offset, patch);
     const double base_next = wp::index(courses.base_next, patch);
     const double offset_next = wp::index(courses.offset_next, patch);
@@ -181,7 +181,7 @@ WARPWEAR_FN void wear_patch(int patch, const Steps& steps, const Now& now, Curve
         if (!is_near) beside = wp::min(beside, -next * by.stiffness_next);
         return is_near;
     };
-    visit_patch(surfaces.layout, patch, reaches, [&](int line, int place) {
+    visit_patch(surfaces, patch, reaches, [&](int line, int place) {
         const int i = line * of_line + place;
         fetch((const double*)(gap + i + 16)); // a fifth of the time, where fields do not fit the cache
         fetch((const double*)(unworn + i + 16));

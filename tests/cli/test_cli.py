@@ -66,7 +66,7 @@ def test_a_run_from_the_command_line(
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["run", "nothing"], "STUDY = 'nothing' is neither a file nor a preset"),
+        (["run", "nothing"], "STUDY = 'nothing' is no file, no run folder and no preset"),
         (["run", "v3", "--set", "contact.load=-8 N"], "contact.load = '-8 N': must be greater than 0 N"),
         (["run", "v3", "--set", "contact.load"], "KEY=VALUE is expected"),
         (["run", "v3", "--set", "contact.laod=8 N"], "did you mean 'contact.load'"),

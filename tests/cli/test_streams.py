@@ -64,7 +64,7 @@ def test_a_pipe_in_the_place_of_a_study_is_not_waited_for(command: str, tmp_path
     os.mkfifo(tmp_path / "pipe")
     done = shell(f"{command} pipe", tmp_path, limit=30.0)
     assert done.returncode == 2
-    assert done.stderr.endswith("warpwear: STUDY = 'pipe' is a pipe or a device; a file is expected.\n")
+    assert "warpwear: STUDY = 'pipe' is no file, no run folder" in done.stderr
 
 
 def test_what_a_pipe_of_the_shell_says_is_read(tmp_path: Path) -> None:
@@ -73,4 +73,6 @@ def test_what_a_pipe_of_the_shell_says_is_read(tmp_path: Path) -> None:
 
 
 def test_a_folder_without_a_study_is_one_sentence(tmp_path: Path) -> None:
-    assert shell("show .", tmp_path).stderr == "warpwear: STUDY = '.' is a folder without a study.toml.\n"
+    told = shell("show .", tmp_path).stderr
+    assert told.startswith("warpwear: STUDY = '.' is no file, no run folder and no preset (")
+    assert told.count("\n") == 1

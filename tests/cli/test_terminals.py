@@ -41,7 +41,7 @@ def test_signs_that_the_terminal_lacks() -> None:
     assert "\\u03bd 0.29" in shown
     status, _, said = told("run", "no-\u03bd", PYTHONIOENCODING="latin-1")
     assert status == 2
-    assert said.startswith("warpwear: STUDY = 'no-\\u03bd' is neither")
+    assert said.startswith("warpwear: STUDY = 'no-\\u03bd' is no file")
 
 
 @pytest.mark.skipif(not FULL.exists(), reason="no such device here")

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from warpwear.laws.film import Breaking, fit_breaking, grown_cap
+from warpwear.laws.courses import Breaking, fit_breaking
+from warpwear.laws.film import grown_cap
 from warpwear.study.sections.friction import Friction
 
 FILM = {"thickness": "10 nm", "shear_strength": "40 MPa"}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from warpwear.laws.settling import Settling, fit_settling
+from warpwear.laws.courses import Settling, fit_settling
 
 PLACES = np.array([0.0, 30.0, 90.0, 150.0, 240.0, 480.0, 900.0])
 

@@ -404,7 +404,7 @@ def test_what_does_not_apply_is_told_and_what_does_not_fit_refused() -> None:
 
 def test_memory_is_looked_at_first(monkeypatch: pytest.MonkeyPatch) -> None:
     """More of it than by the local law."""
-    monkeypatch.setattr("warpwear.runs.arrangements.free_memory", lambda device: {"the host": 200_000})
+    monkeypatch.setattr("warpwear.engine.executor.free_memory", lambda device: {"the host": 200_000})
     warpwear.run(small("full", sliding__distance="0 mm"))
     with pytest.raises(warpwear.InputError, match=r"sliding\.track = 'full' makes a disc of"):
         warpwear.run(small("full", sliding__distance="0 mm", contact__law="half-space"))

@@ -218,7 +218,7 @@ def test_steps_and_cells_that_are_too_long_are_told_with_what_would_do() -> None
 
     assert "wear.particle" not in told("track")
     assert "grid.cell of 2.5 µm or less" in told("track", wear__particle="10 um")
-    assert "sliding.shift = 2 or a sliding.track of" in told("track", wear__particle_thickness="0.1 um")
+    assert "sliding.shift = 2 would do" in told("track", wear__particle_thickness="0.1 um")
     assert "increments of 0.54 mm or less" in told("at rest", stepping__increment="2 mm")
 
 

@@ -12,7 +12,7 @@ from scipy import ndimage
 import warpwear
 from warpwear import Result, Study
 from warpwear.history.quantities import EVOLUTION
-from warpwear.laws.settling import Settling
+from warpwear.laws.courses import Settling
 from warpwear.results import evolution, summary_models
 from warpwear.results.evolution import (
     inner_scar,

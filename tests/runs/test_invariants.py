@@ -264,22 +264,16 @@ def test_an_extent_that_roughness_may_fill_is_told_before() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "helps"),
+    "changes",
     [
-        (
-            {"stepping": {"first": "3 um", "largest": "40 um"}},
-            r"stepping\.first='0\.0015 mm', stepping\.largest='0\.02 mm'",
-        ),
-        ({"stepping": {"increment": "0.02 mm"}}, r"stepping\.increment='0\.01 mm'"),
-        (
-            {"stepping": {"increment": None, "largest": None}},
-            r"stepping\.first='0\.0015 mm', stepping\.largest='1\.5 mm'",
-        ),
+        {"stepping": {"first": "3 um", "largest": "40 um"}},
+        {"stepping": {"increment": "0.02 mm"}},
+        {"stepping": {"increment": None, "largest": None}},
     ],
     ids=["growing", "fixed", "by themselves"],
 )
 def test_an_unbalanced_step_leaves_the_run_so_far(
-    changes: dict[str, Any], helps: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    changes: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Solving it again would end alike, so that is not what is advised."""
     advance, calls = OneScaleModel.advance, []
@@ -293,7 +287,7 @@ def test_an_unbalanced_step_leaves_the_run_so_far(
     monkeypatch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
     monkeypatch.setattr(OneScaleModel, "advance", failing)
     kept = rf"The run folder {re.escape(str(tmp_path / 'out'))} holds the steps so far\."
-    told = rf"8 N are left\. {kept} A new run may get further with smaller increments: {helps}\.$"
+    told = rf"8 N are left\. {kept} A new run may get further with smaller increments \(\[stepping\]\)\.$"
     with pytest.raises(ConvergenceError, match=told):
         warpwear.run(small().replace(changes), out=tmp_path / "out", plots=False)
     with Result.open(tmp_path / "out") as result:
@@ -343,16 +337,16 @@ def test_without_a_checkpoint_a_stopped_run_begins_again(
 def test_a_load_that_patches_do_not_carry_stops_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is booked is what wore: a search that is told what is wrong is no success."""
     study = Study.load("two-scale").replace({"grid.cell": "10 um", "sliding.distance": "0.1 mm"})
-    say = LoadSharing.say
+    add = LoadSharing.add_to
 
-    def say_wrong(self: LoadSharing, program: Program, evaluate: Callable[[], None]) -> None:
+    def add_wrong(self: LoadSharing, program: Program, evaluate: Callable[[], None]) -> None:
         def evaluate_wrong() -> None:
             evaluate()
             program.call(lambda: self.answer.assign(self.answer.numpy() * (1.0 + 1e-9)))
 
-        say(self, program, evaluate_wrong)
+        add(self, program, evaluate_wrong)
 
-    monkeypatch.setattr(LoadSharing, "say", say_wrong)
+    monkeypatch.setattr(LoadSharing, "add_to", add_wrong)
     with pytest.raises(ConvergenceError, match=r"^\S+ N of 8 N are left at an approach"):
         warpwear.run(study)
 

@@ -12,7 +12,6 @@ import pytest
 
 import warpwear
 from warpwear import InputError, Result, Study
-from warpwear.engine import executor as engine_executor
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
@@ -243,7 +242,7 @@ def test_what_cannot_be_computed_leaves_nothing_behind(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, changes: dict[str, Any], message: str
 ) -> None:
     # a host with more memory would make these cells, for minutes
-    monkeypatch.setattr(engine_executor, "free_memory", lambda device: {"the host": 8 * 2**30})
+    monkeypatch.setattr("warpwear.engine.executor.free_memory", lambda device: {"the host": 8 * 2**30})
     with pytest.raises(InputError, match=message):
         warpwear.run(quick().replace(changes), out=tmp_path / "new" / "out")
     assert list(tmp_path.iterdir()) == []
@@ -323,7 +322,7 @@ def test_an_absurd_coefficient_and_a_contact_of_few_cells_are_told() -> None:
 def test_a_preset_runs_by_its_name(tmp_path: Path) -> None:
     (tmp_path / "study.toml").write_text(quick(sliding__distance="0 mm").to_toml())
     assert warpwear.run(tmp_path).finished
-    with pytest.raises(InputError, match="folder without a study"):
+    with pytest.raises(InputError, match="is no file, no run folder and no preset"):
         Study.load(tmp_path.parent)
 
 

@@ -21,10 +21,9 @@ from warpwear.page import html as report_page
 from warpwear.page.folder import write_report
 from warpwear.study.study import Study
 from warpwear.thesis.figures import CAPTIONS
-from warpwear.thesis.items import ALL_ITEMS, Item
+from warpwear.thesis.items import ALL_ITEMS, GROUPS, Item, environment, number
 from warpwear.thesis.report import FIGURES, judge, thesis_report
 from warpwear.thesis.runs import Plan
-from warpwear.thesis.verdicts import GROUPS, environment, number
 
 
 @pytest.mark.parametrize("item", ALL_ITEMS, ids=lambda item: item.id)

@@ -8,9 +8,8 @@ import jinja2.nodes
 import pytest
 
 from warpwear.calibration.wear import diameter_of_cap
-from warpwear.thesis.items import ALL_ITEMS, SUMMARY
+from warpwear.thesis.items import ALL_ITEMS, SUMMARY, Kind, Rule, as_printed, number
 from warpwear.thesis.report import judge, thesis_report
-from warpwear.thesis.verdicts import Kind, Rule, as_printed, number
 
 #: What the published studies give, to the digits that verdicts need.
 NUMBERS = {

@@ -43,7 +43,7 @@ MEASURED = {
 }
 
 #: Old names of such options.
-FORMER = ("--volume-sphere", "--sq-sphere")
+FORMER = {"--volume-sphere": "volume_sphere", "--sq-sphere": "sq_sphere"}
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -79,9 +79,7 @@ def wear(**options: Any) -> None:
     warpwear calibrate wear --diagonals "0.80 mm" "0.82 mm" --radius "3 mm" \\
         --load "8 N" --distance "2400 mm"
     """
-    preparation, as_json = prepared(options), options.pop("as_json")
-    by_name = {f"--{name.replace('_', '-')}": value for name, value in options.items()}
-    click.echo(places.wear_command.calibrate_wear(by_name, preparation=preparation, as_json=as_json))
+    click.echo(places.wear_command.calibrate_wear(prepared(options), **options))
 
 
 @calibrate.command()
@@ -180,11 +178,7 @@ def bayes(study: str, changes: tuple[str, ...], **options: Any) -> None:
     A value measured in repeated tests is given repeatedly. Unknowns, measurements and tests may stand in the
     study's own section [infer] too.
     """
-    measured = {name: options.pop(name) for name, _ in MEASURED.values()}
-    for former in FORMER:
-        if values := options.pop(former[2:].replace("-", "_")):
-            measured[former[2:].replace("-", "_")] = values
-            now = former.replace("sphere", "counter")
-            click.echo(f"{former} has a new name, and the next release refuses the old one: {now}.", err=True)
+    names = [name for name, _ in MEASURED.values()]
+    measured = {name: options.pop(name) for name in (*names, *FORMER.values())}
     changed = parsed_changes(changes)
     click.echo(places.inference_command.calibrate_bayes(study, changed, measured=measured, **options))

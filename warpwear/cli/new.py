@@ -8,7 +8,7 @@ import click
 from warpwear.cli.options import PATH
 from warpwear.cli.places import drafts
 from warpwear.cli.study import CHANGES, parsed_changes
-from warpwear.errors import InputError
+from warpwear.errors import InputError, explained
 
 KINDS = ("reciprocating", "rotating", "fretting", "pin", "block-on-ring")
 
@@ -38,8 +38,6 @@ def new(file: Path, like: str, surface: Path | None, changes: tuple[str, ...], o
         raise InputError(f"{file} is there already; --overwrite replaces it.")
     values = parsed_changes(changes)
     study = drafts.draft(like, name=file.stem, folder=file.parent, surface=surface, changes=values)
-    try:
+    with explained(f"{file} cannot be written"):
         file.write_text(study, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{file} cannot be written: {error.strerror}.") from error
     click.echo(f"{file} holds the study; put in your numbers and: warpwear run {shlex.quote(str(file))}")

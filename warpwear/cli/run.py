@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from warpwear.cli.options import DEVICE, PATH, THREADS
-from warpwear.cli.places import results, run_checkpoint, run_folder, run_order, runner, summaries
+from warpwear.cli.places import results, run_checkpoint, runner, summaries
 from warpwear.cli.study import CHANGES, STUDY, load_study
 from warpwear.version import __version__
 
@@ -27,7 +27,7 @@ from warpwear.version import __version__
     show_default=True,
     help="Figures to draw: what goes into a paper, or all; `warpwear plot` draws them later.",
 )
-@click.option("--no-plots", is_flag=True, help="Draw no figures, as --plots none.")
+@click.option("--no-plots", "plots", flag_value="none", help="Draw no figures, as --plots none.")
 @click.option("--notes", is_flag=True, help="Tell all notes here, not the three heaviest alone.")
 @click.option("--overwrite", is_flag=True, help="Replace the run that the folder holds.")
 @click.option("--resume", is_flag=True, help="Go on from the checkpoint in the folder.")
@@ -38,7 +38,6 @@ def run(
     changes: tuple[str, ...],
     out: Path | None,
     plots: str,
-    no_plots: bool,
     notes: bool,
     **options: Any,
 ) -> None:
@@ -65,20 +64,19 @@ def run(
     # A run folder that is to be resumed is itself where it goes on.
     own = Path(study) if options["resume"] and Path(study).is_dir() else Path(loaded.study.name)
     folder = own if out is None else out
-    order = run_order.RunOrder(loaded)
-    if options["resume"] and not options["overwrite"] and run_folder.is_finished(folder, order):
-        click.echo(f"{folder}/ holds this run, finished: nothing is left to do")
-        return
     try:
         with runner.Progress(loaded.study.name, all_notes=notes) as progress:
             run_options = runner.RunOptions(
                 out=folder,
-                plots="none" if no_plots else plots,
+                plots=plots,
                 progress=progress,
                 import_seconds=0.0 if started is None else time.perf_counter() - started,
                 **options,
             )
             with runner.run_study(loaded, run_options) as result:
+                if not result.seconds:
+                    click.echo(f"{folder}/ holds this run, finished: nothing is left to do")
+                    return
                 click.echo(summaries.summary_text(summaries.summarise(result)))
             page = "report.html" if (folder / "report.html").exists() else "summary.json"
             progress.elsewhere = f"{folder / page}, or --notes"

@@ -40,14 +40,17 @@ Arguments = Any  # an instance of a wp.struct
 def arguments(kind: Any, device: Any = None, **members: Any) -> Arguments:
     """Make an instance of a wp.struct. Launches see what changes in it later, recordings do not.
 
-    device: where arrays that are not given are made, of one zero each; without it they have no rows.
+    device: where arrays are made of zeros that are given by their shape; those of one dimension that are not
+    given are of one zero each. Without it these have no rows.
     """
     instance = kind()
     for name, member in kind.vars.items() if device else ():
         if getattr(member.type, "ndim", 0) == 1 and name not in members:
             setattr(instance, name, wp.zeros(1, dtype=member.type.dtype, device=device))
     for name, value in members.items():
-        setattr(instance, name, value)
+        of = kind.vars[name].type
+        makes = device is not None and isinstance(of, wp.array) and isinstance(value, int | tuple)
+        setattr(instance, name, wp.zeros(value, dtype=of.dtype, device=device) if makes else value)
     return instance
 
 
@@ -56,6 +59,19 @@ def as_numbers(field: Field, shape: int | tuple[int, int]) -> Field:
     view: Field = wp.array(ptr=field.ptr, dtype=wp.float64, shape=shape, device=field.device, copy=False)
     view._owner = field  # which keeps the memory
     return view
+
+
+def require_memory(device: str, needed: float, what: str, instead: str) -> None:
+    """Refuse what the host or a device does not hold: raises InputError.
+
+    needed: [B]. what: begins the sentence, up to what needs it. instead: what is allowed.
+    """
+    for place, free in free_memory(device).items():
+        if needed > free:
+            raise InputError(
+                f"{what}, which need {needed / 2**30:.1f} GiB of memory; {place} has {free / 2**30:.1f} GiB "
+                f"free, so {instead}"
+            )
 
 
 class Executor:
@@ -78,14 +94,9 @@ class Executor:
         self.grid = grid
         self.device = find_device(device)
         self.threads = check_threads(threads)
-        needed = fields_needed * 8 * grid.cells
-        for place, there in free_memory(device).items():
-            if needed > there:
-                raise InputError(
-                    f"grid.cell = {1e3 * grid.cell:g} µm makes {grid.nx} × {grid.ny} cells, which need "
-                    f"{needed / 2**30:.1f} GiB of memory; {place} has {there / 2**30:.1f} GiB free, so "
-                    "larger cells or a smaller grid.extent are needed."
-                )
+        what = f"grid.cell = {1e3 * grid.cell:g} µm makes {grid.nx} × {grid.ny} cells"
+        instead = "larger cells or a smaller grid.extent are needed."
+        require_memory(device, 8.0 * fields_needed * grid.cells, what, instead)
         self.vectors = -(-grid.ny // LANES)
         self.tiles_per_row = -(-self.vectors // int(TILE_VECTORS))
         workers = min(self.threads, grid.cells // CELLS_PER_THREAD) - 1 if self.device.is_cpu else 0

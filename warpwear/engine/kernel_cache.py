@@ -10,7 +10,7 @@ from typing import Any
 import warp as wp
 
 from warpwear.clock import phase
-from warpwear.errors import InputError
+from warpwear.errors import explained
 
 #: Names of the modules that this process has loaded, and the devices.
 _LOADED: set[tuple[str, str]] = set()
@@ -43,13 +43,9 @@ def _load(module: Any, device: Any) -> None:
         if isinstance(error, MemoryError):
             raise
         shutil.rmtree(_folder(module, device), ignore_errors=True)
-        try:
+        cache = f"{wp.config.kernel_cache_dir} (WARP_CACHE_PATH names another folder)"
+        with explained(f"Warp cannot keep compiled kernels in {cache}"):
             wp.load_module(module, device=device)
-        except OSError as fault:
-            raise InputError(
-                f"Warp cannot keep compiled kernels in {wp.config.kernel_cache_dir}: {fault.strerror}; "
-                "WARP_CACHE_PATH names another folder."
-            ) from fault
 
 
 def _folder(module: Any, device: Any) -> Path:

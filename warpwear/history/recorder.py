@@ -8,7 +8,6 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from warpwear.contact.balance import Balance
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.quantities import per
@@ -33,6 +32,23 @@ class Step(NamedTuple):
     touches_edge: bool  # of the domain
     touches_rim: bool  # of the counter-body: the contact is as wide as the counter-body itself
     pressure: FloatArray | None = None  # [MPa], shape (nx, ny), when it was asked for
+
+
+class Entry(NamedTuple):
+    """A step as it is booked, or many in arrays: an increment [mm] wore the bodies by K ΔL [mm³/N].
+
+    removal: K ΔL of counter-body and disc; where bodies wear by their shear the depths of cells in contact
+    [mm] follow. reference: pressure from which the squares count [MPa]. total, most: what the kernels found,
+    by the names of `SUMS` and `MAXIMA`; the totals have "bearing", how many cells' area bears, where not all
+    that is in contact does.
+    """
+
+    balance: Any
+    increment: Number
+    removal: tuple[Number, ...]
+    reference: Number
+    total: Mapping[str, Number]
+    most: Mapping[str, Number]
 
 
 def divided(sums: Mapping[str, Number], fractions: tuple[float, float]) -> dict[str, Number]:
@@ -107,35 +123,22 @@ class Ledger:
         first, last = self.most["first_column"], self.most["last_column"]
         return (int(-first), int(last) + 1) if math.isfinite(first) else (0, 0)
 
-    def enter(
-        self,
-        balance: Balance,
-        increment: float,
-        removal: tuple[float, ...],
-        reference: float,
-        total: Mapping[str, float],
-        most: Mapping[str, float],
-        *,
-        pressure: FloatArray | None = None,
-    ) -> Step:
-        """Book a step of an increment [mm] that wore counter-body and disc by K ΔL = removal [mm³/N].
+    def enter(self, *entry: Any, pressure: FloatArray | None = None) -> Step:
+        """Book a step. entry: the members of an `Entry`. pressure: of the step, where it was asked for [MPa].
 
-        Of bodies that wear by their shear the depths of cells in contact [mm] follow in `removal`.
-
-        total, most: what the kernels found, by the names of `SUMS` and `MAXIMA`. reference: pressure from
-        which the squares count [MPa]. The totals have "bearing", how many cells' area bears, where not all
-        that is in contact does.
         The row has `plastic_volume_disc` where the totals have "pressed_disc", and `bare_fraction` where they
         have "bare".
 
         Raises ConvergenceError where nothing is in contact.
         """
+        step = Entry(*entry)
+        total, most = step.total, step.most
         if not total["contact"] > 0.0 or not math.isfinite(total["pressure"]):
-            raise ConvergenceError(f"no cell is in contact at an approach of {balance.approach:.6g} mm.")
+            raise ConvergenceError(f"no cell is in contact at an approach of {step.balance.approach:.6g} mm.")
         # What was reached once stays so, also where the tiles visited now do not show it.
         self.most = {name: max(most[name], before) for name, before in self.most.items()}
         largest = self.most | {"pressure": most["pressure"]}
-        row = self._row(balance, increment, removal, reference, total, largest)
+        row = self._row(step, largest)
         row["pressure_std"] = math.sqrt(max(row["pressure_std"], 0.0))
         for name in RUNNING:
             row[name] += self.row[name]
@@ -143,21 +146,14 @@ class Ledger:
         at_edge, at_rim = map(bool, self._flags(self.most))
         return Step(row, at_edge, at_rim, pressure)
 
-    def enter_all(
-        self,
-        balance: Any,
-        increment: FloatArray,
-        removal: tuple[FloatArray, ...],
-        reference: FloatArray,
-        total: Mapping[str, FloatArray],
-        most: Mapping[str, FloatArray],
-    ) -> Iterator[Step]:
+    def enter_all(self, *entry: Any) -> Iterator[Step]:
         """Book steps in a row as `enter` does one: all are arrays of one number a step."""
-        count = len(increment)
+        steps = Entry(*entry)
+        most, count = steps.most, len(steps.increment)
         grown = {
             name: np.maximum.accumulate(np.maximum(most[name], before)) for name, before in self.most.items()
         }
-        row = self._row(balance, increment, removal, reference, total, grown | {"pressure": most["pressure"]})
+        row = self._row(steps, grown | {"pressure": most["pressure"]})
         row["pressure_std"] = np.sqrt(np.maximum(row["pressure_std"], 0.0))
         for name in RUNNING:
             row[name] = np.add.accumulate([self.row[name], *row[name]])[1:]
@@ -169,16 +165,9 @@ class Ledger:
         rows = (dict(zip(row, values, strict=True)) for values in table.tolist())
         return map(Step, rows, at_edge, at_rim)
 
-    def _row(
-        self,
-        balance: Balance,
-        increment: Number,
-        removal: tuple[Number, ...],
-        reference: Number,
-        total: Mapping[str, Number],
-        most: Mapping[str, Number],
-    ) -> dict[str, Any]:
+    def _row(self, entry: "Entry", most: Mapping[str, Number]) -> dict[str, Any]:
         """Return the columns of a step, or of many: of `RUNNING` what they grow by, of the std its square."""
+        balance, increment, removal, reference, total, _ = entry
         area, load = self._weight * self._grid.cell_area, self._task.load
         along, across = ((most[last] + most[first] + 1.0) * self._grid.cell for first, last in PAIRS)
         count = total["contact"]

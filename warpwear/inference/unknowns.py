@@ -15,8 +15,7 @@ from warpwear import lazy
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.inference.data import Data
-from warpwear.study.keys import key_of, no_such_key
-from warpwear.study.sections.friction import value_in
+from warpwear.study.keys import attribute_of, key_of, no_such_key
 from warpwear.study.sections.wear import ArchardCoefficient
 from warpwear.study.study import Study
 from warpwear.study.units import EXAMPLES, Number, Quantity, Range, parse
@@ -164,7 +163,7 @@ def _inside(annotation: Any) -> list[Any]:
 
 def _value(study: Study, key: str) -> float | None:
     """Return the study's number of a key in its unit, None where it has none."""
-    value = value_in(study, key)
+    value = attribute_of(study, key)
     if isinstance(value, ArchardCoefficient):
         return 1.0e3 * value.resolved(study.wear_hardness) if value.dimensionless else value.value
     return float(value) if isinstance(value, int | float) and math.isfinite(value) else None

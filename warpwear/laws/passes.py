@@ -29,10 +29,8 @@ class Laps(NamedTuple):
 
     def last(self, distance: float) -> float:
         """Return what is slid in the last whole cycle of a distance [mm]; a pass within the first cycle."""
-        return self.length * (2.0 if self.reverses and self._turned(distance) else 1.0)
-
-    def _turned(self, distance: float) -> bool:
-        return distance - self.start >= 2.0 * self.length * (1.0 - 1.0e-9)
+        turned = self.reverses and distance - self.start >= 2.0 * self.length * (1.0 - 1.0e-9)
+        return self.length * (2.0 if turned else 1.0)
 
 
 @dataclass(frozen=True)

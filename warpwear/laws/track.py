@@ -18,7 +18,7 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -163,6 +163,24 @@ class Track:
     def steps(self, distance: float) -> float:
         """Return the number of steps, about, that a distance [mm] takes."""
         return math.ceil(distance / self.stroke * self.steps_of_pass)
+
+
+class Leg(NamedTuple):
+    """Blocks in a row that slide over one track have these distances at their start and end [mm]."""
+
+    track: Track
+    start: float
+    end: float
+
+    @property
+    def length(self) -> float:
+        """Return what is slid in it [mm]."""
+        return self.end - self.start
+
+    def steps(self, cycle: int = 0) -> Iterator[tuple[float, float]]:
+        """Yield the increment of each step from a cycle on, and the test's distance at its end [mm]."""
+        for increment, slid in self.track.increments(self.length, cycle=cycle):
+            yield increment, self.end if slid == self.length else self.start + slid
 
 
 def increments(

@@ -13,8 +13,8 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import EVOLUTION
 from warpwear.history.snapshot import Snapshot, extents
 from warpwear.laws.archard import BODIES
+from warpwear.laws.courses import Settling, fit_settling
 from warpwear.laws.junctions import share_above
-from warpwear.laws.settling import Settling, fit_settling
 from warpwear.results.file import ResultFile
 from warpwear.results.formats.bodies import worn_heights
 from warpwear.results.track import inner_rows
@@ -135,9 +135,7 @@ def inner_scar(
     place has too few asperities to tell the roughness of a track. unworn: as they were before any wear.
     """
     quarters = [(part.stop - part.start) // 4 for part in snapshot.scar]
-    rows, columns = (
-        slice(part.start + q, part.stop - q) for part, q in zip(snapshot.scar, quarters, strict=True)
-    )
+    rows, columns = (slice(p.start + q, p.stop - q) for p, q in zip(snapshot.scar, quarters, strict=True))
     if body == "counter" or not result.study.is_swept:
         heights = worn_heights(result, snapshot, body, (rows, columns))
         worn = snapshot.wear_counter if body == "counter" else snapshot.wear_disc

@@ -8,15 +8,12 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar, TypeAlias
 
 from warpwear import lazy
-from warpwear.engine.device import free_memory
-from warpwear.engine.executor import FIELDS_NEEDED, Executor
-from warpwear.errors import InputError
+from warpwear.engine.executor import FIELDS_NEEDED, Executor, require_memory
 from warpwear.grid import FloatArray
 from warpwear.history.arrangements import ARRANGEMENTS, name_of
 from warpwear.history.recorder_patches import bytes_of_book
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.passes import Block
-from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.laws.track import Track
 from warpwear.models.model import Model
@@ -121,7 +118,12 @@ class OnTrack(Maker, name="track"):
 
     def executor(self, study: Study, *, device: str, threads: int | None) -> Executor:
         """Make it where host and device hold the track."""
-        _check_memory(study, study.track.rows, self.needed(study, device=device), device)
+        whole = study.sliding.track == "full"
+        shorter = "a representative track, such as sliding.track = '3.2 mm', or " if whole else ""
+        cells = f"{study.track.rows} × {study.cells.ny} cells"
+        what = f"sliding.track = {study.sliding.track!r} makes a disc of {cells}"
+        needed = 8.0 * self.needed(study, device=device) * study.cells.cells
+        require_memory(device, needed, what, f"{shorter}larger cells are needed.")
         return Executor(study.cells, device=device, threads=threads)
 
     def fields(self, study: Study, *, device: str) -> float:
@@ -149,8 +151,13 @@ class OfPatches(AtRest, name="patches"):
     def executor(self, study: Study, *, device: str, threads: int | None) -> Executor:
         """Make it on the grid of the patches, where the host holds their history too."""
         patches, fields = study.patch_layout, self.needed(study, device=device)
-        _check_memory_of_book(study, patches, device)
-        return Executor(patches.grid, device=device, threads=threads, fields_needed=fields)
+        executor = Executor(patches.grid, device=device, threads=threads, fields_needed=fields)
+        steps, size = len(plan_of(study)), f"patches.macro_cell = {1e3 * study.patches.macro_cell:g} µm"
+        what = f"{size} makes {patches.count} patches, with loads and areas over {steps} steps"
+        beside = 8.0 * FIELDS_NEEDED * patches.grid.cells * (device == "cpu")
+        needed = bytes_of_book(steps, patches.count) + beside
+        require_memory("cpu", needed, what, "a larger patches.macro_cell is needed.")
+        return executor
 
     def model(self, parts: Parts) -> Model:
         """Make a model of all patches."""
@@ -180,32 +187,3 @@ def model_at_rest(
     task = replace(task, keeps_dents=False)
     track = Track.at_rest(executor.grid)
     return models_track.SweptModel(task, track, heights, executor, bearing_curve=bearing_curve)
-
-
-def _check_memory(study: Study, rows: int, fields: float, device: str) -> None:
-    """Raises InputError for a track that the host or the device does not hold."""
-    needed = 8.0 * fields * study.cells.cells
-    whole = study.sliding.track == "full"
-    instead = "a representative track, such as sliding.track = '3.2 mm', or " if whole else ""
-    for place, free in free_memory(device).items():
-        if needed > free:
-            raise InputError(
-                f"sliding.track = {study.sliding.track!r} makes a disc of {rows} × {study.cells.ny} cells, "
-                f"which takes {needed / 2**30:.1f} GiB of memory; {place} has {free / 2**30:.1f} GiB free, "
-                f"so {instead}larger cells are needed."
-            )
-
-
-def _check_memory_of_book(study: Study, patches: Patches, device: str) -> None:
-    """Raises InputError for a history of patches that the host does not hold beside the fields."""
-    steps = len(plan_of(study))
-    tables = bytes_of_book(steps, patches.count)
-    fields = 8.0 * FIELDS_NEEDED * patches.grid.cells * (device == "cpu")
-    free = free_memory(device)["the host"]
-    if fields <= free < fields + tables:  # fields that are too many are told by their cells
-        raise InputError(
-            f"patches.macro_cell = {1e3 * study.patches.macro_cell:g} µm makes {patches.count} patches, "
-            f"whose loads and areas over {steps} steps take {tables / 2**30:.1f} GiB of memory beside "
-            f"{fields / 2**30:.1f} GiB of fields; the host has {free / 2**30:.1f} GiB free, so a larger "
-            "patches.macro_cell is needed."
-        )

@@ -36,10 +36,7 @@ def of_slope(study: Study, slope: float) -> Iterator[str]:
         return
     sentence = f"H/(E*·rms slope) is {ratio:.2g}"
     if modulus is None:
-        bodies = {"counter": study.counter, "disc": study.disc}
-        constants = [(body, name) for body in bodies for name in ("young", "poisson")]
-        missing = [f"{b}.{name}" for b, name in constants if getattr(bodies[b], name) is None]
-        sentence = f"{sentence} for two bodies of steel (not given: {', '.join(missing)})"
+        sentence = f"{sentence} for two bodies of steel (young or poisson of one is not given)"
     yield (
         f"Asperities yield elastically before they flow: {sentence}, and above {ELASTIC:g} the local law "
         'makes the contact too small until wear decides it. contact.law = "half-space" couples them.'
@@ -99,9 +96,4 @@ def smaller_steps(study: Study) -> str:
     """Advise on a contact that could not be balanced; empty where the same step would not come again."""
     if study.is_swept or not study.sliding.total:
         return ""
-    first, _, largest = study.increments
-    lengths = {"first": first, "largest": largest}
-    if study.stepping.increment is not None:
-        lengths = {"increment": first}
-    halves = (f"stepping.{name}='{length / 2.0:g} mm'" for name, length in lengths.items())
-    return f" A new run may get further with smaller increments: {', '.join(halves)}."
+    return " A new run may get further with smaller increments ([stepping])."

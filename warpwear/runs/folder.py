@@ -101,6 +101,8 @@ def is_finished(folder: Path, order: RunOrder) -> bool:
             digest = of_file.get("sha256")
             if digest and surface and Path(surface).is_file() and digest_of(surface) != digest:
                 raise InputError(f"out = {folder} holds a run on what {surface} was before; {OTHER_FOLDER}.")
+    if finished and order.heights:
+        order.heights.refuse_others(folder)
     if finished and (left := _work_folders(folder)):  # killed when all was in place
         with held(folder):
             _clean(folder, left)

@@ -7,7 +7,6 @@ a column is not checked for it.
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -49,9 +48,7 @@ class Invariants:
     """Checks the steps of one study."""
 
     def __init__(self, study: Study) -> None:
-        self._extent_for = partial(extent_for, study)
-        self._shape, self._domain = study.cells.shape, study.grid
-        self._radius, self._repeats = study.counter.nominal_radius, study.repeats
+        self._study = study
         of_bearing_area = study.load_tolerance if study.uses_bearing_area else 0.0
         #: Load that may be left unbalanced [N]: what the study's balance is solved to.
         self._residual = max(TOLERANCE * max(block.load for block in study.blocks), of_bearing_area)
@@ -80,7 +77,7 @@ class Invariants:
             allowed = CONSERVATION * row[expected] + ROUNDING * row.get("area_touched", 0.0)
             if abs(row[worn] + row.get(pending, 0.0) - row[expected]) > allowed:
                 yield self._not_conserved(row, worn, row[expected])
-        if (touches_edge and not self._repeats) or touches_rim:
+        if (touches_edge and not self._study.repeats) or touches_rim:
             yield self._outside(row, rim=touches_rim)
 
     def of_filled(self, snapshot: Snapshot, row: Mapping[str, float]) -> Iterator[Violation]:
@@ -102,7 +99,7 @@ class Invariants:
         """
         for name, values in fields.items():
             if np.asarray(values).dtype.kind == "f" and not math.isfinite(float(np.sum(values))):
-                of_none = self._uncovered if np.shape(values) == self._shape else 0
+                of_none = self._uncovered if np.shape(values) == self._study.cells.shape else 0
                 if of_none and np.count_nonzero(np.isnan(values)) == of_none and not np.isinf(values).any():
                     continue
                 bad = int(np.count_nonzero(~np.isfinite(values))) - of_none
@@ -126,16 +123,16 @@ class Invariants:
         if rim:
             return Violation(
                 "rim",
-                f"counter.radius = {self._radius:g} mm is too small: the contact reached the "
-                f"counter-body's rim {after}, so the counter-body is worn away",
+                f"counter.radius = {self._study.counter.nominal_radius:g} mm is too small: the contact "
+                f"reached the counter-body's rim {after}, so the counter-body is worn away",
                 "a larger radius, or less load, wear or distance is needed",
                 sound=True,
             )
-        sides = self._extent_for(row["distance"])
-        needed = [*sides] if isinstance(self._domain.extent, tuple) else [max(sides)]
+        sides, domain = extent_for(self._study, row["distance"]), self._study.grid
+        needed = [*sides] if isinstance(domain.extent, tuple) else [max(sides)]
         return Violation(
             "edge",
-            f"grid.extent = {self._domain.size} is too small: the contact reached the domain's "
+            f"grid.extent = {domain.size} is too small: the contact reached the domain's "
             f"edge {after}, so what lies beyond it would be missing",
             f"a larger extent is needed, of about {' × '.join(f'{1.05 * side:.2g}' for side in needed)} mm",
             sound=True,

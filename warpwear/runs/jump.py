@@ -19,9 +19,9 @@ from warpwear.engine import state
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.laws.archard import BODIES
-from warpwear.laws.track import Track
+from warpwear.laws.track import Leg, Track
 from warpwear.runs.order import RunOrder
-from warpwear.runs.plan import Leg, Planned, kept_after, legs_of
+from warpwear.runs.plan import Planned, kept_after
 
 #: Part of the allowed error that a jump aims at, as the next ones differ from the last.
 SAFETY = 0.8
@@ -73,7 +73,7 @@ class CycleJumps:
     def __init__(self, order: RunOrder, model: Any, begin: Callable[[Planned], None]) -> None:
         study = order.study
         self.model, self._begin = model, begin
-        self._legs, self._total = legs_of(study), study.sliding.total
+        self._legs, self._total = study.legs, study.sliding.total
         self._stops = study.snapshot_distances
         self._ends = [block.end for block in order.blocks]
         jump = study.stepping.jump

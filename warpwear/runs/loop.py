@@ -2,11 +2,12 @@
 
 import logging
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from itertools import groupby
 from pathlib import Path
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -23,16 +24,17 @@ from warpwear.results.writer import ResultWriter
 from warpwear.runs import doubts
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.runs.checkpoint import Checkpoint, Checkpoints, StoredCheckpoint, opened
-from warpwear.runs.circles import Circles
 from warpwear.runs.console import Interrupts, Progress
 from warpwear.runs.invariants import Violation
 from warpwear.runs.jump import CycleJumps
 from warpwear.runs.order import RunOrder
-from warpwear.runs.plan import Planned, legs_of
+from warpwear.runs.plan import Planned
 from warpwear.runs.step import RunStep
 from warpwear.surfaces.form import Given
 
 LOG = logging.getLogger("warpwear.run")
+#: What is of the disc among the arrays of a model, by parts of their names.
+OF_THE_DISC = ("disc", "highest")
 
 
 class StepLoop:
@@ -81,7 +83,7 @@ class StepLoop:
             #: What plans the cycles where one may stand for many.
             self._jumps = CycleJumps(order, self._model, self._begin) if order.study.jumps else None
             #: The state of those circles of the disc that the counter-body has left.
-            self._circles = Circles(self._model) if order.study.circles else None
+            self._circles = Circles() if order.study.circles else None
             self._warn(*doubts.of_slope(order.study, prepared.record["on_the_grid"]["rms_slope"]))
             if order.track is not None and writer is not None:
                 writer.add_track(order.track, prepared.heights)
@@ -173,23 +175,21 @@ class StepLoop:
         """
         parts = [self._order.plan[len(self._rows) :]] if self._jumps is None else self._jumps.parts()
         for part in parts:
-            blocks = self._order.blocks_of(part)
-            tasks = [self._tasks[block.number] for block in blocks]
-            for _, group in groupby(range(len(part)), tasks.__getitem__):
-                numbers = [*group]
-                which = slice(numbers[0], numbers[-1] + 1)
-                self._begin(part[numbers[0]])
-                yield from self._steps_of(part[which], blocks[which], with_fields=with_fields)
+            pairs = zip(part, self._order.blocks_of(part), strict=True)
+            for _, group in groupby(pairs, lambda pair: self._tasks[pair[1].number]):
+                left, blocks = zip(*group, strict=True)
+                self._begin(left[0])
+                yield from self._steps_of(left, blocks, with_fields=with_fields)
 
     @cached_property
     def _count(self) -> int:
         """Return the number of steps of the whole run, those of cycles that are jumped over included."""
         if self._jumps is None:
             return len(self._order.plan)
-        return sum(int(leg.track.steps(leg.length)) for leg in legs_of(self._order.study))
+        return sum(int(leg.track.steps(leg.length)) for leg in self._order.study.legs)
 
     def _steps_of(
-        self, left: list[Planned], blocks: list[Block], *, with_fields: bool
+        self, left: Sequence[Planned], blocks: Sequence[Block], *, with_fields: bool
     ) -> Iterator[tuple[dict[str, float], InvariantError | None]]:
         """Yield the rows of a part of the plan, whose steps lie in these blocks, as `_steps` does."""
         # where points were filled, steps 1, 2, 4, 8, … are looked at too: a load on those stops a run early
@@ -236,6 +236,7 @@ class StepLoop:
         if was == now:
             return
         model = self._order.model_in(self._block, self._heights, self._executor, {})
+        unworn = state.save(model, whole=True)[0] if self._circles is not None else {}
         state.restore(model, *state.save(self._model))
         model.longest_block = min(self._model.longest_block, model.longest_block)
         self._model = model
@@ -245,7 +246,7 @@ class StepLoop:
             self._jumps.model = model
             self._jumps.begin_anew(*circles)
         if self._circles is not None and circles[0] != circles[1]:
-            self._circles.change(self._model, *circles)
+            self._circles.change(self._model, *circles, unworn)
         elif was[1] is not None and was[1] != now[1]:
             self._model.set_out_anew(was[1])
 
@@ -343,3 +344,30 @@ class StepLoop:
             self.warnings.append(sentence)
             LOG.warning(sentence)
             self._progress.note(sentence, kind=kind)
+
+
+class Circles:
+    """Holds what models have of the disc on the circles of it that were left.
+
+    All circles of a programme are parts of one length of the same surface, so that a model has room for one
+    of them: unworn where a programme first slides on one, then found as it was left.
+    """
+
+    STATE: ClassVar = {"left": dict[str, dict[str, Any]], "booked": dict[str, dict[str, Any]]}
+
+    def __init__(self) -> None:
+        #: Arrays, and what the ledger had returned, by the number of the circle.
+        self.left: dict[str, dict[str, Any]] = {}
+        self.booked: dict[str, dict[str, float]] = {}
+
+    def change(self, model: Any, before: int, after: int, unworn: dict[str, Any]) -> None:
+        """Let a model leave one circle of the disc for another, by their numbers.
+
+        unworn: arrays of a model on unworn bodies.
+        """
+        arrays, numbers = state.save(model, whole=True)
+        names = [name for name in arrays if any(part in name for part in OF_THE_DISC)]
+        other = self.left.pop(str(after), None) or {name: unworn[name] for name in names}
+        self.left[str(before)] = {name: arrays[name] for name in names}
+        state.restore(model, arrays | other, numbers)
+        self.booked[str(before)] = model.change_circle(self.booked.get(str(after), {}))

@@ -13,10 +13,9 @@ from numpy.typing import ArrayLike
 
 from warpwear import lazy
 from warpwear.clock import Clock, phase
-from warpwear.engine.device import check_threads, find_device, report_out_of_memory
+from warpwear.engine.device import check_threads, report_out_of_memory
 from warpwear.engine.executor import Executor
 from warpwear.errors import InputError
-from warpwear.history.snapshot import Snapshot
 from warpwear.result import Result
 from warpwear.results import manifest
 from warpwear.results.file import FILE_NAME, MAGIC, OWN_SURFACE, SURFACE_FILE
@@ -26,8 +25,6 @@ from warpwear.results.summary import with_seconds
 from warpwear.results.tables import write_summary, write_tables
 from warpwear.results.writer import ResultWriter
 from warpwear.runs import folder as run_folder
-from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
-from warpwear.runs.checkpoint import opened
 from warpwear.runs.console import Progress
 from warpwear.runs.loop import StepLoop
 from warpwear.runs.order import RunOrder, order_of
@@ -164,40 +161,29 @@ def run_study(study: Study | str | Path, options: RunOptions) -> Result:
     progress = shared or Progress(order.study.study.name, quiet=not options.progress)
     clock = Clock(import_seconds=options.import_seconds, entered=progress.phase)
     with clock.running(), nullcontext() if shared else progress:
-        if options.out is not None and _is_there(order, options, options.out):
-            return Result.open(options.out)
+        if options.out is not None:
+            run_folder.check(options.out, overwrite=options.overwrite, resume=options.resume)
+            if options.resume and run_folder.is_finished(options.out, order):
+                return Result.open(options.out)
         draws = options.out is not None and options.plots != "none"
         cores = check_threads(options.threads)
         with run_folder.owned(options.out):
             with process.Painter(cores) if draws else nullcontext() as painter:
-                result, at_hand, rows = _compute(order, options, progress, painter)
+                result, rows = _compute(order, options, progress, painter)
                 if options.out is not None and painter is not None:
-                    _draw(result, at_hand, rows, options, painter)
-            result.seconds = seconds = clock.seconds
-            if options.out is not None and rows is not None:
-                write_summary(options.out, with_seconds(rows, seconds))
+                    _draw(result, rows, options, painter)
+            result.seconds = clock.seconds
+            if options.out is not None:
+                result.at_hand = {}
+                if rows is not None:
+                    write_summary(options.out, with_seconds(rows, result.seconds))
     return result
-
-
-def _is_there(order: RunOrder, options: RunOptions, folder: Path) -> bool:
-    """Whether the folder holds the run, finished. Raises InputError where it cannot be written or resumed."""
-    run_folder.check(folder, overwrite=options.overwrite, resume=options.resume)
-    if not options.resume:
-        return False
-    if run_folder.is_finished(folder, order):
-        if order.heights:
-            order.heights.refuse_others(folder)
-        return True
-    with opened(folder / CHECKPOINT) as checkpoint:  # before anything is made that takes long
-        if checkpoint is not None:
-            checkpoint.refuse_changes(order, device=str(find_device(options.device)))
-    return False
 
 
 def _compute(
     order: RunOrder, options: RunOptions, progress: Progress, painter: "Painter | None"
-) -> tuple[Result, dict[int, Snapshot], list[Row] | None]:
-    """Make the steps and leave the run in its folder; returns its result, snapshots in memory, and summary.
+) -> tuple[Result, list[Row] | None]:
+    """Make the steps and leave the run in its folder; returns its result and its summary.
 
     Raises at the end, when all is in its place, what stopped the run early.
     """
@@ -239,11 +225,12 @@ def _compute(
                 loop.end_checkpoints()
                 result = Result.open_sealed(options.out / FILE_NAME)
                 result.take_over(before)
+                result.at_hand = writer.at_hand
                 if not result.owns_surface:  # which lies elsewhere now
                     result.study = study
     if loop.stopped is not None:
         raise loop.stopped
-    return result, writer.at_hand, rows
+    return result, rows
 
 
 def _writer_of(
@@ -271,23 +258,15 @@ def _leave(result: Result, loop: StepLoop, work: Path | None, painter: "Painter 
     return rows
 
 
-def _draw(
-    result: Result,
-    at_hand: dict[int, Snapshot],
-    rows: list[Row] | None,
-    options: RunOptions,
-    painter: "Painter",
-) -> None:
+def _draw(result: Result, rows: list[Row] | None, options: RunOptions, painter: "Painter") -> None:
     """Write the figures and the page, those of the painter and those that it left."""
     assert options.out is not None
     with phase("draw"):
-        result.at_hand = at_hand
         drawn = painter.pictures()
         paths = result.plot.save_all(options.out / manifest.FIGURES, plots=options.plots, drawn=drawn)
         if rows is not None:
             page = drawn.get(manifest.PAGE) or _page_of(result, rows, paths)
             pages.write_page(options.out, page)
-        result.at_hand = {}
 
 
 def _page_of(result: Result, rows: list[Row], paths: list[Path]) -> bytes:

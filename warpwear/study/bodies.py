@@ -26,6 +26,8 @@ NOMINAL = when(
 random_key, milled_key = partial(key, applies=RANDOM), partial(key, applies=MILLED)
 periodic_key, like_key = partial(key, applies=PERIODIC), partial(key, applies=LIKE)
 file_key = partial(key, applies="FROM_A_FILE")
+#: Constants of a body that its material has.
+CONSTANTS = ("young", "poisson", "hardness")
 Radius = Annotated[float, Quantity("mm", Range(infinite=True))]
 
 
@@ -40,6 +42,12 @@ class Body(Section):
     hardness: Hardness | None = key(
         None, "indentation hardness: a pressure, or a number of Vickers or Brinell, '200 HV'"
     )
+
+    def _check(self) -> None:
+        """Fill in constants of the material, which do not count as given."""
+        if self.material is not None:
+            known = material(self.material)
+            self.__dict__ |= {name: getattr(known, name) for name in CONSTANTS if getattr(self, name) is None}
 
     @property
     def elastic(self) -> tuple[float, float] | None:

@@ -4,7 +4,7 @@ import math
 from typing import Annotated, Literal
 
 from warpwear.laws.elastic import MATCHES
-from warpwear.study.keys import Section, key, needs, needs_compliance, when
+from warpwear.study.keys import Section, excludes, key, needs, needs_compliance, when
 from warpwear.study.units import Load, Quantity, Range
 
 #: K_N plays a part in the macro model, and in the two-scale model where it is the bulk behind the patches.
@@ -43,7 +43,6 @@ class Contact(Section):
         "local",
         "under a largest pressure; local: every cell by itself; half-space: elastic bodies, whose "
         "asperities feel each other",
-        former_value=("foundation", "local"),
         demands=needs("study.model", "micro", "two-scale", of="half-space")
         + needs("effective_modulus", of="half-space", what=ELASTIC)
         + needs("stepping.scheme", "implicit", of="half-space"),
@@ -56,6 +55,7 @@ class Contact(Section):
         assumed="nothing beyond the domain under a counter-body; under a flat the domain is repeated, and in "
         "the two-scale model each patch",
         applies=when("contact.law", "half-space"),
+        demands=excludes("study.model", "two-scale", of="line"),
     )
     stiffness: Annotated[float, Quantity("N/mm^3", Range(infinite=True))] = key(
         "inf N/mm^3",
@@ -71,7 +71,6 @@ class Contact(Section):
         "approach, or a stiffness",
         assumed="one spring constant matches one of Hertz's three values",
         applies=BULK,
-        formerly="contact.foundation",
         demands=needs("counter.has_hertz", of=tuple(MATCHES), what=ROUND, why=A_STIFFNESS)
         + needs("counter.has_approach", of="approach", what="a ball or a crowned body", why=A_STIFFNESS)
         + needs("effective_modulus", of=tuple(MATCHES), what=ELASTIC, why=A_STIFFNESS),
@@ -80,7 +79,6 @@ class Contact(Section):
         "initial",
         "K_N = C_W E*/a with Hertz's a for ever, or with that of the area in contact (two-scale: scar)",
         applies=BULK,
-        formerly="contact.foundation_update",
         demands=needs("contact.bulk_stiffness", *MATCHES, of="updated")
         + needs("counter.has_approach", of="updated", what="a ball or a crowned body"),
     )

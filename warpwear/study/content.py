@@ -188,11 +188,8 @@ class Content(Programme):
         modulus, form, load = self.effective_modulus, self.counter.form, max(b.load for b in self.blocks)
         if modulus is None or not self.counter.has_hertz:
             return None
-        if form.along == form.across:
-            return Hertz(modulus, 1.0 / form.along, load)
-        radii = (1.0 / curvature if curvature else math.inf for curvature in (form.along, form.across))
+        along, across = (1.0 / rise if rise else math.inf for rise in (form.along, form.across))
         # Along which a cylinder lies, it is as long as the domain.
-        along, across = radii
         return Hertz(modulus, along, load, across, self.grid.sides[1 if form.along else 0])
 
     @property

@@ -3,14 +3,16 @@
 import math
 from collections.abc import Iterator
 
-from warpwear.laws.archard import CALLED
+from warpwear.laws.archard import BODIES, CALLED
 from warpwear.laws.fretting import HONEST_MEAN, displacement, softness_ratio
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.track import is_whole
 from warpwear.study.bodies import Synthetic
 from warpwear.study.content import Content
-from warpwear.study.rules import CELLS, diameter, um, unstable, without_unit
-from warpwear.study.rules_track import in_words, sides_worn, spared, worn_patch
+from warpwear.study.keys import attribute_of, given_keys
+from warpwear.study.motion import in_words
+from warpwear.study.rules import CELLS, diameter, longest_step, um, unstable, without_unit
+from warpwear.study.rules_track import sides_worn, spared, worn_patch
 from warpwear.study.units import LineLoad
 
 #: Extent over worn patch below which roughness may fill the domain.
@@ -27,16 +29,14 @@ SCATTER = 0.2
 
 def doubts(study: Content) -> Iterator[str]:
     """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
-    yield from _of_extent(study)
-    yield from _of_line_load(study)
-    yield from _of_seam(study)
-    if study.block is not None:
-        yield from dict.fromkeys(sentence for part in study.parts for sentence in doubts(part))
-        return
-    yield from _of_hardness(study)
-    yield from _of_film(study)
-    yield from _of_parabola(study)
-    yield from _of_pieces(study)
+    for doubt in (_of_mean, _of_track, _of_extent, _of_line_load, _of_seam):
+        yield from doubt(study)
+    of_parts = (_of_hardness, _of_film, _of_parabola, _of_pieces, _of_steps, _of_part)
+    yield from dict.fromkeys(text for part in study.parts for doubt in of_parts for text in doubt(part))
+
+
+def _of_part(study: Content) -> Iterator[str]:
+    """Yield sentences about the pace, explicit steps, patches and the bearing curve of a block."""
     speed, pace = study.sliding.speed, study.sliding.pace
     if speed is not None and pace is not None and abs(speed - pace) > 0.01 * pace:
         yield (
@@ -49,14 +49,10 @@ def doubts(study: Content) -> Iterator[str]:
             "volumes and depths look right."
         )
     if study.samples_area:
-        by_them = ["friction.area = 'nominal'"] if study.friction.area == "nominal" else []
-        if study.uses_bulk_stiffness and study.contact.bulk_update == "updated":
-            by_them.append("contact.bulk_update = 'updated'")
         yield (
             f"patches.width = {1e3 * study.patches.patch_width:g} µm stands for patches.macro_cell = "
             f"{1e3 * study.patches.macro_cell:g} µm: the scar's extents and its nominal area are those of "
-            "what touched in patches, off by up to a macro cell on each side"
-            f"{', and ' + ' and '.join(by_them) + ' with them' if by_them else ''}."
+            "what touched in patches, off by up to a macro cell on each side, and so what follows from them."
         )
     if study.wear.law == "bearing-curve":
         yield (
@@ -79,7 +75,7 @@ def _of_parabola(study: Content) -> Iterator[str]:
 def _of_film(study: Content) -> Iterator[str]:
     """Yield a sentence about a film on a body that does not wear: no cell ever loses it."""
     film = study.friction.film
-    for body, law in zip(("counter", "disc"), study.wear_laws, strict=True):
+    for body, law in zip(BODIES, study.wear_laws, strict=True):
         if film is not None and film.bodies in ("both", body) and not law.wears:
             yield (
                 f"wear.{body} = 0: the {CALLED[body]} keeps its film, so no cell becomes bare by "
@@ -89,26 +85,17 @@ def _of_film(study: Content) -> Iterator[str]:
 
 def _of_hardness(study: Content) -> Iterator[str]:
     """Yield a sentence about each hardness that is given and plays no part, or one part for both bodies."""
-    limit, softer = study.contact.hardness, study.softer_hardness
-    bodies = [
-        name
-        for name in ("counter", "disc")
-        if "hardness" in getattr(study, name).model_fields_set and f"{name}.hardness" not in study.assumed
-    ]
-    if limit is not None and bodies:
-        names = " and ".join(f"{name}.hardness = {getattr(study, name).hardness:g} MPa" for name in bodies)
+    limit, explicit = study.contact.hardness, given_keys(study) - study.assumed.keys()
+    names = [name for name in ("counter.hardness", "disc.hardness") if name in explicit]
+    if limit is not None and names:
+        bodies = " and ".join(f"{name} = {attribute_of(study, name):g} MPa" for name in names)
         yield (
-            f"contact.hardness = {limit:g} MPa is the largest pressure of a cell: {names} only "
-            f"{'enter' if len(bodies) > 1 else 'enters'} the shear strength H/(3√3) of the softer body."
+            f"contact.hardness = {limit:g} MPa is the largest pressure of a cell: {bodies} only "
+            f"{'enter' if len(names) > 1 else 'enters'} the shear strength H/(3√3) of the softer body."
         )
-    bare = " and ".join(without_unit(study))
-    if bare:
-        which = (
-            f"that of the softer body, {softer:g} MPa"
-            if limit is None
-            else f"contact.hardness = {limit:g} MPa"
-        )
-        yield f"{bare}: k of V = k F L / H, with one H for both bodies, {which}."
+    if bare := " and ".join(without_unit(study)):
+        which = "that of the softer body," if limit is None else "contact.hardness ="
+        yield f"{bare}: k of V = k F L / H, with one H for both bodies, {which} {study.wear_hardness:g} MPa."
 
 
 def _of_extent(study: Content) -> Iterator[str]:
@@ -145,10 +132,8 @@ def _of_seam(study: Content) -> Iterator[str]:
         )
 
 
-def of_track(study: Content) -> Iterator[str]:
-    """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
-    if study.fretting is not None:
-        yield from _of_mean(study)
+def _of_track(study: Content) -> Iterator[str]:
+    """Yield a sentence about each thing of a track that misleads."""
     if not study.is_swept:
         return
     sliding = study.sliding
@@ -184,6 +169,8 @@ def of_track(study: Content) -> Iterator[str]:
 
 def _of_mean(study: Content) -> Iterator[str]:
     """Yield a sentence about a stroke too long for one pressure, or about bodies that yield unalike."""
+    if study.fretting is None:
+        return
     ratio, drives = study.stroke_ratio, study.sliding.drives_bodies
     if ratio > HONEST_MEAN and not drives:
         yield (
@@ -241,38 +228,27 @@ def _of_pieces(study: Content) -> Iterator[str]:
             f"wear.particle = {diameter(study, pieces)} is {cells:.2g} cells wide, so that slopes and areas "
             f"depend on the cell: a grid.cell of {um(pieces.diameter / CELLS)} or less is needed."
         )
-    yield from _of_steps(study, pieces)
 
 
-def _of_steps(study: Content, pieces: Pieces) -> Iterator[str]:
+def _of_steps(study: Content) -> Iterator[str]:
     """Yield a sentence where a step takes more off a cell at the hardness than the pieces bear."""
-    if not math.isfinite(study.hardness):
+    pieces = study.pieces
+    if pieces is None or not math.isfinite(study.hardness):
         return
-    total, largest = study.sliding.total, study.increments[2]
-    fraction = 1.0
-    if study.is_swept:
-        track = study.track
-        largest = track.shift * track.stroke / track.cells
-        fraction = track.track_fraction
-    slid = min(largest, total)
+    slid, fraction = longest_step(study)
     allowed = OF_THICKNESS * pieces.thickness
-    for name, law, part in zip(("counter", "disc"), study.wear_laws, (1.0, fraction), strict=True):
+    for name, law, part in zip(BODIES, study.wear_laws, (1.0, fraction), strict=True):
         depth = law.fastest * study.hardness * part * slid
-        if depth <= allowed * (1.0 + 1.0e-9):
-            continue
-        longest = slid * allowed / depth
-        change = f"increments of {longest:.2g} mm or less are needed (stepping)"
-        if study.is_swept:
-            cells = math.floor(study.shift * allowed / depth)
-            changes = [f"sliding.shift = {cells}"] if cells else ["a smaller grid.cell"]
-            if name == "counter" and fraction < 1.0 and study.sliding.track != "full":
-                longer = float(study.sliding.track) * depth / allowed
-                changes.append(f"a sliding.track of {longer:.2g} mm or more")
-            change = f"{' or '.join(changes)} is needed"
-        yield (
-            f"A step wears a cell of the {CALLED[name]} at the hardness by K H ΔL = {um(depth)}, more than "
-            f"half of wear.particle_thickness = {um(pieces.thickness)}, so areas depend on it: {change}."
-        )
+        if depth > allowed * (1.0 + 1.0e-9):
+            cells = math.floor(study.shift * allowed / depth) if study.is_swept else 0
+            shorter = f"sliding.shift = {cells}" if cells else "a smaller grid.cell"
+            if not study.is_swept:
+                shorter = f"increments of {slid * allowed / depth:.2g} mm or less (stepping)"
+            yield (
+                f"A step wears a cell of the {CALLED[name]} at the hardness by K H ΔL = {um(depth)}, more "
+                f"than half of wear.particle_thickness = {um(pieces.thickness)}, so areas depend on it: "
+                f"{shorter} would do."
+            )
 
 
 def _of_critical(study: Content, pieces: Pieces) -> str:

@@ -6,10 +6,11 @@ repeat. Keys that are not used under the choices made are ignored with a notice 
 one key can change a kind.
 """
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from functools import cache, partial
+from functools import cache, partial, reduce
 from itertools import chain
 from types import MappingProxyType
 from typing import Annotated, Any, Self, get_args, get_origin
@@ -45,7 +46,8 @@ def when(name: str, *values: Any, otherwise: str | None = None) -> tuple[Rule, .
     otherwise: what to say of the key elsewhere, by default "does not apply to NAME = 'VALUE'". Rules are
     tuples, which add up.
     """
-    return (Rule(name, values or (True,), otherwise or f"does not apply to {name} = '{{}}'"),)
+    label = "sliding.kinematics" if name == "kinematics" else name  # as the study comes to it
+    return (Rule(name, values or (True,), otherwise or f"does not apply to {label} = '{{}}'"),)
 
 
 @dataclass(frozen=True)
@@ -58,10 +60,13 @@ class Demand:
     what: str  # is needed, in words; by default the name and its values
     why: str  # end of the sentence, with its comma or colon
     excludes: bool
+    where: tuple[Rule, ...]  # that have to hold, or nothing is demanded
 
     def refusal(self, study: BaseModel, key: str) -> str | None:
         """Return the sentence about a study that does not meet the demand of a key; None where it does."""
         demanding = attribute_of(study, key)
+        if any(rule.why_not(study) for rule in self.where):
+            return None
         if demanding not in self.of if self.of else not (demanding and _is_given(study, key)):
             return None
         value, other = attribute_of(study, self.name), declarations(type(study)).get(self.name)
@@ -84,16 +89,14 @@ class Demand:
 def attribute_of(study: BaseModel, name: str) -> Any:
     """Return the value of a dotted key or property; None where it, or its section, is not there."""
     value: Any = study
-    for part in name.split("."):
-        value = getattr(value, part, None)
-    return value
+    return reduce(lambda value, part: getattr(value, part, None), filter(None, name.split(".")), value)
 
 
 def _is_given(study: BaseModel, name: str) -> bool:
     """Tell whether a key or section was given, and not left to its default."""
     section, _, last = name.rpartition(".")
-    owner = attribute_of(study, section) if section else study
-    return last in owner.model_fields_set and attribute_of(study, name) is not None
+    names = getattr(attribute_of(study, section), "model_fields_set", ())
+    return last in names and attribute_of(study, name) is not None
 
 
 def _named(study: BaseModel, name: str) -> str:
@@ -118,8 +121,7 @@ def _example(name: str, field: FieldInfo | None) -> str:
     """Return the name of a key, followed by an example of it where it is a quantity."""
     kinds = get_args(field.annotation) if field else ()
     parts = chain.from_iterable(getattr(kind, "__metadata__", ()) for kind in kinds)
-    units = [part.unit for part in parts if isinstance(part, Quantity)]
-    return f"{name}, {EXAMPLES[units[0]]}" if units else name
+    return next((f"{name}, {EXAMPLES[part.unit]}" for part in parts if isinstance(part, Quantity)), name)
 
 
 def _one_of(values: Iterable[Any]) -> str:
@@ -130,21 +132,27 @@ def _one_of(values: Iterable[Any]) -> str:
 
 def _allowed(study: BaseModel, name: str, barred: tuple[Any, ...]) -> str:
     """Return the values of a key that are left where some are barred."""
-    field = declarations(type(study))[name].field
-    assert field is not None
-    options = (get_args(option) or (option,) for option in get_args(field.annotation))  # or None
+    options = get_args(declarations(type(study))[name].field.annotation)
+    options = tuple(get_args(option) or (option,) for option in options)  # or None
     return _one_of(value for value in chain(*options) if value not in (*barred, type(None)))
 
 
 def needs(
-    name: str, *values: Any, of: Any = (), what: str = "", why: str = "", excluded: bool = False
+    name: str,
+    *values: Any,
+    of: Any = (),
+    what: str = "",
+    why: str = "",
+    excluded: bool = False,
+    where: tuple[Rule, ...] = (),
 ) -> tuple[Demand, ...]:
     """Return the demand that `name` has one of the values, or says something at all, beside a key.
 
     of: value of the key, or a tuple of them, that demands it; by default any that is given. what: what is
-    needed, in words, by default the name and the values. why: end of the sentence. Demands add up.
+    needed, in words, by default the name and the values. why: end of the sentence. where: rules, see `when`,
+    that have to hold for it. Demands add up.
     """
-    return (Demand(name, values, of if isinstance(of, tuple) else (of,), what, why, excluded),)
+    return (Demand(name, values, of if isinstance(of, tuple) else (of,), what, why, excluded, where),)
 
 
 def needs_compliance(of: Any, what: str = "compliance") -> tuple[Demand, ...]:
@@ -155,6 +163,9 @@ def needs_compliance(of: Any, what: str = "compliance") -> tuple[Demand, ...]:
 
 #: As `needs`: the demand that `name` has none of the values, or says nothing at all, beside a key.
 excludes = partial(needs, excluded=True)
+
+
+NO_FIELD = FieldInfo()
 
 
 @dataclass(frozen=True)
@@ -172,17 +183,8 @@ class Declared:
     one_of: str = ""
     #: Whether the thing that the key says must be said, by this one or by another.
     must_be_said: bool = False
-    #: Dotted name before the key was renamed.
-    formerly: str | None = None
-    #: Old and new name of a value.
-    former_value: tuple[str, str] | None = None
     #: What pydantic knows of the key; set by `declarations`.
-    field: FieldInfo | None = None
-
-    def __call__(self, schema: dict[str, Any]) -> None:
-        """Pydantic calls it with the key's JSON schema, to which it adds why the default was assumed."""
-        if self.assumed is not None:
-            schema["assumed"] = self.assumed
+    field: FieldInfo = NO_FIELD
 
     def why_not(self, study: BaseModel) -> str | None:
         """Return the end of the sentence about the key where the study does not use it; None where it may."""
@@ -191,7 +193,8 @@ class Declared:
 
 def key(default: Any = ..., meaning: str = "", **declared: Any) -> Any:
     """Declare a key of a section, with all that is known of it. declared: see the fields of `Declared`."""
-    return Field(default, description=meaning, json_schema_extra=Declared(**declared))
+    extra: Any = Declared(**declared)
+    return Field(default, description=meaning, json_schema_extra=extra)
 
 
 class Section(BaseModel):
@@ -212,12 +215,9 @@ class Section(BaseModel):
 LONGEST_NAME = 80
 
 
-def no_such_key(model: type[BaseModel], name: str, *, now: str = "") -> str:
-    """Return the sentence about a name that no key has, with one so called elsewhere or a near one beside.
-
-    now: the name under the section's new name, where it was typed under an old one.
-    """
-    section, _, last = (now or name).rpartition(".")
+def no_such_key(model: type[BaseModel], name: str) -> str:
+    """Return the sentence about a name that no key has, with one so called elsewhere or a near one beside."""
+    section, _, last = re.sub(r"\.\d+(?=\.)", "", name).rpartition(".")  # numbers are of blocks
     last = last[:LONGEST_NAME]
     parts = {key: key.rpartition(".") for key in declarations(model)}
     siblings = {end: key for key, (above, _, end) in parts.items() if above == section}
@@ -242,16 +242,10 @@ def section_in(annotation: Any) -> type[BaseModel] | None:
     return next((o for o in options if isinstance(o, type) and issubclass(o, BaseModel)), None)
 
 
-def given_keys(section: BaseModel, prefix: str = "") -> set[str]:
+def given_keys(study: BaseModel) -> set[str]:
     """Return the dotted names of the keys that were given, not left open or to their defaults."""
-    names = set()
-    for name in section.model_fields_set:
-        value = getattr(section, name)
-        if isinstance(value, BaseModel):
-            names |= given_keys(value, f"{prefix}{name}.")
-        elif value is not None:
-            names.add(prefix + name)
-    return names
+    names = {name for name in declarations(type(study)) if _is_given(study, name)}
+    return {name for name in names if not isinstance(attribute_of(study, name), BaseModel)}
 
 
 @cache
@@ -259,8 +253,8 @@ def declarations(model: type[BaseModel], prefix: str = "") -> Mapping[str, Decla
     """Map dotted names of keys and sections to what they declare, with the rules of sections above them."""
     keys: dict[str, Declared] = {}
     for name, info in model.model_fields.items():
-        extra = info.json_schema_extra
-        declared = replace(extra if isinstance(extra, Declared) else Declared(), field=info)
+        extra: Any = info.json_schema_extra or Declared()
+        declared: Declared = replace(extra, field=info)
         if isinstance(declared.applies, str):
             declared = replace(declared, applies=getattr(model, declared.applies))
         keys[prefix + name] = declared
@@ -301,8 +295,7 @@ def _check_choices(study: BaseModel) -> None:
             continue
         names = [name, *_other_ways(model, name)]
         said = [way for way in names if _is_given(study, way)]
-        sections = {way for way in names if (field := keys[way].field) and section_in(field.annotation)}
-        titles = [f"[{way}]" if way in sections else way for way in names]
+        titles = [f"[{way}]" if section_in(keys[way].field.annotation) else way for way in names]
         if name in said and len(said) > 1:
             raise ValueError(f"{name} and {titles[names.index(said[1])]} exclude each other")
         if declared.must_be_said and not said and not declared.why_not(study):

@@ -2,19 +2,17 @@
 
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
-from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from warpwear.errors import InputError
+from warpwear.errors import InputError, explained
+from warpwear.study.bodies import CONSTANTS
 from warpwear.study.content import Content
-from warpwear.study.keys import Declared, alternatives_of, declarations, no_such_key, value_of
-from warpwear.study.materials import material
+from warpwear.study.keys import alternatives_of, no_such_key, value_of
 from warpwear.study.motion import LENGTHS
-from warpwear.study.units import text
 
 
 def presets() -> list[str]:
@@ -65,25 +63,16 @@ def read_sections(path_or_preset: str | Path) -> dict[str, Any]:
         source = resources.files("warpwear") / "presets" / f"{path_or_preset}.toml"
         return parse_toml(source.read_text(encoding="utf-8"))
     path = Path(path_or_preset)
-    try:
+    with explained(f"{str(path)[:200]} cannot be read"):
         if path.is_dir():
-            if not (path / "study.toml").is_file():
-                raise InputError(f"STUDY = '{path}' is a folder without a study.toml.")
             path = path / "study.toml"
-        elif path.exists() and not path.is_file() and path.parts[:2] != ("/", "dev"):
-            raise InputError(f"STUDY = '{path}' is a pipe or a device; a file is expected")  # no endless wait
-        with path.open(encoding="utf-8-sig") as file:
-            sections = parse_toml(file.read(MOST_CHARACTERS + 1))
-    except InputError:
-        raise
-    except FileNotFoundError:
-        raise InputError(_no_such_study(str(path_or_preset))) from None
-    except OSError as error:
-        raise InputError(f"{str(path)[:200]} cannot be read: {error.strerror}.") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path} is not text, which a study is.") from error
-    except (ValueError, RecursionError) as error:  # also numbers of thousands of digits, endless nesting
-        raise InputError(f"{path} is not TOML: {error}.") from error
+        if not path.is_file() and path.parts[:2] != ("/", "dev"):  # a pipe would be an endless wait
+            raise InputError(_no_such_study(str(path_or_preset)))
+        try:
+            with path.open(encoding="utf-8-sig") as file:
+                sections = parse_toml(file.read(MOST_CHARACTERS + 1))
+        except (ValueError, RecursionError) as error:  # also numbers of thousands of digits, endless nesting
+            raise InputError(f"{path} is not TOML: {error}.") from error
     for name in FILES:
         if isinstance(file := value_of(sections, name), str):
             insert(sections, name, str(path.parent.resolve() / file))
@@ -101,12 +90,11 @@ def value_of_text(text: str) -> Any:
 def _no_such_study(name: str) -> str:
     near = get_close_matches(name, presets(), n=1)
     hint = f" Did you mean '{near[0]}'?" if near else ""
-    return f"STUDY = '{name}' is neither a file nor a preset ({', '.join(presets())}).{hint}"
+    return f"STUDY = '{name}' is no file, no run folder and no preset ({', '.join(presets())}).{hint}"
 
 
 #: Keys that name a file, relative to the study's.
 FILES = ("disc.surface", "disc.synthetic.like", "counter.surface")
-CONSTANTS = ("young", "poisson", "hardness")
 MACRO_CELL = "10 um"
 
 
@@ -116,19 +104,6 @@ def fill(sections: dict[str, Any]) -> set[str]:
     A value that cannot be understood is left to the validation of the study.
     """
     names: set[str] = set()
-    for body in ("counter", "disc"):
-        keys = sections.get(body)
-        if not isinstance(keys, dict) or not isinstance(keys.get("material"), str):
-            continue
-        try:
-            known = material(keys["material"])
-        except ValueError:
-            continue
-        young, hardness = text(known.young, "MPa"), text(known.hardness, "MPa")
-        values = {"young": young, "poisson": known.poisson, "hardness": hardness}
-        missing = {name: value for name, value in values.items() if keys.get(name) is None}
-        keys.update(missing)
-        names |= {f"{body}.{name}" for name in missing}
     blocks = sections.get("block")
     if isinstance(blocks, list | tuple) and blocks and all(isinstance(block, dict) for block in blocks):
         sections.setdefault("sliding", {})
@@ -145,82 +120,66 @@ def fill(sections: dict[str, Any]) -> set[str]:
     return names
 
 
-def with_new_names(sections: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    """Return a copy of sections with new names for old ones, and a sentence about each of these.
+#: Old name of a key or a section, which its keys have too -> its name now.
+FORMER = {
+    "contact.foundation": "contact.bulk_stiffness",
+    "contact.foundation_update": "contact.bulk_update",
+    "macro": "patches",
+    "macro.cell": "patches.macro_cell",
+    "macro.patch": "patches.width",
+    "sphere": "counter",
+    "wear.initial_sphere": "wear.initial_counter",
+    "wear.sphere": "wear.counter",
+}
+#: A key and an old value of it -> the value now.
+FORMER_VALUES: Mapping[Any, str] = {
+    ("contact.law", "foundation"): "local",
+    ("friction.film.bodies", "sphere"): "counter",
+    ("patches.bulk", "foundation"): "spring",
+}
+
+
+def with_new_names(flat: Mapping[str, Any]) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """Return values by dotted names with new names for old ones, and a sentence about these, if any.
 
     Raises InputError for a key that is given by its old name and by its new one.
     """
-    renamed = {name: dict(keys) if isinstance(keys, dict) else keys for name, keys in sections.items()}
-    reasons = renamed.get("assumed")
-    notices: list[str] = []
-    moves: dict[str, str] = {}
-    for new, declared in declarations(Content).items():
-        old = _former_name(new, declared)
-        moved = old != new and _is_given(renamed, old)
-        if moved:
-            if _is_given(renamed, new):
-                raise InputError(_given_twice(old, new))
-            insert(renamed, new, _remove(renamed, old))
-        if isinstance(reasons, dict) and old != new and old in reasons:
-            reasons.setdefault(new, reasons.pop(old))
-            moved = True
-        value, now = declared.former_value or ("", "")
-        current = value_of(renamed, new)
-        if value and isinstance(current, str) and current == value:
-            insert(renamed, new, now)
-            notices.append(_renamed({f"{old if moved else new} = '{value}'": f"{new} = '{now}'"}))
-        elif moved:
-            moves[old] = new
-    for old, new in _former_names().items():
-        if "." not in old and old in renamed:  # what is left in a section that has another name
-            left = renamed.pop(old)
-            if not isinstance(left, dict):
-                raise InputError(f"{old} = {left!r} is not a section; write [{new}] and its keys below it.")
-            for key in left:
-                raise InputError(no_such_key(Content, f"{old}.{key}", now=f"{new}.{key}"))
-            renamed.setdefault(new, {})
-    return renamed, [*notices, *([_renamed(moves)] if moves else [])]
-
-
-def changes_with_new_names(flat: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    """Return changes by dotted names with new names for old ones, and a sentence about each of these."""
     renamed: dict[str, Any] = {}
-    notices: list[str] = []
+    moves: list[str] = []
     for old, value in flat.items():
-        nested: dict[str, Any] = {}
-        insert(nested, old, value)
-        nested, more = with_new_names(nested)
-        new = _former_names().get(old, old)
+        new = _name_now(old)
         if new in renamed or (new != old and new in flat):
-            raise InputError(_given_twice(old, new))
-        renamed[new] = value_of(nested, new)
-        notices += more
-    return renamed, notices
+            raise InputError(f"{old} and {new} are the old and the new name of one key: give {new} alone.")
+        now = FORMER_VALUES.get((new, value)) if isinstance(value, str) else None
+        if old == "assumed" and isinstance(value, dict):
+            value = {_name_now(name): why for name, why in value.items()}
+        elif now or new != old:
+            moves.append(f"{old} = '{value}' is {new} = '{now}'" if now else f"{old} is {new}")
+        renamed[new] = now or value
+    said = f"Keys have new names, and the next release refuses the old ones: {', '.join(moves)}."
+    return renamed, (said,) if moves else ()
 
 
-@cache
-def _former_names() -> Mapping[str, str]:
-    """Map names of keys and sections before they were renamed to their names now."""
-    former = {_former_name(new, declared): new for new, declared in declarations(Content).items()}
-    renamed = {old: new for old, new in former.items() if old != new}
-    sections = {old.partition(".")[0]: new.partition(".")[0] for old, new in renamed.items()}
-    return renamed | {old: new for old, new in sections.items() if old not in Content.model_fields}
+def _name_now(name: str) -> str:
+    section, dot, key = name.partition(".")
+    return FORMER.get(name, f"{FORMER.get(section, section)}{dot}{key}")
 
 
-def _former_name(name: str, declared: Declared) -> str:
-    """Return the name of a key before it was renamed; of one that never was its own."""
-    return declared.formerly or re.sub(r"^counter\.", "sphere.", name)
+def flat(sections: Mapping[str, Any], above: str = "") -> dict[str, Any]:
+    """Map the dotted names of keys in nested sections to their values, an empty section to itself."""
+    names: dict[str, Any] = {}
+    for name, value in sections.items():
+        is_section = isinstance(value, dict) and value and name != "assumed"
+        names |= flat(value, f"{above}{name}.") if is_section else {f"{above}{name}": value}
+    return names
 
 
-def _renamed(moves: Mapping[str, str]) -> str:
-    old, new = ", ".join(moves), ", ".join(moves.values())
-    if len(moves) == 1:
-        return f"{old} has a new name, and the next release refuses the old one: type {new}."
-    return f"{old} have new names, and the next release refuses the old ones: type {new}."
-
-
-def _given_twice(old: str, new: str) -> str:
-    return f"{old} and {new} are the old and the new name of one key: give {new} alone."
+def nested(names: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the nested sections of keys by dotted names."""
+    sections: dict[str, Any] = {}
+    for name, value in names.items():
+        insert(sections, name, value)
+    return sections
 
 
 def change(nested: dict[str, Any], flat: Mapping[str, Any]) -> None:
@@ -268,42 +227,28 @@ def insert(nested: dict[str, Any], name: str, value: Any) -> None:
     nested[last] = value
 
 
-def _is_given(nested: dict[str, Any], name: str) -> bool:
-    section, last = _parent_of(nested, name)
-    return last in section
-
-
-def _remove(nested: dict[str, Any], name: str) -> Any:
-    """Take a dotted key out and return its value; None where there is none."""
-    section, last = _parent_of(nested, name)
-    return section.pop(last, None)
-
-
-def _parent_of(nested: dict[str, Any], name: str) -> tuple[dict[str, Any], str]:
-    """Return the section that holds a dotted key, empty where there is none, and the key's name in it."""
+def _remove(nested: dict[str, Any], name: str) -> None:
+    """Take a dotted key out, where it is there."""
     parent, _, last = name.rpartition(".")
     section = value_of(nested, parent) if parent else nested
-    return section if isinstance(section, dict) else {}, last
+    if isinstance(section, dict):
+        section.pop(last, None)
 
 
 #: Between a description and the keys changed since it was written.
 CHANGED = "; changed: "
-#: Most keys that are named; the rest are "others".
-NAMED = 4
-OTHERS = " and others"
-
-
 #: Sections of whose changes a description does not speak: names, checks, and what is written.
 NOT_DESCRIBED = ("study", "checks", "output", "assumed")
 
 
-def with_changes(description: str, changed: Sequence[str]) -> str:
-    """Return a description followed by the keys changed since, each once, those that it names included."""
-    text, _, listed = description.partition(CHANGED)
-    more = listed.endswith(OTHERS)
-    known = [name for name in listed.removesuffix(OTHERS).split(", ") if name]
-    known += [n for n in changed if n == "study.model" or n.partition(".")[0] not in NOT_DESCRIBED]
-    names = list(dict.fromkeys(known))
-    if not names:
-        return description
-    return f"{text}{CHANGED}{', '.join(names[:NAMED])}{OTHERS if more or len(names) > NAMED else ''}"
+def described(before: Content, after: Content, names: Iterable[str]) -> str:
+    """Return the description of a study followed by the keys changed since, those that it names included.
+
+    names: dotted, of the keys that were given anew.
+    """
+    text, _, listed = before.study.description.partition(CHANGED)
+    was, now = before.model_dump(), after.model_dump()
+    changed = [name for name in names if value_of(was, name) != value_of(now, name)]
+    changed = [n for n in changed if n == "study.model" or n.partition(".")[0] not in NOT_DESCRIBED]
+    listing = dict.fromkeys([*filter(None, listed.split(", ")), *changed])
+    return f"{text}{CHANGED}{', '.join(listing)}" if listing else text

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PrivateAttr
 
 from warpwear.laws.fretting import HONEST_MEAN
+from warpwear.laws.track import is_whole
 from warpwear.study.keys import Length, LengthOrZero, Section, excludes, key, needs, needs_compliance, when
 from warpwear.study.units import NOT_NEGATIVE, Load, Number, Quantity, Range, is_pair, one_by_one
 
@@ -30,7 +31,7 @@ FEWEST_CYCLES = 100
 Count = Annotated[int, Field(ge=1, le=1_000_000_000, strict=True)]
 Strokes = Annotated[int, Field(ge=0, le=1_000_000_000, strict=True)]
 
-SWEPT = when("kinematics", "swept", otherwise="does not apply to sliding.kinematics = '{}'")
+SWEPT = when("kinematics", "swept")
 ON_A_CIRCLE = when(
     "sliding.uses_track_radius", otherwise="does not apply to sliding.kinematics = 'stationary'"
 )
@@ -107,24 +108,33 @@ class GridSection(Section):
 
     def _check(self) -> None:
         for side, least in zip(self.sides, (4, 1 if isinstance(self.extent, tuple) else 4), strict=True):
-            cells = side / self.cell
-            if cells > MOST_CELLS:
+            if side / self.cell > MOST_CELLS:
                 raise ValueError(
                     f"grid.cell = {self.cell:g} mm makes more than {MOST_CELLS:,} cells along grid.extent = "
                     f"{self.size}; larger cells or a smaller extent are needed"
                 )
-            if abs(cells - round(cells)) > 1e-6 * cells or round(cells) < least:
-                near = max(round(cells), least) * self.cell
-                named = "" if self.size == in_words(side) else f": {side:g} mm"
-                raise ValueError(
-                    f"grid.extent = {self.size}{named} is not a whole number ({least} or more) of cells of "
-                    f"{1e3 * self.cell:g} µm; the nearest that is, is {near!r} mm"
-                )
+            refuse_parts("grid.extent", side, self.cell, least=least)
 
 
-def in_words(extent: float | tuple[float, float]) -> str:
-    """Return the side of a square [mm], or both sides of a rectangle, as sentences say it."""
-    return f"{extent:g} mm" if not isinstance(extent, tuple) else " × ".join(f"{s:g}" for s in extent) + " mm"
+def in_words(length: float | tuple[float, float]) -> str:
+    """Return a length [mm] in mm, or below 0.1 mm in µm; or both sides of a rectangle."""
+    if isinstance(length, tuple):
+        return f"{' × '.join(f'{side:g}' for side in length)} mm"
+    return f"{length:.9g} mm" if length >= 0.1 else f"{1e3 * length:.6g} µm"
+
+
+def refuse_parts(name: str, length: float, part: float, *, of: str = "", least: int = 1) -> None:
+    """Refuse a length [mm] that is no whole number of parts, or of too few: raises ValueError.
+
+    of: what the parts are, by default cells of their length. least: how many there have to be.
+    """
+    count = length / part
+    if not is_whole(count) or round(count) < least:
+        raise ValueError(
+            f"{name} = {in_words(length)} is not a whole number{f' ({least} or more)' if least > 1 else ''} "
+            f"of {of or f'cells of {in_words(part)}'}; the nearest that is, is "
+            f"{in_words(max(round(count), least) * part)}"
+        )
 
 
 class Sliding(Section):

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import Any, Self, TypeVar
 
 import numpy as np
@@ -11,7 +11,7 @@ from pydantic import Field
 from warpwear.grid import Grid
 from warpwear.laws.passes import Block, Laps
 from warpwear.laws.patches import Patches
-from warpwear.laws.track import WHOLE, Track
+from warpwear.laws.track import WHOLE, Leg, Track
 from warpwear.study import motion
 from warpwear.study.bodies import CounterBody, Disc
 from warpwear.study.contact import Contact
@@ -241,15 +241,10 @@ class Programme(Section):
         sliding, cell, shift = self.sliding, self.grid.cell, self.shift
         lap = sliding.lap
         assert lap is not None  # checked with the study
-        rotates = sliding.track_radius is not None
-        if sliding.track != "full":
-            cells = round(float(sliding.track) / cell)
-        elif rotates:
-            cells = max(1, round(lap / (shift * cell))) * shift
-        else:
-            cells = round(lap / cell)
-        periodic = rotates or sliding.track != "full"
-        return Track(cells, shift, cell, self.cells.nx, lap, periodic, not rotates)
+        full, rotates = sliding.track == "full", sliding.track_radius is not None
+        length, unit = lap if full else float(sliding.track), shift if full and rotates else 1
+        cells = max(1, round(length / (unit * cell))) * unit
+        return Track(cells, shift, cell, self.cells.nx, lap, rotates or not full, not rotates)
 
     @property
     def tracks(self) -> tuple[Track, ...]:
@@ -259,6 +254,13 @@ class Programme(Section):
             track if track.periodic else replace(track, spare=longest.cells - track.cells)
             for track in (part.track for part in self.parts)
         )
+
+    @property
+    def legs(self) -> list[Leg]:
+        """Return the legs of a swept study: blocks in a row that slide over one track."""
+        pairs = groupby(zip(self.tracks, self.blocks, strict=True), lambda pair: pair[0])
+        legs = [(track, [block for _, block in blocks]) for track, blocks in pairs]
+        return [Leg(track, blocks[0].start, blocks[-1].end) for track, blocks in legs]
 
     @property
     def patch_layout(self) -> Patches:

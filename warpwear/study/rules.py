@@ -6,12 +6,13 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from warpwear.laws.elastic import LEAST_TORSION
+from warpwear.laws.friction import RUNNING_IN
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study import rules_track
 from warpwear.study.content import Content
 from warpwear.study.keys import check_keys
-from warpwear.study.motion import LENGTHS, WAYS, BlockSection, Sliding
+from warpwear.study.motion import LENGTHS, WAYS, BlockSection, Sliding, refuse_parts
 from warpwear.study.units import LineLoad
 
 #: More steps than anybody waits for, or than a history holds.
@@ -33,7 +34,7 @@ def check(study: Content) -> None:
         _steps(study)
         return
     _junction_growth(study)
-    _by_area(study)
+    _factors(study)
     if study.study.model == "two-scale":
         rules_track.check_patches(study)
     _line(study)
@@ -116,11 +117,9 @@ def _circles(study: Content) -> None:
     wide = study.grid.sides[1]
     for radius, other in pairwise(sorted(study.circles)):
         if study.is_line or other - radius < wide * (1.0 - WHOLE):
-            why = "goes on across" if study.is_line else f"is {wide:g} mm wide (grid.extent)"
             raise ValueError(
-                f"block: tracks of {radius:g} and {other:g} mm radius would overlap, as the domain {why}; "
-                "allowed are one track_radius"
-                + (", and a counter-body that ends across" if study.is_line else f", or {wide:g} mm between")
+                f"block: tracks of {radius:g} and {other:g} mm radius would overlap: allowed are one "
+                f"track_radius, or {wide:g} mm (grid.extent) between, and a counter-body that ends across"
             )
 
 
@@ -140,7 +139,7 @@ def _fretting(study: Content) -> None:
         return
     stroke, disc = sliding.stroke or 0.0, study.disc.synthetic
     if stroke > study.grid.cell:
-        rules_track.refuse_parts("sliding.stroke", stroke, study.grid.cell)
+        refuse_parts("sliding.stroke", stroke, study.grid.cell)
     if disc is None or disc.kind != "flat":
         raise ValueError(
             "sliding.positions = 'mean' needs disc.synthetic.kind = 'flat': a rough contact changes from "
@@ -149,15 +148,8 @@ def _fretting(study: Content) -> None:
 
 
 def _line(study: Content) -> None:
-    """Refuse line contacts that cannot repeat across, and a load per length or few cells without a line."""
-    grid, repeats = study.grid, study.contact.law == "half-space" and study.boundary == "line"
-    if repeats and study.study.model == "two-scale":
-        raise ValueError("contact.boundary = 'line' is for one grid: patches allow 'free' and 'periodic'")
-    if repeats and study.counter.form.rises[1]:
-        raise ValueError(
-            "contact.boundary = 'line' would repeat the counter-body beside itself: allowed is 'free', or a "
-            "cylinder or a flat"
-        )
+    """Refuse a load of a length, and few cells across, where there is no line contact."""
+    grid = study.grid
     if study.is_line:
         return
     load = study.contact.load
@@ -175,11 +167,12 @@ def _line(study: Content) -> None:
 
 def _boundary(study: Content) -> None:
     """Refuse a half-space that repeats a counter-body, unless that goes on beyond its file."""
-    form = study.counter.form
-    if study.repeats and not form.is_flat and all(form.rises):
+    form, elastic = study.counter.form, study.contact.law == "half-space"
+    both_ways = study.repeats and not form.is_flat and all(form.rises)
+    if both_ways or (elastic and study.boundary == "line" and form.rises[1]):
         raise ValueError(
-            "contact.boundary = 'periodic' would repeat the counter-body beside itself: allowed is 'free', "
-            "or a flat, counter.radius = 'inf mm'"
+            f"contact.boundary = '{study.boundary}' would repeat the counter-body beside itself: allowed are "
+            "'free', a flat, counter.radius = 'inf mm', and of 'line' a cylinder"
         )
 
 
@@ -195,27 +188,15 @@ def _shape(study: Content) -> None:
         )
 
 
-def _by_area(study: Content) -> None:
-    """Refuse what wear by the shear strength of cells in contact cannot be computed with."""
-    if not study.wears_by_area:
-        return
-    friction, alone = study.friction, "wear.law = 'energy' by a shear strength wears cells in contact alike"
-    if friction.shear_strength is None:
+def _factors(study: Content) -> None:
+    """Refuse factors of the shear strength where caps or wear follow from one strength at all steps."""
+    growth = study.friction.junction_growth
+    beside = f"friction.junction_growth = {growth:g}" if growth else "wear.law = 'energy'"
+    factors = study.friction.law_with().factors if growth or study.wears_by_area else ()
+    for key in (factor.keys[0] for factor in factors if growth or factor is not RUNNING_IN):
         raise ValueError(
-            "wear.law = 'energy' needs friction.shear_strength, as a measured coefficient gives it at the "
-            "end alone, or friction.law = 'coulomb'"
+            f"friction.{key} does not go with {beside}, which does not follow it; allowed is none"
         )
-    refused = {
-        "study.model = 'two-scale'": study.study.model == "two-scale" and ": patches share the load",
-        f"friction.area = '{friction.area}'": friction.area != "contact" and ": 'contact' is allowed",
-        "wear.particle": study.wear.sheds and ": what is pending would bear",
-        f"wear.distance_factor = '{study.wear.distance_factor}'": study.wear.distance_factor != "none"
-        and ", by which cells differ",
-        "stepping.scheme = 'explicit'": study.stepping.scheme == "explicit" and ": 'implicit' is allowed",
-    }
-    for key, why in refused.items():
-        if why:
-            raise ValueError(f"{alone}: it does not go with {key}{why}; friction.law = 'coulomb' does")
 
 
 def _junction_growth(study: Content) -> None:
@@ -234,11 +215,6 @@ def _junction_growth(study: Content) -> None:
                 f"{hardness:g} MPa hardness no pressure to bear: allowed are less than H/√α = "
                 f"{hardness / math.sqrt(growth):.4g} MPa"
             )
-    if film is not None and study.study.model == "two-scale" and study.patches.coupling == "load":
-        raise ValueError(
-            "patches.coupling = 'load' does not go with [friction.film] and friction.junction_growth = "
-            f"{growth:g}: the smooth contact that prescribes loads has no bare cells; allowed is 'approach'"
-        )
 
 
 def _pieces(study: Content) -> None:
@@ -296,22 +272,14 @@ def without_unit(study: Content) -> Iterator[str]:
 
 
 def _capacity(study: Content) -> None:
-    counter, hardness = study.counter, min(study.caps)  # all cells may become bare
-    under_counter = math.pi * counter.form.reach**2
-    carried = hardness * min(study.cells.area, under_counter)
-    if hardness * under_counter < study.contact.load:
-        radius = math.sqrt(study.contact.load / (math.pi * hardness))
-        raise ValueError(
-            f"counter.radius = {counter.nominal_radius:g} mm is too small: at this hardness, "
-            f"{hardness:g} MPa, a {counter.shape} carries {hardness * under_counter:.4g} N on its whole "
-            f"section, and contact.load = {study.contact.load:g} N needs more than {radius:.3g} mm"
-        )
+    under_counter = math.pi * study.counter.form.reach**2
+    carried = min(study.caps) * min(study.cells.area, under_counter)  # all cells may become bare
     if carried < study.contact.load:
         of_length = f" ({study.loads})" if study.is_line else ""
         raise ValueError(
             f"contact.load = {study.contact.load:g} N{of_length} is more than the domain under the "
             f"counter-body carries at this hardness ({carried:.4g} N{_of_sheared(study)}); allowed are "
-            "smaller loads, a larger grid.extent or contact.hardness"
+            "smaller loads, a larger counter-body, grid.extent or contact.hardness"
         )
 
 
@@ -341,41 +309,47 @@ def _stability(study: Content) -> None:
         )
 
 
+def longest_step(study: Content) -> tuple[float, float]:
+    """Return what is slid in the longest step [mm], and the part of it that a cell of the disc slides."""
+    slid, fraction = study.increments[2], 1.0
+    if study.is_swept:
+        track = study.track
+        slid, fraction = track.shift * track.stroke / track.cells, track.track_fraction
+    return min(slid, study.sliding.total), fraction
+
+
 def unstable(study: Content) -> str | None:
     """Return the start of a sentence about explicit steps that are too large; None where they are not."""
     if study.stepping.scheme == "implicit":
         return None
-    if study.is_swept:
-        return rules_track.unstable(study)
-    limit = study.stable_increment(sum(law.fastest for law in study.wear_laws))
-    if min(study.increments[2], study.sliding.total) < limit:
+    counter, disc = (law.fastest for law in study.wear_laws)
+    slid, fraction = longest_step(study)
+    limit = study.stable_increment(counter + fraction * disc)
+    if slid < limit:
         return None
-    return (
-        f"stepping.{_largest(study)} = {study.increments[2]:g} mm is beyond the explicit stability limit "
-        f"2/(k K) = {limit:.3g} mm"
-    )
+    named = f"stepping.{_largest(study)} = {study.increments[2]:g} mm"
+    if study.is_swept:
+        named = f"sliding.shift = {study.shift} cells, {slid:.3g} mm of sliding,"
+    return f"{named} is beyond the explicit stability limit 2/(k K) = {limit:.3g} mm"
 
 
 def _steps(study: Content) -> None:
     total, (first, growth, largest) = study.sliding.total, study.increments
     if study.is_swept:
-        jump = study.stepping.jump
-        # How far cycles may be jumped shows only in the run.
-        longest = MOST_JUMP if jump == "auto" else jump
         steps = sum(t.steps(b.length) for t, b in zip(study.tracks, study.blocks, strict=True))
-        steps = steps / (longest if study.jumps else 1)
-        by, larger = f"sliding.shift = {study.shift} cells", "sliding.shift or grid.cell"
+        if study.jumps:  # how far shows only in the run
+            steps /= MOST_JUMP if study.stepping.jump == "auto" else study.stepping.jump
     elif growth > 1.0:
         # Growing steps cover first growth^n/(growth − 1); at most the whole distance is left for the largest.
         covered = (largest - first) / (growth - 1.0)
         steps = math.log(largest / first) / math.log(growth) + max(0.0, total - covered) / largest
-        by, larger = "this [stepping]", "stepping.largest"
     else:
-        steps, by, larger = total / first, "this [stepping]", f"stepping.{_largest(study)}"
+        steps = total / first
     if steps > MOST_STEPS:
+        larger = "sliding.shift or grid.cell" if study.is_swept else f"stepping.{_largest(study)}"
         raise ValueError(
-            f"sliding.distance = {total:g} mm takes {steps:.3g} steps by {by}; allowed are {MOST_STEPS:,}, "
-            f"so a larger {larger} is needed"
+            f"sliding.distance = {total:g} mm takes {steps:.3g} steps; allowed are {MOST_STEPS:,}, so a "
+            f"larger {larger} is needed"
         )
 
 

@@ -3,8 +3,9 @@
 import math
 from collections.abc import Iterator
 
-from warpwear.laws.track import WHOLE, is_whole
+from warpwear.laws.track import WHOLE
 from warpwear.study.content import Content
+from warpwear.study.motion import refuse_parts
 from warpwear.surfaces.form import Form
 
 #: Extent over worn patch that a sentence recommends.
@@ -13,7 +14,7 @@ SPARE = 1.1
 
 def check(study: Content) -> None:
     """Refuse a track that cannot be computed as it is asked for: raises ValueError with one sentence."""
-    sliding, cell, extent = study.sliding, study.grid.cell, study.grid.sides[0]
+    sliding, cell = study.sliding, study.grid.cell
     lap = sliding.lap
     if lap is None:
         return
@@ -30,18 +31,8 @@ def check(study: Content) -> None:
     if sliding.track != "full":
         length = float(sliding.track)
         step = study.shift * cell
-        steps = length / step
-        if not is_whole(steps):
-            least, most = math.ceil(extent / step * (1.0 - WHOLE)), math.floor(lap / step * (1.0 + WHOLE))
-            # What a file has too little of, a longer track would lack as well.
-            of_file = study.disc.synthetic is None and study.disc.extend == "refuse"
-            near = min(max(math.floor(steps) if of_file else round(steps), least), most) * step
-            allowed = f"the nearest allowed is {near:.9g} mm"
-            raise ValueError(
-                f"sliding.track = {length:g} mm is not a whole number of steps of sliding.shift = "
-                f"{study.shift} cells, {1e3 * step:g} µm; "
-                f"{allowed if least <= most else 'a smaller sliding.shift is needed'}"
-            )
+        steps = f"steps of sliding.shift = {study.shift} cells, {1e3 * step:g} µm"
+        refuse_parts("sliding.track", length, step, of=steps)
         if length > lap * (1.0 + WHOLE):
             raise ValueError(
                 f"sliding.track = {length:g} mm is longer than {named}: allowed are shorter ones, or 'full'"
@@ -84,22 +75,7 @@ def check_patches(study: Content) -> None:
             f"{named} is larger than the contact's domain allows: grid.extent = {extent:g} mm "
             "must hold two macro cells or more"
         )
-    refuse_parts("grid.extent", extent, patches.macro_cell, cells=named)
-
-
-def refuse_parts(name: str, length: float, cell: float, *, cells: str = "") -> None:
-    """Refuse a length [mm] that is no whole number of cells: raises ValueError. cells: size of these."""
-    if not is_whole(length / cell):
-        near = max(round(length / cell), 1) * cell
-        raise ValueError(
-            f"{name} = {in_words(length)} is not a whole number of cells of {cells or in_words(cell)}; the "
-            f"nearest that is, is {in_words(near)}"
-        )
-
-
-def in_words(length: float) -> str:
-    """Return a length [mm] in mm, or below 0.1 mm in µm."""
-    return f"{length:.9g} mm" if length >= 0.1 else f"{1e3 * length:.6g} µm"
+    refuse_parts("grid.extent", extent, patches.macro_cell, of=f"cells of {named}")
 
 
 def worn_patch(study: Content) -> float:
@@ -194,18 +170,3 @@ def spared(patch: float) -> float:
     """Return an extent [mm] with some room beside a patch [mm]."""
     digit = 10.0 ** (math.floor(math.log10(patch)) - 1)
     return float(f"{math.ceil(SPARE * patch / digit) * digit:.3g}")
-
-
-def unstable(study: Content) -> str | None:
-    """Return the start of a sentence about a shift too large for explicit steps; None where it is not."""
-    compliance = 1.0 / study.stiffness
-    track = study.track
-    counter, disc = (law.fastest for law in study.wear_laws)
-    slid = min(track.shift * track.stroke / track.cells, study.sliding.total)
-    removal = (counter + track.track_fraction * disc) * slid
-    if compliance == 0.0 or removal < 2.0 * compliance:
-        return None
-    return (
-        f"sliding.shift = {track.shift} cells, which removes {removal:.3g} mm³/N a step, is beyond the "
-        f"explicit stability limit 2/k = {2.0 * compliance:.3g} mm³/N"
-    )

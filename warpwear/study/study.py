@@ -1,6 +1,7 @@
 """A study: what to compute, read from TOML, checked, frozen."""
 
 from collections.abc import Mapping
+from html import escape
 from pathlib import Path
 from typing import Any, Self
 
@@ -9,7 +10,7 @@ from pydantic import ValidationError
 from warpwear.errors import InputError
 from warpwear.study import doubts, loading, rules, text
 from warpwear.study.content import Content
-from warpwear.study.keys import unused_key_notices, value_of
+from warpwear.study.keys import unused_key_notices
 
 
 class Study(Content):
@@ -20,11 +21,12 @@ class Study(Content):
     copy. Raises InputError, with one sentence, for anything that cannot be computed.
     """
 
-    #: Sentences about keys and values that were given by their old names.
+    #: What is said of keys and values that were given by their old names.
     _old_names: tuple[str, ...] = ()
 
     def __init__(self, **sections: Any) -> None:
-        sections, old_names = loading.with_new_names(sections)
+        flat, old_names = loading.with_new_names(loading.flat(sections))
+        sections = loading.nested(flat)
         names = loading.fill(sections)
         try:
             super().__init__(**sections)
@@ -33,7 +35,7 @@ class Study(Content):
         for name in names:  # so that they are told from what was given
             section, _, key = name.partition(".")
             getattr(self, section).model_fields_set.discard(key)
-        self._old_names = tuple(old_names)
+        self._old_names = old_names
 
     def _check(self) -> None:
         super()._check()
@@ -59,8 +61,8 @@ class Study(Content):
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
-        """Return a notebook's view of the study: a table of its keys with the assumptions marked."""
-        return text.to_html(self)
+        """Return a notebook's view of the study: its keys, with the assumptions marked."""
+        return f"<div>{escape(repr(self))}<pre>{escape(text.to_marked_toml(self))}</pre></div>"
 
     def refuse_blocks(self, what: str) -> None:
         """Raise InputError for a programme of blocks, in the name of what goes by one load alone."""
@@ -70,11 +72,11 @@ class Study(Content):
     def notices(self) -> list[str]:
         """Return a sentence about each old name, each unused key, and each number that misleads."""
         total = self.sliding.total
-        sentences = [*self._old_names, *unused_key_notices(self), *doubts.of_track(self)]
+        sentences = [*self._old_names, *unused_key_notices(self), *doubts.doubts(self)]
         late = ", ".join(f"{s:g}" for s in self.snapshot_distances if s > total or s == 0.0 < total)
         if late:
             sentences.append(f"output.snapshots that no step ends at: {late} mm.")
-        return [*sentences, *doubts.doubts(self)]
+        return sentences
 
     def to_toml(self) -> str:
         """Return the whole study after defaults, as TOML that `load` reads back without loss."""
@@ -122,22 +124,15 @@ class Study(Content):
             raise InputError(f"{changes!r} is no change of a study; write {{'contact.load': '4 N'}}.")
         flat = dict(changes or {})
         for section, keys in sections.items():
-            if section == "block":
-                flat[section] = keys
-                continue
-            if not isinstance(keys, Mapping):
-                raise InputError(f"{section} = {keys!r} is not a section; write {{'contact.load': '4 N'}}.")
-            flat |= {f"{section}.{k}": v for k, v in keys.items()}
-        flat, old_names = loading.changes_with_new_names(flat)
+            of_section = isinstance(keys, Mapping)
+            flat |= {f"{section}.{k}": v for k, v in keys.items()} if of_section else {section: keys}
+        flat, old_names = loading.with_new_names(flat)
         nested = self.model_dump(exclude_unset=True)
         loading.change(nested, flat)
         changed_study = type(self)(**nested)
-        changed_study._old_names = tuple(dict.fromkeys([*self._old_names, *old_names]))
+        changed_study._old_names = tuple(dict.fromkeys((*self._old_names, *old_names)))
         if not self.study.description or "study.description" in flat:
             return changed_study
-        before, after = self.model_dump(), changed_study.model_dump()
-        changed = [name for name in flat if value_of(before, name) != value_of(after, name)]
-        description = loading.with_changes(self.study.description, changed)
-        return changed_study.model_copy(
-            update={"study": changed_study.study.model_copy(update={"description": description})}
-        )
+        described = loading.described(self, changed_study, flat)
+        changed_study.study.__dict__["description"] = described  # frozen once it is made
+        return changed_study

@@ -54,10 +54,9 @@ def _check_track(study: Study, length: float) -> None:
     step = track.shift * track.cell
     most = math.floor(length / step * (1.0 + WHOLE)) * step
     shorter = f"sliding.track = '{most:.9g} mm' or less, of which a lap stands for a pass, and "
-    lap = f" of sliding.track_radius = {sliding.track_radius:g} mm" if sliding.track_radius else ""
     text = sliding.track if sliding.track == "full" else f"{sliding.track:g} mm"
     raise InputError(
-        f"sliding.track = {text}{lap} needs {needed:.4g} mm of the disc along the sliding direction, and "
+        f"sliding.track = {text} needs {needed:.4g} mm of the disc along the sliding direction, and "
         f"disc.surface has {length:.4g} mm of it: allowed are "
         f"{shorter if most >= study.grid.sides[0] else ''}"
         "disc.extend = 'mirror' or 'periodic'."

@@ -1,9 +1,7 @@
 """A study is written as TOML text, for files and for people."""
 
 import math
-import re
 from collections.abc import Iterator
-from html import escape
 from pathlib import Path
 from reprlib import Repr
 from typing import Any
@@ -12,9 +10,10 @@ import tomli_w
 from pydantic import BaseModel, ValidationError
 
 from warpwear.errors import printable
+from warpwear.study.bodies import CONSTANTS
 from warpwear.study.content import Content
 from warpwear.study.keys import declarations, given_keys, inapplicable, key_of, no_such_key, section_in
-from warpwear.study.loading import CONSTANTS, FILES, insert
+from warpwear.study.loading import FILES, insert
 from warpwear.study.materials import material
 from warpwear.study.units import is_quantity
 
@@ -75,22 +74,6 @@ def assumptions(study: Content) -> dict[str, str]:
         elif assumed := declarations(type(study))[name].assumed:
             reasons[name] = assumed
     return reasons
-
-
-def to_html(study: Content) -> str:
-    """Return the keys that apply as a table for a notebook: defaults and assumptions are marked."""
-    explicit, reasons = given_keys(study), assumptions(study)
-    cell = "style='text-align:left;vertical-align:top;padding:.1em .6em'"
-    rows = []
-    for name, value in _applicable(study):
-        mark = "" if name in explicit else "default"
-        if name in reasons:
-            mark = f"<b style='color:#b35900'>assumed:</b> {escape(reasons[name])}"
-        text = escape(str(readable(value)))
-        rows.append(
-            f"<tr><td {cell}><code>{name}</code></td><td {cell}>{text}</td><td {cell}>{mark}</td></tr>"
-        )
-    return f"<div>{escape(repr(study))}<br>{len(reasons)} assumptions.<table>{''.join(rows)}</table></div>"
 
 
 def _applicable(study: Content) -> Iterator[tuple[str, Any]]:
@@ -157,7 +140,7 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     kind, value = first["type"], first.get("input")
     text = _SHOWN.repr(str(value) if is_quantity(value) else value)
     if kind == "extra_forbidden":
-        return no_such_key(model, name, now=re.sub(r"\.\d+", "", name) if of_block else "")
+        return no_such_key(model, name)
     if kind == "missing":
         return f"{name} is missing{_expected(model, name)}."
     if of_block and len(first["loc"]) == 1 and kind != "value_error":

@@ -11,8 +11,7 @@ from numpy.testing import assert_allclose
 from warpwear.engine.executor import Executor
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, Grid
-from warpwear.models.patches.shares import LoadSharing
-from warpwear.models.patches.smooth import SmoothContact
+from warpwear.models.patches.shares import LoadSharing, SmoothContact
 
 
 def _carried(gap: FloatArray, at: FloatArray, c: float, hardness: float) -> FloatArray:
@@ -95,7 +94,7 @@ class Shared:
         self._executor = Executor(Grid(lowest.size, 8, 1.0))
         self.sharing = LoadSharing(self._executor, lowest, **task)
         self._program, self._response, self._lowest = Program(self._executor), response, lowest
-        self.sharing.say(self._program, lambda: self._program.call(self._answer))
+        self.sharing.add_to(self._program, lambda: self._program.call(self._answer))
 
     def _answer(self) -> None:
         base, offset = (field.numpy() for field in trial(self.sharing))
@@ -226,7 +225,7 @@ def test_prescribed_loads_add_up_well_within_the_tolerance(monkeypatch: pytest.M
     stepped = Stepped(of_kind("load"))
     load, area = stepped.study.contact.load, stepped.patches.area
     with monkeypatch.context() as patch:
-        patch.setattr("warpwear.models.patches.smooth.TOLERANCE", 1e-6)
+        patch.setattr("warpwear.models.patches.shares.TOLERANCE", 1e-6)
         smooth = SmoothContact(stepped.study.contact_task, stepped.patches, stepped.executor)
     wear = 0.003 * sum(stepped.study.wear_coefficients)
     target = smooth.press(foundation=stepped.study.bulk_stiffness(), removal=wear)
@@ -247,7 +246,7 @@ def test_prescribed_loads_add_up_well_within_the_tolerance(monkeypatch: pytest.M
     for name, value in {"offset": 1e-4, "low": -1e300, "high": 1e300, "reach": 1e-4, "width": 1e300}.items():
         brackets[name] = value
     program = Program(stepped.executor)
-    smooth.say(program, sharing, lambda: program.call(answer))
+    smooth.add_to(program, sharing, lambda: program.call(answer))
     sharing.flags.searching.fill_(1)
     program.run()
     assert sharing.is_balanced

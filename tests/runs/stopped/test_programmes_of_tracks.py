@@ -230,10 +230,12 @@ def test_cycles_on_circles_stand_for_their_own(tmp_path: Path, device: str) -> N
 
 def test_circles_that_overlap_are_refused() -> None:
     radii = [{"revolutions": 2, "track_radius": f"{radius} mm"} for radius in (1.0, 1.2)]
-    with pytest.raises(InputError, match=r"tracks of 1 and 1\.2 mm radius would overlap, .* 0\.62 mm wide"):
+    with pytest.raises(
+        InputError, match=r"1 and 1\.2 mm radius would overlap: .* 0\.62 mm \(grid\.extent\) b"
+    ):
         small("rotating").replace(block=radii)
     ring = {"counter.shape": "cylinder", "counter.radius": "1 mm"}
-    with pytest.raises(InputError, match=r"would overlap, as the domain goes on across"):
+    with pytest.raises(InputError, match=r"would overlap: .* a counter-body that ends across"):
         small("rotating").replace(ring).replace(block=[radii[0], {**radii[0], "track_radius": "5 mm"}])
     with pytest.raises(InputError, match=r"block 1: its length, 5 mm, is not a whole number of passes"):
         small("rotating").replace(block=[{"distance": "5 mm", "track_radius": "3 mm"}, radii[0]])

@@ -17,7 +17,7 @@ from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import patches as passes
-from warpwear.kernels.cells import EXTENTS, PATCH_MAXIMA, PATCH_SUMS
+from warpwear.kernels.cells import EXTENTS, LANES, PATCH_MAXIMA, PATCH_SUMS
 from warpwear.kernels.two_scale import pressing
 from warpwear.kernels.two_scale import steps as kernels
 from warpwear.laws.archard import wear_in_steps
@@ -25,8 +25,7 @@ from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.models.model import Model
 from warpwear.models.patches.cells import PatchContact
-from warpwear.models.patches.shares import LoadSharing
-from warpwear.models.patches.smooth import SmoothContact
+from warpwear.models.patches.shares import LoadSharing, SmoothContact
 
 #: Work of a patch where no cell has touched yet, over that of one where all have.
 LEAST_WORK = 0.05
@@ -66,26 +65,27 @@ class TwoScaleModel(Model):
         )
         self.longest_block = max(1, min(LONGEST_BLOCK, MOST_NUMBERS // patches.count))
         count, device, rows = patches.count, executor.device, self.longest_block
-        tables = {
-            "sums": (len(PATCH_SUMS), count),
-            "maxima": (len(PATCH_MAXIMA), count),
-            "rows": (rows, len(kernels.HEADER) + len(PATCH_SUMS) + len(PATCH_MAXIMA)),
-            "loads": (rows, count),
-            "areas": (rows, count),
-        }
-        zeros = {name: wp.zeros(shape, dtype=wp.float64, device=device) for name, shape in tables.items()}
         #: By which the approaches of the next step are foreseen: of the bodies, and of every patch.
         self._memory = Numbers(kernels.Memory, device, ahead=-1.0)
         names = "start", "deflection", "giving", "reached", "base_next", "offset_next"
-        self._courses: dict[str, Field] = {
-            name: wp.zeros(count, dtype=wp.float64, device=device) for name in names
-        }
+        courses = arguments(kernels.Courses, device, **dict.fromkeys(names, count))
+        self._courses: dict[str, Field] = {name: getattr(courses, name) for name in names}
         self._courses["reached"].fill_(-math.inf)
-        self._books = arguments(kernels.Books, ahead=self.contact.surfaces.trial, **zeros)
+        self._books = arguments(
+            kernels.Books,
+            device,
+            ahead=self.contact.surfaces.trial,
+            sums=(len(PATCH_SUMS), count),
+            maxima=(len(PATCH_MAXIMA), count),
+            rows=(rows, len(kernels.HEADER) + len(PATCH_SUMS) + len(PATCH_MAXIMA)),
+            loads=(rows, count),
+            areas=(rows, count),
+        )
         follows = task.uses_bulk_stiffness and task.bulk_updated and isinstance(task.bulk_stiffness, str)
         self._now = Numbers(kernels.Now, device)
         self._steps = arguments(
             kernels.Steps,
+            device,
             load=self.sharing.load,
             lowest=float(lowest.min()),
             cell=patches.domain.cell,
@@ -96,27 +96,33 @@ class TwoScaleModel(Model):
             # Where a film is, wear changes the caps.
             looks_ahead=int(self._smooth is None and task.film is None),
             within=wp.vec4d(*self._ledger.within),
-            plan=wp.zeros((self.longest_block + 1, 3), dtype=wp.float64, device=device),
+            plan=(rows + 1, 3),
             now=self._now.array,
             memory=self._memory.array,
             search=self.sharing.search.array,
             flags=self.sharing.flags,
         )
-        self._state = self._steps, self.sharing.curves, arguments(kernels.Courses, **self._courses)
+        self._state = self._steps, self.sharing.curves, courses
         self._work = np.full(count, LEAST_WORK * patches.side**2)
         self._chunks: list[tuple[int, int]] = []
         self._find, self._wear, self._many = (Program(executor) for _ in range(3))
-        self._say_find(self._find)
-        self._say_wear(self._wear)
+        film = self.contact.film
+        if film:
+            self.contact.slides.set(end_column=executor.vectors * LANES)
+            self.contact.add_film(self._find, film.before_search)
+        self._add_find(self._find)
+        self._add_wear(self._wear)
+        if film:
+            self.contact.add_film(self._wear, film.after_step)
         flags = self.sharing.flags
         with self._many.loop(flags.stepping):
-            self._say_find(self._many)
+            self._add_find(self._many)
             with self._many.branch(flags.balanced):
-                self._say_wear(self._many)
+                self._add_wear(self._many)
         self._pressure: Field = None
         self._press_program = Program(executor)
 
-    def _say_find(self, program: Program) -> None:
+    def _add_find(self, program: Program) -> None:
         """Add the search for the approaches of a step to a program."""
         curves, smooth = self.sharing.curves, self._smooth
         state = self._state
@@ -126,12 +132,12 @@ class TwoScaleModel(Model):
 
         if smooth is None:
             program.decide(kernels.begin, *state)
-            self.sharing.say(program, evaluate)
+            self.sharing.add_to(program, evaluate)
             return
         program.decide(pressing.begin, *state, smooth.smooth, smooth.brackets)
-        smooth.say(program, self.sharing, evaluate)
+        smooth.add_to(program, self.sharing, evaluate)
 
-    def _say_wear(self, program: Program) -> None:
+    def _add_wear(self, program: Program) -> None:
         """Add the wear of a step whose approaches are solved to a program."""
         state = self._state
         program.decide(kernels.foresee, *state)
@@ -148,20 +154,18 @@ class TwoScaleModel(Model):
         """Tell whether the device takes the next steps by itself."""
         return self.contact.film is None
 
-    def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
-        """Yield steps that the device takes in one go, or in a few where the contact grows to the edge."""
-        done = 0
-        while done < len(increments):
-            left = increments[done:]
-            removals = self._begin(left, then)
-            self._many.run()
-            count = self._now["number"]
-            for number, worn in enumerate(self._results(count)):
-                self.steps_in_flight = count - 1 - number
-                yield self._ledger.enter_worn(worn, left[number], removals[number])
-            if not self.sharing.is_balanced:
-                raise self._failure()
-            done += count
+    def replay(self, increments: Sequence[float], then: float | None) -> tuple[int, Iterator[Step]]:
+        """Make steps on the device, fewer where the contact grows to the edge."""
+        removals = self._begin(increments, then)
+        self._many.run()
+        results = zip(self._results(self._now["number"]), increments, removals, strict=False)
+        return self._now["number"], (self._ledger.enter_worn(*result) for result in results)
+
+    def check(self) -> None:
+        """Raise ConvergenceError where the load could not be shared."""
+        if not self.sharing.is_balanced:
+            smooth = self._smooth
+            raise self.sharing.failure() if smooth is None else smooth.failure(self.sharing)
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Share the load, then slide by the increment [mm] and wear both bodies.
@@ -172,15 +176,13 @@ class TwoScaleModel(Model):
         """
         distance, film = self._ledger.row["distance"], self.contact.film
         removals = self._begin([increment], then)
-        self.contact.look(distance)
+        self.contact.slides.set(start=distance, end=distance + increment)
         self._find.run()
-        if not self.sharing.is_balanced:
-            raise self._failure()
+        self.check()
         field = self._press() if with_pressure or film else None
-        bare = film.under(field) if film else None
+        bare = float(self.contact.bare.numpy().sum()) if film else None
         pressure = self.patches.on_domain(self._executor.to_numpy(field)) if with_pressure else None
         self._wear.run()
-        self.contact.rub(distance + increment)
         worn = replace(next(self._results(1)), bare=bare)
         return self._ledger.enter_worn(worn, increment, removals[0], pressure)
 
@@ -219,6 +221,9 @@ class TwoScaleModel(Model):
             self._pressure = self._executor.zeros()
             inputs = self._steps, self.sharing.curves, self.contact.surfaces, self._pressure
             self._pass(self._press_program, passes.pressures, *inputs)
+            if film := self.contact.film:
+                slides, bare = self.contact.slides.array, self.contact.bare
+                film.add_under(self._press_program, slides, self._pressure, bare)
         self._press_program.run()
         return self._pressure
 
@@ -233,7 +238,3 @@ class TwoScaleModel(Model):
             total = dict(zip(PATCH_SUMS, sums, strict=False))
             most = dict(zip(PATCH_MAXIMA, sums[len(PATCH_SUMS) :], strict=True))
             yield Worn(total, most, load, area, (base, offset), reference, int(evaluations))
-
-    def _failure(self) -> Exception:
-        """Return the error for a step that has no solution."""
-        return self.sharing.failure() if self._smooth is None else self._smooth.failure(self.sharing)

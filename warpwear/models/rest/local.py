@@ -26,7 +26,7 @@ from warpwear.laws.archard import wear_in_steps
 from warpwear.laws.task import ContactTask
 from warpwear.models.booking import booked
 from warpwear.models.model import Model
-from warpwear.models.track.bodies import gap_over
+from warpwear.models.unworn import gap_over
 
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 2.0
@@ -63,7 +63,8 @@ class OneScaleModel(Model):
         self._ledger = Ledger(task, executor.grid)
         #: Gap from the mean planes as worn, and as it was without wear [mm]: what is worn lies between. Steps
         #: near a late contact move three fields, not six; their rounding is that of the gap, 1e-17 mm a step.
-        self.gap, self._unworn = gap_over(task, executor, heights)
+        self.gap, self._unworn = gap_over(task.form, heights, executor), executor.zeros()
+        wp.copy(self._unworn, self.gap)
         fully = task.load / (task.hardness * executor.grid.cell_area)
         self.tiles = Tiles(executor, self.gap, self._unworn, least=SPARE * fully)
         self._search = LoadSearch(
@@ -81,17 +82,16 @@ class OneScaleModel(Model):
         self._steps = arguments(
             wear.Steps,
             device,
-            plan=wp.zeros((LONGEST_ON_GPU + 1, len(wear.PLAN)), dtype=wp.float64, device=device),
-            history=wp.zeros((LONGEST_ON_GPU, columns), dtype=wp.float64, device=device),
+            plan=(LONGEST_ON_GPU + 1, len(wear.PLAN)),
+            history=(LONGEST_ON_GPU, columns),
             within=wp.array(self._ledger.within, dtype=wp.float64, device=device),
             course=self._course.array,
             is_rigid=int(task.rigid),
             smallest=self.tiles.smallest,
         )
         self._slots = slots = executor.slots_of(executor.grid.nx, most=MOST_SLOTS)
-        lines = {"sums": len(SUMS), "maxima": len(MAXIMA), "ahead": 3}
-        tables = {name: wp.zeros((n, slots), dtype=wp.float64, device=device) for name, n in lines.items()}
-        self._tables = arguments(wear.Tables, **tables)
+        tables = {"sums": (len(SUMS), slots), "maxima": (len(MAXIMA), slots), "ahead": (3, slots)}
+        self._tables = arguments(wear.Tables, device, **tables)
         # Many steps; and one, between whose search and wear its pressures can be seen.
         self._many = Program(executor)
         self._to_search, self._to_wear = (Program(executor, records=2) for _ in range(2))
@@ -153,18 +153,11 @@ class OneScaleModel(Model):
         """Whether steps can be made in a row: not where 1/c of one follows from the area of the last."""
         return not self.task.bulk_updated
 
-    def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
-        """Steps made on the device in one go, before the first of them is seen."""
-        done = 0
-        while done < len(increments):
-            removals = self._tell(increments[done:], then)
-            self._many.run()
-            steps = self._course["step"]
-            for beyond, step in enumerate(self._booked(increments[done:], removals)):
-                self.steps_in_flight = steps - beyond - 1
-                yield step
-            self._check()
-            done += steps
+    def replay(self, increments: Sequence[float], then: float | None) -> tuple[int, Iterator[Step]]:
+        """Make steps on the device, before the first of them is seen."""
+        removals = self._tell(increments, then)
+        self._many.run()
+        return self._course["step"], self._booked(increments, removals)
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, then slide by the increment [mm] and wear both bodies.
@@ -176,15 +169,15 @@ class OneScaleModel(Model):
         removals = self._tell([increment], None if self.task.bulk_updated else then)
         if not with_pressure:
             self._many.run()
-            self._check()
+            self.check()
             return next(self._booked([increment], removals))
         self._to_search.run()
-        self._check()
+        self.check()
         pressure = self._search.pressures()
         self._to_wear.run()
         return next(self._booked([increment], removals))._replace(pressure=pressure)
 
-    def _check(self) -> None:
+    def check(self) -> None:
         """Raise ConvergenceError for a step that was not made."""
         if self._course["failed"]:
             self._search.check()

@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
 from warpwear.laws.friction import FRICTION_LAWS, KEYS, FrictionLaw
-from warpwear.study.keys import Demand, Length, Pressure, Section, excludes, key, needs, when
+from warpwear.study.keys import Demand, Length, Pressure, Section, attribute_of, excludes, key, needs, when
 from warpwear.study.units import Number, Quantity, Range
 
 FITTED = when("friction.shear_strength", None, otherwise="does not apply with a friction.shear_strength")
@@ -43,7 +43,6 @@ class FilmSection(Section):
         "both",
         "bodies that carry a film; a cell of the contact is bare where all of them have lost it",
         assumed="oxide on both metals",
-        former_value=("sphere", "counter"),
     )
     regrowth: Annotated[float | Literal["never"], Quantity("mm", words=("never",))] = key(
         "never",
@@ -120,14 +119,19 @@ class Friction(Section):
 
     def law_with(self, values: Mapping[str, Any] = UNCHANGED) -> FrictionLaw:
         """Return the law by which friction follows from a history. values: as of `Wear.laws`."""
-        own = {key: value_in(self, key) for key in KEYS}
+        own = {key: attribute_of(self, key) for key in KEYS}
         numbers = {key: values.get(f"friction.{key}", value) for key, value in own.items()}
         return FRICTION_LAWS[self.law](numbers)
 
     @property
+    def grows(self) -> bool:
+        """True where junctions grow."""
+        return self.junction_growth > 0.0
+
+    @property
     def limit(self) -> str:
         """Formula of the shear stress that a body of hardness H bears."""
-        return "H/√α" if self.junction_growth else "H/(3√3)"
+        return "H/√α" if self.grows else "H/(3√3)"
 
     def _check(self) -> None:
         if self.fitted in ("end", "initial") and self.coefficient <= self.ploughing:
@@ -135,13 +139,6 @@ class Friction(Section):
                 f"friction.coefficient = {self.coefficient:g} must exceed friction.ploughing = "
                 f"{self.ploughing:g}"
             )
-
-
-def value_in(section: Any, key: str) -> Any:
-    """Return the value of a dotted key of a study or a section; None where a section is not there."""
-    for name in key.split("."):
-        section = getattr(section, name, None)
-    return section
 
 
 class Junctions(Section):

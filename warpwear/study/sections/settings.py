@@ -23,6 +23,11 @@ COUNTED_TWICE = (
 )
 
 
+#: Why junctions that grow by a film do not go with loads of a smooth contact.
+GROWS = when("friction.grows", otherwise="unless friction.junction_growth is 0")
+NO_BARE_CELLS = " and friction.junction_growth, as the smooth contact that prescribes loads has no bare cells"
+
+
 class About(Section):
     """The section [study] names the run and says which model computes it."""
 
@@ -46,15 +51,9 @@ class About(Section):
 class PatchesSection(Section):
     """The section [patches] says where patches of the two-scale model lie and how they share the load."""
 
-    macro_cell: Length = key(
-        "50 um",
-        "size of a macro cell, each of which has one patch of the grid's cells",
-        formerly="macro.cell",
-    )
+    macro_cell: Length = key("50 um", "size of a macro cell, each of which has one patch of the grid's cells")
     width: Length | None = key(
-        None,
-        "size of a patch; by default the macro cell, which tiles the contact; smaller ones stand for it",
-        formerly="macro.patch",
+        None, "size of a patch; by default the macro cell, which tiles the contact; smaller ones stand for it"
     )
     bulk: Literal["spring", "none"] = key(
         "spring",
@@ -62,16 +61,14 @@ class PatchesSection(Section):
         "the patch's own law carries that compliance, as free patches of the half-space do",
         assumed="springs of the patches yield as the smooth bodies do; without hardness or asperities",
         applies=ONE_APPROACH,
-        formerly="macro.bulk",
         demands=excludes("contact.boundary", "free", of="spring", why=COUNTED_TWICE),
-        former_value=("foundation", "spring"),
     )
     coupling: Literal["approach", "load"] = key(
         "approach",
         "approach: one for all patches, whose own answers share the load; load: a smooth macro contact "
         "prescribes the load of each patch",
-        formerly="macro.coupling",
         demands=needs("stepping.scheme", "implicit", of="load")
+        + excludes("friction.film", of="load", where=GROWS, why=NO_BARE_CELLS)
         + needs(
             "caps_pressure",
             of="load",
@@ -83,11 +80,8 @@ class PatchesSection(Section):
         "centre",
         "place of a smaller patch in its macro cell: in the middle, or at random by patches.seed",
         applies=SAMPLES,
-        formerly="macro.placement",
     )
-    seed: Annotated[int, Field(ge=0, strict=True)] = key(
-        0, "seed of the random placement", applies=AT_RANDOM, formerly="macro.seed"
-    )
+    seed: Annotated[int, Field(ge=0, strict=True)] = key(0, "seed of the random placement", applies=AT_RANDOM)
 
     @property
     def patch_width(self) -> float:

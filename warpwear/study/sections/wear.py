@@ -11,14 +11,10 @@ from pydantic import Field, PlainSerializer, PlainValidator
 
 from warpwear.laws.archard import BODIES, COEFFICIENTS, WEAR_LAWS, EnergyLaw, WearLaw
 from warpwear.study.keys import Length, Section, excludes, key, needs, when
-from warpwear.study.sections.friction import UNCHANGED, Friction
+from warpwear.study.sections.friction import NOT_CONTACT, UNCHANGED, Friction
 from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, Range, parse, text
 
-AT_REST = when(
-    "kinematics",
-    "stationary",
-    otherwise="does not apply to sliding.kinematics = '{}', where a cell slides while the contact is over it",
-)
+AT_REST = when("kinematics", "stationary")
 SHEDS = when("wear.sheds", otherwise="does not apply without a wear.particle: all wear leaves at once")
 shed_key = partial(key, applies=SHEDS)
 running_in_key = partial(key, applies=when("wear.law", "running-in"))
@@ -30,6 +26,10 @@ CRITICAL = (
     "junctions.surface_energy, such as '2 J/m^2', and of the softer body Young's modulus, Poisson's ratio "
     "and hardness; or give a diameter, such as '20 um'"
 )
+#: Where cells in contact wear alike by the energy of a shear strength, and what else there is.
+BY_AREA = when("friction.law", "shear-strength")
+BY_COULOMB = ", or friction.law = 'coulomb', by which cells in contact wear unalike"
+no_energy = partial(excludes, of="energy", where=BY_AREA, why=BY_COULOMB.replace("or", "unless", 1))
 IN_ONE_PROPORTION = ", which keeps what counter-body and disc wear in one proportion"
 
 
@@ -82,7 +82,6 @@ class Wear(Section):
         ...,
         'wear coefficient K of the counter-body, such as "2e-6 mm^3/N/m"; 0 where it does not wear; without '
         "a unit k = K H, H as of the disc",
-        formerly="wear.sphere",
     )
     disc: WearCoefficient = key(
         ...,
@@ -98,7 +97,13 @@ class Wear(Section):
         + needs("wear.starts_apart", of="running-in", what="wear.initial_counter or wear.initial_disc")
         + needs("study.model", "macro", of="bearing-curve", why=": the other models resolve the roughness")
         + needs("stepping.scheme", "implicit", of="bearing-curve")
-        + excludes("study.model", "two-scale", of="running-in", why=IN_ONE_PROPORTION),
+        + excludes("study.model", "two-scale", of="running-in", why=IN_ONE_PROPORTION)
+        + needs("friction.shear_strength", of="energy", where=BY_AREA, why=BY_COULOMB)
+        + no_energy("study.model", "two-scale")
+        + no_energy("stepping.scheme", "explicit")
+        + no_energy("friction.area", *NOT_CONTACT)
+        + no_energy("wear.distance_factor", "across", "radial")
+        + no_energy("wear.particle"),
     )
     decay: Annotated[float, Quantity("1/mm")] | None = key(
         None,
@@ -109,9 +114,7 @@ class Wear(Section):
         None, "running-in: L0 of K + (K0 − K) e^(−L/L0), an empirical fit"
     )
     initial_counter: WearCoefficient | None = running_in_key(
-        None,
-        "running-in: K0 of the counter-body; K if not given",
-        formerly="wear.initial_sphere",
+        None, "running-in: K0 of the counter-body; K if not given"
     )
     initial_disc: WearCoefficient | None = running_in_key(None, "running-in: K0 of the disc; K if not given")
     distance_factor: Literal["none", "across", "radial"] = key(
