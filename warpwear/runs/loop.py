@@ -332,11 +332,8 @@ class StepLoop:
             self.warnings.append(str(error))
         assert self._checkpoints is not None  # or there is nothing to keep the run in
         advice = f"The run folder {self._checkpoints.path.parent} holds the steps so far."
-        if isinstance(error, InvariantError):
-            to_do = "continue anyway" if self._checkpoints.path.exists() else "begin again and go on anyway"
-            advice += f" To {to_do}, set checks.strict=false and {RESUME_IT}."
-        else:
-            advice += doubts.smaller_steps(self._order.study)
+        go_on = f" To continue anyway, set checks.strict=false and {RESUME_IT}."
+        advice += go_on if isinstance(error, InvariantError) else doubts.smaller_steps(self._order.study)
         self.stopped = type(error)(f"{str(error).removesuffix('.')}. {advice}")
 
     def _warn(self, *sentences: str, kind: str = "warning") -> None:
