@@ -29,10 +29,11 @@ from warpwear.errors import OVERWRITE_IT, RESUME_IT, InputError
 from warpwear.grid import FloatArray
 from warpwear.history.rows import Rows
 from warpwear.results.check import check_snapshots
-from warpwear.results.ensemble import NO_MATTER, dotted
+from warpwear.results.ensemble import NO_MATTER
 from warpwear.results.seal import HEADER, digest_of, has_mark, read_header, seal
 from warpwear.results.writer import SPACE_FOR_THE_REST, ResultWriter, require_free_space
 from warpwear.runs.order import RunOrder
+from warpwear.study.keys import dotted
 from warpwear.study.study import Study
 from warpwear.surfaces.form import Given
 from warpwear.version import __version__

@@ -20,11 +20,11 @@ from warpwear.laws.friction import friction_energy
 from warpwear.laws.passes import Block
 from warpwear.laws.track import WHOLE, Track
 from warpwear.models.model import Model
-from warpwear.results.ensemble import dotted
 from warpwear.runs.arrangements import Maker, Parts, Record, arrangement_of
 from warpwear.runs.array_surface import ArraySurface, take_surface
 from warpwear.runs.invariants import Invariants
 from warpwear.runs.plan import Planned, plan_of
+from warpwear.study.keys import dotted
 from warpwear.study.rules_track import too_small
 from warpwear.study.study import Study
 from warpwear.study.surface import counter_surface, form_of, surface_in

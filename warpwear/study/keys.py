@@ -333,6 +333,18 @@ def _other_ways(model: type[BaseModel], name: str) -> tuple[str, ...]:
     return tuple(key for key, way in ways.items() if way != keys[name].one_of or ":" not in way)
 
 
+def dotted(sections: Mapping[str, Any], above: str = "", *, whole: str = "") -> dict[str, Any]:
+    """Return the values of tables in tables by their dotted keys, an empty one by its own.
+
+    whole: a key of tables that are values.
+    """
+    flat: dict[str, Any] = {}
+    for key, value in sections.items():
+        is_table = isinstance(value, Mapping) and bool(value) and whole not in value
+        flat |= dotted(value, f"{above}{key}.", whole=whole) if is_table else {f"{above}{key}": value}
+    return flat
+
+
 def value_of(nested: Any, name: str) -> Any:
     """Return the value of a dotted key, of a list of tables by number from 1; None where there is none."""
     for part in name.split("."):
