@@ -76,7 +76,7 @@ class Checkpoints:
 
     def __init__(self, path: Path, work: Path, order: RunOrder, heights: FloatArray, *, device: str) -> None:
         self.path = path
-        self._heights = heights if order.track is None else None
+        self._heights = None if order.study.is_swept else heights
         self._new = work / FILE_NAME
         self._about = {
             "version": __version__,

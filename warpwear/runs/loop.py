@@ -85,8 +85,8 @@ class StepLoop:
             #: The state of those circles of the disc that the counter-body has left.
             self._circles = Circles() if order.study.circles else None
             self._warn(*doubts.of_slope(order.study, prepared.record["on_the_grid"]["rms_slope"]))
-            if order.track is not None and writer is not None:
-                writer.add_track(order.track, prepared.heights)
+            if order.study.is_swept and writer is not None:
+                writer.add_track(order.study.track.x, prepared.heights)
             if writer is not None and isinstance(order.form, Given):
                 writer.add_counter(order.form.values)
             if stored is not None:
