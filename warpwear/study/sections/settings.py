@@ -11,7 +11,7 @@ from warpwear.study.units import Quantity, Range, one_by_one
 ONE_APPROACH = when("patches.coupling", "approach")
 SAMPLES = when("samples_area", otherwise="does not apply: the patches tile the contact")
 HAS_STRESSES = when("has_stresses", otherwise="does not apply without output.stress_depths")
-AT_RANDOM = when("places_at_random", otherwise="does not apply: no patch is placed at random")
+AT_RANDOM = SAMPLES + when("patches.placement", "random")
 
 
 COUNTED_TWICE = (
