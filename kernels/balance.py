@@ -167,23 +167,6 @@ def conclude(springs: Springs, s: Search, lists: Listing):
 
 
 @wp.kernel
-def lowest(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    field: wp.array2d(dtype=Cells),
-    lowest_out: wp.array2d(dtype=wp.float64),
-):
-    """Smallest value of every tile."""
-    slot = first_slot + wp.tid() // wp.block_dim()
-    for row in range(slot, field.shape[0], slots):
-        for t in range(wp.tid() % wp.block_dim(), lowest_out.shape[1], wp.block_dim()):
-            low = field[row, t * TILE_VECTORS]
-            for k in range(t * TILE_VECTORS + 1, wp.min((t + 1) * TILE_VECTORS, field.shape[1])):
-                low = wp.min(low, field[row, k])
-            lowest_out[row, t] = wp.min(low)
-
-
-@wp.kernel
 def select(
     first_slot: wp.int32,
     slots: wp.int32,

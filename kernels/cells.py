@@ -115,12 +115,11 @@ wp.set_module_options({"enable_backward": False})
 
 @wp.struct
 class Layout:
-    """Tells how patches lie in their field."""
+    """Tells where rows of a field lie: lines of a domain, or patches, their lines one after another."""
 
-    vectors: wp.int32  # of a line of a patch
-    first_row: wp.array(dtype=wp.int32)  # of the domain's cells, where a patch begins
+    vectors: wp.int32  # of a line
+    first_row: wp.array(dtype=wp.int32)  # of the domain's cells, where a row of the field begins
     first_column: wp.array(dtype=wp.int32)
-    lowest: wp.array2d(dtype=wp.float64)  # gap in every tile of a patch before any wear [mm]
 
 
 @wp.func
@@ -130,18 +129,3 @@ def sum_of(v: Cells):
     for j in range(LANES):
         total += v[j]
     return total
-
-
-@wp.func
-def lowest_of(v: Cells):
-    """Return the smallest of the lanes, pair by pair: one after another it takes twice as long."""
-    return wp.min(
-        wp.min(wp.min(v[0], v[1]), wp.min(v[2], v[3])),
-        wp.min(wp.min(v[4], v[5]), wp.min(v[6], v[7])),
-    )
-
-
-@wp.func
-def of_row(values: wp.array(dtype=wp.float64), row: wp.int32):
-    """Return the value of a row, or the one value that all rows share."""
-    return values[wp.min(row, values.shape[0] - 1)]

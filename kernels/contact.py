@@ -7,7 +7,7 @@ contact by more than 1e-12 of it; `base − gap` is exact near contact, so the o
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.cells import ABSENT, LANES, ONE, ZERO, Cells
+from warpwear.kernels.cells import ABSENT, LANES, ONE, ZERO, Cells, Layout
 
 wp.set_module_options(native_code.options("law.h"))
 
@@ -36,30 +36,38 @@ def sag(x: wp.float64, y: wp.float64, curvature: wp.float64):
     return wp.where(under_root > ZERO, r2 * curvature / (ONE + wp.sqrt(wp.max(under_root, ZERO))), ABSENT)
 
 
+@wp.struct
+class Ball:
+    """Tells where the first cell of a domain lies under a ball, or a rigid flat."""
+
+    cell: wp.float64  # [mm]
+    x_first: wp.float64
+    y_first: wp.float64
+    curvature: wp.float64  # 1/R [1/mm]
+
+
 @wp.kernel
 def gap(
     first_slot: wp.int32,
     slots: wp.int32,
     columns: wp.int32,
-    cell: wp.float64,
-    x_first: wp.float64,
-    y_first: wp.float64,
-    curvature: wp.float64,
+    ball: Ball,
+    layout: Layout,
     roughness_in: wp.array2d(dtype=Cells),
     gap_out: wp.array2d(dtype=Cells),
-    unworn_out: wp.array2d(dtype=Cells),
 ):
-    """Store the gap of the unworn bodies from the mean planes, twice: sag − roughness of the disc."""
+    """Store the gap of the unworn bodies from the mean planes: sag − roughness. columns: of a line."""
     slot = first_slot + wp.tid() // wp.block_dim()
+    vectors = layout.vectors
     for row in range(slot, gap_out.shape[0], slots):
-        x = x_first + wp.float64(row) * cell
         for k in range(wp.tid() % wp.block_dim(), gap_out.shape[1], wp.block_dim()):
+            line = k // vectors
+            x = ball.x_first + wp.float64(layout.first_row[row] + line) * ball.cell
             z = roughness_in[row, k]
             g = Cells(ABSENT)
             for j in range(LANES):
-                column = k * LANES + j
-                y = y_first + wp.float64(column) * cell
+                column = (k - line * vectors) * LANES + j
+                y = ball.y_first + wp.float64(layout.first_column[row] + column) * ball.cell
                 if column < columns:
-                    g[j] = sag(x, y, curvature) - z[j]
+                    g[j] = sag(x, y, ball.curvature) - z[j]
             gap_out[row, k] = g
-            unworn_out[row, k] = g

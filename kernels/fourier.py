@@ -53,7 +53,10 @@ def _of_kind(declared: Callable[..., None], kind: Any) -> Callable[..., None]:
 
 @wp.struct
 class Plan:
-    """Describes a convolution of grids that lie one after another, by the order of its modes."""
+    """Describes a convolution of grids that lie one after another, by the order of its modes.
+
+    Around the transforms of a library only the visited grids, their sizes and what is done with modes count.
+    """
 
     visited: wp.array(dtype=wp.int32)  # grids that are convolved, the first ones; one number
     rows: wp.int32  # of a grid
@@ -130,31 +133,19 @@ def convolve(
     """Forward, across and back for one grid after another, each while it is in the cache."""
 
 
-@wp.struct
-class Around:
-    """Describes grids that lie one after another, and what is done with their modes between transforms."""
-
-    visited: wp.array(dtype=wp.int32)  # grids that are convolved, the first ones; one number
-    rows: wp.int32  # of a grid
-    columns: wp.int32
-    stride: wp.int32  # numbers from one row to the next
-    divides: wp.bool  # instead of multiplying
-    scale: wp.float64  # of a factor
-
-
 @of_both("pad_rows")
-def pad(grids: Around, field_in: wp.array2d(dtype=Cells), padded_out: wp.array3d(dtype=Any)):
+def pad(grids: Plan, field_in: wp.array2d(dtype=Cells), padded_out: wp.array3d(dtype=Any)):
     """Copy cells of grids into padded ones, whose padding stays zero."""
 
 
 @of_both("crop_rows")
-def crop(grids: Around, padded_in: wp.array3d(dtype=Any), field_out: wp.array2d(dtype=Cells)):
+def crop(grids: Plan, padded_in: wp.array3d(dtype=Any), field_out: wp.array2d(dtype=Cells)):
     """Copy the fields out of their padding."""
 
 
 @of_both("multiply_modes")
 def multiply(
-    grids: Around,
+    grids: Plan,
     table_in: wp.array2d(dtype=wp.float64),
     line_in: wp.array(dtype=wp.float64),
     modes: wp.array3d(dtype=Any),
@@ -163,5 +154,5 @@ def multiply(
 
 
 @of_both("multiply_pairs")
-def multiply_pair(grids: Around, table_in: wp.array3d(dtype=wp.float64), modes: wp.array3d(dtype=Any)):
+def multiply_pair(grids: Plan, table_in: wp.array3d(dtype=wp.float64), modes: wp.array3d(dtype=Any)):
     """Multiply modes of two grids by a symmetric matrix of tables, in place."""

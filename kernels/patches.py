@@ -10,20 +10,10 @@ above the patch's approach are skipped.
 
 import warp as wp
 
-from warpwear.kernels.cells import ABSENT, LANES, ONE, TILE_VECTORS, ZERO, Cells, Layout, lowest_of
-from warpwear.kernels.contact import Law, pressure_of, sag
+from warpwear.kernels.cells import LANES, ONE, ZERO, Cells, Layout
+from warpwear.kernels.contact import Law, pressure_of
 from warpwear.kernels.two_scale.curves import TOGETHER, Curves
 from warpwear.kernels.two_scale.steps import Books, Courses, Now, Steps
-
-
-@wp.struct
-class Ball:
-    """Tells where the domain's first cell lies under the counter-body, or a rigid flat."""
-
-    cell: wp.float64  # [mm]
-    x_first: wp.float64
-    y_first: wp.float64
-    curvature: wp.float64  # 1/R [1/mm]
 
 
 @wp.struct
@@ -31,46 +21,12 @@ class Surfaces:
     """Surfaces hold the cells of all patches."""
 
     layout: Layout
+    lowest: wp.array2d(dtype=wp.float64)  # gap in every tile of a patch before any wear [mm]
     cells: wp.float64  # of a patch
     gap: wp.array2d(dtype=Cells)  # [mm]
     unworn: wp.array2d(dtype=Cells)
     parts: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear it
     trial: wp.array2d(dtype=wp.float64)  # what a pass adds up for `Curves.answer`
-
-
-@wp.kernel(module=TOGETHER)
-def gap(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    columns: wp.int32,
-    ball: Ball,
-    layout: Layout,
-    roughness_in: wp.array2d(dtype=Cells),
-    gap_out: wp.array2d(dtype=Cells),
-):
-    """Lay the gap of the unworn bodies from the mean planes, and its lowest in every tile of `layout`.
-
-    columns: of a line.
-    """
-    patch = first_slot + wp.tid() // wp.block_dim()
-    vectors = layout.vectors
-    tiles = (vectors + TILE_VECTORS - 1) // TILE_VECTORS
-    for n in range(wp.tid() % wp.block_dim(), layout.lowest.shape[1], wp.block_dim()):
-        line = n // tiles
-        first = (n - line * tiles) * TILE_VECTORS
-        x = ball.x_first + wp.float64(layout.first_row[patch] + line) * ball.cell
-        low = Cells(ABSENT)
-        for v in range(first, wp.min(first + TILE_VECTORS, vectors)):
-            z = roughness_in[patch, line * vectors + v]
-            g = Cells(ABSENT)
-            for j in range(LANES):
-                column = v * LANES + j
-                y = ball.y_first + wp.float64(layout.first_column[patch] + column) * ball.cell
-                if column < columns:
-                    g[j] = sag(x, y, ball.curvature) - z[j]
-            gap_out[patch, line * vectors + v] = g
-            low = wp.min(low, g)
-        layout.lowest[patch, n] = lowest_of(low)
 
 
 @wp.func_native("carry_patch(patch, steps.load.hardness, now.stiffness, curves, surfaces);")

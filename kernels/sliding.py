@@ -11,7 +11,7 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.balance import Springs
-from warpwear.kernels.cells import ABSENT, NONE, TILE_VECTORS, Cells, lowest_of
+from warpwear.kernels.cells import NONE, Cells
 from warpwear.kernels.tiles import Listing
 
 wp.set_module_options(native_code.options("sliding.h"))
@@ -121,27 +121,6 @@ class StepTables:
     sums: wp.array2d(dtype=wp.float64)  # lines of `TrackSum`
     maxima: wp.array2d(dtype=wp.float64)  # lines of `TrackMost`
     bearing: wp.array2d(dtype=wp.float64)  # cells' area that bears, where not all that is in contact does
-
-
-@wp.kernel
-def bounds(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    height_in: wp.array2d(dtype=Cells),
-    lowest_out: wp.array2d(dtype=wp.float64),
-    highest_out: wp.array2d(dtype=wp.float64),
-):
-    """Lowest and highest height of every tile of a body; nothing for places beyond the last tile."""
-    slot = first_slot + wp.tid() // wp.block_dim()
-    for row in range(slot, height_in.shape[0], slots):
-        for t in range(wp.tid() % wp.block_dim(), lowest_out.shape[1], wp.block_dim()):
-            low = Cells(ABSENT)
-            high = Cells(-ABSENT)
-            for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, height_in.shape[1])):
-                low = wp.min(low, height_in[row, k])
-                high = wp.max(high, height_in[row, k])
-            lowest_out[row, t] = lowest_of(low)
-            highest_out[row, t] = wp.max(high)
 
 
 @native_code.native_pass("select_tiles")

@@ -231,12 +231,6 @@ def _read_text(source: Source, *, otherwise: InputError | None = None) -> Raw:
     return Raw(values.T, "text", None, lateral, height, notes)
 
 
-def _read_tmd(source: Source) -> Raw:
-    """Read a .tmd, whose comment may have any length."""
-    heights, pixel = layouts.read_tmd(source.path)
-    return Raw(heights, "tmd", pixel, "mm", "mm")
-
-
 def _read_prf(source: Source) -> Raw:
     """Read a .prf of text, which a stylus instrument's program exports."""
     heights, step = layouts.read_prf(source.path)
@@ -376,13 +370,12 @@ FORMATS = (
         _read_container,
     ),
     Format("a packed one of these", (".gz",), lambda s: s.start.startswith(GZIP), _read_packed),
-    Format("a map of TrueMap", (".tmd",), lambda s: s.start.lower().startswith(layouts.TMD), _read_tmd),
     Format("a profile", (".prf",), lambda s: s.start.split(b"\n")[0].strip() == layouts.PRF, _read_prf),
     Format("an archive of ISO 25178-72", (".x3p",), lambda s: s.ending == ".x3p", _read_x3p),
     Format("text of points x y z or of a matrix", TEXT, lambda s: s.is_text and s.ending in TEXT, _read_text),
     Format(
         "any height map or profile that SurfaceTopography reads",
-        (".al3d", ".sur", ".opd", ".plu", ".mnt", ".sdf"),
+        (".al3d", ".sur", ".opd", ".plu", ".mnt", ".sdf", ".tmd"),
         lambda s: True,
         _read_instrument,
     ),

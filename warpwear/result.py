@@ -50,7 +50,7 @@ class Result(ResultFile):
     def export(self, folder: str | Path, **options: Any) -> list[Path]:
         """Write worn bodies and fields into a folder for other software; returns the paths.
 
-        options: formats, such as ["vti", "x3p"]; snapshot, bodies, fields, points, exaggeration, overwrite,
+        options: formats, such as ["vti", "x3p"]; snapshot, bodies, fields, points, overwrite,
         as `warpwear export` has them. Raises InputError.
         """
         paths: list[Path] = resolve(EXPORT)(self, folder, **options)

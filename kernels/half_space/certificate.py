@@ -5,8 +5,9 @@
 
 import warp as wp
 
-from warpwear.kernels.cells import NONE, ONE, ZERO, Cells
+from warpwear.kernels.cells import NONE, ONE, ZERO
 from warpwear.kernels.half_space import solve as search
+from warpwear.kernels.half_space.solve import Fields
 from warpwear.kernels.native_code import native_pass, options
 
 wp.set_module_options(options("half_space/certificate.h"))
@@ -44,22 +45,11 @@ class Proven:
 
 
 @wp.struct
-class ProofFields:
-    """Holds the fields that a certificate looks at."""
-
-    pressure: wp.array2d(dtype=Cells)  # p [MPa]
-    gap: wp.array2d(dtype=Cells)  # [mm]
-    displacement: wp.array2d(dtype=Cells)  # under the pressure [mm]
-    fractions: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear all of it
-    cap: wp.float64  # H [MPa]
-
-
-@wp.struct
 class Proof:
     """Holds a certificate while it is made."""
 
     columns: wp.int32  # of the grid, without padding
-    fields: ProofFields
+    fields: Fields  # with the response to the pressure
     visited: wp.array(dtype=wp.int32)  # rows, one number
     groups: wp.array(dtype=Proven)
     table: wp.array2d(dtype=wp.float64)  # a line a sum or maximum, a column a slot
@@ -90,8 +80,7 @@ def bracket(proof: Proof):
     where p > 0 bears anything.
     """
     has_cap = proof.fields.cap < NONE
-    i = search.first_group(proof)
-    while i < search.groups_of(proof):
+    for i in range(search.first_group(proof), search.groups_of(proof), search.stride(proof)):
         lines = search.lines_of(proof, i, 2, 6)
         group = proof.groups[i]
         nothing = ZERO / (ONE - wp.min(lines[1], ONE))  # 0, or not a number
@@ -110,7 +99,6 @@ def bracket(proof: Proof):
         group.level = wp.where(has_cap, group.high, group.lowest)
         if search.writes(proof):
             proof.groups[i] = group
-        i += search.stride(proof)
     if search.lane() == 0:
         proof.passes[0] = 0
         proof.searching[0] = wp.where(has_cap, 1, 0)
@@ -124,8 +112,7 @@ def narrow(proof: Proof):
     the upper end exceeds the least one by less than the width of the bracket times that slope.
     """
     wide = ZERO
-    i = search.first_group(proof)
-    while i < search.groups_of(proof):
+    for i in range(search.first_group(proof), search.groups_of(proof), search.stride(proof)):
         lines = search.lines_of(proof, i, LEVELS + 1, LEVELS + 3)
         group = proof.groups[i]
         step = (group.high - group.low) / wp.float64(LEVELS + 1)
@@ -151,7 +138,6 @@ def narrow(proof: Proof):
         group.level = high
         if search.writes(proof):
             proof.groups[i] = group
-        i += search.stride(proof)
     wide = search.over_groups(proof, wide, True)
     if search.lane() == 0:
         proof.passes[0] = proof.passes[0] + 1
@@ -161,11 +147,9 @@ def narrow(proof: Proof):
 @wp.kernel
 def conclude(proof: Proof):
     """Note the bound of every group."""
-    i = search.first_group(proof)
-    while i < search.groups_of(proof):
+    for i in range(search.first_group(proof), search.groups_of(proof), search.stride(proof)):
         lines = search.lines_of(proof, i, 1, 1)
         if search.writes(proof):
             group = proof.groups[i]
             group.gap = lines[0]
             proof.groups[i] = group
-        i += search.stride(proof)

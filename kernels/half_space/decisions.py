@@ -66,8 +66,7 @@ def start(solve: Solve):
 def measure(solve: Solve):
     """Measure the gap: its mean, its rms height and its lowest point, about 0, then about the mean."""
     n = solve.numbers[0]
-    i = search.first_group(solve)
-    while i < search.groups_of(solve):
+    for i in range(search.first_group(solve), search.groups_of(solve), search.stride(solve)):
         lines = search.lines_of(solve, i, 3, 4)
         first = lines[1] / lines[0]
         second = lines[2] / lines[0]
@@ -81,7 +80,6 @@ def measure(solve: Solve):
                 group.level = group.mean
             group.unit = n.stiffness * (group.mean - lowest)
             solve.groups[i] = group
-        i += search.stride(solve)
 
 
 @wp.func
@@ -101,8 +99,7 @@ def balanced(solve: Solve, begins: wp.bool):
     many = solve.groups.shape[0] > 1
     looking = ZERO
     stuck = ZERO
-    i = search.first_group(solve)
-    while i < search.groups_of(solve):
+    for i in range(search.first_group(solve), search.groups_of(solve), search.stride(solve)):
         lines = search.lines_of(solve, i, 2, 2)
         total = lines[0]
         between = lines[1]
@@ -121,7 +118,6 @@ def balanced(solve: Solve, begins: wp.bool):
             stuck += wp.where(group.bracket.state == STUCK and misses, ONE, ZERO)
         if search.writes(solve):
             solve.groups[i] = group
-        i += search.stride(solve)
     looking = search.over_groups(solve, looking, True)
     stuck = search.over_groups(solve, stuck, True)
     if search.lane() == 0:
@@ -197,8 +193,7 @@ def judge(solve: Solve):
     reach = -NONE
     least_violation = -NONE
     least_allowed = -NONE
-    i = search.first_group(solve)
-    while i < search.groups_of(solve):
+    for i in range(search.first_group(solve), search.groups_of(solve), search.stride(solve)):
         lines = search.lines_of(solve, i, 4, 6)
         group = solve.groups[i]
         group.total = lines[0]
@@ -225,7 +220,6 @@ def judge(solve: Solve):
         reach = wp.max(reach, off)
         least_violation = wp.max(least_violation, -group.violation)
         least_allowed = wp.max(least_allowed, -group.allowed)
-        i += search.stride(solve)
     all_between = search.over_groups(solve, all_between, True)
     all_touching = search.over_groups(solve, all_touching, True)
     off_load = search.over_groups(solve, off_load, True)
@@ -295,8 +289,7 @@ def accept(solve: Solve, proof: Proof):
     """Search on from a pressure that could not be certified: what the search added up has drifted."""
     rules = solve.rules[0]
     faults = ZERO
-    i = search.first_group(proof)
-    while i < search.groups_of(proof):
+    for i in range(search.first_group(proof), search.groups_of(proof), search.stride(proof)):
         group = proof.groups[i]
         off = ZERO
         if group.load >= ZERO:
@@ -309,7 +302,6 @@ def accept(solve: Solve, proof: Proof):
         holds = group.over <= ZERO and group.under <= ZERO and wp.abs(off) <= rules.certified_load
         holds = holds and violation <= group.allowed and group.gap < NONE
         faults += wp.where(holds, ZERO, ONE)
-        i += search.stride(proof)
     faults = search.over_groups(proof, faults, True)
     if search.lane() == 0 and faults > ZERO and solve.numbers[0].renewals < rules.renewals:
         solve.request[Request.ANEW] = ZERO

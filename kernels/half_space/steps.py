@@ -36,8 +36,7 @@ def aim(solve: Solve):
     sr = ZERO
     largest_z = ZERO
     largest_r = ZERO
-    i = search.first_group(solve)
-    while i < search.groups_of(solve):
+    for i in range(search.first_group(solve), search.groups_of(solve), search.stride(solve)):
         lines = search.lines_of(solve, i, 7, 9)
         group = solve.groups[i]
         group.descent_mean = wp.where(n.at_load == 1, lines[1] / wp.max(lines[0], ONE), ZERO)
@@ -48,7 +47,6 @@ def aim(solve: Solve):
         largest_r = wp.max(largest_r, lines[8])
         if search.writes(solve):
             solve.groups[i] = group
-        i += search.stride(solve)
     zy = search.over_groups(solve, zy, True)
     downhill = search.over_groups(solve, zr, True)
     sr = search.over_groups(solve, sr, True)
@@ -66,15 +64,13 @@ def aim(solve: Solve):
         n.trial_length = n.near_length
         n.transforms = n.transforms + 1
     leads_down = n.plain == 1 or downhill > ZERO
-    i = search.first_group(solve)
-    while i < search.groups_of(solve):
+    for i in range(search.first_group(solve), search.groups_of(solve), search.stride(solve)):
         lines = search.lines_of(solve, i, 7, 9)
         group = solve.groups[i]
         reach = wp.max(lines[7], lines[8] * n.outward)
         group.unit = n.trial_length * reach
         if search.writes(solve):
             solve.groups[i] = group
-        i += search.stride(solve)
     if search.lane() == 0:
         if not leads_down:
             n = without_memory(solve.rules[0], n)

@@ -30,19 +30,19 @@ WARPWEAR_FN double next_number(double v, double to)
 
 // Visit the cells of a patch in the tiles that it reaches: `Lanes` by line and place in it. reaches: tells by
 // the lowest gap of a tile before any wear.
-template <typename Layout, typename Reaches, typename Visit>
-WARPWEAR_FN void visit_patch(const Layout& layout, int patch, const Reaches& reaches, const Visit& visit)
+template <typename Surfaces, typename Reaches, typename Visit>
+WARPWEAR_FN void visit_patch(const Surfaces& surfaces, int patch, const Reaches& reaches, const Visit& visit)
 {
-    const double* const lowest = &wp::index(layout.lowest, patch, 0);
-    const int of_line = layout.vectors * OF_VECTOR, tiles = (of_line + OF_TILE - 1) / OF_TILE;
+    const double* const lowest = &wp::index(surfaces.lowest, patch, 0);
+    const int of_line = surfaces.layout.vectors * OF_VECTOR, tiles = (of_line + OF_TILE - 1) / OF_TILE;
 #if defined(__CUDA_ARCH__)
-    for (int n = threadIdx.x; n < layout.lowest.shape[1] * OF_TILE; n += blockDim.x) {
+    for (int n = threadIdx.x; n < surfaces.lowest.shape[1] * OF_TILE; n += blockDim.x) {
         const int tile = n / OF_TILE, line = tile / tiles;
         const int place = (tile - line * tiles) * OF_TILE + n % OF_TILE;
         if (reaches(lowest[tile]) && place < of_line) visit(line, place);
     }
 #else
-    for (int tile = 0; tile < layout.lowest.shape[1]; ++tile) {
+    for (int tile = 0; tile < surfaces.lowest.shape[1]; ++tile) {
         if (!reaches(lowest[tile])) continue;
         const int line = tile / tiles, first = (tile - line * tiles) * OF_TILE;
         const int end = first + OF_TILE < of_line ? first + OF_TILE : of_line;
@@ -98,7 +98,7 @@ WARPWEAR_FN void carry_patch(int patch, double cap, double stiffness, Curves& cu
         if (!(overlap > 0.0)) beside = wp::min(beside, -overlap);
         return overlap > 0.0;
     };
-    visit_patch(surfaces.layout, patch, reaches, [&](int line, int place) {
+    visit_patch(surfaces, patch, reaches, [&](int line, int place) {
         const int i = line * of_line + place;
         const Lanes most_here = parted ? Lanes(cap * parts[i]) : Lanes(cap);
         const Lanes q = on_spring((base - Lanes(gap[i])) + offset, Lanes(stiffness)),
@@ -130,7 +130,7 @@ WARPWEAR_FN Extents extents_of(int patch, const Surfaces& surfaces, const WearBy
         return extents;
     const double* const gap = (const double*)row_of(surfaces.gap, patch);
     const double* const unworn = (const double*)row_of(surfaces.unworn, patch);
-    visit_patch(surfaces.layout, patch, reaches, [&](int line, int place) {
+    visit_patch(surfaces, patch, reaches, [&](int line, int place) {
         for (int i = place * LANES; i < place * LANES + LANES; ++i) {
             const int cell = line * of_line * LANES + i;
             if (!was_touched(by, gap[cell], unworn[cell])) continue;
@@ -181,7 +181,7 @@ WARPWEAR_FN void wear_patch(int patch, const Steps& steps, const Now& now, Curve
         if (!is_near) beside = wp::min(beside, -next * by.stiffness_next);
         return is_near;
     };
-    visit_patch(surfaces.layout, patch, reaches, [&](int line, int place) {
+    visit_patch(surfaces, patch, reaches, [&](int line, int place) {
         const int i = line * of_line + place;
         fetch((const double*)(gap + i + 16)); // a fifth of the time, where fields do not fit the cache
         fetch((const double*)(unworn + i + 16));

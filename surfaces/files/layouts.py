@@ -19,9 +19,8 @@ from warpwear.surfaces.point_cloud import UNIT
 
 h5py = lazy.module("h5py")
 
-TMD = b"binary truemap data file v2.0"  # begins a .tmd, in small letters
-TMD_START = 32  # bytes before its comment, which a byte of value 0 ends
-TMD_SIZES = struct.Struct("<2I4f")  # points along x and y, lengths and offsets of both [mm]
+TMD = b"Binary TrueMap Data File v2.0\r\n\0"  # begins a .tmd, some in other letters
+TMD_COMMENT = 24  # bytes of the comment behind it that SurfaceTopography expects; any has a 0 at its end
 IBW_VERSION = 5  # of an Igor wave whose header is known
 IBW_DIMENSIONS = 132  # bytes before the numbers of its points along its four dimensions
 #: Formats of SurfaceTopography that are not looked for: those without a mark, for which other files pass (of
@@ -40,20 +39,6 @@ LINK = "{*}Record3/{*}DataLink/"
 AXES = "{*}Record1/{*}Axes/"
 #: Types of an .x3p's values, little endian: 16 and 32 bit integers and floats of 32 and 64 bit.
 TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
-
-
-def read_tmd(path: Path) -> tuple[FloatArray, tuple[float, float]]:
-    """Return the heights [mm] of a .tmd, shape (nx, ny), and its pixel [mm]. Raises ValueError."""
-    content = path.read_bytes()
-    end = content.find(b"\0", TMD_START) + 1
-    if not end or len(content) < end + TMD_SIZES.size:
-        raise ValueError("its header is cut short")
-    nx, ny, *sizes = TMD_SIZES.unpack_from(content, end)
-    values = content[end + TMD_SIZES.size :]
-    if not nx * ny or len(values) != 4 * nx * ny:
-        raise ValueError(f"{nx} × {ny} points in {len(values)} bytes")
-    heights = np.frombuffer(values, "<f4").reshape(ny, nx).T.astype(np.float64)
-    return heights, (sizes[0] / nx, sizes[1] / ny)
 
 
 def gwyddion_header(header: Sequence[str]) -> tuple[tuple[float, str], tuple[float, str], str] | None:
@@ -92,10 +77,14 @@ def open_topography(path: Path, *, plain: bool) -> Any:
     io = lazy.load("SurfaceTopography").IO  # 2 s, so only when needed
     with path.open("rb") as file:
         start = file.read(io.MAGIC_BUFFER_SIZE)
-    content: Any = str(path)
+    content = b""  # where it is not as the file has it
     if start[1:8] == BCR:  # the layout of ISO 25178-71 under its older name
         start = start[:1] + ISO + start[8:]
-        content = BytesIO(start + path.read_bytes()[len(start) :])
+        content = start + path.read_bytes()[len(start) :]
+    elif start[:29].lower() == TMD[:29].lower():
+        behind = path.read_bytes()[len(TMD) :].partition(b"\0")[2]
+        start = TMD + start[len(TMD) :]
+        content = TMD + bytes(TMD_COMMENT) + behind
     known: Exception | None = None
     for reader in io.readers:
         fit, name = reader.can_read(start), reader.format()
@@ -106,7 +95,7 @@ def open_topography(path: Path, *, plain: bool) -> Any:
         try:
             if name == "ibw":
                 check_wave(path)
-            return reader(content)
+            return reader(BytesIO(content) if content else str(path))
         except Exception as error:  # the reader is foreign: whatever it raises, another may do
             known = error if fit is io.MagicMatch.YES else known
     raise known or ValueError("no reader knows the format")

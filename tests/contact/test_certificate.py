@@ -13,13 +13,13 @@ import pytest
 
 from warpwear import ConvergenceError, solve_contact
 from warpwear.contact.certificate import Certificate, Proof
-from warpwear.contact.half_space.search import Search
+from warpwear.contact.half_space.search import NO_CAP, Search
 from warpwear.contact.half_space.solver import BoundedPressure, HalfSpace, HalfSpaceContact
-from warpwear.engine.executor import Executor
+from warpwear.engine.executor import Executor, arguments
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import PADDING
-from warpwear.kernels.half_space.solve import SearchRules
+from warpwear.kernels.half_space.solve import Fields, SearchRules
 from warpwear.laws.patches import Patches
 from warpwear.models.patches.influence import PatchInfluence
 
@@ -154,9 +154,9 @@ def certificate_of(
 ) -> Certificate:
     """The product's word on a pressure as it stands, at the approaches of a contact."""
     solver._influence.respond(solver.pressure_field, solver.displacement())
-    fields = {"pressure": solver.pressure_field, "gap": gap, "displacement": solver.displacement()}
-    groups = contact.approaches.size
-    proof = Proof(contact.executor, **fields, groups=groups, **{"cap": math.inf, **cells})
+    fields = {"pressure": solver.pressure_field, "gap": gap, "response": solver.displacement()}
+    fields |= {"cap": NO_CAP, **{name: cell for name, cell in cells.items() if cell is not None}}
+    proof = Proof(contact.executor, arguments(Fields, **fields), groups=contact.approaches.size)
     return proof.at(load=load, approach=contact.approaches, scale=scale, allowed=contact.allowed)
 
 

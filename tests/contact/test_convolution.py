@@ -93,7 +93,7 @@ def test_a_filter_is_that_of_numpy(
         field, out, line = executor.field(values.copy(), padding=7.0), executor.zeros(), case.of(executor)
         for target in (out, field):
             program = Program(executor)
-            made.say(program, field, line, target, divides=divides)
+            made.add_to(program, field, line, target, divides=divides)
             program.run()
         assert executor.to_numpy(out) == pytest.approx(expected, abs=ERROR[kind] * abs(expected).max())
         assert (executor.to_numpy(field) == executor.to_numpy(out)).all()
@@ -111,7 +111,7 @@ def test_filters_of_a_library_are_those_of_kernels(
     with Executor(Grid(*cells, 1.0), threads=1) as executor:
         out = executor.zeros()
         program = Program(executor)
-        ScipyFilter(executor, Grids.whole(executor), case.table, shape, kind).say(
+        ScipyFilter(executor, Grids.whole(executor), case.table, shape, kind).add_to(
             program, executor.field(values), case.of(executor), out
         )
         program.run()
@@ -138,7 +138,7 @@ def test_squares_are_filtered_one_by_one(
         grids = Grids.squares(executor, side)
         made = filter_of(executor, case.table, case.shape, kind, grids=grids)
         out, program = executor.field(np.full((count, side * columns), 9.0)), Program(executor)
-        made.say(program, executor.field(rows.reshape(count, -1)), case.of(executor), out)
+        made.add_to(program, executor.field(rows.reshape(count, -1)), case.of(executor), out)
         for visited, mean in ((2, 0.0), (4, 0.5), (5, 0.7)):
             grids.visited.assign([visited])
             case.table[0, 0] = mean
@@ -172,7 +172,7 @@ def test_threads_change_nothing(
         with Executor(Grid(*cells, 1.0), threads=count) as executor:
             assert executor.is_shared == (count > 1)
             field, program = executor.field(values.copy()), Program(executor)
-            filter_of(executor, case.table, shape, kind).say(
+            filter_of(executor, case.table, shape, kind).add_to(
                 program, field, case.of(executor), field, divides=True
             )
             program.run()
@@ -191,7 +191,7 @@ def test_a_division_undoes_a_multiplication(shape: tuple[int, int], kind: Any, d
         made, program = filter_of(executor, case.table, shape, kind), Program(executor)
         field, line = executor.field(values), case.of(executor)
         for divides in (False, True):
-            made.say(program, field, line, field, divides=divides)
+            made.add_to(program, field, line, field, divides=divides)
         program.run()
         expected = values - values.mean()
         allowed = 2.0 * ERROR[kind] * abs(expected).max()  # two filters one after another
@@ -217,7 +217,7 @@ def test_filters_share_memory(device: str) -> None:
         field, outs = executor.field(values), [executor.zeros() for _ in range(2)]
         program = Program(executor)
         for made, case, out in zip((far, near), cases, outs, strict=True):
-            made.say(program, field, case.of(executor), out)
+            made.add_to(program, field, case.of(executor), out)
         for _ in range(2):
             program.run()
             for kind, case, out in zip((np.float64, np.float32), cases, outs, strict=True):

@@ -93,7 +93,7 @@ def test_the_descent_is_that_of_a_slow_formula(
         extended = drawn.asked + bound * around(extended)
         inverse = executor.field(extended)
         program = Program(executor)
-        drawn.influence.say_inverse(program, inverse, inverse)
+        drawn.influence.add_inverse(program, inverse, inverse)
         program.run()
         made = np.array(executor.to_numpy(inverse))
         given = bound * made

@@ -80,7 +80,7 @@ def test_what_makes_no_sense_is_left_out_with_its_reason(
         *OF_FILMS,
         *OF_FRETTING,
         *OF_STRESSES,
-        *left_out_for(words.ROUGH, words.NO_FACTOR, words.NO_PIECES),
+        *left_out_for(words.ROUGH, words.NO_PIECES),
     }
     static = set(plot.NAMES) - NOT_STATIC - of_others
     assert {"setup", "contact_map", "junctions"} < static == set(plot.names())
@@ -324,7 +324,7 @@ def test_reduction_keeps_what_it_promises(results: dict[str, Result]) -> None:
     # The scar is inside the window, so the load and the volumes are too.
     assert window.means(snapshot.pressure).sum() * side**2 == pytest.approx(8.0, rel=1e-12)
     volume = snapshot.wear_disc.sum() * result.study.cells.cell_area
-    assert bodies.wear_disc.sum() * side**2 == pytest.approx(volume, rel=1e-12)
+    assert bodies["wear_disc"].sum() * side**2 == pytest.approx(volume, rel=1e-12)
     assert view.pressure.max() == snapshot.pressure.max()
     last = FigureData(result).views[-1]
     assert (last.state > State.TOUCHED).sum() * (20e-3) ** 2 == pytest.approx(

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.measured.friction.laps import Laps
+from warpwear.measured.friction.events import Laps
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,7 @@ import scipy.signal
 from cases_courses import in_laps, made
 
 from warpwear.measured.experiment import Experiment
-from warpwear.measured.friction.events import events_of, line_with_error
-from warpwear.measured.friction.laps import laps_of
+from warpwear.measured.friction.events import events_of, laps_of, line_with_error
 
 ruptures = pytest.importorskip("ruptures")
 

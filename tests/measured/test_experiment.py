@@ -155,9 +155,9 @@ def test_what_could_mean_two_things_or_none_is_refused(
 def test_columns_are_picked_by_name_number_and_with_a_unit(tmp_path: Path) -> None:
     twice = "Distance, mm;COF;COF\n1;0.1;0.3\n2;0.2;0.4\n"
     assert read(tmp_path, twice, columns="1,3").cof.tolist() == [0.3, 0.4]
-    assert read(tmp_path, twice, columns="Distance, mm,2").cof.tolist() == [0.1, 0.2]
+    assert read(tmp_path, twice, columns="Distance, mm;2").cof.tolist() == [0.1, 0.2]
     with pytest.raises(InputError, match="2 columns called 'COF'; pick by number"):
-        read(tmp_path, twice, columns="Distance, mm,COF")
+        read(tmp_path, twice, columns="Distance, mm;COF")
     odd = "s,ratio\n1,0.1\n2,0.2\n"
     assert read(tmp_path, odd, columns="S [m],ratio").distance.tolist() == [1000, 2000]
     assert read(tmp_path, odd, columns="s [min],ratio", speed=0.5).distance.tolist() == [30, 60]

@@ -181,7 +181,7 @@ class Shedding:
         self._program = Program(executor)
         with self.pieces.at_beginning(self._program):
             self.pieces.before_search(self._program, Place(self._slides.array))
-            self.pieces.say_take(self._program, self._slides.array, self._pressure)
+            self.pieces.add_take(self._program, self._slides.array, self._pressure)
         steps = arguments(Steps, stepping=goes, history=self._rows)
         self.pieces.between(self._program, Place(self._slides.array, steps))
 

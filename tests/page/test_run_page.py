@@ -1,10 +1,8 @@
 """The page of a run: one file without requests, harmless whatever its names, turned in a browser."""
 
-import ast
 import base64
 import hashlib
 import html
-import inspect
 import json
 import re
 import zlib
@@ -23,18 +21,17 @@ import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.cli.main import commands
 from warpwear.figures import process
-from warpwear.page import effects
 from warpwear.page.content import content_of, words_of, write_page
-from warpwear.page.effects import CASES, SENTENCES, Weight, effect_of, numbers_of
+from warpwear.page.effects import EFFECTS, OF_NUMBERS, Weight, effect_of, numbers_of
 from warpwear.page.html import run_page
 from warpwear.page.limits import CONDITIONS, LIMITS, limits_of
 from warpwear.page.paper import to_latex
-from warpwear.page.plots import Coded, thinned
+from warpwear.page.plots import coded, thinned
 from warpwear.results.summary import summarise
 
 MOST = 6e6  # bytes of a page
 #: Keys of which more is known than that a sweep tells.
-EFFECTS = {*CASES, *(name for name in SENTENCES if "." in name)}
+WITH_EFFECTS = {key for effect in EFFECTS for key in effect.keys} - {"unknown"}
 PLAIN = {"grid.cell": "20 um", "sliding.distance": "10 mm", "output.snapshots": ["0.3 mm", "3 mm"]}
 KINDS = ("track", "two-scale", "static", "half-space", "measured", "smooth")
 
@@ -139,7 +136,7 @@ def test_every_assumption_says_what_it_would_change() -> None:
     """In sentences that end, with numbers of the run where they hang on it."""
     for preset in ("v1", "v2", "v3", "v3-fine", "two-scale", "track", "running-in"):
         assumed = Study.load(preset).assumed
-        assert {*assumed} <= {*EFFECTS}, preset
+        assert {*assumed} <= WITH_EFFECTS, preset
     study = Study.load("v3-fine").replace(PLAIN | {"disc.synthetic.fine_ra": "0.3 um"})
     with warpwear.run(study) as result:
         rows = words_of(study, summarise(result))["assumptions"]
@@ -193,13 +190,11 @@ def test_what_is_an_input_is_marked() -> None:
 
 def test_sentences_are_all_reached() -> None:
     """Each limit has conditions that there are; each sentence on an assumption is that of a key or a case."""
-    assert {name for names in LIMITS for name in names.split(", ")} == {*CONDITIONS}
-    nodes = ast.walk(ast.parse(inspect.getsource(effects)))
-    named = {node.value for node in nodes if isinstance(node, ast.Constant)}
-    named |= {"hardness, some cells", "hardness, few cells"}  # put together of parts
-    assert {name for name in SENTENCES if "." not in name} <= named
+    of_effects = {name.removeprefix("not ") for effect in EFFECTS for name in effect.conditions}
+    of_limits = {name for names in LIMITS for name in names.split(", ")}
+    assert of_limits | of_effects | {"softer body"} == {*CONDITIONS, *OF_NUMBERS}
     with warpwear.run(Study.load("v3-fine").replace(PLAIN)) as result:
-        for key in EFFECTS:
+        for key in WITH_EFFECTS:
             weight, sentence = effect_of(key, result.study, numbers_of(result.study, result.summary))
             assert isinstance(weight, Weight)
             assert sentence.endswith(".")
@@ -263,9 +258,9 @@ def test_the_command_makes_it_again(tmp_path: Path, quick_pictures: Any) -> None
 
 def test_codes_keep_values() -> None:
     values = np.array([[np.nan, 1.0], [30.0, 1000.0]])
-    coded = Coded.of(values, 1.0, 1000.0, log=True)
-    assert coded.codes[0, 0] == 0
-    back = 10.0 ** (coded.low + coded.step * coded.codes)
+    of = coded(values, 1.0, 1000.0, log=True)
+    assert of["codes"][0, 0] == 0
+    back = 10.0 ** (of["low"] + of["step"] * of["codes"])
     np.testing.assert_allclose(back[0, 1], 1.0)
     np.testing.assert_allclose(back[1], [30.0, 1000.0], rtol=0.014)
     steps = np.linspace(1e-3, 1e5, 200_000)

@@ -45,7 +45,7 @@ def test_images_hold_the_fields(images: Path, result: Result) -> None:
 
 
 def test_surfaces_lie_in_space_as_the_bodies_do(tmp_path: Path, result: Result) -> None:
-    export(result, tmp_path, formats=["vti"], snapshot="all", exaggeration=3.0)
+    export(result, tmp_path, formats=["vti"], snapshot="all")
     for number, snapshot in enumerate(result.snapshots):
         row = int(np.argmin(np.abs(result.history["distance"] - snapshot.distance)))
         approach = result.history["approach"][row]
@@ -61,7 +61,7 @@ def test_surfaces_lie_in_space_as_the_bodies_do(tmp_path: Path, result: Result) 
             hidden = surface.arrays.get("vtkGhostType", np.zeros(surface.shape))
             np.testing.assert_array_equal(hidden, np.where(np.isnan(heights), 2, 0))
             assert f"wear_{'disc' if body == 'counter' else 'counter'} [mm]" not in surface.arrays
-            places[body] = np.where(hidden == 0, points[:, :, 2] / 3.0, np.nan)
+            places[body] = np.where(hidden == 0, points[:, :, 2], np.nan)
         # The gap of the result is that of bodies which have not come down on each other.
         gap = np.where(snapshot.gap > NO_SURFACE, np.nan, snapshot.gap)
         np.testing.assert_allclose(places["counter"] - places["disc"], gap - approach, atol=1e-7)
@@ -232,8 +232,6 @@ def test_bad_input(tmp_path: Path, result: Result, swept: Result) -> None:
     refused("field = 'heat' is not known; allowed: pressure", formats=["csv"], fields=["heat"])
     refused("fields changes nothing in stl; it is for csv, vti, netcdf", formats=["stl"], fields=["gap"])
     refused("points = 1 make no surface; allowed: 2 or more", formats=["stl"], points=1)
-    refused("exaggeration = 0 is not possible", formats=["stl"], exaggeration=0.0)
-    refused("exaggeration = nan is not possible", formats=["stl"], exaggeration=float("nan"))
     refused("snapshot = 3 is not in this result; allowed: 0 to 2, -1 is the last, a", snapshot=3)
     refused("'7 mm': no snapshot is kept there; allowed: 1 mm, 3 mm, 30 mm", snapshot="7 mm")
     refused(

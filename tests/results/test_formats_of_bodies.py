@@ -90,14 +90,13 @@ def is_closed(corners: Any) -> bool:
 
 
 @pytest.mark.parametrize("body", ["counter", "disc"])
-@pytest.mark.parametrize("exaggeration", [1.0, 10.0])
-def test_stl_is_a_closed_solid(tmp_path: Path, result: Result, body: str, exaggeration: float) -> None:
-    export(result, tmp_path, formats=["stl"], bodies=[body], exaggeration=exaggeration)
+def test_stl_is_a_closed_solid(tmp_path: Path, result: Result, body: str) -> None:
+    export(result, tmp_path, formats=["stl"], bodies=[body])
     corners = read_stl(tmp_path / f"{body}_worn.stl")
     assert is_closed(corners)
     heights = worn_heights(result, result.snapshot(-1), body)
     approach = result.history["approach"][-1]
-    z = exaggeration * (heights if body == "disc" else -heights - approach)
+    z = heights if body == "disc" else -heights - approach
     thickness = 0.1 * (result.x[-1] - result.x[0])
     back = np.nanmin(z) - thickness if body == "disc" else np.nanmax(z) + thickness
     # Under two triangles of a quad a - b - c and a - c - d lies the mean of a, a, b, c, c, d.

@@ -337,16 +337,16 @@ def test_without_a_checkpoint_a_stopped_run_begins_again(
 def test_a_load_that_patches_do_not_carry_stops_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is booked is what wore: a search that is told what is wrong is no success."""
     study = Study.load("two-scale").replace({"grid.cell": "10 um", "sliding.distance": "0.1 mm"})
-    say = LoadSharing.say
+    add = LoadSharing.add_to
 
-    def say_wrong(self: LoadSharing, program: Program, evaluate: Callable[[], None]) -> None:
+    def add_wrong(self: LoadSharing, program: Program, evaluate: Callable[[], None]) -> None:
         def evaluate_wrong() -> None:
             evaluate()
             program.call(lambda: self.answer.assign(self.answer.numpy() * (1.0 + 1e-9)))
 
-        say(self, program, evaluate_wrong)
+        add(self, program, evaluate_wrong)
 
-    monkeypatch.setattr(LoadSharing, "say", say_wrong)
+    monkeypatch.setattr(LoadSharing, "add_to", add_wrong)
     with pytest.raises(ConvergenceError, match=r"^\S+ N of 8 N are left at an approach"):
         warpwear.run(study)
 

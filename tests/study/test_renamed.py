@@ -226,12 +226,3 @@ def test_old_names_of_measured_values() -> None:
     data = data_of(Study.load("v1"), [], {"volume_sphere": "0.0072 +- 0.0008 mm^3"})
     assert [value.kind for value in data.values] == ["volume_counter"]
     assert data.notes == ("volume_sphere has a new name, and the next release refuses it: volume_counter.",)
-
-
-def test_the_old_argument_of_solve_contact() -> None:
-    flat = {"heights": np.zeros((16, 16)), "cell": 0.05, "load": 1.0, "modulus": 1e3}
-    with pytest.warns(UserWarning, match="sphere_radius has a new name.*: type counter_radius"):
-        old = warpwear.solve_contact(**flat, sphere_radius=3.0)
-    np.testing.assert_array_equal(old.pressure, warpwear.solve_contact(**flat, counter_radius=3.0).pressure)
-    with pytest.raises(InputError, match="at most one of counter_radius and sphere_radius"):
-        warpwear.solve_contact(**flat, counter_radius=3.0, sphere_radius=3.0)

@@ -10,7 +10,7 @@ from warpwear.errors import InputError
 from warpwear.figures.paint import paint
 from warpwear.figures.paint_map import paint_map
 from warpwear.measured.surface_command import describe
-from warpwear.measured.surface_figure import _map_of_heights, ball_figure, track_figure
+from warpwear.measured.surface_figure import _map_of_heights, patch_figure, track_figure
 from warpwear.measured.surface_report import examine
 from warpwear.surfaces.filling import completed
 from warpwear.surfaces.form import sag
@@ -159,7 +159,7 @@ def test_every_picture_hatches_them(tmp_path: Path, rough: np.ndarray) -> None:
     assert "<pattern" in (tmp_path / "a.svg").read_text()
     for draw in (
         lambda where: track_figure(track, filled=where),
-        lambda where: ball_figure(ball, filled=where),
+        lambda where: patch_figure(ball, filled=where),
     ):
         told = [paint(draw(where)).axes[0].get_title() for where in (filled, None)]
         assert told == ["hatched: not measured, filled in", ""]

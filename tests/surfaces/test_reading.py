@@ -260,7 +260,6 @@ TESTED = {
     ".npz": "tests/surfaces/test_reading.py",
     ".zip": "tests/surfaces/files/test_container.py",
     ".gz": "tests/surfaces/files/test_layouts.py",
-    ".tmd": "tests/surfaces/files/test_layouts.py",
     ".prf": "tests/surfaces/profiles/test_profile.py",
     ".x3p": "tests/surfaces/profiles/test_profile.py",
     ".xyz": "tests/surfaces/test_point_cloud.py",

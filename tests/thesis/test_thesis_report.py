@@ -21,10 +21,19 @@ from warpwear.page import html as report_page
 from warpwear.page.folder import write_report
 from warpwear.study.study import Study
 from warpwear.thesis.figures import CAPTIONS
-from warpwear.thesis.items import ALL_ITEMS, SUMMARY, Item
+from warpwear.thesis.items import (
+    ALL_ITEMS,
+    GROUPS,
+    SUMMARY,
+    Item,
+    Kind,
+    Rule,
+    as_printed,
+    environment,
+    number,
+)
 from warpwear.thesis.report import FIGURES, judge, thesis_report
 from warpwear.thesis.runs import Plan
-from warpwear.thesis.verdicts import GROUPS, Kind, Rule, as_printed, environment, number
 
 #: What the published studies give, to the digits that verdicts need.
 NUMBERS = {

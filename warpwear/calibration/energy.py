@@ -2,13 +2,14 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.laws.archard import BODIES
 from warpwear.laws.friction import friction_energy
-from warpwear.measured.options import COF, distance_of, load_of, number, optional, quantity, refuse
+from warpwear.measured.options import COF, Options, number, quantity
 from warpwear.result import Result
 from warpwear.results.report import Row, lines, record, table, to_json
 
@@ -61,31 +62,24 @@ class Dissipation:
         ]
 
 
-def calibrate_energy(
-    *,
-    result: Path | None = None,
-    load: str | None = None,
-    distance: str | None = None,
-    cof: float | None = None,
-    area: str | None = None,
-    speed: tuple[str, ...] = (),
-    as_json: bool = False,
-) -> str:
+def calibrate_energy(*, as_json: bool = False, **options: Any) -> str:
     """Say what a run, or a constant coefficient, dissipates: as text for people, or as JSON.
 
-    load, distance, area, speed: text with a unit. Raises InputError.
+    options: result, the run's folder, or load, distance, cof and area; speed, any number of them. Lengths,
+    forces and speeds are texts with a unit. Raises InputError.
     """
-    speeds = [quantity("--speed", text, "mm/s") for text in speed or SPEEDS]
-    if result is not None:
-        beside = {"--load": load, "--distance": distance, "--cof": cof, "--area": area}
-        refuse(beside, "and --result exclude each other: the run has its own")
-        work, source, worn = _of_run(result)
+    o = Options(options)
+    speeds = [quantity("--speed", text, "mm/s") for text in o["--speed"] or SPEEDS]
+    if o["--result"] is not None:
+        why = "and --result exclude each other: the run has its own"
+        o.refuse("--load", "--distance", "--cof", "--area", why=why)
+        work, source, worn = _of_run(o["--result"])
     else:
-        force, slid = load_of(load), distance_of(distance, None, None)
-        if cof is None:
+        force, slid = o.load, o.distance
+        if o["--cof"] is None:
             raise InputError("--cof is missing: the coefficient of friction, such as 0.6, or --result")
-        mu = number("--cof", cof, COF)
-        size = optional("--area", area, "mm^2")
+        mu = number("--cof", o["--cof"], COF)
+        size = o.optional("--area", "mm^2")
         pressures = {} if size is None else {"given": force / size}
         energy = 1e-3 * mu * force * slid
         work = Dissipation(energy=energy, distance=slid, load=force, cof_end=mu, pressures=pressures)

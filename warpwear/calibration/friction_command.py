@@ -10,7 +10,7 @@ from warpwear.errors import InputError
 from warpwear.laws import friction, passes
 from warpwear.laws.friction import FrictionLaw
 from warpwear.measured.course import read_experiment
-from warpwear.measured.options import COF, PLOUGHING, number, optional, quantity, refuse
+from warpwear.measured.options import COF, PLOUGHING, Options, number, quantity
 from warpwear.result import Result
 from warpwear.results.report import Row, lines, record, table, to_json
 from warpwear.study.study import Study
@@ -26,26 +26,16 @@ AREAS = tuple(WORDS)
 INDEPENDENT = "points scatter as much: the errors allow for scatter that goes together"
 
 
-def calibrate_friction(
-    *,
-    result: Path | None = None,
-    cof: float | None = None,
-    ploughing: float | None = None,
-    area: str | None = None,
-    load: str | None = None,
-    experiments: Sequence[Path] = (),
-    columns: str | None = None,
-    stroke: str | None = None,
-    speed: str | None = None,
-    as_json: bool = False,
-) -> str:
+def calibrate_friction(*, experiments: Sequence[Path] = (), as_json: bool = False, **options: Any) -> str:
     """Find τ0 of a measured coefficient, or fit a curve: the text for people, or JSON.
 
-    load, stroke, speed: text with a unit; area: one too with `load`, else the name of a run's area.
-    Raises InputError.
+    options: result, the run's folder; cof, ploughing; load, stroke, speed: text with a unit; area: one too
+    with `load`, else the name of a run's area; columns of an experiment. Raises InputError.
     """
+    o = Options(options)
+    result, cof, ploughing, area = (o[name] for name in ("--result", "--cof", "--ploughing", "--area"))
     if result is not None:
-        refuse({"--load": load}, "and --result exclude each other: the run has its load")
+        o.refuse("--load", why="and --result exclude each other: the run has its load")
     if len(experiments) > 1:
         raise InputError(
             f"--experiment is given {len(experiments)} times, and one course is fitted at a time; "
@@ -54,13 +44,12 @@ def calibrate_friction(
     if experiments:
         if result is None:
             raise InputError("--experiment needs --result, the run folder whose areas it is fitted with")
-        fitted = {"--cof": cof, "--ploughing": ploughing}
-        refuse(fitted, "and --experiment exclude each other: the fit finds it")
-        motion = {"stroke": optional("--stroke", stroke, "mm"), "speed": optional("--speed", speed, "mm/s")}
-        rows, text = _of_curve(experiments[0], result, _name(area), motion | {"columns": columns})
+        o.refuse("--cof", "--ploughing", why="and --experiment exclude each other: the fit finds it")
+        reading = {"stroke": o.optional("--stroke", "mm"), "speed": o.optional("--speed", "mm/s")}
+        rows, text = _of_curve(experiments[0], result, _name(area), reading | {"columns": o["--columns"]})
     else:
-        how = {"--columns": columns, "--stroke": stroke, "--speed": speed}
-        refuse(how, "needs --experiment: it says how that file is read")
+        why = "needs --experiment: it says how that file is read"
+        o.refuse("--columns", "--stroke", "--speed", why=why)
         if cof is None:
             raise InputError("--cof is missing: a measured coefficient of friction, or --experiment")
         measured = number("--cof", cof, COF)
@@ -69,8 +58,8 @@ def calibrate_friction(
             raise InputError(f"--cof = {measured:g} must exceed --ploughing = {offset:g}")
         if result is not None:
             rows, text = _of_run(result, measured, None if ploughing is None else offset, _name(area))
-        elif area is not None and load is not None:
-            rows, text = _of_area(area, load, measured, offset)
+        elif area is not None and o["--load"] is not None:
+            rows, text = _of_area(area, o["--load"], measured, offset)
         else:
             raise InputError("the area is missing: --result, or --area and --load such as '1.254 mm^2' '8 N'")
     return to_json(record(rows)) if as_json else "\n".join(text)
@@ -191,7 +180,7 @@ def _fit_rows(fit: FrictionFit) -> list[Row]:
         used += f", {fit.left_out} beyond the run's distances left out"
     return [
         *_shear_rows(fit),
-        Row("μ_p", "ploughing", fit.ploughing, error=("ploughing_error", fit.ploughing_error)),
+        Row("μ_p", "ploughing", fit.ploughing, error=fit.ploughing_error),
         Row("", "distance_used_mm", [fit.first, fit.last]),
         Row("points used", "points_used", fit.points, note=used),
         Row("", "points_left_out", fit.left_out),
@@ -205,7 +194,7 @@ def _fit_rows(fit: FrictionFit) -> list[Row]:
 
 def _shear_rows(fit: FrictionFit | ShearFit) -> list[Row]:
     """Declare what a fit with and one without ploughing have in common."""
-    error = ("shear_strength_error_MPa", fit.shear_strength_error)
+    error = fit.shear_strength_error
     return [
         Row("τ0", "shear_strength_MPa", fit.shear_strength, error=error, note="(standard error)"),
         Row("RMS residual", "rms_residual", fit.rms, digits=3),

@@ -1,6 +1,7 @@
 """A measured fretting loop tells the coefficient of friction, the slip, and what the rig yields."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -8,7 +9,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.laws.elastic import Hertz
 from warpwear.measured.columns import choose
-from warpwear.measured.options import load_of, refuse
+from warpwear.measured.options import Options
 from warpwear.measured.record import read_record
 from warpwear.results.report import Row, lines, record, to_json
 from warpwear.study.study import Study
@@ -23,23 +24,22 @@ PARTIAL = 0.2
 ROUNDING = 1.0e-9
 
 
-def calibrate_loop(
-    file: Path, *, study: str | None = None, load: str | None = None, as_json: bool = False
-) -> str:
+def calibrate_loop(file: Path, *, study: str | None = None, as_json: bool = False, **options: Any) -> str:
     """Say what one cycle in a file tells, as text for people or JSON.
 
     file: a table with a displacement and a friction force, of one whole cycle. study: a file or preset, whose
-    load and bodies hold; load: text with a unit, instead. Raises InputError.
+    load and bodies hold; options: load, text with a unit, instead. Raises InputError.
     """
+    o = Options(options)
     if study is not None:
-        refuse({"--load": load}, "and --study exclude each other: the study has its load")
+        o.refuse("--load", why="and --study exclude each other: the study has its load")
     known = None if study is None else Study.load(study)
     if known is not None and known.is_line:
         raise InputError(
             f"--study {study} is a line contact, of which it computes a strip: "
             "type --load with that of the whole contact, instead of --study"
         )
-    force = load_of(load) if known is None else known.contact.load
+    force = o.load if known is None else known.contact.load
     place, friction = _read(file)
     rows = [
         Row("source", "source", str(file)),

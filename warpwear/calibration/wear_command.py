@@ -2,14 +2,13 @@
 
 import math
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from warpwear.calibration import wear as volumes
 from warpwear.errors import InputError
-from warpwear.measured.options import distance_of, load_of, optional, quantity
+from warpwear.measured.options import Options, optional, quantity
 from warpwear.measured.surface_command import Kind, Preparation, worn_in
 from warpwear.results.report import Row, lines, record, scientific, times, to_json
 from warpwear.study.units import NOT_NEGATIVE
@@ -64,31 +63,28 @@ STANDARDS = {
 }
 
 
-#: Options by their names on the command line -> texts with a unit, None where not given; a source's by test.
-Options = Mapping[str, Any]
-
-
-def calibrate_wear(options: Options, *, preparation: Preparation, as_json: bool) -> str:
+def calibrate_wear(preparation: Preparation, *, as_json: bool, **texts: Any) -> str:
     """Find a wear coefficient: the text for people, or JSON. Raises InputError.
 
-    preparation: keys of [disc], as text, for a measured file.
+    preparation: keys of [disc], as text, for a measured file. texts: options with a unit, None where left
+    out; a source's by test.
     """
+    options = Options(texts)
     if options["--diameter"] is not None:
         if options["--radius"] is not None:
             raise InputError("--radius and --diameter exclude each other: both say how large the ball is")
         radius = 0.5 * quantity("--diameter", options["--diameter"], "mm")
-        options = {**options, "--radius": f"{radius!r} mm"}
+        options["radius"] = f"{radius!r} mm"
     source, standard = _source(options), options["--standard"]
     _check(source, options, preparation)
-    load = load_of(options["--load"])
-    distance = distance_of(options["--distance"], options["--passes"], options["--stroke"])
+    load, distance = options.load, options.distance
     lengths = _lengths(source, options)
     before = options["--before"] or [None] * len(options[source])
     tests = tuple(
-        _volume(source, value, lengths, {**options, "--before": earlier}, preparation)
+        _volume(source, value, lengths, Options(options | {"before": earlier}), preparation)
         for value, earlier in zip(options[source], before, strict=True)
     )
-    hardness = optional("--hardness", options["--hardness"], "MPa")
+    hardness = options.optional("--hardness", "MPa")
     wear = volumes.WearCalibration(volumes=tests, load=load, distance=distance, hardness=hardness)
     relation = SOURCES[source].relation if standard is None else STANDARDS[standard][1]
     rows = wear_rows(wear, relation=relation, worn=SOURCES[source].worn)
@@ -169,7 +165,7 @@ def _volume(
     # of two diagonals, which count alike
     error = math.sqrt(sum(e * e for e in errors) / len(errors)) if errors else None
     if error is None:
-        error = optional("--uncertainty", options["--uncertainty"], unit, allowed=NOT_NEGATIVE)
+        error = options.optional("--uncertainty", unit, allowed=NOT_NEGATIVE)
     sizes = [quantity(source, text, unit) for text in texts]
     match source:
         case "--volume":

@@ -79,9 +79,7 @@ def wear(**options: Any) -> None:
     warpwear calibrate wear --diagonals "0.80 mm" "0.82 mm" --radius "3 mm" \\
         --load "8 N" --distance "2400 mm"
     """
-    preparation, as_json = prepared(options), options.pop("as_json")
-    by_name = {f"--{name.replace('_', '-')}": value for name, value in options.items()}
-    click.echo(places.wear_command.calibrate_wear(by_name, preparation=preparation, as_json=as_json))
+    click.echo(places.wear_command.calibrate_wear(prepared(options), **options))
 
 
 @calibrate.command()

@@ -64,7 +64,6 @@ def animate(folder: Path, out: Path | None, fps: float, overwrite: bool) -> None
 @click.option(
     "--points", type=int, help="Most points along a side, means of blocks. [default: 250 for stl, else all]"
 )
-@click.option("--exaggeration", type=float, help="Factor on the heights of stl and vti. [default: 1]")
 @click.option("--crate", is_flag=True, help="The same as --format crate.")
 @repeated("--add", "FILE", "A record, a surface or another file that goes into the crate.", "add")
 @click.option("--overwrite", is_flag=True, help="Replace files that are there.")

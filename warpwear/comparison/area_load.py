@@ -37,7 +37,8 @@ def area_load(comparison: Comparison) -> Figure:
     Lines of theories are there where all runs have the same bodies: load over hardness; Hertz, of smooth
     bodies; Persson, and under a flat Greenwood and Williamson, of a surface whose spectrum is known.
     """
-    loads, lines = loads_of(comparison), []
+    forces, lines = [run.study.blocks[0].load for run in comparison.runs], []
+    loads = np.geomspace(min(forces) / MARGIN, max(forces) * MARGIN, LINES)
     for number, (name, (force, area, low, high)) in enumerate(series_of(comparison).items()):
         look = Look(COLOURS[number % len(COLOURS)], marker=describe.MARKERS[number % len(COLOURS)], size=4.0)
         lines.append(Line(force, area, name, look))
@@ -65,12 +66,6 @@ def series_of(comparison: Comparison) -> dict[str, FloatArray]:
     for group in comparison.groups:
         series[_law(group)].append(group)
     return {name: np.transpose(sorted(_point(group) for group in groups)) for name, groups in series.items()}
-
-
-def loads_of(comparison: Comparison) -> FloatArray:
-    """Return loads [N] at which lines of theories are drawn: those of the runs, and some room."""
-    loads = [run.study.blocks[0].load for run in comparison.runs]
-    return np.asarray(np.geomspace(min(loads) / MARGIN, max(loads) * MARGIN, LINES))
 
 
 def _point(group: Group) -> tuple[float, float, float, float]:
@@ -104,13 +99,11 @@ def theories_of(comparison: Comparison, load: FloatArray) -> dict[str, FloatArra
     if first.hertz is not None:
         if moments is not None:
             # As long as erf(x) is 2x/√π it does not matter how the load is spread.
-            slope = moments.rms_slope
-            areas["Persson, light loads"] = np.sqrt(8.0 / np.pi) * load / (modulus * slope)
+            areas["Persson, light loads"] = np.sqrt(8.0 / np.pi) * load / (modulus * moments.rms_slope)
         of_hertz = [replace(first.hertz, load=float(force)).area for force in load]
         areas["Hertz, smooth bodies"] = np.array(of_hertz)
     elif moments is not None and first.counter.form.is_flat:
-        nominal = first.cells.area
-        pressure = load / nominal
+        nominal, pressure = first.cells.area, load / first.cells.area
         areas["Persson"] = nominal * persson_area(pressure, modulus=modulus, rms_slope=moments.rms_slope)
         summits = nominal * greenwood_williamson_area(pressure, modulus=modulus, moments=moments)
         areas["Greenwood and Williamson"] = np.where(summits <= nominal, summits, np.nan)

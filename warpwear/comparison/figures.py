@@ -12,7 +12,6 @@ from warpwear.figures import courses, describe
 from warpwear.figures.blocks import with_blocks
 from warpwear.figures.courses import over_each_other
 from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale
-from warpwear.grid import FloatArray
 from warpwear.history.quantities import BY_NAME, Quantity
 from warpwear.laws.archard import BODIES, CALLED
 from warpwear.measured.experiment import Experiment, mean_of_last_tenth
@@ -34,33 +33,31 @@ def cof(comparison: Comparison) -> Figure:
 
     A swept run has the means of its passes, if it made more than one.
     """
-    every = list(_courses(comparison, cof_of))
-    inputs = []
-    relative: list[courses.Course] = []
+    every, inputs = list(_courses(comparison, cof_of)), []
+    measured: list[Line] = []
+    relative: list[Line] = []
+    for number, experiment in enumerate(comparison.experiments):
+        look, end = describe.look_of_measured(number), experiment.final_cof
+        measured.append(measured_line(experiment, look))
+        if end > 0.0:
+            relative.append(replace(measured_line(experiment, look, end), label=""))
     for group, course in every:
         mean = course.line().y
         friction = group.runs[0].study.friction
         if friction.fitted in ("end", "initial"):
-            end = slice(-1, None) if friction.calibrate == "end" else slice(1)
-            mark = Look(course.look.colour, "", marker="o", size=4.0, hollow=True)
-            inputs.append(Line(course.places[end], mean[end], look=mark))
+            place = slice(-1, None) if friction.calibrate == "end" else slice(1)
+            mark = replace(describe.RING, colour=course.look.colour)
+            inputs.append(Line(course.places[place], mean[place], look=mark))
         level = mean_of_last_tenth(course.places, mean)
         if mean.size > 1 and level > 0.0:
-            relative.append(replace(course, label="", values=course.values / level))
+            relative.append(replace(course, label="", values=course.values / level).line())
     number = sum(run.study.friction.ends_as_given for run in comparison.runs)
     note = "○: calibrated to this value" if inputs else ""
     if number:
         note = f"the end is an input of {number} of {len(comparison.runs)} runs"
-    measured = [measured_line(*pair) for pair in _looks_of_measured(comparison)]
     chart = over_each_other(BY_NAME["cof"], (course for _, course in every), more=measured, note=note)
-    measured_relative = [
-        replace(measured_line(experiment, look, experiment.final_cof), label="")
-        for experiment, look in _looks_of_measured(comparison)
-        if experiment.final_cof > 0.0
-    ]
-    lines = [*measured_relative, *(course.line() for course in relative)]
     axes = Axis(describe.DISTANCE, low=0.0), Axis("relative coefficient, –", low=0.0)
-    second = Chart("Relative coefficient of friction", *axes, lines, RELATIVE)
+    second = Chart("Relative coefficient of friction", *axes, relative, RELATIVE)
     return _figure(comparison, [replace(chart, lines=[*chart.lines, *inputs]), second])
 
 
@@ -78,7 +75,7 @@ def profiles(comparison: Comparison) -> Figure:
     reach = 1.15 * max((float(places.max(initial=0.0)) for places in worn), default=0.0)
     charts = []
     for body in BODIES:
-        lines = [_within(course.line(), reach) for _, course in _courses(comparison, _profile_of(body))]
+        lines = [course.line() for _, course in _courses(comparison, _profile_of(body))]
         up = Axis("change of height by wear, µm", high=0.0)
         note = f"{CALLED[body]}, at the end"
         across = Axis(describe.ACROSS, low=-reach or None, high=reach or None)
@@ -117,12 +114,10 @@ def groove(comparison: Comparison) -> Figure:
     y, depth = scars.y, 1e3 * scars.profile.depth
     error = np.full(y.shape, 1e3 * scars.profile.band)
     grey, pale = Look(describe.GREYS[0], width=1.0), Look(describe.GREYS[1], "", alpha=0.4)
-    depths: list[Line | Level] = [
-        Line(y, depth, look=pale, low=depth - error, high=depth + error),
-        Line(y, depth, "measured ± standard error", grey),
-    ]
-    gaps: list[Line | Level] = [Line(y, 0.0 * y, look=pale, low=-error, high=error)]
-    gaps.append(Level(0.0, look=Look(describe.GREYS[0], width=0.6)))
+    gap = Line(y, 0.0 * y, look=pale, low=-error, high=error)
+    band = replace(gap, y=depth, low=depth - error, high=depth + error)
+    depths = [band, Line(y, depth, "measured ± standard error", grey)]
+    gaps: list[Line | Level] = [gap, Level(0.0, look=Look(describe.GREYS[0], width=0.6))]
     for number, run in enumerate(scars.computed):
         look, profile = describe.look_of_group(number), 1e3 * run.profile
         depths.append(Line(y, profile, in_legend(run.name), look))
@@ -205,10 +200,6 @@ def _on_one_scale(charts: Sequence[Chart]) -> list[Chart]:
     ]
 
 
-def _looks_of_measured(comparison: Comparison) -> Iterable[tuple[Experiment, Look]]:
-    return ((experiment, describe.look_of_measured(n)) for n, experiment in enumerate(comparison.experiments))
-
-
 def measured_line(experiment: Experiment, look: Look, end: float = 1.0) -> Line:
     """Give measured points over `end`; of many more the means of parts, in a band of scatter."""
     distance, values = experiment.distance, experiment.cof
@@ -219,11 +210,3 @@ def measured_line(experiment: Experiment, look: Look, end: float = 1.0) -> Line:
     scatter = np.sqrt(np.clip(squares - values**2, 0.0, None))
     low, high = (values - scatter) / end, (values + scatter) / end
     return Line(distance, values / end, label, look, low, high, every=every)
-
-
-def _within(line: Line, reach: float) -> Line:
-    """Cut a line off beyond a distance from the middle, and draw it without marks."""
-    near = np.abs(line.x) <= (reach or np.inf)
-    ends: list[FloatArray | None] = [None if end is None else end[near] for end in (line.low, line.high)]
-    look = replace(line.look, marker="")
-    return replace(line, x=line.x[near], y=line.y[near], low=ends[0], high=ends[1], look=look)

@@ -79,8 +79,8 @@ def gather(
     runs = [run for group in groups for run in group.runs]
     measured = _read_experiments(
         [Path(path) for path in experiments],
-        runs,
         [group.name for group in groups],
+        load=_common(run.study.same_load for run in runs),
         speed=optional("--speed", speed, "mm/s") or _common(run.study.sliding.mean_speed for run in runs),
         stroke=optional("--stroke", stroke, "mm") or _common(run.study.sliding.stroke for run in runs),
         radius=_common(run.study.same_radius for run in runs),
@@ -90,16 +90,14 @@ def gather(
     return Comparison(tuple(groups), measured, (*left_out, *notes_of(groups, runs, measured)), scars)
 
 
-def _read_experiments(
-    paths: Sequence[Path], runs: Sequence[RunData], names: Sequence[str], **options: Any
-) -> tuple[Experiment, ...]:
-    """Read measured courses of friction, each named by its file, unlike the names of groups of runs."""
-    load = _common(run.study.same_load for run in runs)
-    courses = [read_experiment(path, load=load, **options) for path in paths]
-    stems = Counter(path.stem for path in paths)
-    labels = unlike(
-        [path.name if stems[path.stem] > 1 else path.stem for path in paths], names, suffix=" (experiment)"
+def _read_experiments(paths: list[Path], taken: Sequence[str], **options: Any) -> tuple[Experiment, ...]:
+    """Read measured courses of friction, each named by its file, unlike the names that groups have taken."""
+    courses, stems = (
+        [read_experiment(path, **options) for path in paths],
+        Counter(path.stem for path in paths),
     )
+    names = [path.name if stems[path.stem] > 1 else path.stem for path in paths]
+    labels = unlike(names, taken, suffix=" (experiment)")
     return tuple(replace(course, name=name) for name, course in zip(labels, courses, strict=True))
 
 
@@ -157,10 +155,8 @@ def means_of_parts(parts: int, distance: FloatArray, *columns: FloatArray) -> li
     places = np.union1d(distance, edges[edges > distance[0]])
     gaps, part = np.diff(places), np.searchsorted(edges, places[:-1], side="right") - 1
     lengths = np.bincount(part, gaps, parts)
-    rows = np.bincount(
-        np.minimum(np.searchsorted(edges, distance, side="right") - 1, parts - 1), minlength=parts
-    )
-    filled = (rows > 0) & (lengths > 0.0)
+    inside = np.minimum(np.searchsorted(edges, distance, side="right") - 1, parts - 1)
+    filled = (np.bincount(inside, minlength=parts) > 0) & (lengths > 0.0)
     ends = (np.interp(places, distance, values) for values in (distance, *columns))
     return [np.bincount(part, 0.5 * (e[1:] + e[:-1]) * gaps, parts)[filled] / lengths[filled] for e in ends]
 

@@ -124,13 +124,10 @@ def grouped(runs: Sequence[RunData], band_over: Sequence[str]) -> list[Group]:
     groups: dict[tuple[str, ...], list[int]] = {}
     for number in range(len(runs)):
         groups.setdefault(tuple(values[number] for values in between.values()), []).append(number)
-    labels, firsts = _labels(runs, between), [numbers[0] for numbers in groups.values()]
-    titles = [
-        labels[first] or "all runs" if labels else f"{named[first].name} and those like it"
-        for first in firsts
-    ]
-    members = [tuple(named[number] for number in numbers) for numbers in groups.values()]
-    return [Group(title, those) for title, those in zip(unlike(titles), members, strict=True)]
+    labels = _labels(runs, between) or [f"{run.name} and those like it" for run in named]
+    titles = unlike([labels[numbers[0]] or "all runs" for numbers in groups.values()])
+    members = (tuple(named[number] for number in numbers) for numbers in groups.values())
+    return [Group(title, those) for title, those in zip(titles, members, strict=True)]
 
 
 def differing(runs: Sequence[RunData]) -> dict[str, list[str]]:

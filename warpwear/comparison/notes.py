@@ -14,22 +14,17 @@ NO_SNAPSHOT = "no snapshot, so no profile."
 NO_FIELD = "no whole field, so no profile."
 
 
-def _of_patches(value_of: Callable[[Study], float | str]) -> Callable[[Study], float | str | None]:
-    """Make what finds a value of a study, or None where it has no patches."""
-    return lambda study: value_of(study) if study.study.model == "two-scale" else None
-
-
-#: What makes two runs unlike tests -> unit and value; None where a run has no such thing.
+#: What makes two runs unlike tests, keys where they apply -> unit and value; None where a run has none.
 CONDITIONS: dict[str, tuple[str, Callable[[Study], float | str | None]]] = {
     "model": ("", lambda s: s.study.model),
     "kinematics": ("", lambda s: s.kinematics),
     "contact.law": ("", lambda s: s.contact.law),
-    "patches.macro_cell": ("µm", _of_patches(lambda s: 1.0e3 * s.patches.macro_cell)),
-    "patches.width": ("µm", _of_patches(lambda s: 1.0e3 * s.patches.patch_width)),
-    "patches.coupling": ("", _of_patches(lambda s: s.patches.coupling)),
-    "patches.bulk": ("", _of_patches(lambda s: s.patches.bulk)),
-    "contact.boundary": ("", lambda s: s.boundary if s.contact.law == "half-space" else None),
-    "sliding.plastic": ("", lambda s: s.sliding.plastic if s.is_swept else None),
+    "patches.macro_cell": ("µm", lambda s: 1.0e3 * s.patches.macro_cell),
+    "patches.width": ("µm", lambda s: 1.0e3 * s.patches.patch_width),
+    "patches.coupling": ("", lambda s: s.patches.coupling),
+    "patches.bulk": ("", lambda s: s.patches.bulk),
+    "contact.boundary": ("", lambda s: s.boundary),
+    "sliding.plastic": ("", lambda s: s.sliding.plastic),
     "length of the track": ("mm", lambda s: s.lap if s.is_swept else None),
     "load": ("N", lambda s: s.same_load),
     "programme of blocks": ("", lambda s: s.programme),
@@ -44,8 +39,8 @@ LAWS, ABOVE = ("wear.", "friction."), ("wear.counter", "wear.disc")
 
 def _conditions_of(study: Study) -> dict[str, str]:
     """Return what makes runs unlike tests -> its value, for all that this one has."""
-    above = {what: (condition(study), unit) for what, (unit, condition) in CONDITIONS.items()}
     written, unused = study.model_dump(), inapplicable(study)
+    above = {what: (of(study), unit) for what, (unit, of) in CONDITIONS.items() if what not in unused}
     keys = [key for key, declared in declarations(Study).items() if key.startswith(LAWS) and key not in ABOVE]
     laws = {key: value_of(written, key) for key in keys if key not in unused}
     texts = {what: f"{v:.6g} {unit}" if isinstance(v, float) else v for what, (v, unit) in above.items()}

@@ -22,7 +22,6 @@ from warpwear.page.html import page_of
 from warpwear.page.limits import limits_of
 from warpwear.results import manifest
 from warpwear.study.text import readable
-from warpwear.version import __version__
 
 #: End values that answer a comparison.
 ANSWERS = (
@@ -54,7 +53,6 @@ def page(comparison: Comparison, pictures: Mapping[str, bytes], folder: Path) ->
     counts += [counted(measured, "measured course")] * (measured > 0)
     content = {
         "name": "Comparison",
-        "version": __version__,
         "asked": f"{' and '.join(counts)}, laid over each other: what differs between them, and what does it "
         "change in scar, contact, wear and friction?",
         "differ": _differ(comparison),

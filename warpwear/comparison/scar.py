@@ -14,7 +14,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.snapshot import extents
 from warpwear.measured.surface_command import worn_in
-from warpwear.measured.surface_report import scar_rows
+from warpwear.measured.surface_report import patch_rows
 from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
 from warpwear.results.report import Row, lines, record
@@ -47,7 +47,7 @@ class ScarFiles:
     preparation: Mapping[str, str | None] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class ComputedScar:
     """Hold what a run has taken off the disc, at the points of the measured scar."""
 
@@ -60,7 +60,7 @@ class ComputedScar:
     sq: float  # in the inner scar, without its form [µm], NaN where the run has none
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class ScarComparison:
     """Hold a measured scar and those of runs, each laid where it agrees with the measured one best."""
 
@@ -93,17 +93,10 @@ def compare_scar(files: ScarFiles, runs: Sequence[RunData]) -> ScarComparison:
     x, y = places((scar.lost.shape[0], scar.lost.shape[1]), scar.pixel)
     middle = _middle(np.where(scar.patch, np.maximum(scar.lost, 0.0), 0.0), x, y)
     through = profile.length > scar.along - 1.5 * scar.pixel[0]
-    x, y = x - (0.0 if through else middle[0]), y - middle[1]
+    x, y = x - middle[0] * (not through), y - middle[1]
     computed = tuple(_computed(run, scar, profile, x, y, through=through) for run in known)
-    return ScarComparison(
-        files=files,
-        measured=scar,
-        profile=profile,
-        sq=1e3 * texture(_inner(heights, scar), cell=scar.pixel[0]).sq,
-        x=x,
-        y=y,
-        computed=computed,
-    )
+    sq = 1e3 * texture(_inner(heights, scar), cell=scar.pixel[0]).sq
+    return ScarComparison(files, scar, profile, sq, x, y, computed)
 
 
 def _computed(
@@ -120,9 +113,8 @@ def _computed(
     along, across = (float(worn.any(axis=1 - k).sum()) * steps[k] for k in (0, 1))
     _check_units(scar, run.name, across, float(lost.max()))
     centre = _middle(lost, *grid)
-    smooth = ndimage.uniform_filter(
-        lost, [max(1, round(p / d)) for p, d in zip(scar.pixel, steps, strict=True)], mode="nearest"
-    )
+    size = [max(1, round(p / d)) for p, d in zip(scar.pixel, steps, strict=True)]
+    smooth = ndimage.uniform_filter(lost, size, mode="nearest")
 
     def sampled_at(*middle: float) -> FloatArray:
         indices = [(p + c - g[0]) / d for p, c, g, d in zip((x, y), middle, grid, steps, strict=True)]
@@ -132,15 +124,8 @@ def _computed(
     inside = np.where(scar.patch | scar.rim, scar.lost, 0.0)
     off = _shift(inside, sampled_at(*centre), (0 if through else scar.along, scar.across), scar.pixel)
     sampled = sampled_at(centre[0] - off[0], centre[1] - off[1])
-    return ComputedScar(
-        name=run.name,
-        lost=sampled,
-        profile=sampled[profile.rows].mean(axis=0),
-        volume=float(sampled.sum()) * scar.pixel[0] * scar.pixel[1],
-        along=along,
-        across=across,
-        sq=sq,
-    )
+    mean, volume = sampled[profile.rows].mean(axis=0), float(sampled.sum()) * scar.pixel[0] * scar.pixel[1]
+    return ComputedScar(run.name, sampled, mean, volume, along, across, sq)
 
 
 def _taken_off(run: RunData) -> tuple[FloatArray, tuple[float, float, float, float], float]:
@@ -224,10 +209,9 @@ def record_of(scar: ScarComparison) -> dict[str, Any]:
 
 def lines_of(scar: ScarComparison) -> list[str]:
     """Write the lines of a comparison's text about a scar."""
-    computed = [(c.name, _rows_computed(scar, c)) for c in scar.computed]
     text = ["the scar measured", *lines(_rows_measured(scar))]
-    for name, rows in computed:
-        text += [f"the scar of {name}", *lines(rows)]
+    for computed in scar.computed:
+        text += [f"the scar of {computed.name}", *lines(_rows_computed(scar, computed))]
     return text
 
 
@@ -236,7 +220,7 @@ def _rows_measured(scar: ScarComparison) -> list[Row]:
     return [
         Row("file", "file", str(scar.files.after)),
         Row("before", "before", None if before is None else str(before)),
-        *scar_rows(scar.measured),
+        *patch_rows(scar.measured),
         Row("Sq in the scar", "sq_um", scar.sq, digits=3, note="(its middle, form taken off)"),
     ]
 

@@ -12,7 +12,7 @@ import numpy as np
 import warp as wp
 
 from warpwear.contact.balance import TOLERANCE
-from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.executor import Arguments, Executor, arguments
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.kernels.cells import NONE
@@ -107,20 +107,16 @@ class Certificate:
 class Proof:
     """Certifies a pressure on the device, as a part of a program.
 
-    pressure, gap, displacement: fields. cap: hardness. fractions: of it, that cells bear; None: all of it.
-    groups: 1, all rows together, or as many as the executor has rows, each with a load and an approach of its
-    own. visited: how many rows count, the first ones; an array of one number.
+    fields: `half_space.solve.Fields`, with the response to the pressure. groups: 1, all rows together, or as
+    many as the executor has rows, each with a load and an approach of its own. visited: how many rows count,
+    the first ones; an array of one number.
     """
 
     def __init__(
         self,
         executor: Executor,
+        fields: Arguments,
         *,
-        pressure: Field,
-        gap: Field,
-        displacement: Field,
-        cap: float,
-        fractions: Field | None = None,
         groups: int = 1,
         visited: Any = None,
     ) -> None:
@@ -131,17 +127,10 @@ class Proof:
             kernels.Proof,
             device,
             columns=executor.grid.ny,
-            fields=arguments(
-                kernels.ProofFields,
-                pressure=pressure,
-                gap=gap,
-                displacement=displacement,
-                cap=min(cap, float(NONE)),
-                fractions=executor.zeros(0) if fractions is None else fractions,
-            ),
+            fields=fields,
             visited=wp.full(1, rows, dtype=wp.int32, device=device) if visited is None else visited,
-            groups=wp.zeros(groups, dtype=kernels.Proven, device=device),
-            table=wp.zeros((kernels.LINES, self._slots), dtype=wp.float64, device=device),
+            groups=groups,
+            table=(kernels.LINES, self._slots),
         )
 
     def add_to(self, program: Program, chunks: Any = None) -> None:

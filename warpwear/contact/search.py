@@ -2,8 +2,6 @@
 
 from typing import Any
 
-import warp as wp
-
 from warpwear.contact.balance import TOLERANCE, Balance
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.program import Program, launch_once
@@ -11,7 +9,6 @@ from warpwear.engine.tiles import TileList
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.kernels import balance, bearing
-from warpwear.kernels.cells import Cells
 from warpwear.kernels.newton import STUCK
 
 #: Vectors for the gaps that a slot gathers inside the bracket of a bearing area.
@@ -41,11 +38,9 @@ class LoadSearch:
         device = executor.device
         self.is_rigid = tolerance is not None
         self._executor, self._tiles = executor, tiles
-        none = wp.zeros((0, executor.vectors), dtype=Cells, device=device)
-        parts = none if parts is None else parts
-        self._gap, self._parts, self._stiffness = gap, parts, none if stiffness is None else stiffness
-        slots = executor.slots_of(executor.grid.nx)
-        gathers = self.is_rigid and parts.shape[0] == 0
+        none, slots = executor.zeros(0), executor.slots_of(executor.grid.nx)
+        self._gap, self._parts, self._stiffness = gap, parts or none, stiffness or none
+        gathers = self.is_rigid and self._parts.shape[0] == 0
         #: For kernels.
         self.springs = arguments(
             balance.Springs,
@@ -56,8 +51,8 @@ class LoadSearch:
             tolerance=TOLERANCE * load if tolerance is None else tolerance,
             lists=tiles.lists.array,
             listing=tiles.listing,
-            trial=wp.zeros((5, slots), dtype=wp.float64, device=device),
-            near=wp.zeros((slots if gathers else 0, NEAR), dtype=Cells, device=device),
+            trial=(5, slots),
+            near=(slots if gathers else 0, NEAR),
         )
         #: What the pressures follow from, when a search has ended.
         self.law: Field = self.springs.law

@@ -40,14 +40,17 @@ Arguments = Any  # an instance of a wp.struct
 def arguments(kind: Any, device: Any = None, **members: Any) -> Arguments:
     """Make an instance of a wp.struct. Launches see what changes in it later, recordings do not.
 
-    device: where arrays that are not given are made, of one zero each; without it they have no rows.
+    device: where arrays are made of zeros that are given by their shape; those of one dimension that are not
+    given are of one zero each. Without it these have no rows.
     """
     instance = kind()
     for name, member in kind.vars.items() if device else ():
         if getattr(member.type, "ndim", 0) == 1 and name not in members:
             setattr(instance, name, wp.zeros(1, dtype=member.type.dtype, device=device))
     for name, value in members.items():
-        setattr(instance, name, value)
+        of = kind.vars[name].type
+        makes = device is not None and isinstance(of, wp.array) and isinstance(value, int | tuple)
+        setattr(instance, name, wp.zeros(value, dtype=of.dtype, device=device) if makes else value)
     return instance
 
 

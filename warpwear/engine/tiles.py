@@ -9,15 +9,26 @@ import warp as wp
 
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
-from warpwear.engine.program import Chunks, Program, launch_once
+from warpwear.engine.program import Chunks, Program
+from warpwear.grid import FloatArray
 from warpwear.kernels import balance
 from warpwear.kernels import tiles as lists_of_tiles
-from warpwear.kernels.cells import TileSums
+from warpwear.kernels.cells import LANES, TILE_VECTORS, TileSums
 
 #: Stands for the limit of a list of every tile [mm], as in kernels.
 NO_LIMIT = 1.0e300
 #: A list of fewer saves nothing.
 LEAST_TILES = 16
+
+
+def of_tiles(extreme: np.ufunc, field: Field, *, lines: int = 1) -> FloatArray:
+    """Return the lowest or the highest number of each tile, by `np.minimum` or `np.maximum`: (rows, tiles).
+
+    lines: of which a row of the field is made, one after another, each with tiles of its own.
+    """
+    values = field.numpy().reshape(field.shape[0] * lines, -1)
+    tiles = extreme.reduceat(values, np.arange(0, values.shape[1], LANES * int(TILE_VECTORS)), axis=1)
+    return np.asarray(tiles.reshape(field.shape[0], -1))
 
 
 class TileList(ABC):
@@ -86,12 +97,12 @@ class Tiles(TileList):
         self._gap, self._unworn = gap, unworn
         executor.put(self.list, np.broadcast_to(np.arange(columns), (nx, columns)))
         executor.put(self.count, columns)
-        self._lowest = wp.zeros((nx, columns), dtype=wp.float64, device=device)
+        lowest = of_tiles(np.minimum, gap)
+        self.smallest = float(lowest.min())
+        self._lowest: Field = wp.array(lowest, dtype=wp.float64, device=device)
         self._kept = wp.zeros((nx, columns), dtype=TileSums, device=device)
         #: Of the tiles of each row that are not listed: cells touched, and their wear [mm].
         self.rest = wp.zeros(nx, dtype=TileSums, device=device)
-        launch_once(executor, balance.lowest, gap, self._lowest)
-        self.smallest = float(self._lowest.numpy().min())
 
     @property
     def listed(self) -> int:

@@ -34,7 +34,8 @@ MARKERS = ("o", "s", "^", "v", "D")
 WIDE, WIDE_DISTANCE = 5.0, 30.0
 #: Length of a map over its width from which on it is drawn in a row of its own.
 LONG = 4.0
-DISTANCE, ALONG, ACROSS = "sliding distance, mm", "along sliding, x, mm", "across sliding, y, mm"
+DISTANCE, TIME = "sliding distance, mm", "sliding time, s"
+ALONG, ACROSS = "along sliding, x, mm", "across sliding, y, mm"
 
 Ends: TypeAlias = tuple[float, float, float, float]
 
@@ -50,6 +51,11 @@ class Look:
     size: float = 3.0
     alpha: float = 1.0
     hollow: bool = False
+
+
+#: One value of a course, and one that is an input of it.
+DOT = Look(dash="", marker="o", size=4.0)
+RING = replace(DOT, hollow=True)
 
 
 @dataclass(frozen=True)
@@ -147,23 +153,14 @@ class Scale:
 
 
 @dataclass(frozen=True)
-class Outline:
-    """Declare a frame (first x, last x, first y, last y), or the circle within it, on a map [mm]."""
-
-    ends: Ends
-    look: Look = Look(DISC, width=1.0)
-    round: bool = False
-
-
-@dataclass(frozen=True)
 class Map:
     """Declare fields (x, y) over one extent [mm]: side by side on paper, under a slider on a page.
 
     labels, notes: when each is, and what is said of it. states: label and colour of each code, where fields
-    hold codes. hidden: where nothing is known, grey; hatched: where it is
-    filled in. regions: whose outlines are drawn. contours: about how many lines of equal value. lit: as
-    if light fell on heights. square: whether x and y are of one
-    scale. heading: whether the title stands above each on paper. stretch_note: as of a Chart.
+    hold codes. hidden: where nothing is known, grey; hatched: where it is filled in. regions: whose outlines
+    are drawn. frames: around parts of it [mm]. contours: about how many lines of equal value. lit: as if
+    light fell on heights. square: whether x and y are of one scale. heading: whether the title stands above
+    each on paper. stretch_note: as of a Chart.
     """
 
     title: str
@@ -177,7 +174,7 @@ class Map:
     hatched: NDArray[np.bool_] | None = None
     regions: Sequence[tuple[NDArray[np.bool_], Look]] = ()
     contours: int = 0
-    outlines: Sequence[Outline] = ()
+    frames: Sequence[Ends] = ()
     levels: Sequence[Level] = ()
     lit: bool = False
     square: bool = True
@@ -332,21 +329,15 @@ def values_of(chart: Chart, which: str) -> list[FloatArray]:
     return [*lines, *(np.array([value]) for value in levels)]
 
 
-def is_wide(*values: FloatArray, wide: float = WIDE) -> bool:
-    """Tell whether values above zero differ so much that they need a logarithmic scale."""
-    every = np.concatenate([np.zeros(1), *map(np.ravel, values)])
-    known = every[np.isfinite(every) & (every > 0.0)]
-    return bool(known.size and known.max() >= wide * known.min())
-
-
 def scaled(axis: Axis, *values: FloatArray) -> Axis:
     """Settle the scale of an axis that leaves it to these values, and where it begins and ends then."""
     if axis.scale != "auto":
         return axis
-    if is_wide(*values, wide=axis.wide):
+    every = np.concatenate([np.zeros(1), *map(np.ravel, values)])
+    known = every[np.isfinite(every) & (every > 0.0)]
+    if known.size and known.max() >= axis.wide * known.min():
         return replace(axis, scale="log")
-    known = [float(np.nanmax(v)) for v in values if np.isfinite(v).any()]
-    top = 1.15 * max(known) if known and max(known) > 0.0 else None
+    top = 1.15 * float(known.max()) if known.size else None
     return replace(axis, scale="linear", low=0.0 if axis.low is None else axis.low, high=axis.high or top)
 
 
@@ -363,6 +354,14 @@ def in_time(colour: str, count: int) -> list[Look]:
     early: tuple[Dash, ...] = ("dot", "dashdot", "dash")
     kinds: list[Dash] = [*early[: count - 1], "solid"]
     return [Look(shade(colour, float(place)), kind, 1.1) for place, kind in zip(places, kinds, strict=True)]
+
+
+def lines_in_time(
+    colour: str, states: Sequence[tuple[FloatArray, FloatArray, str]], step: Literal["", "post"] = ""
+) -> list[Line]:
+    """Make the lines of states in time, each of places, values and label, see `in_time`."""
+    looks = in_time(colour, len(states))
+    return [Line(*state, look, step=step) for state, look in zip(states, looks, strict=True)]
 
 
 def shade(colour: str, place: float) -> str:

@@ -35,11 +35,8 @@ def paint_over(figure: Figure, axes: Sequence[Axes]) -> Sheet:
 def of_run(figure: Figure, *, label: str | None = None, color: Any = None) -> Figure:
     """Give a figure of charts the name of its run, and its lines a colour."""
     colour = None if color is None else to_hex(color)
-    charts = [
-        replace(chart, lines=_named(chart.lines, label, colour))
-        for chart in figure.panels
-        if isinstance(chart, Chart)
-    ]
+    charts = [chart for chart in figure.panels if isinstance(chart, Chart)]
+    charts = [replace(chart, lines=_named(chart.lines, label, colour)) for chart in charts]
     return replace(figure, panels=charts, legend=figure.legend if label is None else 2)
 
 

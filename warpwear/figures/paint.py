@@ -1,6 +1,6 @@
 """Matplotlib's painter: draws what `describe` declares, in a figure or in axes that are there."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import zip_longest
 from typing import Any
@@ -14,10 +14,10 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from warpwear.figures import describe, style, wording
-from warpwear.figures.describe import Bodies, Chart, Empty, Figure, Map, Panel, Scale
+from warpwear.figures.describe import Bodies, Box, Chart, Empty, Figure, Map, Panel, Scale
 from warpwear.figures.paint_chart import paint_chart
 from warpwear.figures.paint_map import paint_map
-from warpwear.figures.paint_others import PAINT_3D, PAINT_OTHERS
+from warpwear.figures.paint_others import PAINT_OTHERS, paint_box
 from warpwear.figures.units import far
 
 #: Inches that a character of a legend takes, and a line with its room beside the text.
@@ -30,8 +30,8 @@ LONG_ROW = 1.35
 SCREEN = 120
 #: A row of a legend [inch].
 LEGEND_ROW = 0.165
-#: Left, bottom, width and height of a colour bar beside a map, over the map's.
-BESIDE = (1.04, 0.0, 0.05, 1.0)
+#: Left, bottom, width and height of a colour bar over those of a map beside it, and of one that fills a row.
+BESIDE, BESIDE_LONG = (1.04, 0.0, 0.05, 1.0), (1.012, 0.0, 0.012, 1.0)
 #: One bar beside all maps: length over width, length over theirs, room before it, and its part of the sheet.
 ONE_BAR: Any = {"aspect": 30, "shrink": 0.85, "pad": 0.015, "fraction": 0.05}
 #: Part of a map's width at either end that bears no tick where maps stand side by side.
@@ -54,7 +54,7 @@ def paint(figure: Figure) -> sheets.Figure:
         cells = [_stretched(cell) for cell in cells]
         figure = replace(figure, columns=1, width=describe.PAGE, height=LONG_ROW, shared="x")
     with style.style():
-        if all(type(cell) in PAINT_3D for cell in cells):
+        if all(isinstance(cell, Box) for cell in cells):
             return _sheet_3d(cells)
         columns = figure.columns or max(len(_cells(panel)) for panel in figure.panels)
         columns = len(cells) if columns == 1 and not figure.columns else columns
@@ -64,8 +64,8 @@ def paint(figure: Figure) -> sheets.Figure:
         sheet = Sheet(figsize=(width, figure.height * rows), layout=layout)
         FigureCanvasAgg(sheet)
         grid = sheet.subplots(rows, columns, squeeze=False)
-        for axes, cell in zip_longest(grid.ravel(), cells):
-            _paint_panel(axes, cell or Empty())
+        for axes, cell in zip_longest(grid.ravel(), cells, fillvalue=Empty()):
+            PAINTERS[type(cell)](axes, cell)
         _share(grid, figure.shared)
         _bars(sheet, grid, cells)
         legend = _legend(sheet, figure, _states(cells) or handles_of(grid.ravel()))
@@ -116,15 +116,9 @@ def _from_above(panel: Bodies, name: str) -> Map:
     return Map(name, [heights], panel.extent, scale, [f"{name}, seen from above"], [""], lit=True)
 
 
-def _paint_panel(axes: Any, cell: Panel) -> None:
-    if isinstance(cell, Chart):
-        paint_chart(axes, cell)
-    elif isinstance(cell, Map):
-        paint_map(axes, cell)
-    elif isinstance(cell, Empty):
-        axes.set_axis_off()
-    else:
-        PAINT_OTHERS[type(cell)](axes, cell)
+#: Kind of panel -> what draws it into axes.
+PAINTERS: dict[type, Callable[..., Any]] = {Chart: paint_chart, Map: paint_map, **PAINT_OTHERS}
+PAINTERS[Empty] = lambda axes, _: axes.set_axis_off()
 
 
 def _share(grid: Any, shared: str) -> None:
@@ -145,19 +139,17 @@ def _share(grid: Any, shared: str) -> None:
 def _bars(sheet: Any, grid: Any, cells: Sequence[Panel]) -> None:
     """Draw colour bars: one for all maps of one scale, else one for each; and tidy maps side by side."""
     maps = [(axes, cell) for axes, cell in zip(grid.ravel(), cells, strict=False) if isinstance(cell, Map)]
-    scaled = [(axes, cell) for axes, cell in maps if not cell.states]
+    scaled = [(axes, cell) for axes, cell in maps if not cell.states and cell.scale.label]
     one = len({cell.scale for _, cell in scaled}) == 1 and len(scaled) == len(cells) > 1
-    if one:
-        (axes, cell), every = scaled[0], grid.ravel().tolist()
-        bar = sheet.colorbar(axes.images[-1], ax=every, extend=cell.scale.beyond, **ONE_BAR)
-        _number_bar(bar, cell.scale)
+    for axes, cell in scaled[:1] if one else scaled:
+        if one:
+            where = {"ax": grid.ravel().tolist(), **ONE_BAR}
+        else:
+            where = {"cax": axes.inset_axes(BESIDE if cell.square else BESIDE_LONG)}
+        _number_bar(sheet.colorbar(axes.images[-1], extend=cell.scale.beyond, **where), cell.scale)
     for axes, cell in maps:
-        if not one and not cell.states and cell.scale.label:
-            place = axes.inset_axes(BESIDE if cell.square else (1.012, 0.0, 0.012, 1.0))
-            bar = sheet.colorbar(axes.images[-1], cax=place, extend=cell.scale.beyond)
-            _number_bar(bar, cell.scale)
         if cell.square:  # labels of two panels meet at their corners
-            axes.set_xticks(style.inner_ticks(*axes.get_xlim(), CORNER))
+            axes.set_xticks(style.inner_ticks(axes.get_xlim(), CORNER))
         if len({other.extent for _, other in maps}) == 1 and len(maps) == len(cells) and cell.square:
             axes.label_outer()
 
@@ -243,5 +235,5 @@ def _sheet_3d(cells: Sequence[Any]) -> sheets.Figure:
     for number, cell in enumerate(cells):
         place = (number * width, 0.1, 0.92 * width, 0.76)
         axes = sheet.add_axes(place, projection="3d", computed_zorder=False)
-        PAINT_3D[type(cell)](axes, cell)
+        paint_box(axes, cell)
     return sheet

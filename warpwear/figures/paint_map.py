@@ -5,14 +5,15 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LightSource, ListedColormap, LogNorm, Normalize
-from matplotlib.patches import Ellipse, Rectangle
+from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from warpwear.figures import style
+from warpwear.figures import describe, style
 from warpwear.figures.coarse import coarsen
-from warpwear.figures.describe import Map
+from warpwear.figures.describe import Ends, Map
 from warpwear.figures.paint_chart import DASHES, paint_level
+from warpwear.grid import FloatArray
 
 #: Points along a side from which lines of equal height are drawn.
 CONTOURED = 60
@@ -21,8 +22,8 @@ HIDDEN = ListedColormap(["#E4E4E4"])
 LIGHT, STEEPER = LightSource(azdeg=315.0, altdeg=45.0), 4.0
 
 
-def paint_map(axes: Axes, field: Map) -> Any:
-    """Draw a map of one field into axes, x to the right; returns the image."""
+def paint_map(axes: Axes, field: Map) -> None:
+    """Draw a map of one field into axes, x to the right."""
     values, ends = field.fields[0], field.extent
     colours, norm = _colours(field)
     if field.lit:
@@ -34,21 +35,21 @@ def paint_map(axes: Axes, field: Map) -> Any:
     kind: Any = {"origin": "lower", "extent": ends, "interpolation": "nearest"}
     if field.hidden is not None:
         axes.imshow(np.where(field.hidden, 1.0, np.nan).T, cmap=HIDDEN, **kind)
-    image = axes.imshow(values.T, cmap=colours, norm=norm, visible=not field.lit, **kind)
-    if field.contours:
-        _contours(axes, field)
+    axes.imshow(values.T, cmap=colours, norm=norm, visible=not field.lit, **kind)
+    if field.contours:  # where they lie far apart what the map shows is flat
+        coarse, _ = coarsen(np.nan_to_num(values, nan=field.scale.low), CONTOURED)
+        levels = MaxNLocator(field.contours).tick_values(field.scale.low, field.scale.high)
+        thin: Any = {"colors": "black", "linewidths": 0.4, "linestyles": "-", "alpha": 0.7}
+        axes.contour(*_middles(coarse, ends), coarse.T, levels=levels, **thin)
     if field.hatched is not None:
         hatches: Any = {"levels": [0.5, 1.5], "colors": ["0.8"], "alpha": 0.6, "hatches": ["//////"]}
-        _on_pixels(axes, field, field.hatched, **hatches)
+        axes.contourf(*_edged(field.hatched, ends), **hatches)
     for region, look in field.regions:
         edge: Any = {"colors": [look.colour], "linewidths": look.width, "linestyles": DASHES[look.dash]}
-        _on_pixels(axes, field, region, levels=[0.5], **edge)
-    for outline in field.outlines:
-        (x0, x1, y0, y1), look = outline.ends, outline.look
-        line: Any = {"fill": False, "ec": look.colour, "lw": look.width, "ls": DASHES[look.dash]}
-        middle = (0.5 * (x0 + x1), 0.5 * (y0 + y1))
-        round_one = Ellipse(middle, x1 - x0, y1 - y0, **line)
-        axes.add_patch(round_one if outline.round else Rectangle((x0, y0), x1 - x0, y1 - y0, **line))
+        axes.contour(*_edged(region, ends), levels=[0.5], **edge)
+    axes.set(xlim=ends[:2], ylim=ends[2:])
+    for x0, x1, y0, y1 in field.frames:
+        axes.add_patch(Rectangle((x0, y0), x1 - x0, y1 - y0, fill=False, ec=describe.DISC, lw=1.0))
     for level in field.levels:
         paint_level(axes, level)
     axes.set(xlabel=field.x, ylabel=field.y)
@@ -58,16 +59,17 @@ def paint_map(axes: Axes, field: Map) -> Any:
         axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 5, 10]))
     if not field.square:
         axes.set_aspect("auto")
-    return image
 
 
-def _on_pixels(axes: Axes, field: Map, region: NDArray[np.bool_], **how: Any) -> None:
-    """Draw a region of cells, filled where it has hatches, else its outline; shape (nx, ny)."""
-    (nx, ny), (x0, x1, y0, y1) = region.shape, field.extent
-    edged = np.pad(region, 1, mode="edge").astype(np.float64)  # or what lies at the rim would be cut in half
-    x, y = (a + (np.arange(n + 2) - 0.5) * (b - a) / n for n, a, b in ((nx, x0, x1), (ny, y0, y1)))
-    (axes.contourf if "hatches" in how else axes.contour)(x, y, edged.T, **how)
-    axes.set(xlim=(x0, x1), ylim=(y0, y1))
+def _middles(cells: NDArray[Any], ends: Ends, beyond: int = 0) -> list[FloatArray]:
+    """Return x and y [mm] of the middles of cells (nx, ny) in an extent, and of some `beyond` either end."""
+    sides = zip(cells.shape, ends[::2], ends[1::2], strict=True)
+    return [a + (np.arange(-beyond, n + beyond) + 0.5) * (b - a) / n for n, a, b in sides]
+
+
+def _edged(region: NDArray[np.bool_], ends: Ends) -> tuple[FloatArray, ...]:
+    """Return places and values of a region to draw, a cell beyond the rim, which would cut it in half."""
+    return *_middles(region, ends, 1), np.pad(region, 1, mode="edge").astype(np.float64).T
 
 
 def _colours(field: Map) -> tuple[Any, Normalize]:
@@ -76,14 +78,3 @@ def _colours(field: Map) -> tuple[Any, Normalize]:
     if states:
         return ListedColormap([colour for _, colour in states]), Normalize(-0.5, len(states) - 0.5)
     return style.COLOURS[scale.colours], (LogNorm if scale.log else Normalize)(scale.low, scale.high)
-
-
-def _contours(axes: Axes, field: Map) -> None:
-    """Draw lines of equal value over a map: where they lie far apart what it shows is flat."""
-    values, (x0, x1, y0, y1) = field.fields[0], field.extent
-    coarse, _ = coarsen(np.nan_to_num(values, nan=field.scale.low), CONTOURED)
-    nx, ny = coarse.shape
-    x, y = np.linspace(x0, x1, 2 * nx + 1)[1::2], np.linspace(y0, y1, 2 * ny + 1)[1::2]
-    levels = MaxNLocator(field.contours).tick_values(field.scale.low, field.scale.high)
-    kind: Any = {"colors": "black", "linewidths": 0.4, "linestyles": "-", "alpha": 0.7}
-    axes.contour(x, y, coarse.T, levels=levels, **kind)

@@ -59,7 +59,7 @@ def paint_box(axes: Any, box: Box) -> None:
     for artist in axes.collections:  # the box is larger than the square that axes in 3-D keep to
         artist.set_clip_on(False)
     axes.zaxis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))
-    axes.set(xticks=style.inner_ticks(x0, x1, CORNER), yticks=style.inner_ticks(y0, y1, CORNER))
+    axes.set(xticks=style.inner_ticks((x0, x1), CORNER), yticks=style.inner_ticks((y0, y1), CORNER))
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
     axes.tick_params(pad=-2.5)
@@ -194,4 +194,3 @@ def paint_text(axes: Axes, text: Text) -> None:
 
 
 PAINT_OTHERS: dict[type, Callable[..., None]] = {Bars: paint_bars, Grid: paint_grid, Text: paint_text}
-PAINT_3D: dict[type, Callable[..., None]] = {Box: paint_box}

@@ -60,9 +60,10 @@ def bytes_of(figure: Figure, file_format: str = "png", *, dpi: float | str = "fi
     return written.getvalue()
 
 
-def inner_ticks(low: float, high: float, corner: float) -> list[float]:
+def inner_ticks(ends: tuple[float, float], corner: float) -> list[float]:
     """Choose two to five ticks of an axis, none in its ends, a part `corner` of it each."""
-    low, high = low + corner * (high - low), high - corner * (high - low)
+    room = corner * (ends[1] - ends[0])
+    low, high = ends[0] + room, ends[1] - room
     ticks = MaxNLocator(4, steps=[1, 2, 5, 10]).tick_values(low, high)
     return [float(tick) for tick in ticks if low < tick < high]
 

@@ -2,22 +2,24 @@
 
 from dataclasses import replace
 
-from warpwear.figures.describe import DISTANCE, Chart, Cloud, Figure, Level, Line, values_of
-from warpwear.history.distances import METRES, unit_of
+from warpwear.figures.describe import DISTANCE, TIME, Chart, Cloud, Figure, Level, Line, values_of
+from warpwear.history.distances import METRES
 
-#: What a unit of an axis holds of the least one of its kind: times, and lengths.
-UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0, "mm": 1.0} | METRES
+#: Axes that may reach far, in their least unit -> its kind, with what each unit holds of it.
+FAR = {DISTANCE: {"mm": 1.0} | METRES, TIME: {"s": 1.0, "min": 60.0, "h": 3600.0}}
+UNITS = FAR[DISTANCE] | FAR[TIME]
 
 
 def far(figure: Figure) -> Figure:
-    """Show distances slid of a figure in m or km where they are long, in all its charts alike."""
-    charts = [panel for panel in figure.panels if isinstance(panel, Chart) and panel.x.label == DISTANCE]
-    ends = (float(values.max()) for chart in charts for values in values_of(chart, "x") if values.size)
-    label = f"{DISTANCE.removesuffix('mm')}{unit_of(max(ends, default=0.0))}"
-    panels = (
-        in_unit(p, label) if isinstance(p, Chart) and p.x.label == DISTANCE else p for p in figure.panels
-    )
-    return replace(figure, panels=[*panels])
+    """Show distances slid and times of a figure in the largest unit of which they reach ten, all alike."""
+    for least, units in FAR.items():
+        charts = [panel for panel in figure.panels if isinstance(panel, Chart) and panel.x.label == least]
+        ends = (float(values.max()) for chart in charts for values in values_of(chart, "x") if values.size)
+        end, what = max(ends, default=0.0), least.rpartition(", ")[0]
+        label = f"{what}, {max(units, key=lambda unit: units[unit] * (end >= 10.0 * units[unit]))}"
+        panels = [in_unit(panel, label) if isinstance(panel, Chart) else panel for panel in figure.panels]
+        figure = replace(figure, panels=panels)
+    return figure
 
 
 def in_unit(chart: Chart, label: str) -> Chart:

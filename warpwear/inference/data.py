@@ -13,7 +13,7 @@ from warpwear.calibration.friction import effective_points
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import printed
-from warpwear.measured.course import LARGEST_COF, experiment_of
+from warpwear.measured.course import check_cof, experiment_of
 from warpwear.measured.experiment import Experiment
 from warpwear.measured.motion import Motion
 from warpwear.measured.rows import Rows, read_rows
@@ -233,7 +233,7 @@ def _measured(study: Study, kind: str, text: str) -> Measured:
         if not least <= number <= most:
             raise refusal(f"{what_it_is} is {number:.3g}, and allowed is {least:g} to {most:g}")
     if kind == "cof":
-        _check_cof(text, np.array([measured.value]))
+        check_cof(text, np.array([at]), np.array([measured.value]))
     if at is not None and not 0.0 < at <= study.sliding.total * (1.0 + 1e-9):
         raise refusal(f"the study slides {study.sliding.total:g} mm, and not to {at:g} mm")
     if kind == "diameter" and measured.value > min(*study.grid.sides, 2.0 * (study.counter.radius or np.inf)):
@@ -254,7 +254,7 @@ def _course(study: Study, experiment: Experiment | str | Path, columns: str | No
         how = Motion(stroke=sliding.stroke, load=load, speed=sliding.speed, radius=sliding.track_radius)
         experiment = experiment_of(rows, how)
     name, distance, cof = experiment.name, np.asarray(experiment.distance), np.asarray(experiment.cof)
-    _check_cof(name, cof)
+    check_cof(name, distance, cof)
     inside = (distance > 0.0) & (distance <= study.sliding.total * (1.0 + 1e-9))
     if inside.sum() < FEWEST:
         raise InputError(
@@ -273,27 +273,9 @@ def _course(study: Study, experiment: Experiment | str | Path, columns: str | No
     return MeasuredCourse(name, distance, cof, tuple(notes))
 
 
-def _check_cof(name: str, cof: FloatArray) -> None:
-    """Raise InputError for coefficients that look like percent."""
-    typical = float(np.median(np.abs(cof)))
-    if typical == 0.0:
-        raise InputError(
-            f"{name}: the coefficient of friction is 0 in the middle, which says that nothing was measured; "
-            "a record of a sliding contact is expected"
-        )
-    if typical > LARGEST_COF:
-        percent = ", as if in percent: 20 instead of 0.20" if typical < 100.0 * LARGEST_COF else ""
-        raise InputError(
-            f"{name}: the coefficient of friction is {typical:.3g} in the middle{percent}; a plain ratio "
-            "is expected"
-        )
-
-
 def _check_load(rows: Rows, load: float) -> None:
-    """Raise InputError for a course in percent, and for a normal force that is not that of the study [N]."""
-    cof, force = rows.table.get("cof"), rows.table.get("normal force")
-    if cof is not None and (cof := cof[np.isfinite(cof)]).size:
-        _check_cof(str(rows.path), cof)
+    """Raise InputError for a normal force that is not that of the study [N]."""
+    force = rows.table.get("normal force")
     if force is None or not (force := np.abs(force[np.isfinite(force)])).size:
         return
     typical = float(np.median(force))

@@ -77,6 +77,8 @@ def write_samples(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray],
 
 def content_of(inference: Inference) -> dict[str, Any]:
     """Return all numbers of an inference, ready for JSON."""
+    names = {"test": "label", "tests": "repeats", "relative_now": "now", "relative_expected": "expected"}
+    tests = [{key: getattr(test, name) for key, name in names.items()} for test in inference.tests]
     return {
         "study": inference.study.study.name,
         "unknowns": inference.table,
@@ -86,16 +88,9 @@ def content_of(inference: Inference) -> dict[str, Any]:
         "indistinct": [list(group.keys) for group in inference.identified.indistinct],
         "untouched": list(inference.identified.untouched),
         "target": inference.target,
-        "next_tests": [
-            {"test": t.label, "tests": t.repeats, "relative_now": t.now, "relative_expected": t.expected}
-            for t in inference.tests
-        ],
+        "next_tests": tests,
         "more_tests_to_10_percent": dict(inference.repeats),
-        "samples": {
-            "effective": inference.samples.effective,
-            "r_hat": inference.samples.r_hat,
-            "steps": inference.samples.steps,
-        },
+        "samples": {name: getattr(inference.samples, name) for name in ("effective", "r_hat", "steps")},
         "runs": len(inference.posterior.model.runs.rows),
         "emulator_error": inference.posterior.model.error,
     }

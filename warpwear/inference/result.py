@@ -79,8 +79,8 @@ class Inference:
             row: dict[str, Any] = {"key": unknown.key, "unit": unit, "prior": prior}
             row |= {"assumed": unknown.assumed, "mean": float(column.mean()), "sd": float(column.std(ddof=1))}
             row |= {"median": median, "low": low, "high": high}
-            learnt = float(np.clip(1.0 - self.z[:, place].var(), 0.0, 1.0))
-            rows.append(row | {"learnt": learnt, "pressed": unknown.key in pressing})
+            row["learnt"] = float(np.clip(1.0 - self.z[:, place].var(), 0.0, 1.0))
+            rows.append(row | {"pressed": unknown.key in pressing})
         return rows
 
     @property
@@ -91,10 +91,8 @@ class Inference:
     @property
     def sentences(self) -> list[str]:
         """What a reader has to know beside the table."""
-        runs = self.posterior.model.runs
-        lines = [*self.conflicts, *self.identified.sentences]
-        lines = [line for line in lines if not (self.misses and line == ALL_APART)]
-        lines += [runs.cut] if runs.cut else []
+        apart = [line for line in self.identified.sentences if not (self.misses and line == ALL_APART)]
+        lines = [*self.conflicts, *apart, *filter(None, [self.posterior.model.runs.cut])]
         lines += [f"Of the study: {notice}" for notice in self.study.notices()]
         lines += self._at_the_edge
         data, count = self.posterior.data, len(self.posterior.model.unknowns)
@@ -111,14 +109,10 @@ class Inference:
         for key, repeats in self.repeats.items():
             now = f"{key} is known to ± {100.0 * self.values[key].std() / self.values[key].mean():.2g} %"
             now += "" if data.repeated else " of this test"
-            goal, more = f"± {100 * REACHED:.0f} %", "more test like this brings"
-            if repeats == 0:
-                lines.append(f"{now}, within {goal}.")
-            elif repeats is None:
-                lines.append(f"{now}; {MOST_REPEATS} more like it do not bring it to {goal}.")
-            else:
-                more = more if repeats == 1 else "more tests like this bring"
-                lines.append(f"{now}; {repeats} {more} it to {goal}.")
+            goal, more = f"± {100 * REACHED:.0f} %", f"; {repeats} more tests like this bring it to"
+            more = "; 1 more test like this brings it to" if repeats == 1 else more
+            more = f"; {MOST_REPEATS} more like it do not bring it to" if repeats is None else more
+            lines.append(f"{now}{', within' if repeats == 0 else more} {goal}.")
         if self.tests:
             best = self.tests[0]
             lines.append(
@@ -232,37 +226,21 @@ class Inference:
     def __str__(self) -> str:
         """Write table and sentences for the screen."""
         what = "fitted unknowns of a study that misses its data" if self.misses else "unknowns after the test"
-        parts = {f"{self.study.study.name}: {what}": self._cells}
-        parts["measured and computed"] = [
-            [
-                row["what"],
-                f"{row['mean']:.4g} ± {row['sd']:.2g} {row['unit']}".rstrip(),
-                f"{row['off']:.1f} standard uncertainties apart",
-            ]
-            for row in self.computed()
-        ]
-        tests = [
-            [one.label, counted(one.repeats, "test"), f"± {100 * one.expected:.2g} %"] for one in self.tests
-        ]
-        now = f"{100 * self.tests[0].now:.2g}" if tests else ""
-        last = {f"next tests for {self.target}, now ± {now} %": tests}
-        return "\n".join(
-            [
-                *(self.conflicts[:1] if self.misses else ()),
-                *(line for title, cells in parts.items() for line in _titled(title, cells)),
-                *(f"  {sentence}" for sentence in self.sentences[self.misses :]),
-                *(line for title, cells in last.items() for line in _titled(title, cells)),
-                f"  {self.how}",
-            ]
-        )
+        lines = [*self.conflicts[: self.misses], *_titled(f"{self.study.study.name}: {what}", self._cells)]
+        apart = []
+        for row in self.computed():
+            value = f"{row['mean']:.4g} ± {row['sd']:.2g} {row['unit']}".rstrip()
+            apart.append([row["what"], value, f"{row['off']:.1f} standard uncertainties apart"])
+        lines += _titled("measured and computed", apart)
+        lines += [f"  {sentence}" for sentence in self.sentences[self.misses :]]
+        if self.tests:
+            tests = [[t.label, counted(t.repeats, "test"), f"± {100 * t.expected:.2g} %"] for t in self.tests]
+            lines += _titled(f"next tests for {self.target}, now ± {100 * self.tests[0].now:.2g} %", tests)
+        return "\n".join([*lines, f"  {self.how}"])
 
     def _repr_html_(self) -> str:
-        """Write table and sentences for a notebook."""
-        rows = "".join(
-            f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in self._cells
-        )
-        lines = "".join(f"<li>{escape(sentence)}</li>" for sentence in self.sentences)
-        return f"<table>{rows}</table><ul>{lines}</ul><p>{escape(self.how)}</p>"
+        """Write tables and sentences for a notebook."""
+        return f"<pre>{escape(str(self))}</pre>"
 
     @property
     def _some(self) -> dict[str, FloatArray]:

@@ -197,13 +197,14 @@ def _converted(unit: str, target: str) -> float | None:
 
 def _picked(record: Record, titles: list[tuple[str, str]], picks: str) -> dict[str, Column]:
     """Return the columns that a user picked, role -> column."""
-    parts = [part.strip() for part in picks.split(";" if ";" in picks else ",")]
-    chosen = _match(record, titles, parts)
+    parts = picks.split(";" if ";" in picks else ",")  # a title may hold commas
+    chosen = [place for part in parts if (place := _index(record, titles, part.strip())) is not None]
     known = _listed(record.names) or f"1 to {record.table.width}"
-    if chosen is None or len(chosen) not in PICKED:
+    if len(chosen) != len(parts) or len(chosen) not in PICKED:
         raise InputError(
             f"--columns '{picks}': two columns (distance or time, CoF), three (time, friction force, normal "
-            f"force) or four (these and a position) of {record.path} are expected: {known}"
+            f"force) or four (these and a position) of {record.path} are expected, with ; between titles "
+            f"with commas: {known}"
         )
     columns = {}
     for role, (index, unit_picked) in zip(PICKED[len(chosen)], chosen, strict=True):
@@ -216,20 +217,6 @@ def _picked(record: Record, titles: list[tuple[str, str]], picks: str) -> dict[s
         title = record.names[index] if record.names else f"column {index + 1}"
         columns[meant] = Column(index, title, _factor(record, meant, title, unit))
     return columns
-
-
-def _match(record: Record, titles: list[tuple[str, str]], parts: list[str]) -> list[tuple[int, str]] | None:
-    """Return index and given unit of each pick, None where one is no column; a title may hold commas."""
-    if not parts:
-        return []
-    for count in range(len(parts), 0, -1):
-        index = _index(record, titles, ", ".join(parts[:count]))
-        if index is None:
-            continue
-        rest = _match(record, titles, parts[count:])
-        if rest is not None:
-            return [index, *rest]
-    return None
 
 
 def _index(record: Record, titles: list[tuple[str, str]], pick: str) -> tuple[int, str] | None:

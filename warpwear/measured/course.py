@@ -89,7 +89,7 @@ def experiment_of(rows: Rows, motion: Motion) -> Experiment:
     ]
     if rows.format != PLAIN.name:
         notes.insert(0, f"Format: {rows.format}" + (f", {len(steps)} steps." if len(steps) > 1 else "."))
-    notes += _check_cof(path, course.distance, course.cof)
+    notes += check_cof(path, course.distance, course.cof)
     return replace(course, notes=tuple(notes), warnings=(*warnings, *course.warnings))
 
 
@@ -168,7 +168,7 @@ def _covered_again(distance: FloatArray) -> int | None:
     return int(np.flatnonzero(steps < 0.0)[0]) + 1
 
 
-def _check_cof(path: Path, distance: FloatArray, cof: FloatArray) -> list[str]:
+def check_cof(path: Path | str, distance: FloatArray, cof: FloatArray) -> list[str]:
     """Return notes on coefficients of friction. Raises InputError for those that no contact has."""
     negative = cof < 0.0
     if negative.all():
@@ -182,13 +182,19 @@ def _check_cof(path: Path, distance: FloatArray, cof: FloatArray) -> list[str]:
             "friction of both directions; the raw record with forces and position, or means per cycle, are "
             "expected"
         )
-    large = cof > LARGEST_COF
+    large, typical = cof > LARGEST_COF, float(np.median(cof))
     if large.any():
         first = int(np.flatnonzero(large)[0])
+        percent = ", as if in percent: 20 instead of 0.20" if 1.0 < typical / LARGEST_COF < 100.0 else ""
         raise InputError(
             f"{path}: {large.sum()} of {large.size} coefficients of friction exceed {LARGEST_COF:g} (the "
-            f"first is {cof[first]:.4g} at {distance[first]:.4g} mm), which no contact has; a plain ratio of "
-            "forces under load is expected"
+            f"first is {cof[first]:.4g} at {distance[first]:.4g} mm), which no contact has{percent}; a plain "
+            "ratio of forces under load is expected"
+        )
+    if typical == 0.0:
+        raise InputError(
+            f"{path}: the coefficient of friction is 0 in the middle, which says that nothing was measured; "
+            "a record of a sliding contact is expected"
         )
     if not negative.any():
         return []

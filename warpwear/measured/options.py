@@ -35,31 +35,52 @@ def refuse(options: Mapping[str, Any], why: str) -> None:
             raise InputError(f"{option} {why}")
 
 
+def flag(name: str) -> str:
+    """Return what an option of Python's name is called on the command line."""
+    return f"--{name.replace('_', '-')}"
+
+
+class Options(dict[str, Any]):
+    """Options of a command by Python's names are looked up by those of the command line; None if left out."""
+
+    def __getitem__(self, option: str) -> Any:
+        return self.get(option.removeprefix("--").replace("-", "_"))
+
+    def optional(self, option: str, unit: str, *, allowed: Range = POSITIVE) -> float | None:
+        """Turn an option's text into a number in a unit; None, where it was left out, stays None."""
+        return optional(option, self[option], unit, allowed=allowed)
+
+    def refuse(self, *options: str, why: str) -> None:
+        """Raise InputError for the first of these options that has a value; why: goes on after its name."""
+        refuse({option: self[option] for option in options}, why)
+
+    @property
+    def load(self) -> float:
+        """Return --load as a force [N]. Raises InputError where it is not given."""
+        if self["--load"] is None:
+            raise InputError("--load is missing: the normal load of the test, a force such as '8 N'")
+        return quantity("--load", self["--load"], "N")
+
+    @property
+    def distance(self) -> float:
+        """Return the sliding distance [mm] of --distance, or of --passes and --stroke. Raises InputError."""
+        passes = self["--passes"]
+        if self["--distance"] is not None:
+            if passes is not None:
+                raise InputError("--distance and --passes exclude each other: both say how far it slid")
+            return quantity("--distance", self["--distance"], "mm")
+        if passes is None:
+            raise InputError("the sliding distance is missing: --distance, or --passes with --stroke")
+        if passes <= 0:
+            raise InputError(f"--passes is {passes}: allowed is any positive number of single strokes")
+        if self["--stroke"] is None:
+            raise InputError("--passes needs --stroke, the length of one pass, such as '30 mm'")
+        return float(passes * quantity("--stroke", self["--stroke"], "mm"))
+
+
 def number(option: str, value: float, allowed: Range) -> float:
     """Check an option's number without a unit. Raises InputError."""
     try:
         return allowed.check(value)
     except ValueError as error:
         raise InputError(f"{option} = {value:g}: {error}") from None
-
-
-def load_of(value: str | None) -> float:
-    """Turn --load into a force [N]. Raises InputError where it is not given."""
-    if value is None:
-        raise InputError("--load is missing: the normal load of the test, a force such as '8 N'")
-    return quantity("--load", value, "N")
-
-
-def distance_of(distance: str | None, passes: int | None, stroke: str | None) -> float:
-    """Find the sliding distance [mm] from --distance, or from --passes and --stroke. Raises InputError."""
-    if distance is not None:
-        if passes is not None:
-            raise InputError("--distance and --passes exclude each other: both say how far it slid")
-        return quantity("--distance", distance, "mm")
-    if passes is None:
-        raise InputError("the sliding distance is missing: --distance, or --passes with --stroke")
-    if passes <= 0:
-        raise InputError(f"--passes is {passes}: allowed is any positive number of single strokes")
-    if stroke is None:
-        raise InputError("--passes needs --stroke, the length of one pass, such as '30 mm'")
-    return passes * quantity("--stroke", stroke, "mm")

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from warpwear.errors import InputError
-from warpwear.figures.describe import COUNTER, DISC, Axis, Chart, Figure, Level, Line, Look
+from warpwear.figures.describe import DISC, Axis, Chart, Figure, Level, Line, Look
 from warpwear.grid import FloatArray
 from warpwear.measured.options import quantity
 from warpwear.measured.surface_figure import ZERO, stack
@@ -98,7 +98,7 @@ def groove_rows(groove: Track) -> list[Row]:
         Row("summed", "window_mm", [low + middle, high + middle], note="from the profile's beginning"),
         Row("below", "section_below_um2", 1e6 * below, digits=5),
         Row("above", "section_above_um2", 1e6 * above, digits=3),
-        Row("section", "section_um2", 1e6 * net, 5, ERROR, ("section_error_um2", 1e6 * error)),
+        Row("section", "section_um2", 1e6 * net, 5, ERROR, 1e6 * error),
         Row("warning", "warning", doubt if error > DOUBTED * abs(net) else None),
     ]
 
@@ -126,22 +126,7 @@ def profile_figure(profile: Profile, p: Parameters) -> Figure:
     )
 
 
-def groove_figure(groove: Track) -> Figure:
-    """Draw a groove over the reference, and what was summed."""
-    places = groove.y - groove.y[0]
-    heights = groove.levelled[0]
-    filled = Line(
-        places,
-        1e3 * heights,
-        "summed",
-        Look(COUNTER, "", alpha=0.35),
-        np.where(groove.inside, 1e3 * heights, np.nan),
-        np.where(groove.inside, 0.0, np.nan),
-    )
-    return stack(_chart("Groove", "height over the reference, µm", places, heights, filled))
-
-
-def _chart(title: str, up: str, places: FloatArray, heights: FloatArray, *more: Line) -> Chart:
+def _chart(title: str, up: str, places: FloatArray, heights: FloatArray) -> Chart:
     """Draw heights [mm] over places [mm]."""
     line = Line(places, 1e3 * heights, look=Look(DISC, width=0.6))
-    return Chart(title, Axis("place, mm"), Axis(up), [line, *more, Level(0.0, look=ZERO)])
+    return Chart(title, Axis("place, mm"), Axis(up), [line, Level(0.0, look=ZERO)])

@@ -13,8 +13,8 @@ from pydantic import ValidationError
 from warpwear.errors import InputError
 from warpwear.figures.describe import Figure
 from warpwear.measured import profile_report, surface_report
-from warpwear.measured.options import optional, quantity, refuse
-from warpwear.measured.surface_figure import ball_figure, save, scar_figure, surface_figure, track_figure
+from warpwear.measured.options import Options, flag, optional, quantity, refuse
+from warpwear.measured.surface_figure import groove_figure, patch_figure, save, surface_figure, track_figure
 from warpwear.results.report import Row, lines, record, to_json
 from warpwear.study.bodies import Disc
 from warpwear.study.loading import value_of_text
@@ -42,10 +42,16 @@ LINE = ("pixel", "height_unit", "height_sign", "array", "level")
 #: Names of keys that sentences about [disc] name.
 KEYS = re.compile(rf"\bdisc\.({'|'.join(Disc.model_fields)})\b")
 #: Option -> the one that it needs, and pairs that exclude each other.
-NEEDED = {"diagonals": "ball", "radius": "ball", "track_width": "track", "track_length": "track"}
-APART = (("track", "ball"), ("line", "ball"), ("line", "before"), ("before", "ball"), ("figure", "no_figure"))
-#: Options that are lengths.
-LENGTHS = ("track_width", "track_length", "radius", "lambda_c", "lambda_s")
+NEEDED = {"--diagonals": "--ball", "--radius": "--ball"} | dict.fromkeys(
+    ("--track-width", "--track-length"), "--track"
+)
+APART = (
+    ("--track", "--ball"),
+    ("--line", "--ball"),
+    ("--line", "--before"),
+    ("--before", "--ball"),
+    ("--figure", "--no-figure"),
+)
 OF_MAPS = "is for a map of heights, and this is a profile"
 
 #: Keys of [disc] as text, None for those not given.
@@ -61,40 +67,38 @@ def describe(file: Path | None, preparation: Preparation, **options: Any) -> str
     file: None where the diagonals of a ball are given. options: of `warpwear surface`, lengths as text with a
     unit: figure, where to draw, by default a name made from the file's; no_figure; overwrite; as_json;
     track, ball: whether the file is a worn one; before: the same place before it was worn; line: axis and
-    place of a line of a map, which is taken as a profile; diagonals; and `LENGTHS`. Raises InputError.
+    place of a line of a map, which is taken as a profile; diagonals; track_width, track_length, radius,
+    lambda_c, lambda_s. Raises InputError.
     """
-    value = options.get
-    _check_together(file, options)
-    sizes = {name: optional(_option(name), value(name), "mm") for name in LENGTHS}
+    o = Options(options)
+    _check_together(file, o)
     if file is None:
-        return _by_diagonals(options["diagonals"], sizes["radius"], as_json=value("as_json", False))
-    kind: Kind | None = "track" if value("track") else "ball" if value("ball") else None
-    kind = "scar" if kind is None and value("before") else kind
-    figure, notice = value("figure"), ""
+        return _by_diagonals(o)
+    kind: Kind | None = "track" if o["--track"] else "ball" if o["--ball"] else None
+    kind = "scar" if kind is None and o["--before"] else kind
+    figure, notice = o["--figure"], ""
     if figure is not None:
-        _check_figure(figure, overwrite=value("overwrite", False))
-    elif not (value("as_json") or value("no_figure")):
+        _check_figure(figure, overwrite=o["--overwrite"])
+    elif not (o["as_json"] or o["--no-figure"]):
         figure = Path(f"{file.name}-{kind or 'surface'}.png")
-        if figure.exists() and not value("overwrite"):  # the numbers are asked for all the same
+        if figure.exists() and not o["--overwrite"]:  # the numbers are asked for all the same
             notice = f"{figure} is there already and was not drawn again: --overwrite replaces it"
             figure = None
     if kind is None:
-        text, rows, draw = _as_it_is(file, preparation, value("line"), sizes)
+        text, rows, draw = _as_it_is(file, preparation, o)
     else:
-        text, rows, draw = _worn(file, kind, preparation, value("before"), value("line"), sizes)
+        text, rows, draw = _worn(file, kind, preparation, o)
     if figure is not None:
         save(draw(), figure)
         notice = f"written to {figure}"
-    if value("as_json"):
+    if o["as_json"]:
         return _with_options(to_json(record(rows)))
     return "\n".join([_with_options("\n".join(text)), *([notice] if notice else [])])
 
 
-def _as_it_is(
-    file: Path, preparation: Preparation, line: str | None, sizes: Mapping[str, float | None]
-) -> Outcome:
-    """Examine a surface, or a profile: a file's, or a line of a map. sizes: of options [mm]."""
-    cut_off, short = sizes["lambda_c"], sizes["lambda_s"]
+def _as_it_is(file: Path, preparation: Preparation, o: Options) -> Outcome:
+    """Examine a surface, or a profile: a file's, or a line of a map. Raises InputError."""
+    cut_off, short, line = o.optional("--lambda-c", "mm"), o.optional("--lambda-s", "mm"), o["--line"]
     try:
         surface = read_surface(file, preparation if line is None else {**preparation, "level": "none"})
     except HoldsAProfile:
@@ -175,46 +179,40 @@ def worn_in(
     return Worn(body, surface, np.isnan(heights), changed, degree)
 
 
-def _worn(
-    file: Path,
-    kind: Kind,
-    preparation: Preparation,
-    before: Path | None,
-    line: str | None,
-    sizes: Mapping[str, float | None],
-) -> Outcome:
-    """Measure a worn body. sizes: of options [mm]. Raises InputError."""
-    width, length, radius = (sizes[name] for name in ("track_width", "track_length", "radius"))
-    worn = worn_in(file, kind, preparation, before=before, width=width, radius=radius, line=line)
+def _worn(file: Path, kind: Kind, preparation: Preparation, o: Options) -> Outcome:
+    """Measure a worn body. Raises InputError."""
+    before, length = o["--before"], o.optional("--track-length", "mm")
+    sizes: Any = {"width": o.optional("--track-width", "mm"), "radius": o.optional("--radius", "mm")}
+    worn = worn_in(file, kind, preparation, before=before, line=o["--line"], **sizes)
     body, missing, degree = worn.body, worn.missing, worn.degree
     if isinstance(worn.source, Profile):
-        refuse({"--track-length": length}, OF_MAPS)
+        o.refuse("--track-length", why=OF_MAPS)
         beside = " through the profile beside the groove"
         rows = [*profile_report.profile_rows(worn.source, degree, beside), *profile_report.groove_rows(body)]
-        return profile_report.profile_lines(rows), rows, partial(profile_report.groove_figure, body)
+        return profile_report.profile_lines(rows), rows, partial(groove_figure, body)
     own, done = worn.source.record(), f"polynomial of degree {degree} through the surface beside the {kind} "
     done += "taken off"
     rows = [Row("", "surface", own)]
     if worn.changed is not None:
         done = f"{before} laid over it and taken off, {done}"
         rows.append(Row("before", "before", surface_report.before_rows(worn.changed, file=str(before))))
-    if kind == "ball":
-        flat = surface_report.cap_rows(cap_of_diagonals(body.along, body.across, radius=body.sphere.radius))
-        rows.append(Row("", kind, surface_report.ball_rows(body)))
-        rows.append(Row("by two diagonals", "by_two_diagonals", flat, note=", were the patch flat"))
-    elif kind == "track":
+    if kind == "track":
         rows.append(Row("", kind, surface_report.track_rows(body, length=length)))
     else:
         filled = float(missing[body.patch].mean())
-        rows.append(Row("", kind, surface_report.scar_rows(body, filled=filled)))
-    draw: Any = {"track": track_figure, "scar": scar_figure, "ball": ball_figure}[kind]
+        rows.append(Row("", kind, surface_report.patch_rows(body, filled=filled)))
+    if kind == "ball":
+        flat = cap_of_diagonals(body.along, body.across, radius=body.sphere.radius)
+        cap = surface_report.cap_rows(flat)
+        rows.append(Row("by two diagonals", "by_two_diagonals", cap, note=", were the patch flat"))
+    draw = track_figure if kind == "track" else patch_figure
     text = surface_report.file_lines(own, *([] if kind == "ball" else [done]))
-    return [*text, *lines(rows)], rows, partial(draw, body, filled=missing)
+    return [*text, *lines(rows)], rows, lambda: draw(body, filled=missing)
 
 
 def _profile_in(file: Path, preparation: Preparation) -> Profile:
     """Read the profile in a file. Raises InputError, for options that are for maps, too."""
-    of_maps = {_option(key): value for key, value in preparation.items() if key not in LINE}
+    of_maps = {flag(key): value for key, value in preparation.items() if key not in LINE}
     refuse(of_maps, "is for a map of heights, and FILE holds a profile")
     try:
         return read_profile(
@@ -236,13 +234,14 @@ def _degree(level: str | None) -> int:
     return degree
 
 
-def _by_diagonals(diagonals: tuple[str, str], radius: float | None, *, as_json: bool) -> str:
-    """Say what two diagonals of a ball's worn patch mean, on a radius [mm]. Raises InputError."""
+def _by_diagonals(o: Options) -> str:
+    """Say what two diagonals of a ball's worn patch mean. Raises InputError."""
+    radius = o.optional("--radius", "mm")
     if radius is None:
         raise InputError("--diagonals needs --radius, a length such as '3 mm'")
-    first, second = (quantity("--diagonals", diagonal, "mm") for diagonal in diagonals)
+    first, second = (quantity("--diagonals", diagonal, "mm") for diagonal in o["--diagonals"])
     rows = surface_report.cap_rows(cap_of_diagonals(first, second, radius=radius))
-    if as_json:
+    if o["as_json"]:
         return to_json(record(rows))
     return f"worn ball by two diagonals: {Row('', '', rows).text} (a flat patch)"
 
@@ -266,25 +265,21 @@ def read_surface(file: Path, preparation: Preparation) -> Measured:
     return surface
 
 
-def _option(name: str) -> str:
-    return f"--{name.replace('_', '-')}"
-
-
 def _with_options(text: str) -> str:
     """Say in a text about [disc] what its keys are called here: --height-unit for disc.height_unit."""
     text = text.replace("disc.surface '", "the file '").replace("disc.surface is", "the file is")
-    return KEYS.sub(lambda match: _option(match[1]), text)
+    return KEYS.sub(lambda match: flag(match[1]), text)
 
 
-def _check_together(file: Path | None, options: Mapping[str, Any]) -> None:
+def _check_together(file: Path | None, o: Options) -> None:
     """Raise InputError where options exclude or need each other."""
     for one, other in APART:
-        if options.get(one) and options.get(other):
-            raise InputError(f"{_option(one)} and {_option(other)} exclude each other")
-    for name, needed in NEEDED.items():
-        if not options.get(needed):
-            refuse({_option(name): options.get(name)}, f"needs {_option(needed)}")
-    if (file is None) != (options.get("diagonals") is not None):
+        if o[one] and o[other]:
+            raise InputError(f"{one} and {other} exclude each other")
+    for option, needed in NEEDED.items():
+        if not o[needed]:
+            o.refuse(option, why=f"needs {needed}")
+    if (file is None) != (o["--diagonals"] is not None):
         what = "FILE is missing" if file is None else "--diagonals stand for FILE"
         raise InputError(f"{what}: allowed is a measured surface, or --ball with --radius and --diagonals")
 

@@ -14,8 +14,6 @@ from warpwear.measured.surface_report import SurfaceReport
 from warpwear.results.report import VALUES, record
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.roughness import material_ratio_curve
-from warpwear.surfaces.sphere import places
-from warpwear.surfaces.worn.ball import WornBall
 from warpwear.surfaces.worn.find_scar import mean_profile
 from warpwear.surfaces.worn.patch import Patch
 from warpwear.surfaces.worn.track import Track
@@ -86,6 +84,22 @@ def track_figure(track: Track, *, filled: BoolArray | None = None) -> Figure:
         for edge in track.window
         for look in (Look("#FFFFFF", width=1.6), Look("#000000", "dash", 0.8))
     ]
+    x = (np.arange(nx) + 0.5) * track.length / nx - 0.5 * track.length
+    net = 1e6 * track.net
+    along: list[Line | Level] = [
+        Line(x, net, "each section", Look(describe.DISC, width=0.6)),
+        Level(float(net.mean()), "mean", Look(describe.NEUTRAL, "dash", 1.0)),
+    ]
+    bottom, top = min(0.0, float(net.min())), 1.1 * float(net.max()) if net.max() > 0 else None
+    return stack(
+        _map_of_heights(track.levelled, size, filled, levels=edges),
+        _profile_of(track),
+        Chart("Section", Axis(describe.ALONG), Axis("section lost, µm²", low=bottom, high=top), along),
+    )
+
+
+def _profile_of(track: Track) -> Chart:
+    """Draw the mean profile of a track over the reference, and what of it is summed."""
     profile, y = 1e3 * track.levelled.mean(axis=0), track.y
     parts = []
     for label, inside, colour, hatch in (
@@ -101,43 +115,16 @@ def track_figure(track: Track, *, filled: BoolArray | None = None) -> Figure:
         *parts,
         Level(0.0, look=ZERO),
     ]
-    x = (np.arange(nx) + 0.5) * track.length / nx - 0.5 * track.length
-    net = 1e6 * track.net
-    along: list[Line | Level] = [
-        Line(x, net, "each section", Look(describe.DISC, width=0.6)),
-        Level(float(net.mean()), "mean", Look(describe.NEUTRAL, "dash", 1.0)),
-    ]
-    bottom, top = min(0.0, float(net.min())), 1.1 * float(net.max()) if net.max() > 0 else None
-    return stack(
-        _map_of_heights(track.levelled, size, filled, levels=edges),
-        Chart("Mean profile", Axis("across, y, mm"), Axis("height over the reference, µm"), across),
-        Chart("Section", Axis(describe.ALONG), Axis("section lost, µm²", low=bottom, high=top), along),
-    )
+    return Chart("Mean profile", Axis("across, y, mm"), Axis("height over the reference, µm"), across)
 
 
-def ball_figure(ball: WornBall, *, filled: BoolArray | None = None) -> Figure:
-    """Draw the depth below the unworn sphere: a map, profiles through the patch.
-
-    filled: points that were not measured, shape (nx, ny).
-    """
-    (nx, ny), (px, py) = ball.lost.shape, ball.pixel
-    x, y = places((nx, ny), ball.pixel)
-    rows, columns = np.nonzero(ball.patch)
-    i, j = round(float(rows.mean())), round(float(columns.mean()))
-    lines: list[Line | Level] = [
-        Line(x, 1e3 * ball.lost[:, j], "along sliding, x", Look(describe.COUNTER)),
-        Line(y, 1e3 * ball.lost[i, :], "across, y", Look(describe.DISC, "dash")),
-        Level(0.0, look=ZERO),
-    ]
-    depth = Scale("depth worn, µm", 0.0, 1e3 * ball.depth, colours="depths", beyond="both")
-    return stack(
-        _map(1e3 * ball.lost, (nx * px, ny * py), depth, filled),
-        Chart("Profiles", Axis("place, mm"), Axis("depth worn, µm", inverted=True), lines),
-    )
+def groove_figure(groove: Track) -> Figure:
+    """Draw a groove in a profile over the reference, and what was summed."""
+    return stack(_profile_of(groove))
 
 
-def scar_figure(scar: Patch, *, filled: BoolArray | None = None) -> Figure:
-    """What a disc has lost: a map with the outlines of scar and rim, the mean profile in its band.
+def patch_figure(scar: Patch, *, filled: BoolArray | None = None) -> Figure:
+    """What a disc, or a ball, has lost: a map with outlines of scar and rim, the mean profile in its band.
 
     filled: points that were not measured, shape (nx, ny).
     """

@@ -171,15 +171,14 @@ def track_rows(track: Track, *, length: float | None) -> list[Row]:
         Row("single sections", "section_net_um2", net, note="below − above, ± standard deviation"),
         Row("", "sections", int(track.net.size)),
         Row("", "length_mm", track.length),
-        Row("volume", "volume_mm3", volume, digits=5, error=("volume_error_mm3", error), note=measured),
+        Row("volume", "volume_mm3", volume, digits=5, error=error, note=measured),
         Row("warning", "warning", doubt),
     ]
     if length is None:
         return rows
     volume, error = track.volume(length)
-    whole_error = ("whole_volume_error_mm3", error)
     alike = f"over {length:.4g} mm, were it all like the measured piece"
-    whole = Row("whole track", "whole_volume_mm3", volume, digits=5, error=whole_error, note=alike)
+    whole = Row("whole track", "whole_volume_mm3", volume, digits=5, error=error, note=alike)
     return [*rows, Row("", "whole_length_mm", length), whole]
 
 
@@ -194,11 +193,12 @@ def before_rows(changed: Difference, *, file: str) -> list[Row]:
     ]
 
 
-def scar_rows(scar: Patch, *, filled: float = 0.0) -> list[Row]:
-    """Declare what is said of a wear scar. filled: part of its points that were not measured."""
-    profile = mean_profile(scar)
-    notes = []
-    if (sides := sides_reached(scar.patch)) > 0:
+def patch_rows(patch: Patch, *, filled: float = 0.0) -> list[Row]:
+    """Declare what is said of a wear scar, or of a worn ball. filled: part of its points not measured."""
+    profile, notes, form, radius = mean_profile(patch), [], "the unworn surface", None
+    if isinstance(patch, WornBall):
+        form, radius = "the sphere", patch.sphere.radius
+    if (sides := sides_reached(patch.patch)) > 0:
         more = f"{sides} sides" if sides > 1 else "a side"
         notes.append(f"the scar reaches {more} of the field: volumes and area are of what lies in it")
     if filled > MUCH_FILLED:
@@ -207,51 +207,26 @@ def scar_rows(scar: Patch, *, filled: float = 0.0) -> list[Row]:
             "which the errors hold as known points filled alike tell it"
         )
     depth, error = 1e3 * profile.depth, 1e3 * profile.band
-    by_place = {"y_mm": profile.y.tolist(), "depth_um": depth.tolist(), "error_um": error}
-    net = Row("net", "net_mm3", scar.net, error=("net_error_mm3", scar.net_error), note="worn − piled up")
-    return [
-        *_patch_rows(scar, form="the unworn surface", label="worn"),
-        net,
-        Row("scar's area", "area_mm2", scar.area, error=("area_error_mm2", scar.area_error)),
-        Row(
-            "mean profile",
-            "profile_depth_um",
-            float(depth.max()),
-            error=("profile_error_um", error),
-            note=f"deep, over {profile.length:.3g} mm along sliding",
-        ),
-        Row("unworn part", "scatter_of_unworn_um", 1e3 * scar.noise, digits=3, note="(rms about the form)"),
-        Row("", "profile", by_place),
-        Row("warning", "warnings", notes or None),
-    ]
-
-
-def ball_rows(ball: WornBall) -> list[Row]:
-    """Declare what is said of a worn ball from its topography."""
-    return [
-        Row("sphere's radius", "radius_mm", ball.sphere.radius, digits=5, note="through the unworn part"),
-        *_patch_rows(ball, form="the sphere", label="volume"),
-        Row("patch's area", "area_mm2", ball.area, error=("area_error_mm2", ball.area_error)),
-        Row("unworn part", "scatter_of_unworn_um", 1e3 * ball.noise, digits=3, note="(rms about the sphere)"),
-    ]
-
-
-def _patch_rows(patch: Patch, *, form: str, label: str) -> list[Row]:
-    """Declare size and volumes of a worn patch below the form of its body."""
+    along, across = patch.length_errors
     size = [
         Row("depth", "depth_um", 1e3 * patch.depth),
-        Row("along", "patch_along_mm", patch.along, error=("patch_along_error_mm", patch.length_errors[0])),
-        Row(
-            "across", "patch_across_mm", patch.across, error=("patch_across_error_mm", patch.length_errors[1])
-        ),
+        Row("along", "patch_along_mm", patch.along, error=along),
+        Row("across", "patch_across_mm", patch.across, error=across),
     ]
-    lost = f"lost in the patch {ERROR}"
     net_note = f"net above {form} in the rim beside the patch"
-    volume, piled_up = ("volume_error_mm3", patch.volume_error), ("piled_up_error_mm3", patch.piled_up_error)
+    over = f"deep, over {profile.length:.3g} mm along sliding"
+    by_place = {"y_mm": profile.y.tolist(), "depth_um": depth.tolist(), "error_um": error}
     return [
+        Row("sphere's radius", "radius_mm", radius, digits=5, note="through the unworn part"),
         Row("worn patch", "", size),
-        Row(label, "volume_mm3", patch.volume, digits=5, error=volume, note=lost),
-        Row("piled up", "piled_up_mm3", patch.piled_up, digits=2, error=piled_up, note=net_note),
+        Row("worn", "volume_mm3", patch.volume, 5, f"lost in the patch {ERROR}", patch.volume_error),
+        Row("piled up", "piled_up_mm3", patch.piled_up, 2, net_note, patch.piled_up_error),
+        Row("net", "net_mm3", patch.net, error=patch.net_error, note="worn − piled up"),
+        Row("area", "area_mm2", patch.area, error=patch.area_error),
+        Row("mean profile", "profile_depth_um", float(depth.max()), 4, over, ("profile_error_um", error)),
+        Row("unworn part", "scatter_of_unworn_um", 1e3 * patch.noise, digits=3, note=f"(rms about {form})"),
+        Row("", "profile", by_place),
+        Row("warning", "warnings", notes or None),
     ]
 
 

@@ -1,4 +1,4 @@
-"""What a study may add to the steps of a contact: each addition says its part of a program, and books it."""
+"""What a study may add to the steps of a contact: each addition adds its part to a program, and books it."""
 
 from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
@@ -45,23 +45,23 @@ class Attachment:
         return nullcontext()
 
     def before_search(self, program: Program, place: Place) -> None:
-        """Say what comes before the search."""
+        """Add to a program what comes before the search."""
 
     def before_wear(self, program: Program, place: Place) -> None:
-        """Say what comes between a balance and the wear by it."""
+        """Add to a program what comes between a balance and the wear by it."""
 
     def after_wear(self, program: Program, place: Place) -> None:
-        """Say what follows the wear."""
+        """Add to a program what follows the wear."""
 
     def between(self, program: Program, place: Place) -> None:
-        """Say what comes between the wear and the row of the history, and may stop the step."""
+        """Add to a program what comes between the wear and the row of the history, and may stop the step."""
 
     def at_end(self, program: Program) -> AbstractContextManager[None]:
         """Enclose the row of the history, and what follows it."""
         return nullcontext()
 
     def after_step(self, program: Program, place: Place) -> None:
-        """Say what follows the row of the history."""
+        """Add to a program what follows the row of the history."""
 
     def drain(self) -> bool:
         """Take over what a program has left; tell whether it stopped on its way and is to be run again."""

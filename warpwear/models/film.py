@@ -1,20 +1,16 @@
 """Films of a contact's bodies say which cells are bare as a step begins, and what cap that leaves them."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
-import warp as wp
 
 from warpwear.engine.executor import Executor, Field, arguments
-from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
-from warpwear.kernels.cells import LANES
 from warpwear.kernels.running_in import film as kernels
 from warpwear.kernels.running_in.film import Coat, Films
-from warpwear.kernels.sliding import Slide
 from warpwear.laws.film import Film
 from warpwear.models.attachment import Attachment, Place
 
@@ -36,7 +32,6 @@ class BareCells(Attachment):
     def __init__(
         self, film: Film, executor: Executor, wear: Mapping[str, Field], *, thickness: float | None = None
     ) -> None:
-        self._executor = executor
         heals = math.isfinite(film.regrowth)
         #: 1 where a cell was bare as the last step began, else 0.
         self.bare = executor.zeros()
@@ -66,12 +61,6 @@ class BareCells(Attachment):
             coat = {name: self.healing[f"{name}_{body}"] for name in KEPT}
             setattr(self.films, AS[body], arguments(Coat, wear=field, **coat))
         self._heals = heals
-        #: For those who look between steps.
-        self._slides = Numbers(Slide, executor.device, written=False)
-        self._sums = wp.zeros(
-            (1, executor.slots_of(executor.grid.nx)), dtype=wp.float64, device=executor.device
-        )
-        self._programs: dict[str, Program] = {}
 
     @classmethod
     def of_bodies(
@@ -101,11 +90,11 @@ class BareCells(Attachment):
         return {"bare": self.bare} | ({} if self.parts is None else {"parts": self.parts})
 
     def before_search(self, program: Program, place: Place) -> None:
-        """Say that it is seen which cells are bare as a step begins."""
+        """Add a look at which cells are bare as a step begins."""
         program.launch(kernels.look, place.slides, self.films)
 
     def after_step(self, program: Program, place: Place) -> None:
-        """Say that it is noted what the step has worn."""
+        """Add a note of what the step has worn."""
         if self._heals:
             program.launch(kernels.rub, place.slides, self.films)
 
@@ -113,31 +102,6 @@ class BareCells(Attachment):
         """Enter the bare cells in contact."""
         total["bare"] = columns["bare"]
 
-    def say_under(self, program: Program, slides: Field, pressure: Field, sums: Field) -> None:
+    def add_under(self, program: Program, slides: Field, pressure: Field, sums: Field) -> None:
         """Add to a program that it counts the bare cells under a pressure, in the first line of `sums`."""
         program.launch(kernels.bare_under_pressure, slides, self.films, pressure, sums, slots=sums.shape[1])
-
-    def look(self, distance: float) -> None:
-        """See which cells are bare as a step begins at a sliding distance [mm]."""
-        self._slides.set(start=distance, end_column=self._executor.vectors * LANES)
-        self._run(self.before_search)
-
-    def rub(self, distance: float) -> None:
-        """Note what a step that ends at a sliding distance [mm] has worn."""
-        self._slides.set(end=distance, end_column=self._executor.vectors * LANES)
-        self._run(self.after_step)
-
-    def under(self, pressure: Field, rows: int | None = None) -> float:
-        """Count the bare cells under a pressure. rows: that have one, by default all."""
-        program = Program(self._executor, records=False)
-        self._slides.set(rows=self._executor.grid.nx if rows is None else rows)
-        self.say_under(program, self._slides.array, pressure, self._sums)
-        program.run()
-        return float(self._sums.numpy()[0, :rows].sum())
-
-    def _run(self, say: Callable[[Program, Place], None]) -> None:
-        program = self._programs.get(say.__name__)
-        if program is None:
-            program = self._programs[say.__name__] = Program(self._executor)
-            say(program, Place(self._slides.array))
-        program.run()

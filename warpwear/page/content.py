@@ -19,14 +19,6 @@ from warpwear.results.report import Row, record
 from warpwear.results.summary import summary_text
 from warpwear.study.study import Study
 
-#: Commands to be typed inside the run folder, and what they do.
-COMMANDS = (
-    ("warpwear run study.toml --out again", "the same run again; study.toml holds every key"),
-    ("warpwear show study.toml", "the study, with every assumption marked"),
-    ("warpwear report .", "this page"),
-    ("warpwear plot .", "all figures"),
-    ("warpwear export .", "the worn bodies as files for other software"),
-)
 #: What makes the page of its content and of pictures, see `warpwear.page.html`.
 MAKER = "warpwear.page.html:run_page"
 #: What every page of ours holds near its start.
@@ -71,7 +63,6 @@ def words_of(study: Study, rows: Sequence[Row]) -> dict[str, Any]:
         "methods": methods,
         "table": table,
         "latex": paper.latex_of(study, methods, table),
-        "commands": COMMANDS,
         "version": summary["version"],
         "made_with": summary.get("made_with", {}),
     }

@@ -1,14 +1,15 @@
 """What another value of each assumed key would change, as far as a run, a formula or docs/limits.md knows it.
 
-The sentences stand in templates/effects.toml; here are the cases that a key has, and the run's own numbers.
+The sentences stand in templates/effects.toml; here are the run's own numbers, and what is decided by them.
 """
 
 import math
 from collections.abc import Callable
 from enum import IntEnum
-from typing import Any
+from typing import Any, NamedTuple
 
 from warpwear.laws.archard import BODIES
+from warpwear.page.limits import CONDITIONS
 from warpwear.results.formats.forms import prose
 from warpwear.results.report import shown
 from warpwear.study.study import Study
@@ -22,26 +23,49 @@ class Weight(IntEnum):
     LITTLE = 2
 
 
-Effect = tuple[Weight, str]
+class Effect(NamedTuple):
+    """A sentence on what another value of some keys would change, where all conditions hold."""
+
+    weight: Weight
+    keys: list[str]
+    conditions: list[str]
+    sentence: str
+
+
+EFFECTS = [
+    Effect(Weight[weight.upper()], keys.split(", "), conditions.split(", ") if conditions else [], sentence)
+    for weight, sentences in prose("effects").items()
+    for name, sentence in sentences.items()
+    for keys, _, conditions in [name.partition(" | ")]
+]
 #: Percentages of the area in contact at the hardness: above, it decides; below, it hardly matters.
 MOST, FEW = 50.0, 1.0
-#: How sentences on the preset begin.
-FINE = "In the preset v3-fine (local law, the disc lies still)"
-#: Key, or case of a key -> weight and sentence.
-SENTENCES: dict[str, Effect] = {
-    name: (Weight[weight.upper()], sentence)
-    for weight, sentences in prose("effects").items()
-    for names, sentence in sentences.items()
-    for name in (names.split(", ") if "." in names else [names])
+#: Conditions on the numbers of a run, beside those on its study.
+OF_NUMBERS: dict[str, Callable[[dict[str, Any]], bool]] = {
+    "most at hardness": lambda numbers: numbers["capped"] > MOST,
+    "few at hardness": lambda numbers: numbers["capped"] <= FEW,
+    "strength known": lambda numbers: bool(numbers["coefficients"]),
 }
+#: How sentences on the preset begin; and one on a body's hardness, where the study gives none of the contact.
+FINE = "In the preset v3-fine (local law, the disc lies still)"
+SOFTER = "The softer body's is the largest pressure of a cell. "
 
 
-def effect_of(key: str, study: Study, numbers: dict[str, Any]) -> Effect:
+def effect_of(key: str, study: Study, numbers: dict[str, Any]) -> tuple[Weight, str]:
     """Say what another value of an assumed key would change. numbers: of the run, as of `numbers_of`."""
-    names = CASES[key](study, numbers) if key in CASES else [key if key in SENTENCES else "unknown"]
-    chosen = [SENTENCES[name] for name in names]
-    text = " ".join(sentence.format(key=key, fine=FINE, **numbers) for _, sentence in chosen)
-    return min(weight for weight, _ in chosen), text
+    is_softer = key in {f"{body}.hardness" for body in BODIES} and CONDITIONS["softer body"](study)
+    name = "contact.hardness" if is_softer else key
+    known = [effect for effect in EFFECTS if name in effect.keys]
+    known = known or [effect for effect in EFFECTS if "unknown" in effect.keys]
+    chosen = [effect for effect in known if all(_holds(c, study, numbers) for c in effect.conditions)]
+    text = " ".join(effect.sentence.format(key=key, fine=FINE, **numbers) for effect in chosen)
+    return min(effect.weight for effect in chosen), SOFTER * is_softer + text
+
+
+def _holds(condition: str, study: Study, numbers: dict[str, Any]) -> bool:
+    name = condition.removeprefix("not ")
+    holds = OF_NUMBERS[name](numbers) if name in OF_NUMBERS else CONDITIONS[name](study)
+    return holds == (name == condition)
 
 
 def numbers_of(study: Study, s: dict[str, Any]) -> dict[str, Any]:
@@ -58,54 +82,3 @@ def numbers_of(study: Study, s: dict[str, Any]) -> dict[str, Any]:
         "rim": 100.0 * (1.0 - math.sqrt(max(0.0, 1.0 - reach**2))),
         "steps": 100.0 * steps,
     }
-
-
-def _hardness(study: Study, numbers: dict[str, Any]) -> list[str]:
-    if numbers["capped"] > MOST:
-        return ["hardness, most cells"]
-    return [f"hardness, {'some' if numbers['capped'] > FEW else 'few'} cells", "hardness, at first"]
-
-
-def _body_hardness(study: Study, numbers: dict[str, Any]) -> list[str]:
-    if study.contact.hardness is None and math.isfinite(study.hardness):
-        return ["softer body", *_hardness(study, numbers)]
-    return ["softer body, unused"]
-
-
-def _elastic(study: Study, numbers: dict[str, Any]) -> list[str]:
-    if study.contact.law == "half-space":
-        return ["elastic, half-space"]
-    return ["elastic, springs" if study.uses_bulk_stiffness else "elastic, unused"]
-
-
-def _material(study: Study, numbers: dict[str, Any]) -> list[str]:
-    return ["material, unused" if _elastic(study, numbers) == ["elastic, unused"] else "material"]
-
-
-#: Key -> the names of its sentences for a study and the numbers of a run.
-CASES: dict[str, Callable[[Study, dict[str, Any]], list[str]]] = {
-    "friction.shear_strength": lambda study, numbers: [
-        "strength, junctions grow" if study.friction.junction_growth else "strength"
-    ],
-    "friction.coefficient": lambda study, numbers: (
-        ["coefficient, constant", *["coefficient, energy"] * (study.wear.law == "energy")]
-        if study.friction.fitted == "coulomb"
-        else ["coefficient"]
-    ),
-    "friction.area": lambda study, numbers: ["area" if numbers["coefficients"] else "area, strength unknown"],
-    "contact.hardness": _hardness,
-    "counter.material": _material,
-    "disc.material": _material,
-    **{f"{body}.{key}": _elastic for body in BODIES for key in ("young", "poisson")},
-    **{f"{body}.hardness": _body_hardness for body in BODIES},
-    "disc.synthetic.seed": lambda study, numbers: ["seed" if study.sliding.total else "seed, static"],
-    "sliding.shift": lambda study, numbers: [
-        "shift, half-space" if study.contact.law == "half-space" else "shift, local"
-    ],
-    "sliding.track": lambda study, numbers: [
-        "track, whole stroke" if study.track.track_fraction == 1.0 else "track, part of the stroke"
-    ],
-    "junctions.surface_energy": lambda study, numbers: [
-        "surface energy, pieces" if study.wear.particle == "critical" else "surface energy"
-    ],
-}

@@ -19,6 +19,7 @@ from warpwear.figures.paint import paint
 from warpwear.figures.sections import Section
 from warpwear.page.plots import plots_of
 from warpwear.results.formats.forms import filled
+from warpwear.version import __version__
 
 #: Dots per inch of embedded pictures: a page's width of 7 inches then has 1120.
 DPI = 160
@@ -79,15 +80,14 @@ def run_page(content: Mapping[str, Any], pictures: Mapping[str, bytes]) -> bytes
 def page_of(template: str, content: Mapping[str, Any], pictures: Mapping[str, bytes]) -> bytes:
     """Make a page with plots, all that it needs in it.
 
-    content: name in the template -> value, of which "sections" are those of `warpwear.figures.describe`.
+    content: name in the template -> value, of which "sections" are those of `warpwear.figures.sections`.
     pictures: name of a figure -> PNG file, for a page without scripts. Data and plotting library lie
     compressed in the page, where no character of a name can end a script.
     """
     sections = [_section(section) for section in content["sections"]]
     figures = {name: figure for section in content["sections"] for name, figure in section.figures.items()}
-    turned = {n: f for n, f in figures.items() if any(isinstance(panel, Bodies) for panel in f.panels)}
-    still = {name: style.bytes_of(paint(figure), dpi=DPI) for name, figure in turned.items()}
-    pictures = {**pictures, **still}
+    turned = [name for name, f in figures.items() if any(isinstance(panel, Bodies) for panel in f.panels)]
+    pictures = {**pictures, **{n: style.bytes_of(paint(figures[n]), dpi=DPI) for n in turned}}
     plots = [plot for section in sections for plot in section["plots"]]
     first = {plot["static"]: plot for plot in reversed(plots)}  # of a figure's plots, which has its picture
     for plot in plots:
@@ -101,7 +101,7 @@ def page_of(template: str, content: Mapping[str, Any], pictures: Mapping[str, by
     text = render(
         template,
         {"number": _number},
-        **{**content, "sections": sections},
+        **{"version": __version__, **content, "sections": sections},
         data=_base64(zlib.compress(data, 6)),  # deflate with zlib's header, which the script undoes
         plotly=_base64(plotly),
         script=script,
@@ -118,14 +118,8 @@ def _section(section: Section) -> dict[str, Any]:
     for plot in plots if section.one_legend else ():
         plot["bare"] = True
         legend |= {line["name"]: (line["colour"], STROKES[line["dash"]]) for line in plot["lines"]}
-    return {
-        "title": section.title,
-        "id": section.id,
-        "text": section.text,
-        "plots": plots,
-        "slider": maps[0]["labels"] if maps else [],
-        "legend": [(name, *look) for name, look in legend.items()],
-    }
+    named, slider = [(name, *look) for name, look in legend.items()], maps[0]["labels"] if maps else []
+    return {**vars(section), "plots": plots, "slider": slider, "legend": named}
 
 
 def _number(value: Any) -> str:

@@ -1,8 +1,9 @@
 """What the model of a run cannot show: the sentences of docs/theory/limits.md that apply to it.
 
-The sentences stand in templates/limits.toml; here are the conditions under which they apply.
+The sentences stand in templates/limits.toml; here are the conditions of these, and of those of effects.toml.
 """
 
+import math
 from collections.abc import Callable
 
 from warpwear.results.formats.forms import prose
@@ -32,6 +33,12 @@ CONDITIONS: dict[str, Callable[[Study], bool]] = {
     "friction not fitted": lambda study: study.friction.fitted is None,
     "empirical friction": lambda study: bool(study.friction.law_with().said),
     "wear in pieces": lambda study: study.wear.sheds,
+    # of what another value of an assumption would change alone
+    "energy law": lambda study: study.wear.law == "energy",
+    "junctions grow": lambda study: bool(study.friction.junction_growth),
+    "pieces of critical size": lambda study: study.wear.particle == "critical",
+    "elastic": lambda study: study.contact.law == "half-space" or study.uses_bulk_stiffness,
+    "softer body": lambda study: study.contact.hardness is None and math.isfinite(study.hardness),
 }
 
 

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 from warpwear.history.distances import with_unit
 from warpwear.history.quantities import printed
 from warpwear.laws.archard import said
-from warpwear.page.words import disc_of, motion_of, slider_of, source_of
+from warpwear.page.words import disc_of, motion_of, source_of
 from warpwear.results.formats.forms import filled
 from warpwear.results.report import shown
 from warpwear.study.study import Study
@@ -24,10 +24,10 @@ LOWERED = str.maketrans("⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "+-0123456789")
 
 def methods_of(study: Study, s: dict[str, Any]) -> str:
     """Write the paragraph that a paper's section on methods may begin with."""
-    said_of: Any = {"slider": slider_of(study), "disc": disc_of(study), "source": source_of(s)}
+    said_of: Any = {"slider": f"A {study.counter.title}", "disc": disc_of(study), "source": source_of(s)}
     said_of |= {"wear": said(study.wear_laws), "friction": study.friction.law_with().said}
-    motion = motion_of(study, s["distance_mm"])
-    text = filled("methods.txt", escape=False, study=study, s=s, motion=motion, **said_of)
+    said_of["motion"] = motion_of(study, s["distance_mm"])
+    text = filled("methods.txt", escape=False, study=study, s=s, **said_of)
     return " ".join(text.split())
 
 

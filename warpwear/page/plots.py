@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -23,29 +22,20 @@ PIXELS = 5.0 / 3.0
 SHAPES = {"": "linear", "post": "hv", "mid": "hvh"}
 
 
-@dataclass(frozen=True)
-class Coded:
-    """Hold an array as integers of few bits: value = low + step · code, of its logarithm to 10 where `log`.
+def coded(values: FloatArray, low: float, high: float, *, bits: int = 8, log: bool = False) -> dict[str, Any]:
+    """Code the finite values (above zero, where `log`) between low and high; beyond these the nearest.
 
-    codes: uint8 or uint16, 0 where there is no value.
+    A value, or its logarithm to 10 where `log`, is low + step · code; codes (uint8 or uint16) are 0 for none.
     """
-
-    codes: "np.ndarray[Any, Any]"
-    low: float
-    step: float
-    log: bool = False
-
-    @classmethod
-    def of(cls, values: FloatArray, low: float, high: float, *, bits: int = 8, log: bool = False) -> "Coded":
-        """Code the finite values (above zero, where `log`) between low and high; beyond these the nearest."""
-        most = 2**bits - 2
-        known = np.isfinite(values) & ((values > 0.0) | (not log))
-        filled = np.where(known, values, low)
-        if log:
-            low, high, filled = math.log10(low), math.log10(high), np.log10(filled)
-        step = (high - low) / most or 1.0
-        codes = np.where(known, 1.0 + np.clip(np.rint((filled - low) / step), 0.0, most), 0.0)
-        return cls(codes.astype(f"u{bits // 8}"), float(low - step), float(step), log)
+    most = 2**bits - 2
+    known = np.isfinite(values) & ((values > 0.0) | (not log))
+    filled = np.where(known, values, low)
+    if log:
+        low, high, filled = math.log10(low), math.log10(high), np.log10(filled)
+    step = (high - low) / most or 1.0
+    codes = np.where(known, 1.0 + np.clip(np.rint((filled - low) / step), 0.0, most), 0.0)
+    codes = codes.astype(f"u{bits // 8}")
+    return {"codes": codes, "low": float(low - step), "step": float(step), "log": log}
 
 
 def plots_of(name: str, figure: Figure) -> list[dict[str, Any]]:
@@ -128,8 +118,10 @@ def _line(line: Line, title: str) -> dict[str, Any]:
 
 def _map(field: Map) -> dict[str, Any]:
     scale = field.scale
-    coded = [
-        Coded(values, 0.0, 1.0) if field.states else Coded.of(values, scale.low, scale.high, log=scale.log)
+    fields = [
+        {"codes": values, "low": 0.0, "step": 1.0, "log": False}
+        if field.states
+        else coded(values, scale.low, scale.high, log=scale.log)
         for values in field.fields
     ]
     return {
@@ -138,7 +130,7 @@ def _map(field: Map) -> dict[str, Any]:
         "says": [*field.notes] or [""] * len(field.fields),
         "extent": field.extent,
         "long": field.is_long,
-        "fields": [vars(code) for code in coded],
+        "fields": fields,
         "unit": scale.label.rpartition(", ")[2],
         "colours": scale.colours,
         "states": [(label, "clear" if c == describe.CLEAR else colour_of(c)) for label, c in field.states],
@@ -146,12 +138,9 @@ def _map(field: Map) -> dict[str, Any]:
 
 
 def _bodies(bodies: Bodies) -> dict[str, Any]:
-    coded = {
-        name: vars(Coded.of(heights, float(np.nanmin(heights)), float(np.nanmax(heights)), bits=16))
-        for name, heights in bodies.heights.items()
-        if np.isfinite(heights).any()
-    }
-    return {"kind": "bodies", "extent": bodies.extent, "bodies": coded, "still": [*bodies.still]}
+    known = {name: heights for name, heights in bodies.heights.items() if np.isfinite(heights).any()}
+    codes = {n: coded(h, float(np.nanmin(h)), float(np.nanmax(h)), bits=16) for n, h in known.items()}
+    return {"kind": "bodies", "extent": bodies.extent, "bodies": codes, "still": [*bodies.still]}
 
 
 def _bars(bars: Bars) -> dict[str, Any]:

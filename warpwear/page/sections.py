@@ -11,79 +11,34 @@ from warpwear.figures.of_run.words import Fields
 from warpwear.figures.sections import Section, under_headings
 from warpwear.figures.wording import chosen
 from warpwear.page.plots import POINTS
+from warpwear.results.formats.forms import prose
 
 #: Most snapshots under a slider, and points along a side of a map.
 SNAPSHOTS, SIDE = 12, 500
 #: Snapshots whose maps may have the full number of points: more of them get coarser.
 FULL_MAPS = 6
-
-
-def _of_section(section: str) -> list[str]:
-    """Name the figures that are declared for a section, in the order of their declaration."""
-    return [name for name, entry in FIGURES.items() if entry.section == section]
-
-
-#: Figures that show more snapshots than paper holds, in the window of the scar.
-MAPS = _of_section("maps")
-#: Heading, anchor, figures, and what is said of them, with fields; in the page's order.
-LAYOUT = (
-    ("Contact and pressure", "maps", MAPS, "{points}"),
-    ("Courses", "courses", _of_section("courses"), "Move over a chart to read its values.{steps}"),
-    (
-        "Pieces that have left",
-        "pieces",
-        ["pieces"],
-        "{left}. Those of a disc are counted on its whole stroke, of which a track may stand for a part.",
-    ),
-    (
-        "Fretting",
-        "fretting",
-        _of_section("fretting"),
-        "Loops, energies and slips of single cycles, of many that jumps stand for.",
-    ),
-    (
-        "The scar in section",
-        "profiles",
-        ["profiles"],
-        "Through the middle, at the end, in contact, without elastic deformation: where the bodies overlap, "
-        "they are pressed in. Unworn: without the wear of the run.",
-    ),
-    (
-        "Stress below the surface",
-        "stresses",
-        ["stress_map", "stress_depths"],
-        "Elastic, of the pressure and of friction towards greater x: nothing has yielded in it, and what a "
-        "yield strength would take off is not taken off. At the edge behind, tension grows as cells shrink.",
-    ),
-    (
-        "Roughness in the {groove}",
-        "roughness",
-        ["roughness", "track_roughness"],
-        "Height parameters (ISO 25178-2) of the disc in the middle of the {groove}, its form taken off.",
-    ),
-    ("The {groove} of the disc", "groove", ["groove"], ""),
-    (
-        "Load shares of the patches",
-        "load_share",
-        ["load_share"],
-        "Load over the area of each macro cell.",
-    ),
-    ("The bodies in 3-D", "bodies-3d", ["bodies"], ""),
-)
+#: Anchor of a section -> its heading and what is said of it, with fields; in the page's order.
+SECTIONS = prose("sections")
 
 
 def sections_of(plot: Plotter, data: FigureData) -> list[Section]:
     """Lay the figures that a run has under the headings of its page. data: those of the plot."""
     indices = chosen(data.result.snapshot_distances.size, SNAPSHOTS)
     more = data.with_snapshots(indices, int(SIDE * min(1.0, math.sqrt(FULL_MAPS / max(len(indices), 1)))))
-    names = [name for _, _, some, _ in LAYOUT for name in some if name in FIGURES and not plot.reason(name)]
-    figures = {
-        name: FIGURES[name].declare(more) if name in MAPS and more is not data else plot.declared(name)
-        for name in names
-    }
+    inside: dict[str, list[str]] = {anchor: [] for anchor in SECTIONS}
+    figures = {}
+    for name, entry in FIGURES.items():
+        if entry.section and not plot.reason(name):
+            inside[entry.section].append(name)
+            # more snapshots than paper holds, in the window of the scar
+            is_map = entry.section == "maps" and more is not data
+            figures[name] = entry.declare(more) if is_map else plot.declared(name)
     if not plot.reason("setup"):  # else there is nothing to turn by hand
-        figures["bodies"] = shape.turned_bodies(data)
-    return under_headings(figures, LAYOUT, fields=Fields(more, FIELDS))
+        inside["bodies-3d"], figures["bodies"] = ["bodies"], shape.turned_bodies(data)
+    layout = [
+        (SECTIONS[anchor]["title"], anchor, some, SECTIONS[anchor]["text"]) for anchor, some in inside.items()
+    ]
+    return under_headings(figures, layout, fields=Fields(more, FIELDS))
 
 
 def _points(data: FigureData) -> str:

@@ -49,11 +49,6 @@ def disc_of(study: Study) -> str:
     return f"a made {kind} disc of {height}"
 
 
-def slider_of(study: Study) -> str:
-    """Say what slides on it."""
-    return f"A {study.counter.title}"
-
-
 def motion_of(study: Study, distance: float) -> str:
     """Say how it moves. distance: that it has slid [mm]."""
     if not study.sliding.total:
@@ -74,10 +69,10 @@ def asked_of(study: Study, distance: float) -> str:
     load = f"under {study.loads}" + (f" in {len(study.block)} blocks" if study.block else "")
     more = ", how much is worn off" if study.sliding.total else ""
     law = "the local law" if study.contact.law == "local" else "the half-space"
+    what = f"A {study.counter.title} on {disc_of(study)} {motion_of(study, distance)} {load}"
     return (
-        f"{slider_of(study)} on {disc_of(study)} {motion_of(study, distance)} {load}: how large is the scar, "
-        f"how much of it touches and under what pressure{more}, and what is the coefficient of friction at "
-        f"the end? Model: {study.study.model}, {law}."
+        f"{what}: how large is the scar, how much of it touches and under what pressure{more}, and what is "
+        f"the coefficient of friction at the end? Model: {study.study.model}, {law}."
     )
 
 
@@ -108,7 +103,9 @@ def _answer(name: str, s: dict[str, Any], **words: str) -> Answer:
 
 def _approach(s: dict[str, Any]) -> Answer:
     quantity = BY_NAME["approach"]
-    return Answer(quantity.label.capitalize(), minus(shown(s["approach_um"])), quantity.unit, note=APPROACH)
+    return Answer(
+        quantity.label.capitalize(), shown(s["approach_um"]).replace("-", "−"), quantity.unit, note=APPROACH
+    )
 
 
 def _worn(study: Study, s: dict[str, Any]) -> Answer:
@@ -144,11 +141,6 @@ def _cof(s: dict[str, Any]) -> Answer:
         subject = f"its shear strengths, {under:.3g} MPa of film and {strength:.3g} bare, are"
     error = "as good as the shear strength"
     return Answer(label, value, "", error, note, f"Not predicted: {subject} {source_of(s)}")
-
-
-def minus(text: str) -> str:
-    """Write a number's sign as a minus."""
-    return text.replace("-", "−")
 
 
 def source_of(s: dict[str, Any]) -> str:

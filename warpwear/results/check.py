@@ -6,7 +6,6 @@ from typing import Any
 import h5py
 import numpy as np
 
-from warpwear.grid import FloatArray
 from warpwear.history import quantities
 from warpwear.history.quantities import stress_columns
 from warpwear.study.study import Study
@@ -60,32 +59,30 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
     _check_record(json.loads(file.attrs.get("record", "{}")))
     nx, ny = study.cells.nx, study.cells.ny
     rows = study.track.rows if study.is_swept else nx
-    count = study.patch_layout.count if study.study.model == "two-scale" else None
     steps = _numbers(file, "history/distance").size
     if not steps:
         raise ValueError("its history has no step")
-    tables = {quantity.name for quantity in quantities.PATCH_TABLES}
-    stands = {current(name) for name in _group(file, "history")}
-    lacking = {column.name for column in quantities.columns_of(study)} - stands
-    for later in LATER:
-        if later <= lacking:
-            lacking -= later
+    history = _item(file, "history", h5py.Group)
+    lacking = {column.name for column in quantities.columns_of(study)} - {*map(current, history)}
+    lacking -= {name for later in LATER if later <= lacking for name in later}
     if lacking:
         raise ValueError(f"its history has no {', '.join(sorted(lacking))}")
-    shapes: dict[str, Shape] = {f"history/{name}": (steps,) for name in _group(file, "history")}
+    shapes: dict[str, Shape] = {f"history/{name}": (steps,) for name in history}
     shapes |= {"grid/x": (nx,), "grid/y": (ny,)}
     if study.counter.shape == "measured":
         shapes["counter/heights"] = nx, ny
     if study.is_swept:
         shapes |= {"track/x": (rows,), "track/heights": (rows, ny)}
-    if count is not None:
-        shapes |= {f"history/{name}": (steps, count) for name in tables} | {f"history/{patch}": (count,)}
+    if study.study.model == "two-scale":
+        count = study.patch_layout.count
+        shapes |= {f"history/{table.name}": (steps, count) for table in quantities.PATCH_TABLES}
+        shapes[f"history/{patch}"] = (count,)
         shapes |= dict.fromkeys(("macro/x", "macro/y"), (study.patch_layout.across,))
     if study.wear.sheds:
         left = _numbers(file, "pieces/step").size
         shapes |= {f"pieces/{name}": (left,) for name in quantities.OF_PIECES}
     if "stresses" in file:
-        depths = len(_group(file, "snapshots")), len(study.stress_depths)
+        depths = len(_item(file, "snapshots", h5py.Group)), len(study.stress_depths)
         along = {"y": nx, "x": ny}[study.output.stress_plane[0]]
         for name in stress_columns(study):
             shapes[f"stresses/{name}"] = (*depths, along) if name.endswith("_plane") else depths
@@ -94,7 +91,9 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
     for name in AREAS:
         if not file[f"history/{name}"][()].min() > 0.0:
             raise ValueError(f"its history/{name} is not always positive")
-    _check_distance(file["history/distance"][()], file["history/increment"][()])
+    distance, slid = file["history/distance"][()], np.cumsum(np.maximum(file["history/increment"][()], 0.0))
+    if not np.isfinite(distance).all() or not np.allclose(slid, distance, rtol=1.0e-6, atol=0.0):
+        raise ValueError("its history/distance is not the sum of its increments")
     check_snapshots(file, study)
 
 
@@ -102,9 +101,9 @@ def check_snapshots(file: h5py.File, study: Study) -> None:
     """Raise ValueError for a snapshot that no run of the study keeps."""
     nx, ny = study.cells.nx, study.cells.ny
     rows = study.track.rows if study.is_swept else nx
-    for name in _group(file, "snapshots"):
+    for name in _item(file, "snapshots", h5py.Group):
         place = f"snapshots/{name}"
-        attributes = _group(file, place).attrs
+        attributes = _item(file, place, h5py.Group).attrs
         if not isinstance(attributes.get("distance"), int | float | np.number):
             raise ValueError(f"its {place} has no distance")
         if not np.isfinite(attributes["distance"]) or study.is_swept != ("row" in attributes):
@@ -127,12 +126,6 @@ def check_fields(fields: dict[str, Any], study: Study) -> None:
             raise ValueError(f"its {name} is negative, infinite or unknown in places")
 
 
-def _check_distance(distance: FloatArray, increment: FloatArray) -> None:
-    slid = np.cumsum(np.maximum(increment, 0.0))
-    if not np.isfinite(distance).all() or not np.allclose(slid, distance, rtol=1.0e-6, atol=0.0):
-        raise ValueError("its history/distance is not the sum of its increments")
-
-
 def _check_record(record: Any) -> None:
     if not isinstance(record, dict):
         raise ValueError("its record is none")
@@ -144,17 +137,10 @@ def _check_record(record: Any) -> None:
         raise ValueError("a warning or a note of its record is no text")
 
 
-def _group(file: h5py.File, path: str) -> h5py.Group:
-    item = _item(file, path)
-    if not isinstance(item, h5py.Group):
-        raise ValueError(f"its {path} is no group")
-    return item
-
-
 def _numbers(file: h5py.File, path: str, shape: Shape | None = None) -> h5py.Dataset:
     """Return a dataset of real numbers of a shape, kept in this file; None: a vector of any length."""
-    item = _item(file, path)
-    if not isinstance(item, h5py.Dataset) or item.dtype.kind not in "iuf" or item.dtype.itemsize > 8:
+    item = _item(file, path, h5py.Dataset)
+    if item.dtype.kind not in "iuf" or item.dtype.itemsize > 8:
         raise ValueError(f"its {path} holds no numbers")
     if item.ndim != 1 if shape is None else item.shape != shape:
         raise ValueError(f"its {path} has the shape {item.shape}")
@@ -167,8 +153,8 @@ def _numbers(file: h5py.File, path: str, shape: Shape | None = None) -> h5py.Dat
     return item
 
 
-def _item(file: h5py.File, path: str) -> Any:
-    """Return what is at a path, each part of which leads on within this file."""
+def _item(file: h5py.File, path: str, kind: type) -> Any:
+    """Return the group or the dataset at a path, each part of which leads on within this file."""
     place: Any = file
     for name in path.split("/"):
         part = stored(place, name)
@@ -177,4 +163,6 @@ def _item(file: h5py.File, path: str) -> Any:
         if isinstance(place.get(part, getlink=True), h5py.ExternalLink):
             raise ValueError(f"its {path} lies in another file")
         place = place[part]
+    if not isinstance(place, kind):
+        raise ValueError(f"its {path} {'is no group' if kind is h5py.Group else 'holds no numbers'}")
     return place

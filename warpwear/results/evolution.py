@@ -135,9 +135,7 @@ def inner_scar(
     place has too few asperities to tell the roughness of a track. unworn: as they were before any wear.
     """
     quarters = [(part.stop - part.start) // 4 for part in snapshot.scar]
-    rows, columns = (
-        slice(part.start + q, part.stop - q) for part, q in zip(snapshot.scar, quarters, strict=True)
-    )
+    rows, columns = (slice(p.start + q, p.stop - q) for p, q in zip(snapshot.scar, quarters, strict=True))
     if body == "counter" or not result.study.is_swept:
         heights = worn_heights(result, snapshot, body, (rows, columns))
         worn = snapshot.wear_counter if body == "counter" else snapshot.wear_disc

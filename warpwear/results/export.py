@@ -13,7 +13,7 @@ from typing import Any
 from warpwear.errors import InputError, explained
 from warpwear.laws.archard import BODIES
 from warpwear.results.file import ResultFile
-from warpwear.results.formats.bodies import TRACK, WRITABLE, Files, Job
+from warpwear.results.formats.bodies import TRACK, WRITABLE, Body, Files, Job
 from warpwear.results.formats.crate import crate_files
 from warpwear.results.formats.metrology import write_sdf, write_x3p
 from warpwear.results.formats.netcdf import netcdf_files
@@ -26,8 +26,6 @@ from warpwear.results.tables import write_tables
 STL_POINTS = 250
 #: Fewest points along a side that make a surface.
 FEWEST_POINTS = 2
-#: Largest factor on heights.
-MOST_EXAGGERATED = 1.0e6
 #: Every snapshot, as a word.
 EVERY = "all"
 
@@ -47,31 +45,26 @@ class Format:
     every: bool = False
 
 
-def _bodies(ending: str, write: Callable[..., None], job: Job, *, options: Sequence[str] = ()) -> Files:
-    """Name a file for each body and snapshot. options: what of the job the writer takes."""
-    values = {key: getattr(job, key) for key in options}
+def _bodies(ending: str, write: Callable[[Path, Body], None], job: Job) -> Files:
+    """Name a file for each body and snapshot."""
 
     def write_body(name: str, number: int, path: Path) -> None:
-        write(path, job.body(name, number), **values)
+        write(path, job.body(name, number))
 
     for number, name in product(job.numbers, job.bodies):
         yield f"{name}_worn{job.suffix(number)}.{ending}", partial(write_body, name, number)
 
 
 _BODY, _FIELDS = frozenset({"bodies", "points"}), frozenset({"fields"})
-_STRETCHED = frozenset({"exaggeration"})
-_STL = partial(_bodies, "stl", write_stl, options=("exaggeration",))
 #: Name of a format -> the format, in the order in which they are told.
 FORMATS: dict[str, Format] = {
     "sdf": Format(partial(_bodies, "sdf", write_sdf), "heights, ISO 25178-71, metres", _BODY, ("sdfio",)),
     "xyz": Format(partial(_bodies, "xyz", write_xyz), "points x y z, mm", _BODY),
     "npy": Format(partial(_bodies, "npy", write_npy), "an array of heights, mm", _BODY),
     "x3p": Format(partial(_bodies, "x3p", write_x3p), "heights, ISO 5436-2, metres", _BODY),
-    "stl": Format(_STL, "closed solids, mm", _BODY | _STRETCHED),
+    "stl": Format(partial(_bodies, "stl", write_stl), "closed solids, mm", _BODY),
     "csv": Format(csv_files, "fields, a row a cell, and profiles", _BODY | _FIELDS),
-    "vti": Format(
-        vti_files, "fields, bodies and films for ParaView", _BODY | _FIELDS | _STRETCHED, every=True
-    ),
+    "vti": Format(vti_files, "fields, bodies and films for ParaView", _BODY | _FIELDS, every=True),
     "netcdf": Format(
         netcdf_files, "history and fields, labelled", _FIELDS, ("xarray", "h5netcdf"), every=True
     ),
@@ -92,27 +85,27 @@ def export(
     bodies: Sequence[str] | None = None,
     fields: Sequence[str] | None = None,
     points: int | None = None,
-    exaggeration: float | None = None,
     add: Sequence[str | Path] | None = None,
     overwrite: bool = False,
 ) -> list[Path]:
     """Write a result into a folder, in formats of `FORMATS`; returns the paths, all of them or none written.
 
     snapshot: a number (-1 is the end), a distance with its unit, "all", or several of these; by default all
-    for netcdf and vti, and the end for others. bodies: counter and disc, or of a swept run track. fields: of
-    netcdf, vti and csv, by default all. points: most along a side (250 for stl, else every cell), each the
-    mean of a block. exaggeration: of the heights of stl and vti in space. add: files beside the run in a
-    crate, such as a record. Raises InputError for what is unknown, for an option that no format takes, for a
-    package that is missing and for files that are there.
+    for netcdf and vti, and the end for others. bodies: counter and disc, or of a swept run track. fields:
+    of netcdf, vti and csv, by default all. points: most along a side (250 for stl, else every cell), each
+    the mean of a block. add: files beside the run in a crate, such as a record. Raises InputError for what
+    is unknown, for an option that no format takes, for a package that is missing and for files that are
+    there.
     """
-    options = {"bodies": bodies, "fields": fields, "points": points, "exaggeration": exaggeration, "add": add}
+    options = {"bodies": bodies, "fields": fields, "points": points, "add": add}
     _check_known("format", formats, FORMATS)
     known_bodies = (*BODIES, TRACK) if result.study.is_swept else BODIES
     known_fields = [name for name, quantity in WRITABLE.items() if quantity.applies_to(result.study)]
     _check_known("body", bodies or (), known_bodies)
     _check_known("field", fields or (), known_fields)
     _check_taken({name for name, value in options.items() if value is not None}, formats)
-    _check_sizes(points, exaggeration)
+    if points is not None and points < FEWEST_POINTS:
+        raise InputError(f"points = {points} make no surface; allowed: {FEWEST_POINTS} or more")
     added = tuple(Path(path) for path in add or ())
     for path in added:
         if not path.is_file():
@@ -124,21 +117,12 @@ def export(
         usual = EVERY if FORMATS[name].every else -1
         chosen = numbers if numbers is not None else numbers_of(result, usual) or ()
         most = points or (STL_POINTS if name == "stl" else None)
-        job = Job(result, chosen, *which, most, exaggeration or 1.0, added)
+        job = Job(result, chosen, *which, most, added)
         writers |= dict(FORMATS[name].files(job))
     taken = [name for name in writers if (folder / name).exists()]
     if taken and not overwrite:
         raise InputError(f"out = {folder} already holds {taken[0]}; give another folder, or overwrite it")
     return _write_all(folder, writers)
-
-
-def _check_sizes(points: int | None, exaggeration: float | None) -> None:
-    if points is not None and points < FEWEST_POINTS:
-        raise InputError(f"points = {points} make no surface; allowed: {FEWEST_POINTS} or more")
-    if exaggeration is not None and not 0.0 < exaggeration <= MOST_EXAGGERATED:
-        raise InputError(
-            f"exaggeration = {exaggeration:g} is not possible; allowed: more than 0, to {MOST_EXAGGERATED:g}"
-        )
 
 
 def _write_all(folder: Path, writers: dict[str, Callable[[Path], None]]) -> list[Path]:

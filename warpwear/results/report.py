@@ -24,7 +24,8 @@ class Row:
     "" where people alone see it. value: a number in that unit, a text, None where it is unknown (and then no
     line), a mapping or a sequence of these, or rows: with a key one entry of JSON, else an entry each; with a
     label one line, else a line each. digits: significant digits for people. note: what they read after the
-    unit. error: key and value of the standard error. unit: for people, where the key does not name it.
+    unit. error: the standard error, whose key is the row's with _error before its unit, or this error and
+    its key. unit: for people, where the key does not name it.
     scientific: whether to write 3.5e-4.
     """
 
@@ -33,24 +34,34 @@ class Row:
     value: Any
     digits: int = 4
     note: str = ""
-    error: tuple[str, float | None] | None = None
+    error: tuple[str, float | None] | float | None = None
     unit: str | None = None
     scientific: bool = False
     sentence: str | None = None
 
     @property
-    def units(self) -> str:
-        """Return the unit as people write it; empty for a number without one."""
-        if self.unit is not None:
-            return self.unit
+    def _ending(self) -> str:
+        """Return the end of the key that is a unit, with what stands before it; empty for none."""
         parts = self.key.split("_")
         ends = ("_".join(parts[start:]) for start in range(1, len(parts)))
-        return next((UNITS[end] for end in ends if end in UNITS), "")
+        return next((f"_{end}" for end in ends if end in UNITS), "")
+
+    @property
+    def units(self) -> str:
+        """Return the unit as people write it; empty for a number without one."""
+        return UNITS.get(self._ending[1:], "") if self.unit is None else self.unit
+
+    @property
+    def uncertainty(self) -> tuple[str, float | None]:
+        """Return key and value of the standard error."""
+        if isinstance(self.error, tuple):
+            return self.error
+        return f"{self.key.removesuffix(self._ending)}_error{self._ending}", self.error
 
     @property
     def number(self) -> str:
         """Write the value with its error, without its unit: '0.0071 ± 0.0004'."""
-        error = None if self.error is None else self.error[1]
+        error = self.uncertainty[1]
         if self.scientific:
             return scientific(self.value, error, digits=self.digits)
         text = shown(self.value, self.digits)
@@ -76,8 +87,8 @@ def record(rows: Iterable[Row]) -> dict[str, Any]:
             content[row.key] = _entry(row.value)
         elif _are_rows(row.value):
             content |= record(row.value)
-        if row.error is not None and row.error[0]:
-            content[row.error[0]] = row.error[1]
+        if row.error is not None and row.uncertainty[0]:
+            content[row.uncertainty[0]] = row.uncertainty[1]
     return content
 
 

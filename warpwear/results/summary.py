@@ -152,11 +152,8 @@ def _contact(result: ResultFile, end: dict[str, float]) -> list[Row]:
         Row("other areas", "", others, unit="mm²"),
         Row("", "nominal", end["area_nominal"]),
     ]
-    pressures = [
-        Row("mean", "mean", end["pressure_mean"]),
-        Row("", "std", end["pressure_std"]),
-        Row("largest", "max", end["pressure_max"]),
-    ]
+    labels = {"mean": "mean", "std": "", "max": "largest"}
+    pressures = [Row(label, name, end[f"pressure_{name}"]) for name, label in labels.items()]
     size, text = {"along": along, "across": across}, f"{shown([along, across])} mm (along × across)"
     volumes, strip = {b: end[f"wear_volume_{b}"] for b in BODIES}, result.study.strip
     note = f"(of the domain's {strip:.4g} mm across)" if strip else ""
@@ -243,10 +240,10 @@ def _friction(result: ResultFile, end: dict[str, float]) -> list[Row]:
         Row("", "cof_input", section.fitted),
         _strength(study, strength),
         Row("", "shear_strength_of_softer_body_MPa", finite(study.shear_limit)),
-        Row("", "cof_area", section.area if law.strengths else None),
-        Row("", "cof_shape", _shape(result, "cof")),
-        Row("", "area_shape", _shape(result, f"area_{section.area}")),
-        Row("", "cof_reference", section.coefficient),
+        *entries({"cof_area": section.area if law.strengths else None, "cof_shape": _shape(result, "cof")}),
+        *entries(
+            {"area_shape": _shape(result, f"area_{section.area}"), "cof_reference": section.coefficient}
+        ),
         _strengths(section.coefficient, others),
     ]
 
@@ -305,8 +302,7 @@ def _film(result: ResultFile) -> list[Row]:
     if alpha := law.junction_growth:
         (filmed, bare), hardness = study.caps, study.indentation_hardness
         sheared = [
-            Row("", "alpha", alpha),
-            Row("", "indentation_hardness_MPa", hardness),
+            *entries({"alpha": alpha, "indentation_hardness_MPa": hardness}),
             *([Row("under the film", "hardness_under_film_MPa", filmed)] if law.film else []),
             Row("bare", "hardness_sheared_MPa", bare),
         ]
@@ -319,8 +315,7 @@ def _film(result: ResultFile) -> list[Row]:
     first, last = (passes.mean_over(result.history, fraction, when, study.laps) for when in passes.WHEN)
     text = f"{shown({'at first': first, 'at the end': last}, 3)} of the area in contact"
     film = [
-        Row("", "thickness_nm", 1.0e6 * law.film.thickness),
-        Row("", "bodies", law.film.bodies),
+        *entries({"thickness_nm": 1.0e6 * law.film.thickness, "bodies": law.film.bodies}),
         Row("", "shear_strength_MPa", {"film": law.film.shear_strength, "bare": law.shear_strength}),
         Row("bare of film", "bare_fraction", {"first": first, "end": last}, sentence=text),
         *_fitted(bare_course(result)),

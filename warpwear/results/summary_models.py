@@ -40,14 +40,11 @@ def track(result: ResultFile) -> list[Row]:
     study, history, layout = result.study, result.history, result.study.track
     first, last = (mean_over(history, history["area_contact"], when, study.laps) for when in WHEN)
     passes, displaced = study.passes_at(history["distance"][-1]), history["plastic_volume_disc"][-1]
+    areas = {"first": first, "last": last}
     rows = [
-        Row("", "length_mm", layout.cells * layout.cell),
-        Row("", "pass_mm", layout.stroke),
-        Row(
-            "passes", "passes", passes, note=f", area in contact {shown({'first': first, 'last': last})} mm²"
-        ),
-        Row("", "shift_cells", layout.shift),
-        Row("", "area_contact_mm2_of_passes", {"first": first, "last": last}),
+        *entries({"length_mm": layout.cells * layout.cell, "pass_mm": layout.stroke}),
+        Row("passes", "passes", passes, note=f", area in contact {shown(areas)} mm²"),
+        *entries({"shift_cells": layout.shift, "area_contact_mm2_of_passes": areas}),
         *_directions(result),
         *_groove(result),
         Row("", "plastic", study.sliding.plastic),
@@ -63,19 +60,16 @@ def fretting(result: ResultFile) -> list[Row]:
     study, history = result.study, result.history
     rows = []
     if not study.sliding.drives_bodies:
-        text = (
-            "one contact for all places of a stroke" if study.positions == "mean" else "each cell of a stroke"
-        )
-        text += f", which is {study.stroke_ratio:.2g} of the scar's width (mean: up to {HONEST_MEAN:g})"
-        rows += [Row("positions", "positions", study.positions, sentence=text)]
-        rows += [Row("", "stroke_over_width", study.stroke_ratio)]
+        places, ratio = study.positions, study.stroke_ratio
+        text = f"{'one contact for all places' if places == 'mean' else 'each cell'} of a stroke"
+        text += f", which is {ratio:.2g} of the scar's width (mean: up to {HONEST_MEAN:g})"
+        rows += [Row("positions", "positions", places, sentence=text), Row("", "stroke_over_width", ratio)]
     if study.fretting is None:
         return [Row("", "fretting", rows)]
     end = {name: finite(float(values[-1])) for name, values in history.items()}
     regime = regime_of(history["stick_area"], history["area_contact"])
     energy = float(history["friction_energy"][-1])
-    volumes = {body: float(history[f"wear_volume_{body}"][-1]) for body in BODIES}
-    alpha = {body: volume / energy if energy else None for body, volume in volumes.items()}
+    alpha = {b: float(history[f"wear_volume_{b}"][-1]) / energy if energy else None for b in BODIES}
     force = f"Q {shown(end['tangential_force'])} N"
     if study.fretting.has_displacement:
         drive, border = (1.0e3 * history[name][-1] for name in ("displacement", "displacement_border"))
@@ -84,8 +78,7 @@ def fretting(result: ResultFile) -> list[Row]:
     rows += [
         Row("regime", "regime", regime, note=sticking),
         Row("last cycle", "tangential_force_N", end["tangential_force"], sentence=force),
-        Row("", "displacement_mm", end["displacement"]),
-        Row("", "displacement_border_mm", end["displacement_border"]),
+        *entries({f"{name}_mm": end[name] for name in ("displacement", "displacement_border")}),
         Row("", "stick_area_mm2", end["stick_area"]),
         Row("energy of it", "energy_mJ", end["energy"], unit="mJ"),
         Row("", "energy_ratio", end["energy_ratio"]),
@@ -117,14 +110,11 @@ def _jumps(result: ResultFile) -> list[Row]:
 
 def _directions(result: ResultFile) -> list[Row]:
     """Declare area and friction of both directions of the last cycle; nothing where there is none."""
-    ways = {name: both_directions(result.study, result.history, name) for name in ("area_contact", "cof")}
-    area, cof = ways["area_contact"], ways["cof"]
-    if area is None or cof is None:
-        return []
-    numbers = {
-        key: {"forward": way.forward, "backward": way.backward}
-        for key, way in (("area_contact_mm2", area), ("cof", cof))
-    }
+    numbers = {}
+    for key, name in (("area_contact_mm2", "area_contact"), ("cof", "cof")):
+        if (way := both_directions(result.study, result.history, name)) is None:
+            return []
+        numbers[key] = {"forward": way.forward, "backward": way.backward}
     text = f"area in contact {shown(numbers['area_contact_mm2'])} mm², friction {shown(numbers['cof'], 3)}"
     return [Row("directions", "last_cycle", numbers, sentence=text)]
 
@@ -135,12 +125,8 @@ def _groove(result: ResultFile) -> list[Row]:
         return []
     last = groove(result, result.snapshot_distances.size - 1)
     section, deepest = 1.0e6 * last.section, 1.0e3 * float(last.depth.max())
-    sizes = {
-        "mean_depth_um": 1.0e3 * last.mean_depth,
-        "deepest_um": deepest,
-        "width_mm": last.width,
-        "section_um2": section,
-    }
+    sizes = {"mean_depth_um": 1.0e3 * last.mean_depth, "deepest_um": deepest}
+    sizes |= {"width_mm": last.width, "section_um2": section}
     called, of_what, text = "groove", "mean", ""
     if is_short(result):
         called, of_what = "scar of the disc", "middle"
@@ -161,12 +147,8 @@ def _parts(history: Mapping[str, FloatArray]) -> list[Row]:
     if "parts" not in history:
         return []
     number, error = int(history["parts"].sum()), float(history["area_error"].max())
-    numbers = {
-        "number": number,
-        "most_of_a_step": int(history["parts"].max()),
-        "estimated_error_at_most": error,
-    }
-    steps, most = history["parts"].size, numbers["most_of_a_step"]
+    steps, most = history["parts"].size, int(history["parts"].max())
+    numbers = {"number": number, "most_of_a_step": most, "estimated_error_at_most": error}
     text = f"{number} for {steps} steps, {f'each in 1 to {most} parts' if number > steps else 'none divided'}"
     text += f"; by estimate their length changes the area by at most {100.0 * error:.2g} %"
     return [Row("contacts solved", "parts", numbers, sentence=text)]
@@ -221,24 +203,23 @@ def _patches(result: ResultFile) -> Row:
     study, law = result.study, result.study.patches
     if study.study.model != "two-scale":
         return Row("", "patches", None)
-    evaluations = result.history["evaluations"]
+    evaluations, cover = result.history["evaluations"], (law.patch_width / law.macro_cell) ** 2
     median, by_approach = float(np.median(evaluations)), law.coupling == "approach"
-    number, cover = int(result.load_share.shape[1]), (law.patch_width / law.macro_cell) ** 2
-    patches = {
-        "number": number,
-        "width_um": 1.0e3 * law.patch_width,
-        "macro_cell_um": 1.0e3 * law.macro_cell,
+    number, bulk = int(result.load_share.shape[1]), law.bulk if by_approach else "spring"
+    width, cell = 1.0e3 * law.patch_width, 1.0e3 * law.macro_cell
+    patches: dict[str, Any] = {"number": number, "width_um": width, "macro_cell_um": cell}
+    patches |= {
         "cover": cover,
         "coupling": law.coupling,
-        "bulk": law.bulk if by_approach else "spring",
+        "bulk": bulk,
         "carrying_at_the_end": int(np.count_nonzero(result.load_share[-1])),
         "evaluations": {"median": median, "most": float(evaluations.max())},
     }
     covered = "all" if cover == 1.0 else f"{100.0 * cover:.3g} %"
-    spring = "a bulk spring each" if patches["bulk"] == "spring" else "no bulk spring"
+    spring = "a bulk spring each" if bulk == "spring" else "no bulk spring"
     shared = f"one approach, {spring}" if by_approach else "loads as a smooth contact says"
     iterations = "" if study.contact.law == "half-space" else f"; {median:g} iterations in the median"
-    text = f"{number} of {patches['width_um']:g} µm in macro cells of {patches['macro_cell_um']:g} µm "
+    text = f"{number} of {width:g} µm in macro cells of {cell:g} µm "
     return Row("patches", "patches", patches, sentence=f"{text}({covered} of the area), {shared}{iterations}")
 
 
@@ -256,11 +237,8 @@ def _pieces(result: ResultFile) -> Row:
     size = f"{diameter:.3g} µm wide and {thickness:.3g} µm thick, {volume:.3g} µm³"
     rows = [
         Row("pieces", "", size),
-        Row("", "diameter_um", diameter),
-        Row("", "thickness_um", thickness),
-        Row("", "volume_um3", volume),
-        Row("", "dust_fraction", law.dust),
-        Row("", "pending_start", pending),
+        *entries({"diameter_um": diameter, "thickness_um": thickness, "volume_um3": volume}),
+        *entries({"dust_fraction": law.dust, "pending_start": pending}),
         *(_pieces_of(result, body) for body in BODIES),
         Row("decided by", "", decides),
     ]
@@ -317,31 +295,27 @@ def _inner_scar(result: ResultFile, body: str) -> Row:
     if isinstance(fit, str):
         numbers |= {"settling": None, "not_settling": fit}
     else:
-        numbers["settling"] = {
+        length, off = (None, None) if grown else (fit.length, fit.length_error)
+        settled: dict[str, Any] = {
             "equilibrium_um": fit.equilibrium,
             "equilibrium_error_um": fit.equilibrium_error,
-            "running_in_length_mm": None if grown else fit.length,
-            "running_in_length_error_mm": None if grown else fit.length_error,
-            **({"no_length": grown} if grown else {}),
-            "initial_um": fit.initial,
-            "rms_um": fit.rms,
         }
+        settled |= {"running_in_length_mm": length, "running_in_length_error_mm": off}
+        settled |= {"no_length": grown} if grown else {}
+        numbers["settling"] = settled | {"initial_um": fit.initial, "rms_um": fit.rms}
     if sq is None:
         return Row("", body, numbers)
     text = f"Sq {sq:.3g} µm" + (f" of {unworn:.3g} µm unworn" if unworn else "")
     text += f", Sdq {shown(sdq, 2)}"
     wear = result.study.wear
     if body == "counter" and result.study.is_swept and not (wear.sheds and wear.dust_fraction < 1.0):
-        numbers["rq_along_of"] = (
-            "the length of a step, which a counter-body that wears as dust is averaged over"
-        )
+        of = "the length of a step, which a counter-body that wears as dust is averaged over"
+        numbers["rq_along_of"] = of
     else:
         text += f", along sliding Rq {shown(rq, 3)} µm"  # not known between patches
     if not isinstance(fit, str):
-        error = float(f"{fit.length_error:.2g}")
-        level = f"{fit.equilibrium:.3g} ± {fit.equilibrium_error:.1g} µm"
-        text += f"; Sq settles at {level}"
-        text += f" ({grown})" if grown else f" over {fit.length:.3g} ± {error:g} mm"
+        way = f"({grown})" if grown else f"over {fit.length:.3g} ± {float(f'{fit.length_error:.2g}'):g} mm"
+        text += f"; Sq settles at {fit.equilibrium:.3g} ± {fit.equilibrium_error:.1g} µm {way}"
     return Row(f"{body}, inner scar", body, numbers, sentence=text)
 
 

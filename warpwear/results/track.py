@@ -100,16 +100,12 @@ def inner_rows(result: ResultFile) -> slice:
 
 def groove(result: ResultFile, index: int) -> Groove:
     """Return the groove at snapshot number `index`."""
-    rows = whole_rows(result)
-    worn, displaced = np.zeros(result.y.size), np.zeros(result.y.size)
+    rows, lost = whole_rows(result), np.zeros((2, result.y.size))
     for first in range(rows.start, rows.stop, ROWS):
         part = slice(first, min(first + ROWS, rows.stop))
-        of_part = result.track_loss(index, part)
-        worn += of_part[0].sum(axis=0)
-        displaced += of_part[1].sum(axis=0)
-    count = rows.stop - rows.start
-    distance = float(result.snapshot_distances[index])
-    return Groove(distance, result.y, worn / count, displaced / count, result.study.grid.cell)
+        lost += [depth.sum(axis=0) for depth in result.track_loss(index, part)]
+    worn, displaced = lost / (rows.stop - rows.start)
+    return Groove(float(result.snapshot_distances[index]), result.y, worn, displaced, result.study.grid.cell)
 
 
 def depth_along(result: ResultFile, index: int, bins: int) -> tuple[FloatArray, FloatArray]:
@@ -195,12 +191,9 @@ def doubt_of_directions(study: Study, history: Mapping[str, FloatArray]) -> str 
         return None
     periodic = study.track.periodic
     where = "the seam of sliding.track" if periodic else "the ends of the stroke"
+    cause = f"not at {where}: the surface differs by direction, and end values are means of both"
     if ways.by_ends:
-        cause = f"most of it at {where}" + (
-            ", so a disc without a seam there is the cure" if periodic else ""
-        )
-    else:
-        cause = f"not at {where}: the surface differs by direction, and end values are means of both"
+        cause = f"most of it at {where}{', so a disc without a seam there is the cure' * periodic}"
     return (
         f"The area in contact of the last cycle depends on the direction: {ways.forward:.3g} mm² forward and "
         f"{ways.backward:.3g} mm² backward, more than they scatter along the track; {cause}."
@@ -261,11 +254,8 @@ def shape_of_growth(distance: FloatArray, values: FloatArray) -> dict[str, float
     """
     total = distance[-1]
     late = distance >= 0.5 * total
-    if (
-        distance.size < FEWEST
-        or late.sum() < 3
-        or not (np.isfinite(values).all() and values[late].min() > 0.0)
-    ):
+    known = np.isfinite(values).all() and late.sum() >= 3 and values[late].min() > 0.0
+    if distance.size < FEWEST or not known:
         return {}
     far = np.log(distance[late]) - np.log(distance[late]).mean()
     exponent = float((far * np.log(values[late])).sum() / np.square(far).sum())

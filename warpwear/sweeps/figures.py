@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from warpwear.figures.wording import power_of_ten
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import Quantity, printed
 from warpwear.measured.experiment import Experiment
-from warpwear.results.ensemble import band_told, in_legend, is_label, short_names
+from warpwear.results.ensemble import band_told, in_legend, is_label
 from warpwear.sweeps.table import SweepResult
 
 #: Numbers with a power of ten.
@@ -86,37 +86,34 @@ def courses(
 def scatter(result: SweepResult, quantity: Quantity, varied: dict[str, tuple[FloatArray, str]]) -> Figure:
     """An end value of every run over each key that is a number; over a seed there is only scatter."""
     keys = [key for key in varied if not is_label(key)][:4] or list(varied)[:4]
-    names, ends = short_names(result.plan.keys), quantity.scaled(result.ends(quantity.name))
-    least = 0.0 if np.nanmin(ends) > 0.0 else None
-    look = Look(describe.COUNTER, "", marker="o", alpha=0.6)
-    charts = []
+    ends, look = (
+        quantity.scaled(result.ends(quantity.name)),
+        Look(describe.COUNTER, "", marker="o", alpha=0.6),
+    )
+    up, charts = Axis(_at_the_end(quantity), low=0.0 if np.nanmin(ends) > 0.0 else None), []
     for key in keys:
-        values, unit = varied[key]
-        name = _axis_of(names[key], unit)
-        along = Axis(name, wide=describe.WIDE_DISTANCE, integer=is_label(key))
-        along = replace(along, scale="auto") if np.nanmin(values) > 0.0 else along
-        line = Line(values, ends, look=look)
-        charts.append(Chart(f"Over {names[key]}", along, Axis(_at_the_end(quantity), low=least), [line]))
+        (values, unit), name = varied[key], result.plan.names[key]
+        scale: Any = "auto" if np.nanmin(values) > 0.0 else "linear"
+        along = Axis(_axis_of(name, unit), scale, wide=describe.WIDE_DISTANCE, integer=is_label(key))
+        charts.append(Chart(f"Over {name}", along, up, [Line(values, ends, look=look)]))
     return Figure(charts, columns=min(2, len(keys)))
 
 
 def heat_map(result: SweepResult, quantity: Quantity, keys: dict[str, tuple[FloatArray, str]]) -> Figure:
     """The mean end value for each pair of values of two keys."""
-    names = [short_names(result.plan.keys)[key] for key in keys]
-    (x, _), (y, _) = keys.values()
-    labels = [_axis_of(name, unit) for name, (_, unit) in zip(names, keys.values(), strict=True)]
+    names, unit = [result.plan.names[key] for key in keys], _at_the_end(quantity)
+    x, y = (values for values, _ in keys.values())
+    along, up = (_axis_of(name, unit) for name, (_, unit) in zip(names, keys.values(), strict=True))
     xs, ys, ends = np.unique(x), np.unique(y), quantity.scaled(result.ends(quantity.name))
     means = np.array([[_mean(ends[(x == a) & (y == b)]) for b in ys] for a in xs])
-    unit = _at_the_end(quantity)
     title = f"{unit[:1].upper()}{unit[1:]}, over {' and '.join(names)}"
     across, down = ([f"{value:.4g}" for value in values] for values in (xs, ys))
-    grid = Grid(title, across, down, means, x=labels[0], y=labels[1], unit=unit)
-    return Figure([grid], width=1.3 * describe.COLUMN)
+    return Figure([Grid(title, across, down, means, along, up, unit)], width=1.3 * describe.COLUMN)
 
 
 def tornado(result: SweepResult, quantities: Sequence[Quantity]) -> Figure:
     """How strongly each key decides the end values, the strongest on top."""
-    names, bars = short_names(result.plan.keys), []
+    names, bars = result.plan.names, []
     for quantity in quantities:
         influence, indices = result.influence(quantity.name), result.sobol(quantity.name)
         title = f"{quantity.label[:1].upper()}{quantity.label[1:]} at the end"
@@ -147,7 +144,7 @@ def _looks(result: SweepResult, groups: list[tuple[str, list[int]]]) -> tuple[li
     pale broad line is seen under a dark broken one where a key changes nothing.
     """
     plan = result.plan
-    names = {key: name for key, name in short_names(plan.keys).items() if key not in plan.band_over}
+    names = {key: name for key, name in plan.names.items() if key not in plan.band_over}
     values = [{key: str(plan.points[runs[0]].values[key]) for key in names} for _, runs in groups]
     levels = {key: list(dict.fromkeys(point[key] for point in values)) for key in names}
     two = sorted(names, key=lambda key: -len(levels[key]))
@@ -156,15 +153,14 @@ def _looks(result: SweepResult, groups: list[tuple[str, list[int]]]) -> tuple[li
     colours, kinds = (levels[key] for key in two)
     shades = np.linspace(0.0, 0.9, len(kinds))
 
-    def look(colour: str, kind: int) -> Look:
+    def in_kind(colour: str, kind: int) -> Look:
         return Look(describe.shade(colour, float(shades[kind])), KINDS[kind], 1.1 if kind else 2.4)
 
-    looks = [look(COLOURS[colours.index(point[two[0]])], kinds.index(point[two[1]])) for point in values]
+    looks = [in_kind(COLOURS[colours.index(point[two[0]])], kinds.index(point[two[1]])) for point in values]
     entries = [(two[0], value, Look(COLOURS[n], width=2.4)) for n, value in enumerate(colours)]
-    entries += [(two[1], value, look(describe.NOMINAL, n)) for n, value in enumerate(kinds)]
-    nothing = np.zeros(0)
-    named = [Line(nothing, nothing, in_legend(_written(f"{names[k]} {v}")), style) for k, v, style in entries]
-    return looks, named
+    entries += [(two[1], value, in_kind(describe.NOMINAL, n)) for n, value in enumerate(kinds)]
+    none = np.zeros(0)
+    return looks, [Line(none, none, in_legend(_written(f"{names[k]} {v}")), look) for k, v, look in entries]
 
 
 def _at_the_end(quantity: Quantity) -> str:

@@ -1,6 +1,7 @@
 """The page of a sweep: what was varied, the band of its answers, what decides them, and every run."""
 
 import os
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,15 +17,16 @@ from warpwear.page.html import page_of
 from warpwear.page.limits import limits_of
 from warpwear.page.words import Answer
 from warpwear.results import manifest
-from warpwear.results.ensemble import band, is_label, short_names
+from warpwear.results.ensemble import band, is_label
 from warpwear.study.text import assumptions
 from warpwear.sweeps.design import SAMPLED, Factor
 from warpwear.sweeps.figures import figures_of, groups_of
 from warpwear.sweeps.table import SweepResult
-from warpwear.version import __version__
 
 #: Rows of the table that the page shows; values of a key that it lists.
 MOST_ROWS, MOST_VALUES = 200, 12
+#: Sentences of runs that failed, and numbers of them that one sentence names.
+MOST_FAILURES = 8
 #: Letters of a number that was drawn, and not written by a person.
 LONG = 12
 BANDS = "Mean of each group, in a band of 5 to 95 % of its runs where it has several."
@@ -42,20 +44,14 @@ ANSWERS = (
 )
 
 
-def page(
-    result: SweepResult,
-    pictures: Mapping[str, bytes],
-    texts: Mapping[str, Any],
-    experiments: Sequence[Experiment],
-) -> bytes:
-    """Make the page. pictures: name of a figure -> PNG file. texts: groups and failures, as texts."""
+def page(result: SweepResult, pictures: Mapping[str, bytes], experiments: Sequence[Experiment]) -> bytes:
+    """Make the page. pictures: name of a figure -> PNG file."""
     plan = result.plan
     total, done = len(result.rows), sum(row.status == "done" for row in result.rows)
     assumed = {key: why for key, why in assumptions(plan.study).items() if key not in plan.keys}
     content = {
         "name": f"{plan.study.study.name}: sweep",
         "description": plan.study.study.description,
-        "version": __version__,
         "asked": f"{done} of {total} runs of one study, over {listed(plan.keys)}: how far do the answers "
         "reach, and what decides them?",
         "answers": _answers(result),
@@ -66,25 +62,23 @@ def page(
         "assumptions": assumed,
         "rows": _rows(result),
         "columns": [
-            *short_names(plan.keys).values(),
+            *plan.names.values(),
             *(f"{answer.label.capitalize()}, {answer.unit}".removesuffix(", ") for answer in ANSWERS),
         ],
         "total": total,
         "study": plan.study.to_toml(),
         "sections": _sections(result, experiments),
-        **texts,
+        "groups": group_rows(result),
+        "failed": failures(result),
     }
     return page_of("sweep.html", content, pictures)
 
 
 def _values_of(factor: Factor) -> str:
     """Say what a key was varied over, in a person's words."""
-    if (spread := factor.distribution) is None:
-        values = [
-            v if isinstance(v, str) else f"{v:g}" if isinstance(v, float) else str(v) for v in factor.values
-        ]
-        return few_of(values, MOST_VALUES)
-    return str(spread)
+    if factor.distribution is not None:
+        return str(factor.distribution)
+    return few_of([f"{v:g}" if isinstance(v, float) else str(v) for v in factor.values], MOST_VALUES)
 
 
 def _answers(result: SweepResult) -> list[Answer]:
@@ -132,15 +126,29 @@ def _sections(result: SweepResult, experiments: Sequence[Experiment]) -> list[Se
     return under_headings(figures, SECTIONS, one_legend=one_legend)
 
 
+def group_rows(result: SweepResult) -> list[dict[str, Any]]:
+    """For each group of runs: label, number of runs, mean, 5th and 95th percentile of the end's CoF."""
+    ends, rows = result.known_ends("cof"), []
+    for label, runs in result.plan.groups.items():
+        values = np.full((len(runs), 1), np.nan) if ends is None else ends[runs][:, None]
+        mean, low, high = (float(part[0]) for part in band(values))
+        rows.append({"label": label or "all runs", "runs": len(runs), "mean": mean, "low": low, "high": high})
+    return rows
+
+
+def failures(result: SweepResult) -> list[str]:
+    """The sentences of runs that did not end as asked, each once, with their number."""
+    counted = Counter(row.status for row in result.rows if row.status != "done")
+    return [f"{count} × {status}" for status, count in counted.most_common(MOST_FAILURES)]
+
+
 def _rows(result: SweepResult) -> list[dict[str, Any]]:
     """Rows of the table of runs: what was varied, how it ended, and where its page or folder lies."""
-    ends = [result.known_ends(answer.name) for answer in ANSWERS]
-    rows = []
+    unknown, rows = np.full(len(result.rows), np.nan), []
+    known = [result.known_ends(answer.name) for answer in ANSWERS]
+    ends = [a.factor * (unknown if v is None else v) for a, v in zip(ANSWERS, known, strict=True)]
     for point, row in list(zip(result.plan.points, result.rows, strict=True))[:MOST_ROWS]:
-        values = [
-            float("nan") if column is None else answer.factor * float(column[point.number])
-            for column, answer in zip(ends, ANSWERS, strict=True)
-        ]
+        values = [float(column[point.number]) for column in ends]
         varied = [
             _short(v) if isinstance(v, str) else v if isinstance(v, int | float) else ", ".join(map(str, v))
             for v in point.values.values()

@@ -51,6 +51,7 @@ class Plan:
         self.design = Design(section.design, section.samples, section.seed)
         self.factors: list[Factor] = factors_of(with_positions(study, section.vary))
         self.keys = [factor.key for factor in self.factors]
+        self.names = short_names(self.keys)
         band_over = [section.band_over] if isinstance(section.band_over, str) else list(section.band_over)
         for key in band_over:
             if key not in self.keys:
@@ -61,7 +62,7 @@ class Plan:
     @property
     def groups(self) -> dict[str, list[int]]:
         """Label -> numbers of the runs that differ only in what the bands are taken over."""
-        names = {key: name for key, name in short_names(self.keys).items() if key not in self.band_over}
+        names = {key: name for key, name in self.names.items() if key not in self.band_over}
         groups: dict[str, list[int]] = {}
         for point in self.points:
             groups.setdefault(label_of(point.values, names), []).append(point.number)

@@ -1,7 +1,6 @@
 """What a sweep leaves in its folder: tables, figures, and a page that shows them without a network."""
 
 import tempfile
-from collections import Counter
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,15 +11,12 @@ from warpwear.errors import InputError
 from warpwear.measured.experiment import Experiment
 from warpwear.page.folder import write_report as write_folder
 from warpwear.results import manifest
-from warpwear.results.ensemble import band
 from warpwear.sweeps.figures import figures_of
-from warpwear.sweeps.page import page
+from warpwear.sweeps.page import MOST_FAILURES, failures, group_rows, page
 from warpwear.sweeps.table import TABLES, SweepResult
 
 #: The page of a sweep.
 PAGE = "sweep.html"
-#: Sentences of runs that failed, and numbers of them that one sentence names.
-MOST_FAILURES = 8
 #: Index or correlation below which a key decides nothing.
 IDLE = 0.02
 
@@ -30,17 +26,12 @@ def write_report(result: SweepResult, folder: Path, experiments: tuple[Experimen
 
     Raises InputError where they cannot be written; the runs are kept.
     """
-    texts = {"groups": group_rows(result), "failed": failures(result)}
     try:
         with tempfile.TemporaryDirectory(prefix=".tables-", dir=folder) as name:
             work = Path(name)
             result.write_tables(work)
-            write_folder(
-                work,
-                figures_of(result, experiments),
-                pages={PAGE: partial(page, result, texts=texts, experiments=experiments)},
-                within=manifest.FIGURES,
-            )
+            figures, make = figures_of(result, experiments), partial(page, result, experiments=experiments)
+            write_folder(work, figures, pages={PAGE: make}, within=manifest.FIGURES)
             return _moved(work, folder)
     except (OSError, InputError) as error:
         cause = error.__cause__ if isinstance(error, InputError) else error
@@ -62,16 +53,6 @@ def _moved(work: Path, folder: Path) -> list[Path]:
         manifest.set_aside(folder / name)
     manifest.write(folder, ours | {*names}, work=work)
     return [(work / name).replace(folder / name) for name in names]
-
-
-def group_rows(result: SweepResult) -> list[dict[str, Any]]:
-    """For each group of runs: label, number of runs, mean, 5th and 95th percentile of the end's CoF."""
-    ends, rows = result.known_ends("cof"), []
-    for label, runs in result.plan.groups.items():
-        values = np.full((len(runs), 1), np.nan) if ends is None else ends[runs][:, None]
-        mean, low, high = (float(part[0]) for part in band(values))
-        rows.append({"label": label or "all runs", "runs": len(runs), "mean": mean, "low": low, "high": high})
-    return rows
 
 
 def summary_text(result: SweepResult) -> str:
@@ -121,9 +102,3 @@ def failed_sentence(result: SweepResult) -> str | None:
         f"{len(failed)} of {len(result.rows)} runs failed, row{'s' * (len(failed) > 1)} {named} from 0: the "
         f"column status of {where} says why"
     )
-
-
-def failures(result: SweepResult) -> list[str]:
-    """The sentences of runs that did not end as asked, each once, with their number."""
-    counted = Counter(row.status for row in result.rows if row.status != "done")
-    return [f"{count} × {status}" for status, count in counted.most_common(MOST_FAILURES)]

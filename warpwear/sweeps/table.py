@@ -132,9 +132,10 @@ class SweepResult:
         numbers, unit = np.full(len(self.plan.points), np.nan), ""
         for place, study in ((point.number, point.study) for point in self.plan.points if point.study):
             value = value_of(study.model_dump(), key)
-            if isinstance(value, str) and (split := value.split(" ", 1))[0]:
+            if isinstance(value, str):
+                number, _, unit = value.partition(" ")
                 try:
-                    value, unit = float(split[0]), split[1] if len(split) > 1 else ""
+                    value = float(number)
                 except ValueError:
                     return None
             if isinstance(value, bool) or not isinstance(value, int | float):

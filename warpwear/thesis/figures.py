@@ -11,11 +11,10 @@ from warpwear.figures.courses import Course, over_each_other
 from warpwear.figures.describe import Axis, Bars, Figure, Panel
 from warpwear.history.quantities import BY_NAME
 from warpwear.laws.archard import BODIES
-from warpwear.thesis.items import ALL_ITEMS
+from warpwear.thesis.items import ALL_ITEMS, folded
 from warpwear.thesis.numbers import Numbers
 from warpwear.thesis.printed import read
 from warpwear.thesis.runs import LABELS, VERSIONS, Runs
-from warpwear.thesis.verdicts import folded
 
 #: Declares a figure.
 Declare = Callable[[Runs, Numbers], Figure]

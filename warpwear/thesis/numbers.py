@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warpwear.grid import FloatArray
-from warpwear.history.snapshot import Snapshot
 from warpwear.result import Result
 from warpwear.results.track import shape_of_growth
 from warpwear.thesis import printed as thesis
@@ -36,11 +35,6 @@ def collect(runs: Runs) -> Numbers:
     numbers |= _smooth(runs) | _factor(runs) | _rough(runs) | _patches(runs)
     numbers |= _increments(runs) | _stability(runs) | calibration()
     return {name: float(value) for name, value in numbers.items()}
-
-
-def snapshot_at(result: Result, distance: float) -> Snapshot:
-    """Read the snapshot nearest to a distance [mm]."""
-    return result.snapshot(int(np.argmin(np.abs(result.snapshot_distances - distance))))
 
 
 def _of_version(result: Result) -> Numbers:
@@ -194,7 +188,7 @@ def _patches(runs: Runs) -> Numbers:
 
     def of(name: str) -> FloatArray:
         """List a field of every patch."""
-        return np.array([getattr(p, name) for p in patches])
+        return np.array([p[name] for p in patches])
 
     measured = np.array([of("along"), of("across")])
     predicted = np.array([of("predicted_along"), of("predicted_across")])
@@ -220,8 +214,8 @@ def _patches(runs: Runs) -> Numbers:
         numbers[f"surfaces.{name.format('smallest')}"] = values.min()
         numbers[f"surfaces.{name.format('largest')}"] = values.max()
     for p in patches:
-        numbers |= {f"surface_{p.seed}.{name}_mm": getattr(p, name) for name in EXTENTS}
-        numbers[f"surface_{p.seed}.peak_um"] = 1e3 * p.peak
+        numbers |= {f"surface_{p['seed']}.{name}_mm": p[name] for name in EXTENTS}
+        numbers[f"surface_{p['seed']}.peak_um"] = 1e3 * p["peak"]
     return numbers
 
 

@@ -44,7 +44,6 @@ def _group(prefix: str) -> dict[str, Printed]:
 
 LOAD, STROKE, PASSES, DISTANCE = (PRINTED[name] for name in ("load", "stroke", "passes", "distance"))
 COUNTER_RADIUS, SLOWS_AFTER = PRINTED["counter_radius"], PRINTED["slows_after"]
-SPEEDS, TEST_TIMES, DRAWN_AT = (SERIES[name] for name in ("speeds", "times", "drawn_at"))
 #: Table 4.1: body or way of measuring -> K with the hardness contained.
 WEAR_COEFFICIENTS = _group("K_")
 #: The experiment, or a version -> diameter of the worn patch on the counter-body after the whole distance.

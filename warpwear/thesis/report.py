@@ -16,12 +16,11 @@ from warpwear.results.folder import check_folder
 from warpwear.results.report import to_json
 from warpwear.study.keys import value_of
 from warpwear.study.text import readable
+from warpwear.thesis import items
 from warpwear.thesis.figures import CAPTIONS, FIGURES
-from warpwear.thesis.items import ALL_ITEMS, FINDINGS, OF_THESIS, SUMMARY, Row
 from warpwear.thesis.numbers import Numbers, collect
 from warpwear.thesis.printed import TOLERANCES
 from warpwear.thesis.runs import LABELS, SURFACE, VERSIONS, Plan, Runs, published, running
-from warpwear.thesis.verdicts import Kind, Verdict, as_printed, number
 from warpwear.version import __version__
 
 PAGE = "report.html"
@@ -58,17 +57,17 @@ def thesis_report(
     return folder / PAGE
 
 
-def judge(numbers: Mapping[str, float]) -> dict[str, Verdict]:
+def judge(numbers: Mapping[str, float]) -> dict[str, items.Verdict]:
     """Judge every item by these numbers: its id -> verdict."""
-    return {item.id: item.rule.judge(numbers) for item in ALL_ITEMS}
+    return {item.id: item.rule.judge(numbers) for item in items.ALL_ITEMS}
 
 
-def as_json(numbers: Numbers, verdicts: Mapping[str, Verdict]) -> str:
+def as_json(numbers: Numbers, verdicts: Mapping[str, items.Verdict]) -> str:
     """Write everything that is compared as JSON; without times, so that equal runs give equal files."""
     content = {
         "summary": [
             _record(line.row, numbers) | {"verdict": line.judge(numbers), "item": line.item}
-            for line in SUMMARY
+            for line in items.SUMMARY
         ],
         "items": [
             {
@@ -79,14 +78,14 @@ def as_json(numbers: Numbers, verdicts: Mapping[str, Verdict]) -> str:
                 "reason": verdicts[item.id].reason,
                 "rows": [_record(row, numbers) for row in item.rows],
             }
-            for item in ALL_ITEMS
+            for item in items.ALL_ITEMS
         ],
         "numbers": numbers,
     }
     return to_json(content, indent=1) + "\n"
 
 
-def _record(row: Row, numbers: Numbers) -> dict[str, Any]:
+def _record(row: items.Row, numbers: Numbers) -> dict[str, Any]:
     """Turn a row into values: ours in the row's unit, printed ones as printed."""
     return {
         "quantity": row.quantity,
@@ -99,21 +98,21 @@ def _record(row: Row, numbers: Numbers) -> dict[str, Any]:
 
 
 def render_page(
-    runs: Runs, numbers: Numbers, verdicts: Mapping[str, Verdict], *, quick: bool, started: float
+    runs: Runs, numbers: Numbers, verdicts: Mapping[str, items.Verdict], *, quick: bool, started: float
 ) -> str:
     """Draw all figures and fill the page. started: when the first run began [s], by `time.perf_counter`."""
     attributes = runs["v1"].attributes
     pictures = {name: embedded(declare(runs, numbers)) for name, declare in FIGURES.items()}
     return render(
         "thesis.html",
-        {"num": number, "as_printed": as_printed},
+        {"num": items.number, "as_printed": items.as_printed},
         printed_columns=PRINTED_COLUMNS,
         versions=VERSIONS,
-        summary=[(line.row, line.judge(numbers), line.item) for line in SUMMARY],
+        summary=[(line.row, line.judge(numbers), line.item) for line in items.SUMMARY],
         tolerance=TOLERANCES,
-        places={item.id: item.place or "finding" for item in ALL_ITEMS},
-        items=OF_THESIS,
-        findings=FINDINGS,
+        places={item.id: item.place or "finding" for item in items.ALL_ITEMS},
+        items=items.OF_THESIS,
+        findings=items.FINDINGS,
         verdicts=verdicts,
         kinds=_count(verdicts),
         captions=CAPTIONS,
@@ -135,10 +134,10 @@ def render_page(
     )
 
 
-def _count(verdicts: Mapping[str, Verdict]) -> dict[Kind, int]:
+def _count(verdicts: Mapping[str, items.Verdict]) -> dict[items.Kind, int]:
     """Count figures and tables of the thesis by their verdict."""
-    of_thesis = [verdicts[item.id].kind for item in OF_THESIS]
-    return {kind: of_thesis.count(kind) for kind in Kind if kind in of_thesis}
+    of_thesis = [verdicts[item.id].kind for item in items.OF_THESIS]
+    return {kind: of_thesis.count(kind) for kind in items.Kind if kind in of_thesis}
 
 
 def _how(name: str, result: Result) -> dict[str, Any]:
@@ -148,7 +147,7 @@ def _how(name: str, result: Result) -> dict[str, Any]:
     steps = f"{first:g} mm" if growth == 1.0 else f"{1e3 * first:g} µm growing to {largest:g} mm"
     law = f"hardness {study.hardness:g} MPa"
     if study.study.model == "macro":
-        law = f"foundation, {number(study.stiffness)} N/mm³"
+        law = f"foundation, {items.number(study.stiffness)} N/mm³"
     return {
         "name": LABELS.get(name, name),
         "law": law,

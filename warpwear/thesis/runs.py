@@ -9,7 +9,6 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from warpwear.calibration.wear import diameter_of_cap
 from warpwear.errors import InputError, StudyWarning
@@ -18,6 +17,7 @@ from warpwear.runs.run import run
 from warpwear.study.study import Study
 from warpwear.study.surface import surface_in
 from warpwear.surfaces.form import sag
+from warpwear.surfaces.worn.patch import extents
 
 #: Cell of the fine rough model in a quick report; it takes a tenth of the time.
 QUICK_CELL = "5 um"
@@ -65,28 +65,13 @@ def published(*, quick: bool = False) -> Plan:
 
 
 @dataclass(frozen=True)
-class RoughPatch:
-    """The touched patch of one rough surface, and what geometry says of it. All in mm."""
-
-    seed: int
-    along: float
-    across: float
-    predicted_along: float  # extents of the surface cut by the counter-body that V1's patch belongs to
-    predicted_across: float
-    peak: float  # highest point over the mean plane near the rim, R_p
-    bound: float  # 2√(z(2R − z)), z = R − √(R² − a²) + R_p: both ends of a diameter on such a peak
-    farthest: float  # twice the distance of the farthest touched cell from the middle
-    disc_volume: float  # [mm³]
-
-
-@dataclass(frozen=True)
 class Runs:
     """Open results; closed with `running`."""
 
     plan: Plan
     results: dict[str, Result]  # by the names of `Plan.runs`
     refusal: str  # what the solver says when it is not forced beyond the limit of stability
-    patches: tuple[RoughPatch, ...]
+    patches: tuple[dict[str, float], ...]  # see `rough_patch`
 
     def __getitem__(self, name: str) -> Result:
         return self.results[name]
@@ -111,7 +96,7 @@ def running(plan: Plan, *, device: str, threads: int | None, quiet: bool = False
                 line = f"report: run {done} of {len(studies)}, {label}: {took:.1f} s"
                 print(line, file=sys.stderr, flush=True)
         rough = (results.get(f"{SURFACE}{seed}", results["v3"]) for seed in plan.seeds)
-        patches = tuple(map(_rough_patch, plan.seeds, rough))
+        patches = tuple(map(rough_patch, plan.seeds, rough))
         yield Runs(plan, results, _refusal(plan.studies["v1"]), patches)
 
 
@@ -129,29 +114,35 @@ def _refusal(smooth: Study) -> str:
     return ""
 
 
-def _rough_patch(seed: int, result: Result) -> RoughPatch:
-    """Find the touched patch of a run, and what geometry says of it. seed: of its surface."""
-    study = result.study
+def rough_patch(seed: int, result: Result) -> dict[str, float]:
+    """Find the touched patch of a run on a surface of a seed, and what geometry says of it [mm].
+
+    along, across: its extents; predicted_along, predicted_across: those of the surface cut by the
+    counter-body that V1's patch belongs to; peak: highest point over the mean plane near the rim, R_p;
+    bound: 2√(z(2R − z)), z = R − √(R² − a²) + R_p, both ends of a diameter on such a peak; farthest: twice
+    the distance of the farthest touched cell from the middle; disc_volume [mm³].
+    """
+    study, history = result.study, result.history
     heights = surface_in(study).heights(result.x, result.y)
     radius = 1.0 / study.counter.form.curvature
-    smooth = worn_radius(study)
+    depth = depth_of_rim(worn_radius(study), radius=radius)
     square = np.add.outer(result.x**2, result.y**2)
     # A cell is touched where it stands above the counter-body through the smooth patch's rim.
-    over_rim = sag(result.x, result.y, radius=radius) - depth_of_rim(smooth, radius=radius)
-    touched = heights >= over_rim
+    over_rim = sag(result.x, result.y, radius=radius) - depth
+    along, across = extents(heights >= over_rim, (study.grid.cell, study.grid.cell))
     near_rim = (over_rim >= 0.0) & (over_rim <= heights.max())
     peak = float(heights[near_rim].max()) if near_rim.any() else 0.0
-    return RoughPatch(
-        seed,
-        along=float(result.history["patch_along"][-1]),
-        across=float(result.history["patch_across"][-1]),
-        predicted_along=_extent(touched, 1, study.grid.cell),
-        predicted_across=_extent(touched, 0, study.grid.cell),
-        peak=peak,
-        bound=2.0 * rim_at(depth_of_rim(smooth, radius=radius) + max(peak, 0.0), radius=radius),
-        farthest=2.0 * float(np.sqrt(square[result.snapshot(-1).wear_counter > 0.0].max())),
-        disc_volume=float(result.history["wear_volume_disc"][-1]),
-    )
+    return {
+        "seed": seed,
+        "along": float(history["patch_along"][-1]),
+        "across": float(history["patch_across"][-1]),
+        "predicted_along": along,
+        "predicted_across": across,
+        "peak": peak,
+        "bound": 2.0 * rim_at(depth + max(peak, 0.0), radius=radius),
+        "farthest": 2.0 * float(np.sqrt(square[result.snapshot(-1).wear_counter > 0.0].max())),
+        "disc_volume": float(history["wear_volume_disc"][-1]),
+    }
 
 
 def worn_radius(study: Study) -> float:
@@ -177,9 +168,3 @@ def rim_at(depth: float, *, radius: float) -> float:
 def _worn_volume(study: Study) -> float:
     """Find what both bodies lose together, K F L [mm³]."""
     return sum(study.wear_coefficients) * study.contact.load * study.sliding.total
-
-
-def _extent(touched: NDArray[np.bool_], over: int, cell: float) -> float:
-    """Find the extent of the touched cells, (nx, ny), along an axis [mm]. over: the other axis."""
-    places = np.flatnonzero(touched.any(axis=over))
-    return float(places[-1] - places[0] + 1) * cell if places.size else 0.0

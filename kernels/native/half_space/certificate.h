@@ -13,7 +13,7 @@ struct ProofRow {
     template <typename Fields>
     CUDA_CALLABLE ProofRow(const Fields& fields, int row)
         : pressure(row_of(fields.pressure, row)), gap(row_of(fields.gap, row)),
-          displacement(row_of(fields.displacement, row)), fractions(nullptr), cap(fields.cap)
+          displacement(row_of(fields.response, row)), fractions(nullptr), cap(fields.cap)
     {
         if (fields.fractions.shape[0] > 0) fractions = row_of(fields.fractions, row);
     }

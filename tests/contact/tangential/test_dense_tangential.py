@@ -125,11 +125,11 @@ def test_the_operator_is_that_of_closed_forms(device: str, boundary: str, shape:
         options: dict[str, Any] = {"modulus": MODULUS, "excess": EXCESS, "boundary": boundary}
         operator = ShearInfluence(executor, axes=2, **options)
         program = Program(executor)
-        operator.say_response(program, field, response)
+        operator.add_response(program, field, response)
         program.run()
         displaced = executor.to_numpy(response).reshape(2, *shape).copy()
         if boundary == "periodic":
-            operator.say_inverse(back := Program(executor), response)
+            operator.add_inverse(back := Program(executor), response)
             back.run()
             returned = executor.to_numpy(response).reshape(2, *shape)
     if boundary == "free":

@@ -280,7 +280,7 @@ class Shared:
         self._executor = Executor(Grid(lowest.size, 8, 1.0))
         self.sharing = LoadSharing(self._executor, lowest, **task)
         self._program, self._response, self._lowest = Program(self._executor), response, lowest
-        self.sharing.say(self._program, lambda: self._program.call(self._answer))
+        self.sharing.add_to(self._program, lambda: self._program.call(self._answer))
 
     def _answer(self) -> None:
         base, offset = (field.numpy() for field in _trial(self.sharing))
@@ -440,7 +440,7 @@ def test_prescribed_loads_add_up_well_within_the_tolerance(monkeypatch: pytest.M
     for name, value in {"offset": 1e-4, "low": -1e300, "high": 1e300, "reach": 1e-4, "width": 1e300}.items():
         brackets[name] = value
     program = Program(stepped.executor)
-    smooth.say(program, sharing, lambda: program.call(answer))
+    smooth.add_to(program, sharing, lambda: program.call(answer))
     sharing.flags.searching.fill_(1)
     program.run()
     assert sharing.is_balanced

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from warpwear.errors import InputError
-from warpwear.measured.surface_report import ball_rows, track_rows
+from warpwear.measured.surface_report import patch_rows, track_rows
 from warpwear.results.report import lines
 from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.sphere import Sphere, places
@@ -214,7 +214,7 @@ def test_pile_up_beside_the_patch_is_net():
     found = find_worn_ball(heights + ridge, pixel=PIXEL, radius=3.0)
     assert found.piled_up == pytest.approx(ridge.sum() * PIXEL[0] ** 2, rel=0.05)
     assert found.volume == pytest.approx(volume, rel=0.01)
-    text = "\n".join(lines(ball_rows(found)))
+    text = "\n".join(lines(patch_rows(found)))
     assert "net above the sphere in the rim beside the patch" in text
     assert f"± {found.volume_error:.2g} mm³ lost in the patch" in text
 

@@ -1,7 +1,6 @@
 """Check what is handed to `solve_contact`, and say what is not possible."""
 
 import math
-import warnings
 from collections.abc import Mapping
 from numbers import Real
 from typing import Any
@@ -97,17 +96,8 @@ def check_choice(how_many: str, **choice: float | None) -> None:
 FORM_KEYS = ("radius", "radius_along", "radius_across", "edge_radius")
 
 
-def counter_of(
-    counter: Any, *, counter_radius: Any, sphere_radius: Any, shape: tuple[int, int]
-) -> Form | FloatArray | None:
+def counter_of(counter: Any, *, counter_radius: Any, shape: tuple[int, int]) -> Form | FloatArray | None:
     """Return the counter-body's form, or its heights over the lowest, of a shape; None for a plane."""
-    if sphere_radius is not None:
-        warnings.warn(
-            "sphere_radius has a new name, and the next release refuses the old one: type counter_radius.",
-            stacklevel=3,
-        )
-        check_choice("at most one", counter_radius=counter_radius, sphere_radius=sphere_radius)
-        counter_radius = sphere_radius
     if counter_radius is not None:
         if counter is not None:
             raise InputError(f"counter_radius = {counter_radius!r} and counter are given; give one of them.")

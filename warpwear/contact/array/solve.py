@@ -27,14 +27,15 @@ from warpwear.contact.array.memory import check_memory, giving_back
 from warpwear.contact.array.springs import solve_cells
 from warpwear.contact.array.task import ROUNDING, Gap, Solution, Task, gap_field, surface_of
 from warpwear.contact.certificate import Certificate, Proof
+from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.solver import TOLERANCE
 from warpwear.engine.device import check_threads
-from warpwear.engine.executor import Executor
+from warpwear.engine.executor import Executor, arguments
 from warpwear.engine.staging import download, each
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import LANES, Cells
-from warpwear.kernels.half_space.solve import SearchRules
+from warpwear.kernels.half_space.solve import Fields, SearchRules
 from warpwear.surfaces.form import Form
 
 #: Largest difference between the load carried and the load asked for, relatively.
@@ -59,7 +60,6 @@ def solve_contact(
     tolerance: float = TOLERANCE,
     device: str = "cpu",
     threads: int | None = None,
-    sphere_radius: float | None = None,
 ) -> ArrayContact:
     """Press a rigid plane, or a counter-body, on heights and return the pressure and the gap of every cell.
 
@@ -80,7 +80,6 @@ def solve_contact(
     counter: another body instead, by the keys of a study's [counter], {"shape": "pin", "radius": 0.3,
     "edge_radius": 0.1}; or how high each cell of it lies over the surface's, an array of the shape of heights
     that counts from its lowest.
-    sphere_radius: the old name of counter_radius.
     tolerance: largest violation of the contact conditions of the half-space over the rms height of the gap;
     from 1e-14 to 0.01; one that rounding hides is raised to what it shows, `certificate.allowed`. The other
     laws are solved to rounding. device: "cpu" or "cuda:0". threads: of the CPU, by default every core; no
@@ -108,8 +107,7 @@ def solve_contact(
     approach = number("approach", approach, any_sign=True)
     modulus, stiffness = number("modulus", modulus), number("stiffness", stiffness)
     hardness = number("hardness", hardness)
-    radii = {"counter_radius": counter_radius, "sphere_radius": sphere_radius}
-    form = counter_of(counter, **radii, shape=surface.shape)
+    form = counter_of(counter, counter_radius=counter_radius, shape=surface.shape)
     check_choice("exactly one", load=load, mean_pressure=mean_pressure, approach=approach)
     check_choice("at most one", modulus=modulus, stiffness=stiffness)
     if hardness is modulus is stiffness is None:
@@ -255,14 +253,9 @@ def _certify(task: Task, solution: Solution, executor: Executor, tolerance: floa
     """Certify a solution of springs, of a bearing area or of a window."""
     yielded = abs(solution.approach) + float(solution.pressure.mean())
     scale = task.rms or yielded
-    proof = Proof(
-        executor,
-        pressure=executor.field(solution.pressure),
-        gap=gap_field(task.gap, executor),
-        displacement=executor.field(solution.displacement),
-        cap=task.cap,
-    )
-    return proof.at(
+    pressure, response = executor.field(solution.pressure), executor.field(solution.displacement)
+    fields = {"pressure": pressure, "response": response, "gap": gap_field(task.gap, executor)}
+    return Proof(executor, arguments(Fields, **fields, cap=min(task.cap, NO_CAP))).at(
         approach=solution.approach,
         load=None if task.mean is None else task.mean * task.gap.size,
         scale=scale,

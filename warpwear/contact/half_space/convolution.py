@@ -98,7 +98,7 @@ class Convolution(Filter):
     def set_mean(self, value: float) -> None:
         self._table.numpy()[0, 0, 0] = value
 
-    def say(
+    def add_to(
         self, program: Program, field_in: Field, line: Any, field_out: Field, *, divides: bool = False
     ) -> None:
         plan = arguments(fourier.Plan, divides=divides, **self._plan)

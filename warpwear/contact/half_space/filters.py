@@ -2,8 +2,7 @@
 
 import math
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -17,11 +16,6 @@ from warpwear.engine.program import Program
 from warpwear.kernels import fourier
 
 fft = lazy.module("scipy.fft")
-
-#: Modes of a block that a thread takes at a time at least, blocks of rows at most, and columns of a block.
-MODES_PER_BLOCK = 4_000
-ROW_BLOCKS = 16
-COLUMNS = 128
 
 
 class PaddedFilter(Filter):
@@ -68,12 +62,12 @@ class PaddedFilter(Filter):
     def set_mean(self, value: float) -> None:
         self._table[:1, :1].fill_(value)
 
-    def say(
+    def add_to(
         self, program: Program, field_in: Field, line: Any, field_out: Field, *, divides: bool = False
     ) -> None:
         grids, executor = self._grids, self._executor
         members = {name: getattr(grids, name) for name in ("visited", "rows", "columns", "stride")}
-        around = arguments(fourier.Around, divides=divides, scale=self.scale, **members)
+        around = arguments(fourier.Plan, divides=divides, scale=self.scale, **members)
 
         def launch(kernel: Any, rows: int, *arrays: Any) -> None:
             slots = executor.slots_of(grids.count * rows)
@@ -102,37 +96,25 @@ class PaddedFilter(Filter):
 
 
 class ScipyFilter(PaddedFilter):
-    """Transforms blocks of grids on a CPU: blocks do not depend on the threads that share them."""
+    """Transforms the grids that are visited on a CPU, by its threads."""
 
     def forward(self, values: Field) -> Callable[[], None]:
         """Make what transforms values to the modes."""
-        modes, lines = self._modes, self._by_rows(values.numpy())
-
-        def along(rows: slice) -> None:
-            self._by_rows(modes)[rows] = fft.rfft(lines[rows], axis=1)
-
-        def across(block: Any) -> None:
-            modes[block] = fft.fft(modes[block], axis=1)
+        host, modes, options = values.numpy(), self._modes, {"workers": self._executor.threads}
 
         def transform() -> None:
-            self._for_each(along, self._rows())
-            self._for_each(across, self._columns())
+            lines = fft.rfft(host[: self._visited], **options)
+            modes[: self._visited] = fft.fft(lines, axis=1, overwrite_x=True, **options)
 
         return transform
 
     def back(self, values: Field) -> Callable[[], None]:
         """Make what transforms the modes back to values; they are lost."""
-        modes, lines = self._modes, self._by_rows(values.numpy())
-
-        def across(block: Any) -> None:
-            modes[block] = fft.ifft(modes[block], axis=1)
-
-        def along(rows: slice) -> None:
-            lines[rows] = fft.irfft(self._by_rows(modes)[rows], n=self.shape[1], axis=1)
+        host, modes, options = values.numpy(), self._modes, {"workers": self._executor.threads}
 
         def transform() -> None:
-            self._for_each(across, self._columns())
-            self._for_each(along, self._rows())
+            lines = fft.ifft(modes[: self._visited], axis=1, overwrite_x=True, **options)
+            host[: self._visited] = fft.irfft(lines, self.shape[1], **options)
 
         return transform
 
@@ -141,37 +123,9 @@ class ScipyFilter(PaddedFilter):
         """Return the modes as complex numbers, shape (grids, n, m//2 + 1)."""
         return self.waves.numpy().view(np.complex64 if self._kind is np.float32 else np.complex128)
 
-    @staticmethod
-    def _by_rows(values: Any) -> Any:
-        return values.reshape(-1, values.shape[2])
-
     @property
     def _visited(self) -> int:
         return int(self._grids.visited.numpy()[0])
-
-    def _rows(self) -> list[slice]:
-        """Return blocks of rows of the grids that are visited."""
-        rows, modes = self._grids.count * self.shape[0], self.shape[1] // 2 + 1
-        length = max(-(-rows // ROW_BLOCKS), -(-MODES_PER_BLOCK // modes))
-        return _blocks(self._visited * self.shape[0], length)
-
-    def _columns(self) -> list[Any]:
-        """Return blocks of columns of one grid, or of several grids as a whole."""
-        modes = self.shape[1] // 2 + 1
-        if self._grids.count == 1:
-            return [np.s_[:, :, block] for block in _blocks(modes, COLUMNS)]
-        return [*_blocks(self._visited, max(1, MODES_PER_BLOCK // (self.shape[0] * modes)))]
-
-    def _for_each(self, work: Callable[[Any], None], blocks: Sequence[Any]) -> None:
-        """Do the work on every block, shared among the executor's threads."""
-        executor = self._executor
-        threads = len(executor.equal_chunks(executor.grid.nx))
-
-        def share(first: int) -> None:
-            for block in blocks[first::threads]:
-                work(block)
-
-        executor.on_threads([partial(share, first) for first in range(threads)])
 
 
 class CupyFilter(PaddedFilter):
@@ -251,7 +205,3 @@ def filter_of(
         kinds = Convolution if fits(shape) else ScipyFilter
     filtered: Filter = kinds(executor, grids or Grids.whole(executor), table, shape, kind, within=within)
     return filtered
-
-
-def _blocks(end: int, length: int) -> list[slice]:
-    return [slice(start, min(start + length, end)) for start in range(0, end, length)]

@@ -4,7 +4,6 @@ Displacement and pressure are tied by a convolution, done in Fourier space by `f
 """
 
 import math
-from abc import ABC, abstractmethod
 from functools import cached_property
 from typing import Any
 
@@ -15,7 +14,7 @@ from warpwear import lazy
 from warpwear.contact.half_space.convolution import fits
 from warpwear.contact.half_space.filters import filter_of
 from warpwear.contact.half_space.lines import line_quarter
-from warpwear.contact.half_space.transforms import Filter, array_module
+from warpwear.contact.half_space.transforms import Filter, Grids, array_module
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, Grid, IntArray
@@ -30,114 +29,60 @@ Box = tuple[int, int, int, int]
 BOUNDARIES = {"periodic": (True, True), "free": (False, False), "line": (False, True)}
 
 
-class Operator(ABC):
-    """Displaces the fields of an executor symmetrically, and inverts that about, as filters of waves.
+class Influence:
+    """Applies the operator G + c + streak of one grid and boundary, and an approximate inverse, as filters.
 
     Tables of the waves are made once. What compliances add to them is a line of numbers by row, in arrays
     that programs read when they run.
-    """
-
-    cells: int  # of the surface: what padding there is in the fields does not count
-    shortest_response: float  # displacement under a pressure that alternates from cell to cell [mm/MPa]
-    #: Ranges of slots for the threads, from 0 on; None: all, by whole rows.
-    chunks: list[tuple[int, int]] | None = None
-
-    #: Whether that repeats beyond the edges of the grid, along and across.
-    wraps = False, False
-
-    def __init__(self, executor: Executor, shape: tuple[int, int], near_shape: tuple[int, int]) -> None:
-        self._executor = executor
-        #: Shape of what is transformed for the response.
-        self.far_shape = shape
-        #: What compliances add to modes of the response and of its inverse, by row up to the middle.
-        self.line, self.near_line = (
-            wp.zeros(rows // 2 + 1, dtype=wp.float64, device=executor.device)
-            for rows in (shape[0], near_shape[0])
-        )
-        #: The weights as programs read them: along x, along y and across corners.
-        self.neighbours = wp.zeros(3, dtype=wp.float32, device=executor.device)
-        #: How many rows of the fields it is about, the first ones; an array of one number.
-        self.visited = wp.full(1, executor.grid.nx, dtype=wp.int32, device=executor.device)
-
-    @property
-    def rows_visited(self) -> int:
-        """Return how many rows of the fields the operator is about, the first ones."""
-        return int(self.visited.numpy()[0])
-
-    @abstractmethod
-    def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
-        """Add to the elastic response [mm/MPa]: own × p of the cell, and streak × S S p.
-
-        S is a mean along x over `window` cells, around each of them: of an even number the cell at either end
-        counts half. None, or as many cells as the grid has rows: S is the mean of the line, and so is S S.
-        Programs of this operator heed it, those recorded before as well.
-        """
-
-    @property
-    @abstractmethod
-    def _far(self) -> Filter:
-        """Return what makes the response, in double precision."""
-
-    @property
-    def _far_single(self) -> Filter:
-        """Return what makes the response in single precision, where that is quicker."""
-        return self._far
-
-    @property
-    @abstractmethod
-    def _near(self) -> Filter:
-        """Return what makes the inverse, by a table of what it divides by."""
-
-    def say_response(
-        self, program: Program, field_in: Field, field_out: Field, *, single: bool = False
-    ) -> None:
-        """Add to a program: displacement [mm] under a pressure [MPa], compliances included; may be in place.
-
-        single: whether single precision will do.
-        """
-        (self._far_single if single else self._far).say(program, field_in, self.line, field_out)
-
-    def say_inverse(self, program: Program, field_in: Field, field_out: Field) -> None:
-        """Add to a program: about the pressure [MPa] of a displacement [mm], in single precision.
-
-        It is |q| E*/2 without compliances. May be in place.
-        """
-        self._near.say(program, field_in, self.near_line, field_out, divides=True)
-
-    def respond(self, pressure: Field, displacement: Field) -> None:
-        """Compute the displacement [mm] under a pressure [MPa], compliances included, at once."""
-        program = Program(self._executor)
-        self.say_response(program, pressure, displacement)
-        program.run()
-
-
-class Influence(Operator):
-    """Applies the operator G + c + streak of one grid and boundary, and an approximate inverse.
 
     modulus: E* of both bodies together [MPa]. boundary: "periodic" (the mean displacement is left out, since
     it has no limit: gaps count from the mean planes), "free" (nothing outside the grid; the displacement is
     that of uniform pressures on square cells, exact; Love 1929, Phil. Trans. R. Soc. A 228, 377; Johnson,
     Contact Mechanics, 1985, section 3.3) or "line" (nothing beyond the ends along x, repeated across; exact
     as well). datum: of a line, distance at which a line of pressure displaces nothing [mm]; by default the
-    grid's length along x.
+    grid's length along x. side: of squares, of which each is a row of the executor's fields and displaces
+    itself alone; by default all rows are one grid.
     """
 
+    #: Ranges of slots for the threads, from 0 on; None: all, by whole rows.
+    chunks: list[tuple[int, int]] | None = None
+
     def __init__(
-        self, executor: Executor, *, modulus: float, boundary: str, datum: float | None = None
+        self,
+        executor: Executor,
+        *,
+        modulus: float,
+        boundary: str,
+        datum: float | None = None,
+        side: int | None = None,
     ) -> None:
-        grid = executor.grid
+        self._executor, self.is_one, device = executor, side is None, executor.device
+        self._grid = grid = executor.grid if side is None else Grid(side, side, executor.grid.cell)
+        self._grids = Grids.whole(executor) if side is None else Grids.squares(executor, side)
+        #: Whether that repeats beyond the edges of the grid, along and across.
         self.wraps, periodic = BOUNDARIES[boundary], boundary == "periodic"
-        super().__init__(executor, padded_shape(grid, self.wraps), grid.shape)
-        self.cells = grid.cells
-        self.shortest_response = shortest_response(grid.cell, modulus)
+        #: Shape of what is transformed for the response.
+        self.far_shape = padded_shape(grid, self.wraps)
+        #: Of the surface: what padding there is in the fields does not count.
+        self.cells = grid.cells * (1 if side is None else executor.grid.nx)
+        #: Displacement under a pressure that alternates from cell to cell [mm/MPa].
+        self.shortest_response = 2.0 * grid.cell / (math.pi * modulus)
+        #: What compliances add to modes of the response and of its inverse, by row up to the middle.
+        self.line, self.near_line = (
+            wp.zeros(rows // 2 + 1, dtype=wp.float64, device=device) for rows in (self.far_shape[0], grid.nx)
+        )
+        #: The weights as programs read them: along x, along y and across corners.
+        self.neighbours = wp.zeros(3, dtype=wp.float32, device=device)
+        #: How many rows of the fields it is about, the first ones; an array of one number.
+        self.visited = wp.full(1, executor.grid.nx, dtype=wp.int32, device=device)
         with array_module(executor) as xp:
             near = periodic_spectrum(grid, modulus, xp, rows=grid.nx // 2 + 1)
             if not periodic:
                 # The mean that a periodic surface leaves out: that of a uniform pressure, about.
                 near[0, 0] = 3.0 * near.max()
             #: Tables of the response without compliances and of what the inverse divides by, rows up to the
-            #: middle.
-            self.near_elastic = self.elastic = near
+            #: middle. Squares have means of their own.
+            self.near_elastic, self.elastic = near, near if self.is_one else near.copy()
             if boundary == "free":
                 self.elastic = xp.asarray(free_quarter(grid, modulus, self.far_shape))
             elif boundary == "line":
@@ -156,40 +101,69 @@ class Influence(Operator):
         self._compliance: tuple[float, float, int] | None = None
         self.set_compliance(0.0, 0.0)
 
+    def add_response(
+        self, program: Program, field_in: Field, field_out: Field, *, single: bool = False
+    ) -> None:
+        """Add to a program: displacement [mm] under a pressure [MPa], compliances included; may be in place.
+
+        single: whether single precision will do.
+        """
+        (self._far_single if single else self._far).add_to(program, field_in, self.line, field_out)
+
+    def add_inverse(self, program: Program, field_in: Field, field_out: Field) -> None:
+        """Add to a program: about the pressure [MPa] of a displacement [mm], in single precision.
+
+        It is |q| E*/2 without compliances. May be in place.
+        """
+        self._near.add_to(program, field_in, self.near_line, field_out, divides=True)
+
+    def respond(self, pressure: Field, displacement: Field) -> None:
+        """Compute the displacement [mm] under a pressure [MPa], compliances included, at once."""
+        program = Program(self._executor)
+        self.add_response(program, pressure, displacement)
+        program.run()
+
     @cached_property
     def _far(self) -> Filter:
-        return filter_of(self._executor, self.elastic, self.far_shape, np.float64)
+        """Return what makes the response, in double precision."""
+        return self._filter(self.elastic, self.far_shape, np.float64)
 
     @cached_property
     def _far_single(self) -> Filter:
-        padded = self.far_shape != self._executor.grid.shape
+        """Return what makes the response in single precision, where that is quicker."""
+        padded = self.far_shape != self._grid.shape
         if not self._executor.device.is_cpu or (padded and not fits(self.far_shape)):
             return self._far
-        return filter_of(self._executor, self.elastic, self.far_shape, np.float32, within=self._far)
+        return self._filter(self.elastic, self.far_shape, np.float32, within=self._far)
 
     @cached_property
     def _near(self) -> Filter:
+        """Return what makes the inverse, by a table of what it divides by."""
         # The inverse runs before the response, which then writes all that it reads: one memory for both.
-        if all(self.wraps) and self._executor.device.is_cpu:
+        if self.is_one and all(self.wraps) and self._executor.device.is_cpu:
             return self._far_single
-        shape = self._executor.grid.shape
-        return filter_of(self._executor, self.near_elastic, shape, np.float32, within=self._far)
+        return self._filter(self.near_elastic, self._grid.shape, np.float32, within=self._far)
+
+    def _filter(self, table: Any, shape: tuple[int, int], kind: Any, within: Filter | None = None) -> Filter:
+        return filter_of(self._executor, table, shape, kind, grids=self._grids, within=within)
 
     def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
-        """Add to the elastic response, as `Operator.set_compliance` says."""
-        compliance = own, streak, self._within(window)
+        """Add to the elastic response [mm/MPa]: own × p of the cell, and streak × S S p.
+
+        S is a mean along x over `window` cells, around each of them: of an even number the cell at either end
+        counts half. None, or as many cells as the grid has rows: S is the mean of the line, and so is S S.
+        Programs of this operator heed it, those recorded before as well.
+        """
+        rows = self._grid.nx
+        compliance = own, streak, rows if window is None else min(window, rows)
         if self._compliance == compliance:
             return
         self._compliance = compliance
-        for line, rows in ((self.line, self.far_shape[0]), (self.near_line, self._executor.grid.nx)):
-            self._executor.put(line, self._line(rows, *compliance))
+        for line, of_rows in ((self.line, self.far_shape[0]), (self.near_line, rows)):
+            self._executor.put(line, self._line(of_rows, *compliance))
         self._executor.put(self.neighbours, self._weights(*compliance))
         if self._along is not None:
             self._executor.put(self._along, self._along_x)
-
-    def _within(self, window: int | None) -> int:
-        rows = self._executor.grid.nx
-        return rows if window is None else min(window, rows)
 
     def _line(self, rows: int, own: float, streak: float, window: int) -> FloatArray:
         """Return what compliances add to the modes of rows, up to the middle."""
@@ -229,22 +203,20 @@ class Influence(Operator):
 
         They are coefficients of the inverse under compliances over that of the cell itself, by few modes.
         """
-        line = self._line(self._executor.grid.nx, own, streak, window)
+        line = self._line(self._grid.nx, own, streak, window)
         response = self._few + line[self._few_lines, np.newaxis]
         inverse = np.divide(1.0, response, out=np.zeros_like(response), where=response > 0.0)
         sums = self._sums @ inverse.ravel()
         weights = -sums[1:] / sums[0]
-        if self.wraps == BOUNDARIES["line"] and self._executor.grid.ny < 3:
-            weights[1:] *= 0.5 * (
-                self._executor.grid.ny - 1
-            )  # the cell itself, or one neighbour on two sides
+        if self.wraps == BOUNDARIES["line"] and self._grid.ny < 3:
+            weights[1:] *= 0.5 * (self._grid.ny - 1)  # the cell itself, or one neighbour on two sides
         return np.asarray(weights, dtype=np.float32)
 
     def _mean_of(self, rows: int, window: int) -> FloatArray:
         """Return the spectrum of S S, which is that of its coefficients, of `rows` modes."""
         if (rows, window) not in self._means:
             distance = np.minimum(np.arange(rows), rows - np.arange(rows))
-            if window == self._executor.grid.nx:
+            if window == self._grid.nx:
                 mean = np.fft.fft(np.where(distance < window, 1.0 / window, 0.0)).real
             else:
                 inside = np.where(2 * distance < window, 1.0, np.where(2 * distance == window, 0.5, 0.0))
@@ -273,7 +245,7 @@ def displace(executor: Executor, pressure: Field, displacement: Field, *, modulu
     shape, program = apart_shape(executor.grid, box), Program(executor)
     line = wp.zeros(shape[0] // 2 + 1, dtype=wp.float64, device=executor.device)
     table = free_quarter(executor.grid, modulus, shape)
-    filter_of(executor, table, shape, np.float64).say(program, pressure, line, displacement)
+    filter_of(executor, table, shape, np.float64).add_to(program, pressure, line, displacement)
     program.run()
 
 
@@ -302,11 +274,6 @@ def periodic_spectrum(grid: Grid, modulus: float, xp: Any = np, *, rows: int | N
     spectrum[0, 0] = math.inf
     xp.sqrt(spectrum, out=spectrum)
     return xp.divide(2.0 / modulus, spectrum, out=spectrum)
-
-
-def shortest_response(cell: float, modulus: float) -> float:
-    """Return the displacement under a pressure that alternates from cell to cell [mm/MPa]."""
-    return 2.0 * cell / (math.pi * modulus)
 
 
 def padded_shape(grid: Grid, wraps: tuple[bool, bool] = (False, False)) -> tuple[int, int]:

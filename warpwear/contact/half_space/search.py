@@ -20,7 +20,7 @@ import warp as wp
 
 from warpwear.contact.balance import TOLERANCE
 from warpwear.contact.certificate import LOAD_TOLERANCE, Certificate, Proof
-from warpwear.contact.half_space.influence import Influence, Operator
+from warpwear.contact.half_space.influence import Influence
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Mirror
 from warpwear.engine.program import Program
@@ -49,7 +49,7 @@ class Search:
     def __init__(
         self,
         executor: Executor,
-        operator: Operator,
+        operator: Influence,
         *,
         hardness: float,
         rules: SearchRules,
@@ -62,19 +62,15 @@ class Search:
         self._executor, self._operator, self._rules = executor, operator, rules
         device, grid = executor.device, executor.grid
         on_cpu = device.is_cpu
-        of_one_grid = isinstance(operator, Influence)
-        self._single = of_one_grid and on_cpu and operator.cells >= LEAST_SINGLE
+        self._single = operator.is_one and on_cpu and operator.cells >= LEAST_SINGLE
         self._yields = yields is not None
-        self._extends = of_one_grid and not self._yields
+        self._extends = operator.is_one and not self._yields
         self._few = rules.few if self._extends and on_cpu and hardness < NO_CAP and groups == 1 else 0
         #: Whether what is extended is gathered tile by tile.
         self._tiled = on_cpu if tiled is None else tiled
         rows = grid.nx * (1 if self._tiled else 2) * self._extends
         gathered = rows, LANES * executor.vectors * self._extends
         slots = grid.nx if groups > 1 else executor.slots_of(grid.nx)
-
-        def array(size: int | tuple[int, ...], dtype: Any) -> Field:
-            return wp.zeros(size, dtype=dtype, device=device)
 
         self._solve = arguments(
             solve.Solve,
@@ -85,38 +81,30 @@ class Search:
             rules=wp.array([self._kernel_rules(groups)], dtype=solve.Rules, device=device),
             fields=arguments(
                 solve.Fields,
+                device,
                 **fields,
                 cap=min(hardness, NO_CAP),
                 fractions=executor.zeros(0) if fractions is None else fractions,
                 yields=executor.zeros(0) if yields is None else yields,
-                gathered=array(gathered, wp.float32),
+                gathered=gathered,
             ),
-            request=array(len(Request), wp.float64),
-            loads=array(groups, wp.float64),
+            request=len(Request),
+            loads=groups,
             visited=operator.visited,
-            groups=array(groups, solve.Group),
-            table=array((solve.LINES, slots), wp.float64),
-            flags=array(len(Flag), wp.int32),
+            groups=groups,
+            table=(solve.LINES, slots),
+            flags=len(Flag),
         )
         if self._extends:
             self._solve.neighbours = operator.neighbours
         self._room: Any = room_for_few(self._few, device) if self._few else None
-        self._proof = Proof(
-            executor,
-            pressure=fields["pressure"],
-            gap=fields["gap"],
-            displacement=fields["response"],
-            cap=hardness,
-            fractions=fractions,
-            groups=groups,
-            visited=operator.visited,
-        )
+        self._proof = Proof(executor, self._solve.fields, groups=groups, visited=operator.visited)
         self._inputs = Mirror(self._solve.request, self._solve.loads)
         self._mirror = Mirror(self._solve.numbers, self._solve.groups, self._proof.arguments.groups)
         self._slots = slots
         #: Ranges of slots for the threads, as of `Program.launch`.
         self._chunks = None if operator.chunks is None else lambda: operator.chunks or [(0, slots)]
-        self._program = self._say()
+        self._program = self._make_program()
 
     def run(self, request: Mapping[Request, float], loads: FloatArray, then: Program | None = None) -> int:
         """Search; return how it ended, by the numbers of `kernels.half_space.solve`.
@@ -136,7 +124,7 @@ class Search:
         if then is not None:
             then.run()
         numbers, groups, proven = self._mirror.read()
-        visited = 1 if len(groups) == 1 else self._operator.rows_visited
+        visited = 1 if len(groups) == 1 else int(self._operator.visited.numpy()[0])
         self.numbers, self.groups, self._proven = numbers[0], groups[:visited], proven[:visited]
         return int(self.numbers["status"])
 
@@ -154,7 +142,7 @@ class Search:
         """Return the certificate of the last pressure, whose search must have been asked for one."""
         return Certificate.of(self._proven, cell_area=self._executor.grid.cell_area)
 
-    def _say(self) -> Program:
+    def _make_program(self) -> Program:
         """Write the program of a search, and of the certificate where its pressure is to have one."""
         program, search, proof = Program(self._executor), self._solve, self._proof
         program.decide(decisions.begin, search)
@@ -248,7 +236,7 @@ class Search:
             self._pass(program, passes.residual)
             if self._yields:
                 self._pass(program, passes.weigh)
-            self._operator.say_inverse(program, trial, trial)
+            self._operator.add_inverse(program, trial, trial)
             if self._yields:
                 self._pass(program, passes.weigh)
             return
@@ -260,7 +248,7 @@ class Search:
                 program.launch(passes.extend, search, slots=blocks)
             with program.branch(self._flag(Flag.EXTENDS_NOT)):
                 self._pass(program, passes.residual)
-            self._operator.say_inverse(program, trial, trial)
+            self._operator.add_inverse(program, trial, trial)
             with program.branch(self._flag(Flag.EXTENDS)):
                 program.launch(passes.gather, search, slots=blocks)
             return
@@ -270,7 +258,7 @@ class Search:
                 for number in numbers:
                     self._pass(program, passes.extend_once, number)
             if numbers[0] == 0:
-                self._operator.say_inverse(program, trial, trial)
+                self._operator.add_inverse(program, trial, trial)
 
     def _move_few(self, program: Program) -> None:
         """Solve the few cells that may still change between 0, free and the cap directly, all at once."""
@@ -289,7 +277,7 @@ class Search:
 
     def _respond(self, program: Program, field: str, *, single: bool) -> None:
         fields = self._solve.fields
-        self._operator.say_response(program, getattr(fields, field), fields.response, single=single)
+        self._operator.add_response(program, getattr(fields, field), fields.response, single=single)
         if self._yields:
             self._pass(program, passes.yield_to_step if field == "step" else passes.yield_to_pressure)
 
@@ -306,22 +294,18 @@ class Search:
 
     def _take_coefficients(self) -> None:
         """Give the operator's coefficients to the search, and write its program anew."""
-        assert isinstance(self._operator, Influence)  # else few cells are never moved at once
         elastic, along = self._operator.coefficients()
         room, (rows, columns) = self._room, self._operator.far_shape
         room.elastic, room.along, room.rows, room.columns = elastic, along, rows, columns
         rules = self._solve.rules.numpy()
         rules["has_coefficients"] = 1
         self._solve.rules.assign(rules)
-        self._program = self._say()
+        self._program = self._make_program()
 
 
 def room_for_few(most: int, device: Any) -> Any:
     """Return the arrays for the cells that are moved at once; coefficients are added later."""
-    integers = dict.fromkeys(("row", "column", "side", "next", "free", "order"), most) | {"count": 1}
-    numbers = dict.fromkeys(("slope", "low", "high", "change", "rest", "along"), most)
-    numbers |= {"pair": 2 * most, "matrix": most**2}
-    numbers |= dict.fromkeys(("equations", "factor"), most * (most + 2))
-    arrays = {name: wp.zeros(size, dtype=wp.int32, device=device) for name, size in integers.items()}
-    arrays |= {name: wp.zeros(size, dtype=wp.float64, device=device) for name, size in numbers.items()}
-    return arguments(solve.ActiveSet, **arrays, elastic=wp.zeros((0, 0), dtype=wp.float64, device=device))
+    names = ("row", "column", "slope", "low", "high", "change", "side", "next", "free", "order", "rest")
+    sizes = dict.fromkeys(names, most) | {"pair": 2 * most, "matrix": most**2}
+    sizes |= dict.fromkeys(("equations", "factor"), most * (most + 2))
+    return arguments(solve.ActiveSet, device, **sizes, elastic=(0, 0))

@@ -79,13 +79,13 @@ class ShearInfluence:
 
         self._far, self._near = filter_by(far, far_shape, np.float64), filter_by(near, grid.shape, np.float32)
 
-    def say_response(self, program: Program, field_in: Field, field_out: Field) -> None:
+    def add_response(self, program: Program, field_in: Field, field_out: Field) -> None:
         """Add to a program: displacement [mm] under a traction [MPa]."""
-        self._far.say(program, field_in[self._part], self._lines[0], field_out[self._part])
+        self._far.add_to(program, field_in[self._part], self._lines[0], field_out[self._part])
 
-    def say_inverse(self, program: Program, field: Field) -> None:
+    def add_inverse(self, program: Program, field: Field) -> None:
         """Add to a program: about the traction [MPa] of a displacement [mm], in place."""
-        self._near.say(program, field[self._part], self._lines[1], field[self._part])
+        self._near.add_to(program, field[self._part], self._lines[1], field[self._part])
 
 
 def _tensor(grid: Grid, base: FloatArray, excess: float) -> FloatArray:
@@ -143,10 +143,10 @@ class ShearSearch:
             **{name: executor.zeros(2 * grid.nx) for name in vectors},
             tie=executor.zeros(),
             bound=executor.zeros(),
-            table=wp.zeros((kernels.LINES, executor.slots_of(grid.nx)), dtype=wp.float64, device=device),
-            flags=wp.zeros(len(ShearFlag), dtype=wp.int32, device=device),
+            table=(kernels.LINES, executor.slots_of(grid.nx)),
+            flags=len(ShearFlag),
         )
-        self._program = self._say()
+        self._program = self._make_program()
 
     def solve(
         self,
@@ -200,9 +200,9 @@ class ShearSearch:
             iterations=int(numbers["iteration"]),
         )
 
-    def _say(self) -> Program:
-        """Say the search: where it begins, and an iteration, which is made until a decision ends it."""
-        program, shear, respond = Program(self._executor), self._shear, self._operator.say_response
+    def _make_program(self) -> Program:
+        """Make the program: where the search begins, and an iteration, until a decision ends it."""
+        program, shear, respond = Program(self._executor), self._shear, self._operator.add_response
         for kernel in (kernels.starts, kernels.scale):
             respond(program, shear.traction, shear.response)
             program.launch(kernel, shear)
@@ -210,7 +210,7 @@ class ShearSearch:
         self._look(program)
         with program.loop(self._flag(ShearFlag.SEARCHING)):
             with program.branch(self._flag(ShearFlag.PRECONDITIONS)):
-                self._operator.say_inverse(program, shear.trial)
+                self._operator.add_inverse(program, shear.trial)
             program.launch(kernels.descends, shear)
             program.decide(kernels.aim, shear)
             program.launch(kernels.aims, shear)
@@ -228,7 +228,7 @@ class ShearSearch:
         with program.loop(self._flag(ShearFlag.SHIFTING)):
             program.launch(kernels.shifts, shear)
             program.decide(kernels.shift, shear)
-        self._operator.say_response(program, shear.traction, shear.response)
+        self._operator.add_response(program, shear.traction, shear.response)
         program.launch(kernels.levels, shear)
         program.decide(kernels.level, shear)
         program.launch(kernels.slips, shear)

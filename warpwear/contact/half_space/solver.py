@@ -13,7 +13,7 @@ import numpy as np
 from warpwear.contact.certificate import Certificate
 from warpwear.contact.half_space import coarse_start
 from warpwear.contact.half_space.coarse_start import carry
-from warpwear.contact.half_space.influence import Influence, Operator
+from warpwear.contact.half_space.influence import Influence
 from warpwear.contact.half_space.search import Search
 from warpwear.contact.half_space.transforms import release
 from warpwear.engine.executor import Executor, Field
@@ -84,7 +84,7 @@ class BoundedPressure:
     def __init__(
         self,
         executor: Executor,
-        influence: Operator,
+        influence: Influence,
         *,
         hardness: float = math.inf,
         tolerance: float = TOLERANCE,

@@ -60,7 +60,7 @@ class Filter(ABC):
     """
 
     @abstractmethod
-    def say(
+    def add_to(
         self, program: Program, field_in: Field, line: Any, field_out: Field, *, divides: bool = False
     ) -> None:
         """Add to a program: field_out = inverse(forward(field_in) × (table + line)); may be the same field.

@@ -150,24 +150,24 @@ class OnWindow:
                 setattr(self, name, self._part.zeros())
             pairs.append((field, getattr(self, name)))
 
-        def say(program: Program) -> None:
+        def add(program: Program) -> None:
             for field, part in pairs:
-                self.say_copy(program, windows.take, field, part)
+                self.add_copy(program, windows.take, field, part)
 
-        self.program(windows.take, say, *(field for field, _ in pairs)).run()
+        self.program(windows.take, add, *(field for field, _ in pairs)).run()
 
-    def say_copy(self, program: Program, kernel: Any, field: Field, target: Field) -> None:
+    def add_copy(self, program: Program, kernel: Any, field: Field, target: Field) -> None:
         """Add to a program: copy a field to one there, or the other way."""
         transfer = arguments(windows.Transfer, field=field, target=target, first=self.first)
         slots = self._part.slots_of(self._part.grid.nx)
         program.launch(kernel, transfer, slots=slots, chunks=self._part.equal_chunks(slots))
 
-    def program(self, name: Any, say: Callable[[Program], None], *about: Any) -> Program:
+    def program(self, name: Any, add: Callable[[Program], None], *about: Any) -> Program:
         """Return a program of the whole grid's executor, which is said once about one thing."""
         last = self._programs.get(name)
         if last is None or len(last[0]) != len(about) or any(map(operator.is_not, last[0], about)):
             last = self._programs[name] = about, Program(self._whole)
-            say(last[1])
+            add(last[1])
         return last[1]
 
 
@@ -321,12 +321,12 @@ class WindowedHalfSpace:
         executor = self._executor
         fields = {"gap": gap, "columns": executor.grid.ny, "extents": self._extents}
 
-        def say(program: Program) -> None:
-            here.say_copy(program, windows.give, here.solver.pressure_field, self._pressure)
-            here.say_copy(program, windows.give, search.gradient, self._gradient)
+        def add(program: Program) -> None:
+            here.add_copy(program, windows.give, here.solver.pressure_field, self._pressure)
+            here.add_copy(program, windows.give, search.gradient, self._gradient)
             program.launch(windows.extents, arguments(windows.Reach, **fields, **search.reached))
 
-        return here.program(windows.extents, say, gap, search)
+        return here.program(windows.extents, add, gap, search)
 
     def _clear_beside(self, window: Window) -> None:
         """Leave no pressure, and no gradient, of the last window where that was another."""

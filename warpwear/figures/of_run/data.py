@@ -13,7 +13,7 @@ from typing import Any, Self
 import numpy as np
 
 from warpwear.engine.executor import Executor
-from warpwear.figures.of_run.view import Bodies, FilmState, Loads, Profile, State, View, Window, or_nan
+from warpwear.figures.of_run.view import Fields, FilmState, Loads, State, View, Window, or_nan
 from warpwear.figures.wording import chosen
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.snapshot import Snapshot
@@ -134,8 +134,8 @@ class FigureData:
         state = window.largest(snapshot.touched).astype(np.uint8)
         state[pressure > 0.0] = State.IN_CONTACT
         state[(pressure > 0.0) & (pressure >= least)] = State.AT_HARDNESS
-        along, across = self._profile(snapshot, 0), self._profile(snapshot, 1)
-        return View(snapshot.distance, row, pressure, state, along, across, self._film(snapshot, window))
+        cuts = {"along": self._cut(snapshot, 0), "across": self._cut(snapshot, 1)}
+        return View(snapshot.distance, row, pressure, state, cuts, self._film(snapshot, window))
 
     def _film(self, snapshot: Snapshot, window: Window) -> Any:
         if snapshot.bare is None:
@@ -146,16 +146,19 @@ class FigureData:
         return window.largest(film)
 
     @cached_property
-    def bodies(self) -> list[Bodies]:
+    def bodies(self) -> list[Fields]:
         """Read both bodies at the snapshots shown, in order of distance."""
         return [self.bodies_at(index) for index in reversed(self.indices)][::-1]
 
-    def bodies_at(self, index: int, *, most: int = 0) -> Bodies:
-        """Return both bodies at snapshot number `index`, in at most `most` blocks along a side."""
+    def bodies_at(self, index: int, *, most: int = 0) -> Fields:
+        """Return both bodies at snapshot number `index`, in at most `most` blocks along a side.
+
+        Heights are positive out of the material.
+        """
         snapshot, window = self.snapshot(index), self.window_of(most or self.blocks)
-        counter, disc = (worn_heights(self.result, snapshot, body) for body in ("counter", "disc"))
-        wear = snapshot.wear_counter, snapshot.lost_beneath
-        return Bodies(*(window.means(field) for field in (counter, disc, *wear)))
+        fields = {body: worn_heights(self.result, snapshot, body) for body in BODIES}
+        fields |= {"wear_counter": snapshot.wear_counter, "wear_disc": snapshot.lost_beneath}
+        return {name: window.means(field) for name, field in fields.items()}
 
     def row_of(self, distance: float) -> int:
         """Return the row of the history whose step ends at a snapshot's distance [mm]."""
@@ -256,7 +259,7 @@ class FigureData:
         parts = [slice(first, first + whole) for first, whole in zip(firsts, wholes, strict=True)]
         return Window.of(self.study.cells, *parts, factor=factor)
 
-    def _profile(self, snapshot: Snapshot, axis: int) -> Profile:
+    def _cut(self, snapshot: Snapshot, axis: int) -> Fields:
         """Cut through the middle of a snapshot. axis: 0 along sliding, 1 across it."""
         axes, parts = (self.result.x, self.result.y), (self.window.x, self.window.y)
         places, part, across = axes[axis], parts[axis], axes[1 - axis]
@@ -273,15 +276,15 @@ class FigureData:
         cut = places[part], np.zeros(1)
         unworn = self.result.unworn_counter(*(cut if axis == 0 else cut[::-1])).ravel()
         counter = or_nan(unworn) + line(snapshot.wear_counter)
-        return Profile(
-            place=places[part],
-            counter=counter,
-            disc=counter - line(snapshot.gap),
-            wear_counter=line(snapshot.wear_counter),
-            wear_disc=line(snapshot.lost_beneath),
-            bins=places[part][whole].reshape(bins, cells).mean(axis=1),
-            pressure=pressure[whole].reshape(bins, cells).mean(axis=1),
-        )
+        means = {"bins": places[part], "pressure": pressure}
+        return {
+            "place": places[part],
+            "counter": counter,
+            "disc": counter - line(snapshot.gap),
+            "wear_counter": line(snapshot.wear_counter),
+            "wear_disc": line(snapshot.lost_beneath),
+            **{name: values[whole].reshape(bins, cells).mean(axis=1) for name, values in means.items()},
+        }
 
 
 def macro_window(patches: Patches, carried: FloatArray) -> Window:

@@ -1,20 +1,18 @@
 """Declare figures of fields: pressure, state of contact, loads of patches; as maps, in 3-D, as lines."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from warpwear.figures import describe
 from warpwear.figures.coarse import coarsen
-from warpwear.figures.describe import Axis, Box, Chart, Figure, Line, Look, Map, Outline, Scale, Towers
+from warpwear.figures.describe import Axis, Box, Chart, Figure, Line, Look, Map, Scale, Towers
 from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.view import FilmState, State, Window, positive
 from warpwear.figures.wording import after, with_scatter
 from warpwear.grid import FloatArray
-from warpwear.laws import archard
 from warpwear.laws.patches import Patches
 
 STATES = {
@@ -98,8 +96,7 @@ def pressure_profiles(data: FigureData) -> Figure:
     """Pressure along and across sliding in a strip through the middle {when}, means that include cells
     without contact.
     """
-    views, looks = data.views, describe.in_time(describe.CONTACT, len(data.views))
-    tops = [float(max(v.along.pressure.max(), v.across.pressure.max())) for v in views]
+    tops = [float(max(cut["pressure"].max() for cut in view.cuts.values())) for view in data.views]
     seen = [top for top in tops if top > 0.0]
     widths = [*dict.fromkeys(f"{1e3 * strip:.3g}" for strip in data.strips)]
     mean = "mean of " if len(widths) == 1 else ""
@@ -110,8 +107,8 @@ def pressure_profiles(data: FigureData) -> Figure:
     panels = []
     ways = (("along", describe.ALONG, "Along sliding"), ("across", describe.ACROSS, "Across it"))
     for cut, place, title in ways:
-        cuts = [(getattr(view, cut), after(view.distance)) for view in views]
-        lines = [Line(c.bins, c.pressure, when, look) for (c, when), look in zip(cuts, looks, strict=True)]
+        states = [(v.cuts[cut]["bins"], v.cuts[cut]["pressure"], after(v.distance)) for v in data.views]
+        lines = describe.lines_in_time(describe.CONTACT, states)
         panels.append(Chart(title, Axis(place), pressure, lines))
     return Figure(panels, legend=4, shared="y")
 
@@ -150,36 +147,20 @@ def hertz(data: FigureData) -> Figure:
         values = np.array(snapshot.pressure[:, row])
         seen = np.flatnonzero(values > 0.0)
         seen = np.arange(max(seen[0] - 1, 0), min(seen[-1] + 2, values.size))
-        worn = Line(
-            places[seen], values[seen], "elastic foundation", Look(describe.MEAN_PRESSURE), step="mid"
-        )
+        look = Look(describe.MEAN_PRESSURE)
+        worn = Line(places[seen], values[seen], "elastic foundation", look, step="mid")
         half = MARGIN * max(theory.semi_axes[0], float(np.abs(places[seen]).max()))
         pressure = Axis("pressure, MPa", low=0.0)
         if panels:
             median = float(np.median(snapshot.pressure[snapshot.pressure > 0.0]))
             ends = 0.3 * median, 2.0 * theory.peak_pressure
             pressure = Axis("pressure, MPa", "log", *ends)
-        when = after(snapshot.distance)
-        panels.append(
-            Chart(when, Axis(describe.ALONG, low=-half, high=half, ticks=5), pressure, [unworn, worn], when)
-        )
+        when, along = after(snapshot.distance), Axis(describe.ALONG, low=-half, high=half, ticks=5)
+        panels.append(Chart(when, along, pressure, [unworn, worn], when))
     return Figure(panels, legend=2)
 
 
-@words.figure(words.TRACK_FACTOR, words.NO_FACTOR, words.NO_SNAPSHOT)
-def distance_factor(data: FigureData) -> Figure:
-    """Sliding distance of cells of the disc over that of the middle."""
-    study, window, kind = data.study, data.window, data.study.wear.distance_factor
-    factors = archard.distance_factor(study.cells, kind, curvature=study.counter.form.curvature)
-    whole = np.broadcast_to(factors, study.cells.shape)
-    part, label = whole[window.x, window.y], "relative sliding distance, –"
-    scale = Scale(label, float(part.min()), float(part.max()), colours="heights")
-    line = Line(study.cells.y[window.y], whole[study.cells.nx // 2, window.y], look=Look(describe.DISC))
-    across = Chart("Across", Axis(describe.ACROSS), Axis(label), [line], "1 = sliding distance in the middle")
-    return Figure([Map("Factor", [part], window.extent, scale), across], height=2.9)
-
-
-@words.figure(*words.PATCHES, essential=True)
+@words.figure(*words.PATCHES, essential=True, section="load_share")
 def load_share(data: FigureData) -> Figure:
     """Load of each patch over its area {when}{smooth}."""
     loads, labels = data.loads, [after(distance) for distance in data.distances]
@@ -214,17 +195,15 @@ def patch_zoom(data: FigureData) -> Figure:
         near, alone = (_around(patches, half, neighbours) for neighbours in (NEIGHBOURS, 0))
         top = float(snapshot.pressure[near.x, near.y].max())
         loads = Scale("load/area, MPa", 0.0, float(carried.max()))
-        frame = [Outline(near.extent)]
         title = f"{after(snapshot.distance)}: patches"
-        maps.append(Map(title, [positive(carried)], window.extent, loads, [title], outlines=frame))
-        for part, title, frame in (
-            (near, "around one of them", [Outline(alone.extent)]),
-            (alone, f"this patch: {share[half]:.3g} N", []),
-        ):
+        maps.append(Map(title, [positive(carried)], window.extent, loads, [title], frames=[near.extent]))
+        parts = {"around one of them": (near, [alone.extent])}
+        parts[f"this patch: {share[half]:.3g} N"] = (alone, [])
+        for title, (part, frame) in parts.items():
             pressure, hidden = (cut[part.x, part.y] for cut in (snapshot.pressure, np.isnan(snapshot.gap)))
+            more: dict[str, Any] = {"frames": frame, "hidden": hidden}
             scale = Scale("pressure, MPa", 0.0, top)
-            of_part = Map(title, [positive(pressure)], part.extent, scale, [title], outlines=frame)
-            maps.append(replace(of_part, hidden=hidden))
+            maps.append(Map(title, [positive(pressure)], part.extent, scale, [title], **more))
     return Figure(maps, columns=3)
 
 

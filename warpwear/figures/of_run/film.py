@@ -71,11 +71,8 @@ def _check(result: ResultFile, out: str | Path | None, *, frames_per_second: flo
         )
     if not 0.0 < frames_per_second <= 100.0:
         raise InputError(f"fps = {frames_per_second:g} is not possible; allowed: more than 0, to 100")
-    if out is None:
-        suffix = ".mp4" if FFMpegWriter.isAvailable() else ".gif"
-        path = (result.folder or Path()) / f"animation{suffix}"
-    else:
-        path = Path(out)
+    name = f"animation{'.mp4' if FFMpegWriter.isAvailable() else '.gif'}"
+    path = (result.folder or Path()) / name if out is None else Path(out)
     suffix = path.suffix.lower()
     if suffix not in WRITERS:
         raise InputError(f"out = {path}: the name of a {' or a '.join(WRITERS)} file is expected")
@@ -128,7 +125,7 @@ class _Film:
         """Return heights of the disc [µm]: under the ball, or of the whole track that it slides over."""
         if self._swept:
             return 1e3 * blocks(self._data.result, index, BLOCKS).heights
-        return np.asarray(1e3 * self._data.bodies_at(index).disc)
+        return np.asarray(1e3 * self._data.bodies_at(index)["disc"])
 
     def _course(self, slid: float) -> Chart:
         """Declare the course up to a distance and its end, of the area where there is no friction."""
@@ -137,7 +134,7 @@ class _Film:
         values, label = course[quantity.name], quantity.axis
         count = max(int(np.searchsorted(course["distance"], slid, side="right")), 1)
         x, y = course["distance"][:count], values[:count]
-        dot = Line(x[-1:], y[-1:], look=Look(describe.NEUTRAL, "", marker="o", size=4.0), clipped=False)
+        dot = Line(x[-1:], y[-1:], look=describe.DOT, clipped=False)
         distance = Axis(describe.DISTANCE, low=0.0, high=1.03 * float(course["distance"][-1]), ticks=5)
         value = Axis(label, low=0.0, high=1.05 * float(np.nanmax(values)))
         return Chart(label, distance, value, [Line(x, y), dot])

@@ -1,9 +1,11 @@
 """Figures of a fretting run: loops, their log, the map of running conditions, slip, energy, both scars."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from warpwear.figures import describe
-from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Scale, in_time
+from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Scale, lines_in_time
 from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.fields import of_views
@@ -38,17 +40,15 @@ def _loop(data: FigureData, row: int) -> tuple[FloatArray, FloatArray]:
     return force, 1e3 * (place + drive.rig * force)
 
 
-@words.figure(words.NO_FRETTING, words.NO_DISPLACEMENT, essential=True, section="fretting")
+@words.figure(words.NO_FRETTING, words.NO_DRIVE, essential=True, section="fretting")
 def fretting_loops(data: FigureData) -> Figure:
     """Tangential force over the displacement of the drive in some cycles, and, as a log, of cycles spread
     over the test. Tips and area of a loop are computed; between them it is a power law of that area.
     """
     cycles = _cycles(data)
-    rows = chosen(cycles.size, LOOPS)
-    lines: list[Line] = []
-    for row, look in zip(rows, in_time(describe.CONTACT, len(rows)), strict=True):
-        force, place = _loop(data, row)
-        lines.append(Line(place, force, f"cycle {short(float(f'{max(cycles[row], 1.0):.2g}'))}", look))
+    rows = {row: short(float(f"{max(cycles[row], 1.0):.2g}")) for row in chosen(cycles.size, LOOPS)}
+    states = [(*_loop(data, row)[::-1], f"cycle {number}") for row, number in rows.items()]
+    lines = lines_in_time(describe.CONTACT, states)
     limit = data.study.friction.coefficient * float(data.history["load"][-1])
     levels = [Level(sign * limit, look=Look(describe.NOMINAL, "dash", 0.8)) for sign in (1.0, -1.0)]
     note = "dashed: coefficient × load"
@@ -64,7 +64,7 @@ def fretting_loops(data: FigureData) -> Figure:
     return Figure(panels, legend=LOOPS, shared="")
 
 
-@words.figure(words.NO_FRETTING, words.NO_DISPLACEMENT, words.NO_HERTZ, essential=True, section="fretting")
+@words.figure(words.NO_FRETTING, words.NO_DRIVE, words.NO_HERTZ, essential=True, section="fretting")
 def running_conditions(data: FigureData) -> Figure:
     """Load over displacement amplitude: the run, from its first cycle (ring) to its last (dot), and the
     borders of unworn smooth bodies: left of the first less than a twentieth of the radius slips, right of the
@@ -77,17 +77,13 @@ def running_conditions(data: FigureData) -> Figure:
     border = 1e3 * displacement(hertz, study.softness_ratio, study.friction.coefficient)
     borders = border * (loads / hertz.load) ** (2.0 / 3.0)
     place, now = (1e3 * history[name] for name in ("displacement", "displacement_border"))
-    dot, ring = (
-        Look(describe.NEUTRAL, "", marker="o", size=4.0),
-        Look(dash="", marker="o", size=7.0, hollow=True),
-    )
     cross, held = Look(describe.DISC, "", marker="x", size=5.0), history["load"]
     lines = [
         Line((1.0 - (1.0 - RING) ** 2) * borders, loads, "sticks | slips in a ring", Look(describe.TOUCHED)),
         Line(borders, loads, "slips in a ring | all slips", Look(describe.DISC)),
         Line(place, held, look=Look(describe.NEUTRAL, width=0.8)),
-        Line(place[:1], held[:1], "first cycle", ring),
-        Line(place[-1:], held[-1:], "last cycle", dot),
+        Line(place[:1], held[:1], "first cycle", replace(describe.RING, size=7.0)),
+        Line(place[-1:], held[-1:], "last cycle", describe.DOT),
         Line(now[-1:], held[-1:], "all slips, of the scar", cross),
     ]
     wide = max(float(place.max()), float(now[-1]), float(borders[-1]))
@@ -121,11 +117,10 @@ def cycle_energy(data: FigureData) -> Figure:
     over, energies = Axis(CYCLES, "log"), Line(cycles, history["energy"], look=Look(describe.CONTACT))
     panels = [Chart("Energy of a cycle", over, axis_of(BY_NAME["energy"]), [energies])]
     if np.isfinite(history["energy_ratio"]).any():
-        ratio: list[Line | Level] = [
-            Line(cycles, history["energy_ratio"], look=Look(describe.CONTACT)),
-            Level(0.2, "unworn ball begins to slip", Look(describe.NOMINAL, "dash", 0.8)),
-        ]
-        panels.append(Chart("Energy ratio", over, Axis("energy over 4QΔ, –", low=0.0, high=1.05), ratio))
+        ratio = replace(energies, y=history["energy_ratio"])
+        slips = Level(0.2, "unworn ball begins to slip", Look(describe.NOMINAL, "dash", 0.8))
+        part = Axis("energy over 4QΔ, –", low=0.0, high=1.05)
+        panels.append(Chart("Energy ratio", over, part, [ratio, slips]))
     total, lines = history["friction_energy"], []
     for body in BODIES:
         of = BY_NAME[f"wear_volume_{body}"]
@@ -144,8 +139,8 @@ def fretting_scars(data: FigureData) -> Figure:
     last, panels = data.views[-1], []
     looks = {body: look_of(BY_NAME[f"wear_depth_{body}"]) for body in BODIES}
     for name, label, _ in cuts_of(data):
-        cut = getattr(last, name)
-        depths = {body: -1e3 * getattr(cut, f"wear_{body}") for body in BODIES}
-        lines = [Line(cut.place, depths[body], data.name_of(body), looks[body]) for body in BODIES]
+        cut = last.cuts[name]
+        depths = {body: -1e3 * cut[f"wear_{body}"] for body in BODIES}
+        lines = [Line(cut["place"], depths[body], data.name_of(body), looks[body]) for body in BODIES]
         panels.append(Chart(f"Worn {name} sliding", Axis(label), Axis("worn depth, µm"), lines))
     return Figure(panels, legend=2, shared="y")

@@ -29,8 +29,6 @@ SUMMED = "area_cumulative"
 LEAST = 0.03
 #: Bins of distances in which pieces are counted.
 PIECES_BINS = 30
-#: Shortest time shown in the unit [s], unit, seconds of it.
-TIMES = ((36000.0, "h", 3600.0), (600.0, "min", 60.0), (0.0, "s", 1.0))
 
 
 def look_of(quantity: Quantity, **changes: float) -> Look:
@@ -53,9 +51,7 @@ def cof(data: FigureData) -> Figure:
 def cof_time(data: FigureData) -> Figure:
     """Coefficient of friction over the sliding time. {friction}"""
     time = data.course["time"]
-    unit, seconds = next((unit, s) for least, unit, s in TIMES if time[-1] >= least)
-    line = Line(time / seconds, data.course["cof"])
-    return _of_cof(data, time / seconds, [line], f"sliding time, {unit}")
+    return _of_cof(data, time, [Line(time, data.course["cof"])], describe.TIME)
 
 
 def _of_cof(data: FigureData, places: FloatArray, lines: list[Line], over: str) -> Figure:
@@ -63,8 +59,8 @@ def _of_cof(data: FigureData, places: FloatArray, lines: list[Line], over: str) 
     friction = data.study.friction
     if friction.fitted in ("end", "initial"):
         place = slice(-1, None) if friction.calibrate == "end" else slice(1)
-        mark = Look(dash="", marker="o", size=4.0, hollow=True)
-        lines = [*lines, Line(places[place], np.array([friction.coefficient]), look=mark, clipped=False)]
+        mark = Line(places[place], np.array([friction.coefficient]), look=describe.RING, clipped=False)
+        lines = [*lines, mark]
     note = f"area that shears: {BY_NAME[f'area_{friction.area}'].short}\n{data.shear}"
     note = data.shear if friction.fitted == "coulomb" else note
     value = axis_of(BY_NAME["cof"])
@@ -184,7 +180,7 @@ def volumes(data: FigureData) -> Figure:
     return Figure(panels, legend=2)
 
 
-@words.figure(words.NO_PIECES, essential=True)
+@words.figure(words.NO_PIECES, essential=True, section="pieces")
 def pieces(data: FigureData) -> Figure:
     """Diameters of the pieces as they were cut, and how many left {slider} and disc per distance slid.
 

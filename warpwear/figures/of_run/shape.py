@@ -1,13 +1,15 @@
 """Figures of the bodies' shapes: how they stood before sliding, what is left of them and what is gone."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from warpwear.figures import describe
 from warpwear.figures.coarse import coarsen
-from warpwear.figures.describe import Axis, Chart, Figure, Line, Look, Map, in_time, shade
+from warpwear.figures.describe import Axis, Chart, Figure, Line, Look, Map, lines_in_time, shade
 from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
-from warpwear.figures.of_run.view import Profile, or_nan, positive
+from warpwear.figures.of_run.view import Fields, or_nan, positive
 from warpwear.figures.wording import after
 from warpwear.grid import FloatArray
 
@@ -58,18 +60,15 @@ def setup(data: FigureData) -> Figure:
 @words.figure(words.TRACK, *words.FIELD, words.UNWORN)
 def wear_map(data: FigureData) -> Figure:
     """Wear depth of {slider} and disc {end}."""
-    last, when = data.bodies[-1], after(data.distances[-1])
-    depths = {body: 1.0e3 * getattr(last, f"wear_{body}") for body in describe.BODIES}
+    when, maps = after(data.distances[-1]), []
+    depths = {body: 1.0e3 * data.bodies[-1][f"wear_{body}"] for body in describe.BODIES}
     deepest = {body: float(depth.max()) for body, depth in depths.items()}
     unlike = UNLIKE * min(deepest.values()) < max(deepest.values())
-    own = ", a scale of its own" if unlike else ""
-    maps = []
     for body, depth in depths.items():
-        high = deepest[body] if unlike else max(deepest.values())
-        scale, name = describe.Scale("wear depth, µm", 0.0, high or 1.0, colours="depths"), data.name_of(body)
-        maps.append(
-            Map(f"Wear of the {name}", [positive(depth)], data.window.extent, scale, [f"{name} {when}{own}"])
-        )
+        high, name = deepest[body] if unlike else max(deepest.values()), data.name_of(body)
+        scale = describe.Scale("wear depth, µm", 0.0, high or 1.0, colours="depths")
+        label = f"{name} {when}{', a scale of its own' * unlike}"
+        maps.append(Map(f"Wear of the {name}", [positive(depth)], data.window.extent, scale, [label]))
     return Figure(maps)
 
 
@@ -116,7 +115,7 @@ def _maps(data: FigureData, body: str) -> Figure:
     if len(bodies) == 4:  # with the unworn one four panels; the third says least
         del bodies[2]
     labels = ["unworn", *(after(distance) for distance, _ in bodies)]
-    fields = [1e3 * _unworn(data, body), *(1e3 * getattr(worn, body) for _, worn in bodies)]
+    fields = [1e3 * _unworn(data, body), *(1e3 * worn[body] for _, worn in bodies)]
     name = data.name_of(body)
     is_ball = name == "ball"
     # A ball's flank at the corners would take half of the colours.
@@ -132,11 +131,11 @@ def _maps(data: FigureData, body: str) -> Figure:
 
 def _surfaces(data: FigureData, body: str) -> Figure:
     last, extent = data.bodies[-1], data.window.extent
-    states = {"unworn": _unworn(data, body), after(data.distances[-1]): getattr(last, body)}
+    states = {"unworn": _unworn(data, body), after(data.distances[-1]): last[body]}
     states = {state: 1e3 * coarsen(field, RELIEF)[0] for state, field in states.items()}
     name, turned = data.name_of(body), ", turned over" if body == "counter" else ""
     is_ball = name == "ball"
-    worn = coarsen((getattr(last, f"wear_{body}") > 0.0).astype(float), RELIEF)[0] if name in ROUND else None
+    worn = coarsen((last[f"wear_{body}"] > 0.0).astype(float), RELIEF)[0] if name in ROUND else None
     # A cap's corners do not set the scale.
     seen = [_cap(field) if is_ball else field for field in states.values()]
     ends = min(float(np.nanmin(field)) for field in seen), max(float(np.nanmax(field)) for field in seen)
@@ -152,8 +151,7 @@ def _surfaces(data: FigureData, body: str) -> Figure:
 
 def _unworn(data: FigureData, body: str) -> FloatArray:
     """Return the unworn shape of a body [mm]: the mean of the worn shape plus the mean of the wear."""
-    worn: FloatArray = getattr(data.bodies[-1], body)
-    return worn + getattr(data.bodies[-1], f"wear_{body}")
+    return data.bodies[-1][body] + data.bodies[-1][f"wear_{body}"]
 
 
 def _cap(field: FloatArray) -> FloatArray:
@@ -167,15 +165,13 @@ def _profiles(data: FigureData, body: str) -> Figure:
     sign = -1.0 if body == "counter" else 1.0  # heights are positive out of the material
     panels: list[Chart] = []
     for cut, label, title in cuts_of(data):
-        first: Profile = getattr(views[0], cut)
-        unworn = sign * getattr(first, body) + getattr(first, f"wear_{body}")
-        lines = [Line(first.place, 1e3 * unworn, "unworn", Look(describe.UNWORN, width=0.5))]
-        for view, look in zip(views, in_time(describe.BODIES[body], len(views)), strict=True):
-            profile: Profile = getattr(view, cut)
-            heights = 1e3 * sign * getattr(profile, body)
-            lines.append(Line(profile.place, heights, after(view.distance), look))
-        panels.append(_section(title, label, Axis("height, µm"), lines, panels))
-    return Figure(panels, legend=len(views) + 1, shared="y")
+        first = views[0].cuts[cut]
+        unworn = sign * first[body] + first[f"wear_{body}"]
+        lines = [Line(first["place"], 1e3 * unworn, "unworn", Look(describe.UNWORN, width=0.5))]
+        states = [(v.cuts[cut]["place"], 1e3 * sign * v.cuts[cut][body], after(v.distance)) for v in views]
+        lines += lines_in_time(describe.BODIES[body], states)
+        panels.append(Chart(title, Axis(label), Axis("height, µm"), lines, stretch_factor=1e3))
+    return Figure(_told(panels), legend=len(views) + 1, shared="y")
 
 
 def cuts_of(data: FigureData) -> tuple[tuple[str, str, str], ...]:
@@ -183,20 +179,18 @@ def cuts_of(data: FigureData) -> tuple[tuple[str, str, str], ...]:
     return CUTS if data.study.cells.ny > 1 else CUTS[:1]
 
 
-def _section(title: str, label: str, heights: Axis, lines: list[Line], before: list[Chart]) -> Chart:
-    """Make a section along or across sliding; the first one says how much larger heights are drawn."""
-    return Chart(
-        title, Axis(label), heights, lines, stretch_note="" if before else LARGER, stretch_factor=1e3
-    )
+def _told(panels: list[Chart]) -> list[Chart]:
+    """Say over the first of some sections how much larger heights are drawn."""
+    return [replace(panels[0], stretch_note=LARGER), *panels[1:]]
 
 
-@words.figure(*words.FIELD, essential=True)
+@words.figure(*words.FIELD, essential=True, section="profiles")
 def profiles(data: FigureData) -> Figure:
     """Sections of both bodies through the middle in contact {end}, and without their wear."""
     last = data.views[-1]
     approach, slider = float(data.history["approach"][last.row]), data.slider
-    cuts = [getattr(last, name) for name, *_ in cuts_of(data)]
-    worn = any(lost.any() for cut in cuts for lost in (cut.wear_counter, cut.wear_disc))
+    cuts = [last.cuts[name] for name, *_ in cuts_of(data)]
+    worn = any(cut[f"wear_{body}"].any() for cut in cuts for body in describe.BODIES)
     ends = [_seen(cut, approach) for cut in cuts]
     low, high = min(low for low, _ in ends), max(high for _, high in ends)
     room = 0.05 * (high - low)
@@ -204,22 +198,23 @@ def profiles(data: FigureData) -> Figure:
     state = ", worn" if worn else ""
     panels: list[Chart] = []
     for cut, (_, label, title) in zip(cuts, cuts_of(data), strict=True):
-        counter, disc = cut.counter - approach, cut.disc
+        counter, disc = cut["counter"] - approach, cut["disc"]
         bodies = [
-            (disc + cut.wear_disc, "disc, unworn", Look(shade(describe.DISC, 0.0), width=0.5)),
-            (counter - cut.wear_counter, f"{slider}, unworn", Look(describe.COUNTER, "dash", 0.7)),
+            (disc + cut["wear_disc"], "disc, unworn", Look(shade(describe.DISC, 0.0), width=0.5)),
+            (counter - cut["wear_counter"], f"{slider}, unworn", Look(describe.COUNTER, "dash", 0.7)),
             (counter, f"{slider}{state}", Look(describe.COUNTER, width=2.6, alpha=0.4)),
             (disc, f"disc{state}", Look(describe.DISC, width=0.8)),
         ]
-        lines = [Line(cut.place, 1e3 * y, name, look) for y, name, look in bodies[0 if worn else 2 :]]
-        panels.append(_section(title, label, heights, lines, panels))
-    return Figure(panels, legend=4, shared="y")
+        lines = [Line(cut["place"], 1e3 * y, name, look) for y, name, look in bodies[0 if worn else 2 :]]
+        panels.append(Chart(title, Axis(label), heights, lines, stretch_factor=1e3))
+    return Figure(_told(panels), legend=4, shared="y")
 
 
-def _seen(cut: Profile, approach: float) -> tuple[float, float]:
+def _seen(cut: Fields, approach: float) -> tuple[float, float]:
     """Return the heights between which both bodies are to be seen [mm]."""
-    counter, unworn_disc = cut.counter - approach, cut.disc + cut.wear_disc
-    bottom = min(float(np.nanmin(heights)) for heights in (unworn_disc, cut.disc, counter - cut.wear_counter))
+    counter, unworn_disc = cut["counter"] - approach, cut["disc"] + cut["wear_disc"]
+    lowest = unworn_disc, cut["disc"], counter - cut["wear_counter"]
+    bottom = min(float(np.nanmin(heights)) for heights in lowest)
     rise = float(np.nanmax(counter) - np.nanmin(counter))
     return bottom, max(float(np.nanmax(unworn_disc)), float(np.nanmin(counter)) + 0.25 * rise)
 
@@ -228,12 +223,9 @@ def turned_bodies(data: FigureData) -> Figure:
     """Both bodies at the end and before, which a page's reader turns by hand."""
     last, window = data.bodies_at(data.indices[-1], most=TURNED), data.window_of(TURNED)
     slider, side = data.slider, 1e3 * window.factor * data.study.grid.cell
-    heights = {
-        "disc, worn": last.disc,
-        "disc, before": last.disc + last.wear_disc,
-        f"{slider}, worn": last.counter,
-        f"{slider}, before": last.counter + last.wear_counter,
-    }
+    heights: Fields = {}
+    for body, name in (("disc", "disc"), ("counter", slider)):
+        heights |= {f"{name}, worn": last[body], f"{name}, before": last[body] + last[f"wear_{body}"]}
     note = (
         f"Mean heights of squares of {side:.3g} µm, positive out of the material, so that the {slider} lies "
         "turned over. Heights are drawn larger than places. Drag to turn, wheel to zoom; on the keyboard the "

@@ -21,7 +21,7 @@ PARAMETERS: dict[str, tuple[str, Look]] = {
 }
 
 
-@words.figure(*words.ROUGHNESS, essential=True)
+@words.figure(*words.ROUGHNESS, essential=True, section="roughness")
 def roughness(data: FigureData) -> Figure:
     """Height parameters (ISO 25178-2) of the disc in the middle of the scar, its bowl taken off, over the
     sliding distance.
@@ -77,16 +77,13 @@ def spectrum(data: FigureData) -> Figure:
     panels = []
     for body, colour in (("counter", describe.COUNTER), ("disc", describe.DISC)):
         states = data.spectra[body]
-        lines = [  # from mm⁴ to µm⁴
-            Line(1e3 * spectrum.wavelength, 1e12 * spectrum.density, look=look)
-            for (_, spectrum), look in zip(states, in_time(colour, len(states)), strict=True)
-        ]
+        densities = [(1e3 * s.wavelength, 1e12 * s.density, "") for _, s in states]  # from mm⁴ to µm⁴
+        lines = describe.lines_in_time(colour, densities)
         if body == "disc":
-            greys = in_time(describe.NEUTRAL, len(states))
-            lines += [
-                Line(np.zeros(0), np.zeros(0), after(distance), look)
-                for (distance, _), look in zip(states, greys, strict=True)
-            ]
+            none = np.zeros(0)
+            lines += describe.lines_in_time(
+                describe.NEUTRAL, [(none, none, after(slid)) for slid, _ in states]
+            )
         name = data.name_of(body)
         panels.append(Chart(name, Axis("wavelength, µm", "log", inverted=True), density, lines, name))
     return Figure(panels, legend=4, shared="y")
@@ -105,12 +102,11 @@ def islands(data: FigureData) -> Figure:
         Line(table["distance"], table["islands_of_one_cell"], "of one cell", single),
     ]
     indices = [index for index in data.indices if areas[index].size]
-    sizes = []
-    for index, look in zip(indices, in_time(describe.CONTACT, len(indices)), strict=True):
-        falling = np.sort(areas[index])[::-1]
-        label = f"right: {after(table['distance'][index])}"
-        # Islands at least as large: between two areas, those of the larger.
-        sizes.append(Line(falling, np.arange(1.0, falling.size + 1), label, look, step="post"))
+    labels = [f"right: {after(table['distance'][index])}" for index in indices]
+    falling = [(np.sort(areas[index])[::-1], np.arange(1.0, areas[index].size + 1)) for index in indices]
+    states = [(*both, label) for both, label in zip(falling, labels, strict=True)]
+    # Islands at least as large: between two areas, those of the larger.
+    sizes = describe.lines_in_time(describe.CONTACT, states, "post")
     # To a whole decade, and only decades labelled: labels between them would run into each other.
     powers = np.log10(np.concatenate([areas[index] for index in indices]))
     ends = 0.8 * 10.0 ** powers.min(), 10.0 ** np.floor(powers.max() + 1.0)

@@ -18,54 +18,53 @@ POINTS = 120
 NEAR = 3.0
 
 
-def _unit(data: FigureData, index: int) -> tuple[float, str, str]:
-    """Return the length of an axis's unit [mm], its name, and what is said of it.
+def _unit(data: FigureData) -> tuple[float, str, str]:
+    """Return the length of an axis's unit [mm], how a label ends in it, and what is said of it.
 
-    It is half the width of the contact in the plane, or a millimetre where that fills the domain.
+    It is half the width of the last contact in the plane, or a millimetre where that fills the domain.
     """
-    pressure, axis = data.snapshot(index).pressure, data.study.output.stress_plane[0]
-    number = 0 if axis == "y" else 1
-    along = extents(pressure > 0.0)[number]
+    number = _along(data)
+    along = extents(data.snapshot(data.indices[-1]).pressure > 0.0)[number]
     width = (along.stop - along.start) * data.study.grid.cell
     if width >= data.study.grid.sides[number] or not width:
-        return 1.0, "mm", ""
-    return 0.5 * width, "a", f"a = {0.5 * width:.3g} mm, half the contact's width"
+        return 1.0, ", mm", ""
+    return 0.5 * width, "/a, –", f"a = {0.5 * width:.3g} mm, half the contact's width"
 
 
-@words.figure(words.NO_STRESSES, words.NO_SNAPSHOT, essential=True)
+def _along(data: FigureData) -> int:
+    """Return the axis along the plane: 0 where it is one of y, else 1."""
+    return "yx".index(data.study.output.stress_plane[0])
+
+
+@words.figure(words.NO_STRESSES, words.NO_SNAPSHOT, essential=True, section="stresses")
 def stress_map(data: FigureData) -> Figure:
     """Stresses below the disc in the plane {plane} {end}, under pressure and friction towards greater x, over
     half the contact's width, a; between the depths that were computed by straight lines.
     """
     index, table = data.indices[-1], data.result.stresses
-    unit, name, note = _unit(data, index)
+    unit, suffix, note = _unit(data)
     depths = table["depth"][index]
     levels = np.linspace(depths[0], depths[-1], 2 * POINTS + 1)[1::2]
-    along = data.result.x if data.study.output.stress_plane[0] == "y" else data.result.y
-    half = 0.5 * along.size * data.study.grid.cell
-    way = "x" if data.study.output.stress_plane[0] == "y" else "y"
+    half, across = 0.5 * data.study.grid.sides[_along(data)] / unit, f"{'xy'[_along(data)]}{suffix}"
+    extent, notes = (-half, half, -depths[-1] / unit, -depths[0] / unit), [note] if note else []
     panels = []
     for measure in ("mises", "principal", *(OF_A_CYCLE if data.study.fatigue else ())):
         plane: FloatArray = table[f"{measure}_plane"][index]
         field = np.array([np.interp(levels, depths, column) for column in plane.T])[:, ::-1]
         scale = Scale(BY_NAME[measure].axis, 0.0, max(float(plane.max()), 1e-9), beyond="min")
-        extent = -half / unit, half / unit, -depths[-1] / unit, -depths[0] / unit
-        notes = [note] if note else []
-        across = f"{way}/{name}, –" if note else f"{way}, {name}"
-        down = f"−z/{name}, –" if note else f"−z, {name}"
-        label = BY_NAME[measure].label
-        panels.append(Map(label, [field], extent, scale, [label], notes, square=False, x=across, y=down))
+        label, axes = BY_NAME[measure].label, dict[str, Any](x=across, y=f"−z{suffix}")
+        panels.append(Map(label, [field], extent, scale, [label], notes, square=False, **axes))
     return Figure(panels, columns=2)
 
 
-@words.figure(words.NO_STRESSES, words.NO_SNAPSHOT, essential=True)
+@words.figure(words.NO_STRESSES, words.NO_SNAPSHOT, essential=True, section="stresses")
 def stress_depths(data: FigureData) -> Figure:
     """Largest stresses of each depth below the disc at the first snapshot (dotted) and {end}, with the yield
     strength, and of a cycle in which friction turns round with the limit in torsion.
     """
     table, study = data.result.stresses, data.study
-    unit, name, note = _unit(data, data.indices[-1])
-    over = Axis(f"depth z/{name}, –" if note else f"depth z, {name}", low=0.0)
+    unit, suffix, note = _unit(data)
+    over = Axis(f"depth z{suffix}", low=0.0)
     panels: list[Chart] = []
     kinds: list[Any] = [("Stress", MEASURES, "yield strength", study.yield_strength)]
     if study.fatigue is not None:
@@ -75,11 +74,9 @@ def stress_depths(data: FigureData) -> Figure:
         for measure in measures:
             quantity = BY_NAME[measure]
             colour = getattr(describe, quantity.colour)
-            for index in sorted({data.indices[0], data.indices[-1]}):
-                is_last = index == data.indices[-1]
-                look = Look(colour, "solid" if is_last else "dot")
-                label = quantity.short if is_last else ""
-                lines.append(Line(table["depth"][index] / unit, table[measure][index], label, look))
+            ends = {data.indices[0]: ("", Look(colour, "dot"))}
+            for index, how in (ends | {data.indices[-1]: (quantity.short, Look(colour))}).items():
+                lines.append(Line(table["depth"][index] / unit, table[measure][index], *how))
         most = max(float(table[measure].max()) for measure in measures)
         if limit is not None and limit < NEAR * most:
             lines.append(Level(limit, name_of_limit, Look(describe.HARDNESS, "dash", 0.8)))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from warpwear.figures import describe
-from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale, in_time, shade
+from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale, lines_in_time, shade
 from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.history import axis_of
@@ -22,16 +22,14 @@ CHANGE = "change of height, µm"
 THIN = 1e-4
 
 
-@words.figure(*words.GROOVE, essential=True)
+@words.figure(*words.GROOVE, essential=True, section="groove")
 def groove(data: FigureData) -> Figure:
     """Cross-section of the {groove} {when}, and its mean depth along the track {end}."""
     sections = [results.groove(data.result, index) for index in data.indices]
     last, short = sections[-1], data.groove == "scar"
     reach = float(np.abs(last.y[last.depth > 0.0]).max(initial=2.0 * data.study.grid.cell)) * 1.15
-    across: list[Line | Level] = [
-        Line(section.y, -1e3 * section.depth, after(section.distance), look)
-        for section, look in zip(sections, in_time(describe.DISC, len(sections)), strict=True)
-    ]
+    states = [(section.y, -1e3 * section.depth, after(section.distance)) for section in sections]
+    across = lines_in_time(describe.DISC, states)
     if last.displaced.any():
         across.append(Line(last.y, -1e3 * last.worn, "of which worn", Look(describe.NEUTRAL, width=0.8)))
     places, depths = results.depth_along(data.result, data.indices[-1], BINS)
@@ -108,16 +106,14 @@ def cof_stroke(data: FigureData) -> Figure:
     number = np.maximum(np.ceil(data.study.passes_at(course["distance"]) - 1e-9).astype(int), 1)
     number[course.get("cycles", np.ones(number.size)) > 1.0] = 0  # a jump is no pass
     passes = np.unique(number[number > 0])
-    lines = []
-    numbers = passes[chosen(passes.size, SHOWN)]
-    for count, look in zip(numbers, in_time(describe.NEUTRAL, numbers.size), strict=True):
-        inside = number == count
-        lines.append(Line(course["position"][inside], course["cof"][inside], f"pass {count}", look))
+    some = {count: number == count for count in passes[chosen(passes.size, SHOWN)]}
+    states = [(course["position"][at], course["cof"][at], f"pass {count}") for count, at in some.items()]
+    lines = lines_in_time(describe.NEUTRAL, states)
     axes = Axis("position along the track, mm"), axis_of(BY_NAME["cof"])
     return Figure([Chart("Friction along the stroke", *axes, lines)], legend=4)
 
 
-@words.figure(*words.GROOVE, words.SMOOTH_DISC)
+@words.figure(*words.GROOVE, words.SMOOTH_DISC, section="roughness")
 def track_roughness(data: FigureData) -> Figure:
     """Height parameters (ISO 25178-2) of the disc in the middle of the {groove} over the passes."""
     table = results.roughness_in_track(data.result)

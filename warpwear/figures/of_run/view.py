@@ -12,7 +12,7 @@ volume under it is then the load at any block size.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any, Self
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,40 +69,24 @@ class Window:
         return over_blocks(np.maximum, field[self.x, self.y], self.factor)
 
 
-@dataclass(frozen=True)
-class Profile:
-    """Hold lines through the middle in one direction."""
-
-    place: FloatArray  # [mm]
-    counter: FloatArray  # height over the apex it had, its material above [mm]
-    disc: FloatArray  # height over its mean plane [mm]
-    wear_counter: FloatArray  # [mm]
-    wear_disc: FloatArray  # [mm]
-    bins: FloatArray  # [mm]
-    pressure: FloatArray  # mean of the middle strip in each bin [MPa]
+#: Heights "counter" and "disc", depths "wear_counter" and "wear_disc" of both bodies [mm]: blocks or lines.
+Fields: TypeAlias = dict[str, FloatArray]
 
 
 @dataclass(frozen=True)
 class View:
-    """Hold the contact at one snapshot, reduced to blocks and to lines through the middle."""
+    """Hold the contact at one snapshot, reduced to blocks and to lines through the middle.
+
+    cuts: "along" and "across" -> lines over "place" [mm], the counter-body's height over the apex it had, its
+    material above, the disc's over its mean plane; over "bins" [mm] "pressure", the mean of a strip [MPa].
+    """
 
     distance: float  # [mm]
     row: int  # of the history
     pressure: FloatArray  # largest of each block [MPa]
     state: "NDArray[np.uint8]"  # highest `State` of each block
-    along: Profile
-    across: Profile
+    cuts: dict[str, Fields]
     film: "NDArray[np.uint8] | None" = None  # highest `FilmState` of each block; None without a film
-
-
-@dataclass(frozen=True)
-class Bodies:
-    """Both bodies at one snapshot: mean of each block [mm], heights positive out of the material."""
-
-    counter: FloatArray
-    disc: FloatArray
-    wear_counter: FloatArray
-    wear_disc: FloatArray
 
 
 @dataclass(frozen=True)

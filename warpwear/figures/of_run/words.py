@@ -68,16 +68,12 @@ ONLY_SAMPLES = Reason("only_samples", lambda d: d.study.samples_area)
 ONE_SCALE = Reason("one_scale", lambda d: d.study.study.model != "two-scale")
 ROUGH = Reason("rough", lambda d: d.study.study.model != "macro")
 NO_HERTZ = Reason("no_hertz", lambda d: d.study.hertz is None)
-NO_FACTOR = Reason("no_factor", lambda d: d.study.wear.distance_factor == "none")
 NO_JUNCTIONS = Reason("no_junctions", lambda d: d.study.critical_junction is None)
 NO_PIECES = Reason("no_pieces", lambda d: not d.study.wear.sheds or d.result.pieces["step"].size < 2)
 NO_FRETTING = Reason("no_fretting", lambda d: d.study.fretting is None)
-NO_DISPLACEMENT = Reason(
-    "no_displacement", lambda d: d.study.fretting is None or not d.study.fretting.has_displacement
-)
+NO_DRIVE = Reason("no_displacement", lambda d: not (d.study.fretting and d.study.fretting.has_displacement))
 STILL = Reason("still", lambda d: not d.study.is_swept)
 TRACK = Reason("track", lambda d: d.study.is_swept)
-TRACK_FACTOR = Reason("track_factor", lambda d: d.study.is_swept)
 UNWORN = Reason("unworn", _lost_nothing("wear_depth_counter", "wear_depth_disc"))
 UNWORN_COUNTER = Reason("unworn_counter", _lost_nothing("wear_depth_counter"))
 UNWORN_DISC = Reason("unworn_disc", _lost_nothing("wear_depth_disc"))
@@ -124,14 +120,13 @@ class Entry(NamedTuple):
 FIGURES: dict[str, Entry] = {}
 #: Fields of a caption that are filled in where no run is at hand.
 OF_ANY_RUN = {"slider": "counter-body", "when": "at the snapshots", "end": "at the end", "groove": "groove"}
-OF_ANY_RUN["outline"] = "ellipse"
-OF_ANY_RUN["plane"] = "y = 0"
+OF_ANY_RUN |= {"outline": "ellipse", "plane": "y = 0"}
 
 
 def figure(*reasons: Reason, essential: bool = False, **others: Any) -> Callable[[Declare], Declare]:
     """Enter a function among the figures of a run; the start of its docstring is the caption.
 
-    others: of `Entry`; a section is one of `warpwear.page.sections`.
+    others: of `Entry`; a section is one of templates/sections.toml.
     """
 
     def enter(declare: Declare) -> Declare:

@@ -9,8 +9,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.course import experiment_of
 from warpwear.measured.experiment import Experiment
-from warpwear.measured.friction.events import Events, events_of
-from warpwear.measured.friction.laps import Laps, laps_of
+from warpwear.measured.friction.events import Events, Laps, events_of, laps_of
 from warpwear.measured.motion import Motion
 from warpwear.measured.rows import Rows
 from warpwear.measured.tribometer import alternates, turning_rows

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from warpwear.figures import style
 from warpwear.figures.sections import under_headings
@@ -10,7 +11,7 @@ from warpwear.measured.friction.analysis import Analysis, analyse
 from warpwear.measured.friction.figures import figures_of
 from warpwear.measured.friction.report import HOW, rows_of, table_of
 from warpwear.measured.motion import Motion
-from warpwear.measured.options import optional, quantity
+from warpwear.measured.options import Options, quantity
 from warpwear.measured.rows import read_rows
 from warpwear.page.folder import write_report
 from warpwear.page.html import page_of
@@ -20,6 +21,8 @@ from warpwear.version import __version__
 
 #: What every folder of a record has, its page, and its table.
 MARK, PAGE, TABLE = "record.json", "record.html", "record.csv"
+#: Options that are one quantity -> their units.
+UNITS = {"stroke": "mm", "speed": "mm/s", "load": "N"}
 CAPTION = "Means, with the standard deviation of the points within; the part that the steady value is of."
 SECTIONS = (("Course", "course", ("course",), CAPTION), ("Friction loops", "loops", ("loops",), ""))
 
@@ -27,27 +30,22 @@ SECTIONS = (("Course", "course", ("course",), CAPTION), ("Friction loops", "loop
 def describe(
     files: Sequence[Path],
     *,
-    radius: str | None = None,
-    stroke: str | None = None,
-    speed: str | None = None,
-    load: str | None = None,
-    columns: str | None = None,
     as_json: bool = False,
     out: Path | None = None,
     file_format: str = "png",
     overwrite: bool = False,
+    **options: Any,
 ) -> str:
     """Say what a record of friction holds, as text for people or as JSON, and write its folder.
 
-    radius: lengths with a unit, one or one for each step, between commas. out: the folder, None for a name
-    made from the file's, and with as_json for none. Raises InputError.
+    out: the folder, None for a name made from the file's, and with as_json for none. options: radius,
+    lengths with a unit, one or one for each step, between commas; stroke, speed, load: texts with a unit;
+    columns. Raises InputError.
     """
-    motion = Motion(
-        radius=None if radius is None else [quantity("--radius", r.strip(), "mm") for r in radius.split(",")],
-        stroke=optional("--stroke", stroke, "mm"),
-        speed=optional("--speed", speed, "mm/s"),
-        load=optional("--load", load, "N"),
-    )
+    o = Options(options)
+    radii = o["--radius"] and [quantity("--radius", one.strip(), "mm") for one in o["--radius"].split(",")]
+    lengths = {name: o.optional(f"--{name}", unit) for name, unit in UNITS.items()}
+    motion = Motion(radius=radii, **lengths)
     folder = out if out is not None else None if as_json else Path(f"{_name(files)}-record")
     end = ""
     if folder is not None:
@@ -57,7 +55,7 @@ def describe(
             folder = None
         else:
             check_folder(folder, [MARK], what="a record", overwrite=overwrite)
-    analysis = analyse(read_rows(files if len(files) > 1 else files[0], columns), motion)
+    analysis = analyse(read_rows(files if len(files) > 1 else files[0], o["--columns"]), motion)
     rows = rows_of(analysis)
     if folder is not None:
         _write(analysis, folder, file_format=file_format)

@@ -52,11 +52,7 @@ def rows_of(analysis: Analysis) -> list[Row]:
 
 def _labelled(rows: list[Row]) -> list[Row]:
     """Leave a step's rows to people: JSON has them under the list of steps."""
-    return [
-        replace(row, key="", unit=row.units, error=row.error and ("", row.error[1]))
-        for row in rows
-        if row.label
-    ]
+    return [replace(row, key="", unit=row.units, error=("", row.uncertainty[1])) for row in rows if row.label]
 
 
 def notes_of(analysis: Analysis) -> list[Row]:
@@ -138,32 +134,14 @@ def _steady_rows(steady: Steady) -> list[Row]:
     text = (
         f"{steady.value:.{decimals}f} ± {error} (68 %; 95 %: ± {steady.error_95:.2g}), by a line from {where}"
     )
+    of_drift = ("steady_drift_error_95", steady.drift_95)
     return [
-        Row(
-            "steady value",
-            "steady_cof",
-            steady.value,
-            error=("steady_cof_error", steady.error),
-            sentence=text,
-        ),
+        Row("steady value", "steady_cof", steady.value, error=steady.error, sentence=text),
         Row("", "steady_cof_error_95", steady.error_95),
-        Row(
-            "drift",
-            "steady_drift",
-            steady.drift,
-            error=("steady_drift_error_95", steady.drift_95),
-            digits=2,
-            note="of the line, 95 %",
-        ),
+        Row("drift", "steady_drift", steady.drift, 2, "of the line, 95 %", of_drift),
         Row("", "steady_from_mm", steady.start),
         Row("", "steady_to_mm", steady.end),
-        Row(
-            "independent",
-            "steady_independent",
-            steady.independent,
-            digits=3,
-            note=f"of {steady.groups} means",
-        ),
+        Row("independent", "steady_independent", steady.independent, 3, f"of {steady.groups} means"),
         Row("", "last_level_percent", 100.0 * steady.share),
     ]
 

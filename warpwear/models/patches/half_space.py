@@ -26,16 +26,17 @@ from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import wear_from_pressure
-from warpwear.kernels.cells import PADDING, PATCH_MAXIMA, PATCH_SUMS, PressureMost, PressureSum
+from warpwear.kernels.cells import LANES, PADDING, PATCH_MAXIMA, PATCH_SUMS, PressureMost, PressureSum
 from warpwear.kernels.sliding import Bodies, OfRows, Slide
 from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
+from warpwear.models.attachment import Place
 from warpwear.models.film import BareCells
 from warpwear.models.model import Model
-from warpwear.models.patches.cells import unworn
 from warpwear.models.patches.influence import PatchInfluence
 from warpwear.models.patches.smooth import SmoothContact
+from warpwear.models.unworn import gap_over, layout_of
 
 #: Growth of the approach in a step, as is thought before it, over what the last mean pressure would wear off.
 GROWTH_GUESS = 2.0
@@ -69,8 +70,7 @@ class HalfSpacePatches(Model):
         self.task, self._executor = task, executor
         self._ledger = PatchLedger(task, patches)
         self.book = self._ledger.book
-        _, layout = unworn(patches, heights, executor, form=task.form)
-        of_patches = layout.lowest.numpy().min(axis=1)
+        of_patches = executor.to_numpy(gap_over(task.form, heights, executor, patches)).min(axis=1)
         self._smooth = SmoothContact(task, patches, executor) if task.prescribed_loads else None
         reached = of_patches if self._smooth is None else self._smooth.initial
         self._order = np.argsort(reached, kind="stable")
@@ -81,7 +81,10 @@ class HalfSpacePatches(Model):
             first_column=patches.first_column[self._order],
         )
         self.lowest: FloatArray = of_patches[self._order]  # before any wear [mm]
-        self.gap, self._layout = unworn(self.patches, heights, executor, form=task.form)
+        self.gap, self._layout = (
+            gap_over(task.form, heights, executor, self.patches),
+            layout_of(executor, self.patches),
+        )
         self.worn = executor.zeros()  # by both bodies [mm]
         self._film = BareCells.of_both(task.film, executor, self.worn, task.wear_fractions)
         self._parts = None if self._film is None else self._film.parts
@@ -99,7 +102,13 @@ class HalfSpacePatches(Model):
             wp.zeros((len(lines), executor.grid.nx), dtype=wp.float64, device=executor.device)
             for lines in (PressureSum, PressureMost)
         )
-        self._slides = Numbers(Slide, executor.device, written=False, window=1)
+        self._slides = Numbers(
+            Slide, executor.device, written=False, window=1, end_column=executor.vectors * LANES
+        )
+        self._bare = wp.zeros((1, executor.grid.nx), dtype=wp.float64, device=executor.device)
+        self._look = Program(executor)
+        if self._film:
+            self._film.before_search(self._look, Place(self._slides.array))
         self._worn_by: Field = None
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
@@ -109,8 +118,9 @@ class HalfSpacePatches(Model):
         """
         removals = self.task.wear_per_pressure(self._ledger.row["distance"], increment)
         start, certified = self._ledger.row["distance"], self.certified or None
+        self._slides.set(start=start, end=start + increment)
         if self._film:
-            self._film.look(start)
+            self._look.run()
         if self._smooth is None:
             self._influence.set_bulk(1.0 / self._ledger.foundation)
             contact = self._share(sum(removals), certified=certified)
@@ -121,8 +131,7 @@ class HalfSpacePatches(Model):
         pressure = self.patches.on_domain(contact.pressure) if with_pressure else None
         worn = self._wear(contact, sum(removals), approach)
         if self._film:
-            worn = replace(worn, bare=self._film.under(contact.pressure_field, self.visited))
-            self._film.rub(start + increment)
+            worn = replace(worn, bare=float(self._bare.numpy()[0, : self.visited].sum()))
         step = self._ledger.enter_worn(worn, increment, removals, pressure)
         step.row.update(columns_of(contact.certificate))
         return step
@@ -219,4 +228,7 @@ class HalfSpacePatches(Model):
             *tables,
             slots=self.patches.count,
         )
+        if self._film:
+            self._film.add_under(program, self._slides.array, contact.pressure_field, self._bare)
+            self._film.after_step(program, Place(self._slides.array))
         return program

@@ -17,7 +17,7 @@ from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import patches as passes
-from warpwear.kernels.cells import EXTENTS, PATCH_MAXIMA, PATCH_SUMS
+from warpwear.kernels.cells import EXTENTS, LANES, PATCH_MAXIMA, PATCH_SUMS
 from warpwear.kernels.two_scale import pressing
 from warpwear.kernels.two_scale import steps as kernels
 from warpwear.laws.archard import wear_in_steps
@@ -66,26 +66,27 @@ class TwoScaleModel(Model):
         )
         self.longest_block = max(1, min(LONGEST_BLOCK, MOST_NUMBERS // patches.count))
         count, device, rows = patches.count, executor.device, self.longest_block
-        tables = {
-            "sums": (len(PATCH_SUMS), count),
-            "maxima": (len(PATCH_MAXIMA), count),
-            "rows": (rows, len(kernels.HEADER) + len(PATCH_SUMS) + len(PATCH_MAXIMA)),
-            "loads": (rows, count),
-            "areas": (rows, count),
-        }
-        zeros = {name: wp.zeros(shape, dtype=wp.float64, device=device) for name, shape in tables.items()}
         #: By which the approaches of the next step are foreseen: of the bodies, and of every patch.
         self._memory = Numbers(kernels.Memory, device, ahead=-1.0)
         names = "start", "deflection", "giving", "reached", "base_next", "offset_next"
-        self._courses: dict[str, Field] = {
-            name: wp.zeros(count, dtype=wp.float64, device=device) for name in names
-        }
+        courses = arguments(kernels.Courses, device, **dict.fromkeys(names, count))
+        self._courses: dict[str, Field] = {name: getattr(courses, name) for name in names}
         self._courses["reached"].fill_(-math.inf)
-        self._books = arguments(kernels.Books, ahead=self.contact.surfaces.trial, **zeros)
+        self._books = arguments(
+            kernels.Books,
+            device,
+            ahead=self.contact.surfaces.trial,
+            sums=(len(PATCH_SUMS), count),
+            maxima=(len(PATCH_MAXIMA), count),
+            rows=(rows, len(kernels.HEADER) + len(PATCH_SUMS) + len(PATCH_MAXIMA)),
+            loads=(rows, count),
+            areas=(rows, count),
+        )
         follows = task.uses_bulk_stiffness and task.bulk_updated and isinstance(task.bulk_stiffness, str)
         self._now = Numbers(kernels.Now, device)
         self._steps = arguments(
             kernels.Steps,
+            device,
             load=self.sharing.load,
             lowest=float(lowest.min()),
             cell=patches.domain.cell,
@@ -96,27 +97,33 @@ class TwoScaleModel(Model):
             # Where a film is, wear changes the caps.
             looks_ahead=int(self._smooth is None and task.film is None),
             within=wp.vec4d(*self._ledger.within),
-            plan=wp.zeros((self.longest_block + 1, 3), dtype=wp.float64, device=device),
+            plan=(rows + 1, 3),
             now=self._now.array,
             memory=self._memory.array,
             search=self.sharing.search.array,
             flags=self.sharing.flags,
         )
-        self._state = self._steps, self.sharing.curves, arguments(kernels.Courses, **self._courses)
+        self._state = self._steps, self.sharing.curves, courses
         self._work = np.full(count, LEAST_WORK * patches.side**2)
         self._chunks: list[tuple[int, int]] = []
         self._find, self._wear, self._many = (Program(executor) for _ in range(3))
-        self._say_find(self._find)
-        self._say_wear(self._wear)
+        film = self.contact.film
+        if film:
+            self.contact.slides.set(end_column=executor.vectors * LANES)
+            self.contact.add_film(self._find, film.before_search)
+        self._add_find(self._find)
+        self._add_wear(self._wear)
+        if film:
+            self.contact.add_film(self._wear, film.after_step)
         flags = self.sharing.flags
         with self._many.loop(flags.stepping):
-            self._say_find(self._many)
+            self._add_find(self._many)
             with self._many.branch(flags.balanced):
-                self._say_wear(self._many)
+                self._add_wear(self._many)
         self._pressure: Field = None
         self._press_program = Program(executor)
 
-    def _say_find(self, program: Program) -> None:
+    def _add_find(self, program: Program) -> None:
         """Add the search for the approaches of a step to a program."""
         curves, smooth = self.sharing.curves, self._smooth
         state = self._state
@@ -126,12 +133,12 @@ class TwoScaleModel(Model):
 
         if smooth is None:
             program.decide(kernels.begin, *state)
-            self.sharing.say(program, evaluate)
+            self.sharing.add_to(program, evaluate)
             return
         program.decide(pressing.begin, *state, smooth.smooth, smooth.brackets)
-        smooth.say(program, self.sharing, evaluate)
+        smooth.add_to(program, self.sharing, evaluate)
 
-    def _say_wear(self, program: Program) -> None:
+    def _add_wear(self, program: Program) -> None:
         """Add the wear of a step whose approaches are solved to a program."""
         state = self._state
         program.decide(kernels.foresee, *state)
@@ -172,15 +179,14 @@ class TwoScaleModel(Model):
         """
         distance, film = self._ledger.row["distance"], self.contact.film
         removals = self._begin([increment], then)
-        self.contact.look(distance)
+        self.contact.slides.set(start=distance, end=distance + increment)
         self._find.run()
         if not self.sharing.is_balanced:
             raise self._failure()
         field = self._press() if with_pressure or film else None
-        bare = film.under(field) if film else None
+        bare = float(self.contact.bare.numpy().sum()) if film else None
         pressure = self.patches.on_domain(self._executor.to_numpy(field)) if with_pressure else None
         self._wear.run()
-        self.contact.rub(distance + increment)
         worn = replace(next(self._results(1)), bare=bare)
         return self._ledger.enter_worn(worn, increment, removals[0], pressure)
 
@@ -219,6 +225,9 @@ class TwoScaleModel(Model):
             self._pressure = self._executor.zeros()
             inputs = self._steps, self.sharing.curves, self.contact.surfaces, self._pressure
             self._pass(self._press_program, passes.pressures, *inputs)
+            if film := self.contact.film:
+                slides, bare = self.contact.slides.array, self.contact.bare
+                film.add_under(self._press_program, slides, self._pressure, bare)
         self._press_program.run()
         return self._pressure
 

@@ -38,22 +38,17 @@ class LoadSharing:
     ) -> None:
         self._executor = executor
         self.count, device = lowest.size, executor.device
-
-        def of_patches(*lines: int) -> Field:
-            return wp.zeros((*lines, self.count), dtype=wp.float64, device=device)
-
-        #: Approaches are base + offset [mm], which together hold more digits than their sum.
-        self.base, self.offset, self.answer = of_patches(), of_patches(), of_patches(3)
         self.curves = arguments(
             curves.Curves,
+            device,
             lowest=wp.array(lowest, dtype=wp.float64, device=device),
-            base=self.base,
-            offset=self.offset,
-            answer=self.answer,
-            low=wp.zeros(self.count, dtype=curves.End, device=device),
-            high=wp.zeros(self.count, dtype=curves.End, device=device),
-            room=of_patches(curves.LINES),
+            **dict.fromkeys(("base", "offset", "low", "high"), self.count),
+            answer=(3, self.count),
+            room=(curves.LINES, self.count),
         )
+        #: Approaches are base + offset [mm], which together hold more digits than their sum.
+        self.base, self.offset = self.curves.base, self.curves.offset
+        self.answer: Field = self.curves.answer
         self.load = arguments(
             sharing.Load,
             load=load,
@@ -65,7 +60,7 @@ class LoadSharing:
         self.search = Numbers(sharing.Search, device)
         self.flags = arguments(sharing.Flags, device)
 
-    def say(self, program: Program, evaluate: Callable[[], None]) -> None:
+    def add_to(self, program: Program, evaluate: Callable[[], None]) -> None:
         """Add the search to a program, from where a decision before it begins.
 
         evaluate: adds the pass that asks the patches.

@@ -53,8 +53,8 @@ class SmoothContact:
             initial=wp.array(self.initial, dtype=wp.float64, device=device),
             worn=self.worn,
             approach=self._approach,
-            target=wp.zeros((1, count), dtype=wp.float64, device=device),
-            room=wp.zeros((2, count), dtype=wp.float64, device=device),
+            target=(1, count),
+            room=(2, count),
         )
         load = arguments(
             Load, load=task.load, area=self.area, hardness=task.hardness, tolerance=TOLERANCE, evaluations=0
@@ -64,7 +64,7 @@ class SmoothContact:
         self._alone = Program(executor)
         self._alone.decide(kernels.press_smoothly, self.smooth, load, self._step)
 
-    def say(self, program: Program, sharing: LoadSharing, evaluate: Callable[[], None]) -> None:
+    def add_to(self, program: Program, sharing: LoadSharing, evaluate: Callable[[], None]) -> None:
         """Add the search of patches for what is prescribed to a program, from where a decision begins.
 
         evaluate: adds the pass that asks the patches.

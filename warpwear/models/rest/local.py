@@ -26,7 +26,7 @@ from warpwear.laws.archard import wear_in_steps
 from warpwear.laws.task import ContactTask
 from warpwear.models.booking import booked
 from warpwear.models.model import Model
-from warpwear.models.track.bodies import gap_over
+from warpwear.models.unworn import gap_over
 
 #: Cells listed at least, over those that carry the load at the hardness.
 SPARE = 2.0
@@ -63,7 +63,8 @@ class OneScaleModel(Model):
         self._ledger = Ledger(task, executor.grid)
         #: Gap from the mean planes as worn, and as it was without wear [mm]: what is worn lies between. Steps
         #: near a late contact move three fields, not six; their rounding is that of the gap, 1e-17 mm a step.
-        self.gap, self._unworn = gap_over(task, executor, heights)
+        self.gap, self._unworn = gap_over(task.form, heights, executor), executor.zeros()
+        wp.copy(self._unworn, self.gap)
         fully = task.load / (task.hardness * executor.grid.cell_area)
         self.tiles = Tiles(executor, self.gap, self._unworn, least=SPARE * fully)
         self._search = LoadSearch(
@@ -81,17 +82,16 @@ class OneScaleModel(Model):
         self._steps = arguments(
             wear.Steps,
             device,
-            plan=wp.zeros((LONGEST_ON_GPU + 1, len(wear.PLAN)), dtype=wp.float64, device=device),
-            history=wp.zeros((LONGEST_ON_GPU, columns), dtype=wp.float64, device=device),
+            plan=(LONGEST_ON_GPU + 1, len(wear.PLAN)),
+            history=(LONGEST_ON_GPU, columns),
             within=wp.array(self._ledger.within, dtype=wp.float64, device=device),
             course=self._course.array,
             is_rigid=int(task.rigid),
             smallest=self.tiles.smallest,
         )
         self._slots = slots = executor.slots_of(executor.grid.nx, most=MOST_SLOTS)
-        lines = {"sums": len(SUMS), "maxima": len(MAXIMA), "ahead": 3}
-        tables = {name: wp.zeros((n, slots), dtype=wp.float64, device=device) for name, n in lines.items()}
-        self._tables = arguments(wear.Tables, **tables)
+        tables = {"sums": (len(SUMS), slots), "maxima": (len(MAXIMA), slots), "ahead": (3, slots)}
+        self._tables = arguments(wear.Tables, device, **tables)
         # Many steps; and one, between whose search and wear its pressures can be seen.
         self._many = Program(executor)
         self._to_search, self._to_wear = (Program(executor, records=2) for _ in range(2))

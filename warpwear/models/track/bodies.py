@@ -6,12 +6,11 @@ from typing import ClassVar, Self
 import numpy as np
 
 from warpwear.engine.executor import Executor, Field
-from warpwear.engine.program import launch_once
 from warpwear.engine.state import Columns
 from warpwear.grid import FloatArray
-from warpwear.kernels import contact
 from warpwear.kernels.cells import PADDING
 from warpwear.laws.task import ContactTask
+from warpwear.models.unworn import gap_over
 
 
 @dataclass
@@ -50,7 +49,7 @@ class SlidingBodies:
         wears = task.wear[0].wears and task.pieces is None
         return cls(
             # The task's own is the gap over a smooth disc.
-            gap_over(task, executor, np.zeros(grid.shape))[0]
+            gap_over(task.form, np.zeros(grid.shape), executor)
             if counter is None
             else executor.field(counter.copy(), padding=PADDING),
             executor.field(disc.copy(), padding=-PADDING),
@@ -71,11 +70,3 @@ class SlidingBodies:
         if not 0 <= shift <= rows - nx:
             raise ValueError(f"a shift of {shift} rows leaves the disc of {rows} rows")
         return shift
-
-
-def gap_over(task: ContactTask, executor: Executor, heights: FloatArray) -> tuple[Field, Field]:
-    """Return the gap of the task's unworn counter-body over heights of a disc [mm], shape (nx, ny), twice."""
-    grid, form, gaps = executor.grid, task.form, (executor.zeros(), executor.zeros())
-    place = [grid.ny, grid.cell, float(grid.x[0]), float(grid.y[0]), form.curvature]
-    launch_once(executor, contact.gap, *place, executor.field(form.beneath(heights, grid.x, grid.y)), *gaps)
-    return gaps

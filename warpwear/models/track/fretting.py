@@ -180,7 +180,7 @@ class CyclicSlip:
         share = slip_mean / self._drive.cycle
         return share * removals[0], share * removals[1]
 
-    def say_yields(self, program: Program, slides: Field) -> None:
+    def add_yields(self, program: Program, slides: Field) -> None:
         """Add to a program: the compliance that a step lends cells by their slips."""
         program.launch(wear_from_pressure.yields, slides, self.slips, self.grown, self.yields)
 

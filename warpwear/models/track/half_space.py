@@ -19,7 +19,7 @@ from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import contact, fourier, wear_from_pressure
-from warpwear.kernels.cells import MAXIMA, Layout, PressureSum, names_of
+from warpwear.kernels.cells import MAXIMA, PressureSum, names_of
 from warpwear.kernels.half_space import passes
 from warpwear.kernels.sliding import Bodies, OfRows, Slide
 from warpwear.kernels.sliding_steps import Steps
@@ -32,6 +32,7 @@ from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.fretting import CyclicSlip
 from warpwear.models.track.part_length import PartLength
 from warpwear.models.track.pieces import OF_BODY, SlidingPieces
+from warpwear.models.unworn import layout_of
 
 #: Real over nominal area from which the last pressure, where it is, is a better start than none.
 KEEPS_PRESSURE = 0.7
@@ -111,10 +112,7 @@ class SlidingHalfSpace:
         self._bodies = arguments(Bodies, **self.state.fields)
         if self.film is not None and task.shears:
             self._bodies.bare = self.film.bare
-        rows: Field = wp.array(np.arange(executor.grid.nx, dtype=np.int32), device=executor.device)
-        self._layout = arguments(
-            Layout, vectors=executor.vectors, first_row=rows, first_column=wp.zeros_like(rows)
-        )
+        self._layout = layout_of(executor)
         device, slots = executor.device, executor.slots_of(executor.grid.nx)
         self._sums, self._maxima = (
             wp.zeros((len(lines), slots), dtype=wp.float64, device=device) for lines in (PressureSum, MAXIMA)
@@ -275,7 +273,7 @@ class SlidingHalfSpace:
         of_mean, of_place = (self.task.dust * removal for removal in removals)
         window, yields = self.cells_passing(increment), None
         if self.fretting is None:
-            self._run("gaps", self._say_gaps)
+            self._run("gaps", self._add_gaps)
         else:
             of_place, of_mean = (self.fretting.shares(removals)[f"of_{body}"] for body in BODIES)
             yields = self.fretting.yields
@@ -295,14 +293,14 @@ class SlidingHalfSpace:
     def _begin_cycles(self, fretting: CyclicSlip, increment: float, removals: tuple[float, float]) -> None:
         """Find what slips in a jump over cycles of fretting, and the compliance that its wear lends."""
         self._slides.set(window=fretting.window, counter_moves=1)
-        self._run("gaps", self._say_gaps)
+        self._run("gaps", self._add_gaps)
         if not fretting.knows_approach:
             fretting.note(self._half_space.solve(self._gap, load=self.task.load))
         fretting.look(self._gap, self._slides)
         self._slides.set(window=fretting.window, ahead=fretting.ahead(increment), **fretting.shares(removals))
-        self._run("gaps", self._say_gaps)
+        self._run("gaps", self._add_gaps)
         if fretting.yields is not None:
-            self._run("yields", lambda program: fretting.say_yields(program, self._slides.array))
+            self._run("yields", lambda program: fretting.add_yields(program, self._slides.array))
 
     def _static_area(self) -> float:
         """Return the area [mm²] of a contact on the last gap, without the compliance that wear lends it."""
@@ -313,8 +311,8 @@ class SlidingHalfSpace:
         )
         return contact.cells_in_contact * self._executor.grid.cell_area
 
-    def _say_gaps(self, program: Program) -> None:
-        """Say how a part begins: bare cells, pieces that are due, and the gap that the disc meets."""
+    def _add_gaps(self, program: Program) -> None:
+        """Add the beginning of a part: bare cells, pieces that are due, and the gap that the disc meets."""
         slides = self._slides.array
         for one in (self.film, self.pieces):
             if one is not None:
@@ -323,8 +321,8 @@ class SlidingHalfSpace:
         program.launch(wear_from_pressure.means, slides, worn, self._means)
         program.launch(wear_from_pressure.gaps, slides, self._bodies, self._means, self._gap)
 
-    def _say_wear(self, program: Program, contact: HalfSpaceContact) -> None:
-        """Say how both bodies wear by the pressure of a contact."""
+    def _add_wear(self, program: Program, contact: HalfSpaceContact) -> None:
+        """Add the wear of both bodies by the pressure of a contact."""
         slides, pressure = self._slides.array, contact.pressure_field
         pressed = arguments(Pressed, pressure=pressure, means=self._means, gradient=contact.gradient_field)
         pressed.cap = min(self.task.hardness, NO_CAP)
@@ -342,16 +340,16 @@ class SlidingHalfSpace:
         tables = [arguments(OfRows, **self._of_rows), self._sums, self._maxima]
         program.launch(wear_from_pressure.wear, slides, self._layout, pressed, self._bodies, *tables)
         if self.film is not None:
-            self.film.say_under(program, slides, pressure, self._bare)
+            self.film.add_under(program, slides, pressure, self._bare)
         if self.pieces is not None:
-            self.pieces.say_take(program, slides, pressure)
+            self.pieces.add_take(program, slides, pressure)
 
-    def _run(self, name: str, say: Callable[[Program], None], field: Field = None) -> None:
-        """Run the program of a name; `say` writes it at first, and anew for another field."""
+    def _run(self, name: str, add: Callable[[Program], None], field: Field = None) -> None:
+        """Run the program of a name; `add` writes it at first, and anew for another field."""
         said = self._programs.get(name)
         if said is None or said[0] is not field:
             program = Program(self._executor)
-            say(program)
+            add(program)
             said = self._programs[name] = field, program
         said[1].run()
 
@@ -368,7 +366,7 @@ class SlidingHalfSpace:
             approach=contact.approach,
             reference=self.ledger.row["pressure_mean"],  # the scatter is summed about a value near the mean
         )
-        self._run("wear", lambda program: self._say_wear(program, contact), contact.pressure_field)
+        self._run("wear", lambda program: self._add_wear(program, contact), contact.pressure_field)
         sums, maxima, *single = self._mirror.read()
         most = dict(zip(MAXIMA, maxima.max(axis=1).tolist(), strict=True))
         total = dict(zip(names_of(PressureSum), sums.sum(axis=1).tolist(), strict=True))

@@ -117,9 +117,8 @@ class SlidingContact:
         self._kept = {
             name: PerTile(n, executor.tiles_per_row, device) for name, n in zip(names, rows, strict=True)
         }
-        self._totals = {
-            name: wp.zeros(n, dtype=wp.float64, device=device) for name, n in zip(names, rows, strict=True)
-        }
+        totals = arguments(OfRows, device, **dict(zip(names, rows, strict=True)))
+        self._totals = {name: getattr(totals, name) for name in names}
         self.ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
         #: Steps of a replay at most.
         self.longest = int(min(max(CELLS_OF_REPLAY / executor.grid.cells, 1), LONGEST))
@@ -130,8 +129,8 @@ class SlidingContact:
         self._steps = arguments(
             sliding_steps.Steps,
             device,
-            plan=wp.zeros((self.longest, len(sliding_steps.PLAN)), dtype=wp.float64, device=device),
-            history=wp.zeros((self.longest, len(self._columns)), dtype=wp.float64, device=device),
+            plan=(self.longest, len(sliding_steps.PLAN)),
+            history=(self.longest, len(self._columns)),
             within=wp.array(self.ledger.within, dtype=wp.float64, device=device),
             changes=self._changes,
             course=self._course.array,
@@ -151,8 +150,7 @@ class SlidingContact:
             for name, field in one.of_cells().items():
                 setattr(of_cells, name, field)
         slots = executor.slots_of(executor.grid.nx)
-        lines = {"sums": len(SUMS), "maxima": len(MAXIMA), "bearing": 1}
-        tables = {name: wp.zeros((n, slots), dtype=wp.float64, device=device) for name, n in lines.items()}
+        tables = {"sums": (len(SUMS), slots), "maxima": (len(MAXIMA), slots), "bearing": (1, slots)}
         bounds = {"lowest": self.tiles.lowest.numbers, "highest": self.tiles.highest.numbers}
         if wears_alone:
             bounds["gap"] = self.tiles.gap.numbers
@@ -167,9 +165,9 @@ class SlidingContact:
                 listed=(self.tiles.list, self.tiles.count),
                 of_cells=of_cells,
                 bodies=bodies,
-                tables=arguments(StepTables, **tables),
+                tables=arguments(StepTables, device, **tables),
             ),
-            arguments(OfTiles, rows=arguments(OfRows, **self._totals), **bounds, **numbers),
+            arguments(OfTiles, rows=totals, **bounds, **numbers),
             self.attachments,
             highest=lambda: NO_LIMIT if moves else self._highest,
         )

@@ -57,23 +57,22 @@ class Pending:
         shape = rows, executor.vectors * LANES
         #: Pieces of a round at most: no two within `apart` cells along both axes.
         self.most = (rows // (law.apart(cell) + 1) + 2) * (grid.ny // (law.apart(cell) + 1) + 2)
-        self._of_rows: Field = wp.zeros((3, rows), dtype=wp.float64, device=device)
         self.body = arguments(
             kernels.Body,
+            device,
             height=as_numbers(height, shape),
             wear=as_numbers(self._wear, shape),
             pending=as_numbers(self.pending, shape),
-            sums=wp.zeros(math.prod(shape), dtype=wp.float64, device=device),
-            candidates=wp.zeros(math.prod(shape), dtype=wp.int32, device=device),
-            overflow=wp.zeros(math.prod(shape), dtype=wp.int32, device=device),
-            peaks=wp.zeros(self.most, dtype=wp.int32, device=device),
-            counts=wp.zeros(kernels.COUNTS, dtype=wp.int32, device=device),
-            of_rows=self._of_rows,
+            **dict.fromkeys(("sums", "candidates", "overflow"), math.prod(shape)),
+            peaks=self.most,
+            counts=kernels.COUNTS,
+            of_rows=(3, rows),
             down=1.0 if number == 0 else -1.0,
             number=number,
             columns=grid.ny,
             periodic=int(periodic),
         )
+        self._of_rows: Field = self.body.of_rows
         every = Program(executor, records=False)
         whole = Numbers(Slide, executor.device, rows=rows + executor.grid.nx)
         self._count(int(kernels.OVERFLOW_BEFORE), 1)
@@ -100,7 +99,7 @@ class Pending:
         self.body.overflow.assign(host)
         self._count(int(kernels.OVERFLOW), cells.size)
 
-    def say_shed(self, program: Program, slides: Field, release: Arguments, line: tuple[Field, int]) -> None:
+    def add_shed(self, program: Program, slides: Field, release: Arguments, line: tuple[Field, int]) -> None:
         """Add to a program that pieces leave which are due, and what the body has lost then.
 
         line: the rows of the history, and the column of the first of `OF_BODY`.
@@ -164,7 +163,7 @@ class SlidingPieces(Attachment):
         self._release = arguments(
             shedding.Release,
             device,
-            pieces=wp.zeros((room, shedding.COLUMNS), dtype=wp.float64, device=device),
+            pieces=(room, shedding.COLUMNS),
             begins=wp.array([1], dtype=wp.int32, device=device),
         )
 
@@ -191,17 +190,17 @@ class SlidingPieces(Attachment):
         return program.branch(self._release.ends)
 
     def before_search(self, program: Program, place: Place) -> None:
-        """Say that a step begins: what waits since the last one is looked at."""
+        """Add the beginning of a step: what waits since the last one is looked at."""
         for body in self.both:
             program.launch(kernels.list_overflow, body.body, **self._alone)
 
     def before_wear(self, program: Program, place: Place) -> None:
-        """Say that the wear of the tiles listed becomes pending."""
+        """Add that the wear of the tiles listed becomes pending."""
         contact = place.springs, *place.listed, place.of_cells, place.bodies.gap
         program.launch(kernels.take_tiles, place.slides, self._both, *contact, **self._alone)
 
     def between(self, program: Program, place: Place) -> None:
-        """Say that the pieces of a step leave; the loop over steps ends where their table is full.
+        """Add that the pieces of a step leave; the loop over steps ends where their table is full.
 
         The last columns of the history are `COLUMNS`.
         """
@@ -209,7 +208,7 @@ class SlidingPieces(Attachment):
         column = rows.shape[1] - len(COLUMNS)
         for number, body in enumerate(self.both):
             line = rows, column + number * len(OF_BODY)
-            body.say_shed(program, place.slides, self._release, line)
+            body.add_shed(program, place.slides, self._release, line)
         goes = place.steps.stepping
         program.decide(shedding.end_step, self.counter.body, self.disc.body, self._release, goes)
 
@@ -223,7 +222,7 @@ class SlidingPieces(Attachment):
             pieces, wear, pending, most[f"wear_{body}"] = (columns[f"{name}_{body}"] for name in OF_BODY)
             total |= {f"pieces_{body}": pieces, f"wear_{body}": wear, f"pending_{body}": pending}
 
-    def say_take(self, program: Program, slides: Field, pressure: Field) -> None:
+    def add_take(self, program: Program, slides: Field, pressure: Field) -> None:
         """Add to a program that the wear by a pressure field [MPa] becomes pending.
 
         slides: a `Slide` in an array, by whose `pending_counter`, `pending_disc` and `shift` it does.

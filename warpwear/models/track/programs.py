@@ -14,7 +14,7 @@ from warpwear.models.track.tiles import SlidingTiles
 
 
 class StepPrograms:
-    """Says the programs of steps, each when it is first asked for.
+    """Makes the programs of steps, each when it is first asked for.
 
     place: what they work on, but for the springs of a search. of_tiles: what is kept of every tile.
     attachments: what a study adds, in the order in which they are asked. highest: finds the largest gap
@@ -69,16 +69,16 @@ class StepPrograms:
             if name == "steps":
                 program.decide(sliding_steps.begin, steps)
                 with program.loop(steps.stepping):
-                    self._say_search(program, search)
-                    self._say_wear(program, search)
+                    self._add_search(program, search)
+                    self._add_wear(program, search)
             elif name == "search":
-                self._say_search(program, search)
+                self._add_search(program, search)
             else:
-                self._say_wear(program, search)
+                self._add_wear(program, search)
         return self._said[name, rigid, shares]
 
-    def _say_search(self, program: Program, search: LoadSearch) -> None:
-        """Say how a step begins: what its cells are like, which can touch, and the balance."""
+    def _add_search(self, program: Program, search: LoadSearch) -> None:
+        """Add the beginning of a step: what its cells are like, which can touch, and the balance."""
         place = self._place._replace(springs=search.springs)
         with self._each(one.at_beginning(program) for one in self._attachments):
             program.decide(sliding_steps.begin_search, search.springs, place.steps)
@@ -88,8 +88,8 @@ class StepPrograms:
             self._tiles.add_to(program)
             program.decide(sliding_steps.end_search, search.springs, place.steps)
 
-    def _say_wear(self, program: Program, search: LoadSearch) -> None:
-        """Say how a step ends: the wear of both bodies, what follows it, and its row."""
+    def _add_wear(self, program: Program, search: LoadSearch) -> None:
+        """Add the end of a step: the wear of both bodies, what follows it, and its row."""
         place, tiles = self._place._replace(springs=search.springs), self._tiles
         slides, springs, listed, of_cells, bodies, tables, steps = (
             *(place.slides, place.springs, place.listed, place.of_cells),

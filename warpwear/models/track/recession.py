@@ -32,12 +32,12 @@ class Recession(Attachment):
         self.beyond = executor.zeros()  # by which the surface stands deeper than its mean worn depth [mm]
 
     def before_wear(self, program: Program, place: Place) -> None:
-        """Say how many cells' area bears in a solved contact: Σ φ over the cells in contact."""
+        """Add a count of the cells' area that bears in a solved contact: Σ φ over the cells in contact."""
         heights = self._bodies.counter, self._bodies.disc, self._bodies.wear_disc
         program.launch(kernels.borne, place.springs.law, self.curve, *heights, place.tables.bearing)
 
     def after_wear(self, program: Program, place: Place) -> None:
-        """Say that the disc recedes, after the mean depth of a step was worn off it."""
+        """Add the recession of the disc, after the mean depth of a step was worn off it."""
         bodies = self._bodies
         program.launch(kernels.recede, self.curve, bodies.wear_disc, bodies.disc, self.beyond)
 
@@ -65,11 +65,11 @@ class UnequalStiffness(Attachment):
         return {"stiffness": self._stiffness}
 
     def before_search(self, program: Program, place: Place) -> None:
-        """Say how 1/c of every cell follows from what wears it in a step."""
-        self.say(program, place.slides)
+        """Add how 1/c of every cell follows from what wears it in a step."""
+        self.add_to(program, place.slides)
 
-    def say(self, program: Program, slides: Field) -> None:
-        """Say it of the step in an array."""
+    def add_to(self, program: Program, slides: Field) -> None:
+        """Add it for the step in an array."""
         program.launch(
             kernels.stiffness,
             *(slides, self._curve, self._factor, self._bodies.wear_disc, self._stiffness),
@@ -79,7 +79,7 @@ class UnequalStiffness(Attachment):
     def softest(self, slides: Field) -> float:
         """Find the smallest stiffness of a cell in the step in an array [N/mm³]."""
         program = Program(self._executor, records=False)
-        self.say(program, slides)
+        self.add_to(program, slides)
         program.run()
         values = self._stiffness.numpy()
         return float(np.min(values[values > 0.0]))

@@ -7,10 +7,10 @@ import warp as wp
 
 from warpwear.engine.executor import Arguments, Executor, Field, arguments, as_numbers
 from warpwear.engine.program import Program
-from warpwear.engine.tiles import NO_LIMIT, TileList
+from warpwear.engine.tiles import NO_LIMIT, TileList, of_tiles
 from warpwear.grid import FloatArray
 from warpwear.kernels import sliding
-from warpwear.kernels.cells import LANES, Cells
+from warpwear.kernels.cells import LANES, PADDING, Cells
 
 #: Cost of looking at the bounds of a pair of tiles, in cells.
 BOUNDS_IN_CELLS = 1.0
@@ -25,6 +25,11 @@ class PerTile:
         groups = -(-tiles // LANES)
         self.vectors = wp.zeros((rows, groups), dtype=Cells, device=device)
         self.numbers: Field = as_numbers(self.vectors, (rows, groups * LANES))
+
+    def fill(self, values: FloatArray, *, padding: float) -> None:
+        """Take values of shape (rows, tiles). padding: stands beyond the last tile."""
+        self.numbers.fill_(padding)
+        self.numbers[:, : values.shape[1]].assign(values)
 
     def to_numpy(self) -> FloatArray:
         """Shape (rows, tiles and padding)."""
@@ -55,12 +60,8 @@ class SlidingTiles(TileList):
         self.lowest = PerTile(nx, columns, device)  # of the counter-body
         self.highest = PerTile(bodies.disc.shape[0], columns, device)  # of the disc
         self.gap = PerTile(nx, columns, device)  # the lowest of each pair, where it was made
-        find = Program(executor, records=False)
-        for field, bound, low in ((bodies.counter, self.lowest, True), (bodies.disc, self.highest, False)):
-            other = PerTile(field.shape[0], columns, device)
-            both = [bound.numbers, other.numbers] if low else [other.numbers, bound.numbers]
-            find.launch(sliding.bounds, field, *both, slots=executor.slots_of(field.shape[0]))
-        find.run()
+        self.lowest.fill(of_tiles(np.minimum, bodies.counter), padding=PADDING)
+        self.highest.fill(of_tiles(np.maximum, bodies.disc), padding=-PADDING)
         # The counter-body's lowest of eight tiles and the disc's highest of a row, before any wear.
         lowest = self.lowest.to_numpy().reshape(nx, -1, LANES).min(axis=2)
         highest = self.highest.to_numpy().max(axis=1)

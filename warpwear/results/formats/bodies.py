@@ -104,7 +104,7 @@ class Job:
     """What is to be written: which snapshots, bodies and fields of a result.
 
     points: most along a side, of which each is the mean of a block of cells; None for every cell.
-    exaggeration: of the heights in space. added: files that go into a crate.
+    added: files that go into a crate.
     """
 
     result: ResultFile
@@ -112,7 +112,6 @@ class Job:
     bodies: tuple[str, ...] = BODIES
     fields: tuple[str, ...] = tuple(WRITABLE)
     points: int | None = None
-    exaggeration: float = 1.0
     added: tuple[Path, ...] = ()
     _kept: dict[str, Any] = field(default_factory=dict, repr=False)
 

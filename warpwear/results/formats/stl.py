@@ -16,13 +16,13 @@ FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("unused", "
 Triangles = NDArray[np.int64]
 
 
-def write_stl(path: Path, body: Body, *, exaggeration: float) -> None:
+def write_stl(path: Path, body: Body) -> None:
     """Write a body in its place as a closed solid: its worn surface, a flat back, and walls between them.
 
     The disc's back lies below it, the ball's above. Where a corner of four points is missing there is no
-    solid. exaggeration: of the heights.
+    solid.
     """
-    z = exaggeration * body.z
+    z = body.z
     quads = np.isfinite(z)
     quads = quads[:-1, :-1] & quads[1:, :-1] & quads[1:, 1:] & quads[:-1, 1:]
     thickness = THICKNESS * float(min(np.ptp(body.x), np.ptp(body.y)))
@@ -37,7 +37,7 @@ def write_stl(path: Path, body: Body, *, exaggeration: float) -> None:
     normals = np.cross(second - first, third - first)
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     facets["normal"] = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)
-    about = f"warpwear: worn {body.name}, unit mm, heights x {exaggeration:g}"
+    about = f"warpwear: worn {body.name}, unit mm"
     with path.open("wb") as file:
         file.write(about.encode("ascii").ljust(80, b" ")[:80])
         file.write(np.uint32(len(facets)).astype("<u4").tobytes())

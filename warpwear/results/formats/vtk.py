@@ -76,8 +76,7 @@ def _write_surface(job: Job, name: str, number: int, path: Path) -> None:
     there = np.isfinite(body.heights)
     if not there.all():
         data["vtkGhostType"] = np.where(there, 0, HIDDEN).astype(np.uint8)
-    z = job.exaggeration * body.z
-    z = np.where(there, z, np.nanmin(z) if there.any() else 0.0)
+    z = np.where(there, body.z, np.nanmin(body.z) if there.any() else 0.0)
     shift = 0.0 if name == "track" else job.along(number)
     x, y = np.meshgrid(body.x + shift, body.y, indexing="ij")
     groups = {"PointData": data, "Points": {"points [mm]": np.stack([x, y, z], axis=-1).astype(np.float32)}}
