@@ -69,11 +69,11 @@ class StepLoop:
         self._writer = writer
         self._progress = progress
         self.warnings: list[str] = []
-        self._warn(*order.notes, kind="note")
         self._rows = Rows()
         with opened(folder / CHECKPOINT if folder and resume else None) as stored:
             if stored is not None:
                 stored.refuse_changes(order, device=str(executor.device))
+            self._warn(*order.notes, kind="note")
             self._block = order.blocks[stored.block - 1 if stored else 0]
             original = stored.heights_for if stored else np.asarray
             prepared = order.model(executor, block=self._block, original=original)
