@@ -12,8 +12,9 @@ import warp as wp
 
 from warpwear.kernels.cells import LANES, ONE, ZERO, Cells, Layout
 from warpwear.kernels.contact import Law, pressure_of
+from warpwear.kernels.native_code import native_pass
 from warpwear.kernels.two_scale.curves import TOGETHER, Curves
-from warpwear.kernels.two_scale.steps import Books, Courses, Now, Steps
+from warpwear.kernels.two_scale.steps import Books, Courses, Steps
 
 
 @wp.struct
@@ -29,18 +30,13 @@ class Surfaces:
     trial: wp.array2d(dtype=wp.float64)  # what a pass adds up for `Curves.answer`
 
 
-@wp.func_native("carry_patch(patch, steps.load.hardness, now.stiffness, curves, surfaces);")
-def carry_patch(patch: wp.int32, steps: Steps, now: Now, curves: Curves, surfaces: Surfaces): ...
-
-
-@wp.kernel(module=TOGETHER)
-def carried(first_slot: wp.int32, slots: wp.int32, steps: Steps, curves: Curves, surfaces: Surfaces):
+@native_pass("carry_patch", module=TOGETHER)
+def carried(steps: Steps, curves: Curves, surfaces: Surfaces):
     """Add up what the cells of every patch carry at its trial approach, and give its `Curves.answer`.
 
     As far as the change of pressure that the cell nearest to it needs to open, close or reach the cap, the
     pressure is a straight line.
     """
-    carry_patch(first_slot + wp.tid() // wp.block_dim(), steps, steps.now[0], curves, surfaces)
 
 
 @wp.kernel(module=TOGETHER)
@@ -73,36 +69,14 @@ def pressures(
         pressure_out[patch, k] = p
 
 
-@wp.func_native("wear_patch(patch, steps, now, curves, courses, surfaces, books);")
-def wear_patch(
-    patch: wp.int32,
-    steps: Steps,
-    now: Now,
-    curves: Curves,
-    courses: Courses,
-    surfaces: Surfaces,
-    books: Books,
-): ...
-
-
-@wp.kernel(module=TOGETHER)
-def wear(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    steps: Steps,
-    curves: Curves,
-    courses: Courses,
-    surfaces: Surfaces,
-    books: Books,
-):
+@native_pass("wear_patch", module=TOGETHER)
+def wear(steps: Steps, curves: Curves, courses: Courses, surfaces: Surfaces, books: Books):
     """Wear the cells in place: the gap opens by K p ΔL of both bodies; evaluate them for the next step.
 
     Sums and maxima are those of the step and of each patch. A tile above the largest approach that its patch
     has had was never touched; every other one is visited, so that the sums of what was touched and worn are
     those of the whole patch.
     """
-    patch = first_slot + wp.tid() // wp.block_dim()
-    wear_patch(patch, steps, steps.now[0], curves, courses, surfaces, books)
 
 
 @wp.kernel(module=TOGETHER)

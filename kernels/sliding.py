@@ -43,6 +43,8 @@ class Slide:
     shear_disc: wp.float64
     shear_filmed: wp.float64  # part of these that a cell loses under a film
     own: wp.float64  # compliance that is not wear [mm³/N]
+    compliance: wp.float64  # of a cell that slides as far as the middle [mm³/N]
+    stiffness: wp.float64  # 1/c where that is of all cells, else 0 [N/mm³]
     full_depth: wp.float64  # overlap of a cell at the hardness [mm]; NONE: the disc springs back
     approach: wp.float64  # [mm]
     slip_of_gap: wp.float64  # of a cycle [mm], over a gap [mm]

@@ -18,12 +18,6 @@ from warpwear.kernels.wear import BALANCE, enter_balance, is_within, total_of
 #: All kernels of a step are compiled together.
 TOGETHER = wp.get_module("warpwear.kernels.sliding")
 
-#: Columns of the plan, a row a step: of `Slide`, the compliance of a cell that slides as far as the middle
-#: [mm³/N], and 1/c where that is of all cells, else 0 [N/mm³].
-PLAN = (
-    *("shift", "start", "end", "of_counter", "of_disc", "pending_counter", "pending_disc", "own"),
-    *("compliance", "stiffness", "shear_counter", "shear_disc"),
-)
 #: Sums over tiles and rows: columns of the history after those of `BALANCE`, `TrackSum` and `TrackMost`.
 KEPT = ("touched", "worn_counter", "worn_disc", "pressed_disc")
 #: What follows them.
@@ -61,7 +55,7 @@ class Course:
 class Steps:
     """Steps of a pair of bodies: their plan, what they leave, and what lies between."""
 
-    plan: wp.array2d(dtype=wp.float64)  # a row a step, by `PLAN`
+    plan: wp.array(dtype=Slide)  # a row a step
     history: wp.array2d(dtype=wp.float64)  # a row a step
     within: wp.array(dtype=wp.float64)  # extents of a contact that is neither at the edge nor at the rim
     changes: wp.array(dtype=wp.float64)  # the last ones of the approach, −1 for none [mm]
@@ -72,11 +66,8 @@ class Steps:
     is_rigid: wp.int32  # 1 for a bearing area
     moves: wp.int32  # 1 where the disc does
     stays: wp.int32  # 1 where a list may serve several steps
-    hardness: wp.float64  # of a disc that keeps its dents; else NONE [MPa]
-    rows: wp.int32  # and columns, of the grid
-    columns: wp.int32
+    columns: wp.int32  # of the grid
     margin: wp.int32  # columns beside those touched that are worn too
-    shear_filmed: wp.float64  # of `Slide`
 
 
 @wp.func
@@ -98,25 +89,7 @@ def least_shear(slide: Slide):
 def begin_step(springs: Springs, steps: Steps):
     """Begin the search of a step, and tell its passes what they need."""
     c = steps.course[0]
-    n = c.step
-    stiffness = steps.plan[n, wp.static(PLAN.index("stiffness"))]
-    slide = Slide()
-    slide.number = n
-    slide.rows = steps.rows
-    slide.shift = wp.int32(steps.plan[n, 0])
-    slide.start = steps.plan[n, 1]
-    slide.end = steps.plan[n, 2]
-    slide.of_counter = steps.plan[n, 3]
-    slide.of_disc = steps.plan[n, 4]
-    slide.pending_counter = steps.plan[n, 5]
-    slide.pending_disc = steps.plan[n, 6]
-    slide.own = steps.plan[n, 7]
-    slide.shear_counter = steps.plan[n, 10]
-    slide.shear_disc = steps.plan[n, 11]
-    slide.shear_filmed = steps.shear_filmed
-    slide.full_depth = NONE
-    if steps.hardness < NONE:
-        slide.full_depth = steps.plan[n, 8] * steps.hardness
+    slide = steps.plan[c.step]
     steps.slides[0] = with_columns(slide, c, steps)
     scatter = scatter_of(steps.changes)
     lists = springs.lists[0]
@@ -131,7 +104,7 @@ def begin_step(springs: Springs, steps: Steps):
         if steps.is_rigid == 1:
             springs.search[0] = area_between(springs, c.first_limit, scatter)
         else:
-            springs.search[0] = search_from_lowest(springs, c.smallest, stiffness, c.softest)
+            springs.search[0] = search_from_lowest(springs, c.smallest, slide.stiffness, c.softest)
     else:
         approach = wp.where(c.is_begun == 1, c.approach, c.smallest)
         if stays:
@@ -139,7 +112,7 @@ def begin_step(springs: Springs, steps: Steps):
         else:
             lists = reached(lists, approach, scatter)
         if steps.is_rigid == 0:
-            springs.search[0] = search_from(approach, ZERO, scatter, stiffness)
+            springs.search[0] = search_from(approach, ZERO, scatter, slide.stiffness)
         elif steps.moves == 1:
             springs.search[0] = area_near(approach, scatter)
         else:

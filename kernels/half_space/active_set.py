@@ -70,14 +70,3 @@ def go_few(solve: Solve):
             n = drifted(n)
             solve.flags[Flag.STEPS] = 0
         solve.numbers[0] = n
-
-
-@wp.func_native("return best_of_few(few, count);")
-def _best_of_few(few: ActiveSet, count: wp.int32) -> wp.bool: ...
-
-
-@wp.kernel(module=TOGETHER)
-def solve_few(few: ActiveSet, count: wp.int32, solved_out: wp.array(dtype=wp.int32)):
-    """Find the best changes of some cells' pressures alone; tell whether there are such."""
-    if wp.tid() == 0:
-        solved_out[0] = wp.where(_best_of_few(few, count), 1, 0)

@@ -22,43 +22,36 @@ def begin(solve: Solve):
 
 @wp.kernel(module=TOGETHER)
 def start(solve: Solve):
-    """Begin a search as the host asks, or go on with one that waited for the host."""
-    resumes = solve.request[Request.RESUMES] > ZERO
+    """Begin a search as the host asks."""
     at_load = solve.request[Request.AT_LOAD] > ZERO
     anew = solve.request[Request.ANEW] > ZERO
     rough = solve.request[Request.ROUGH] > ZERO and solve.rules[0].single_rounding > ZERO
-    if not resumes:
-        for i in range(search.lane(), search.groups_of(solve), search.width()):
-            group = search.Group()
-            group.load = solve.loads[i]
-            group.level = wp.where(at_load, ZERO, group.load)
-            solve.groups[i] = group
+    for i in range(search.lane(), search.groups_of(solve), search.width()):
+        group = search.Group()
+        group.load = solve.loads[i]
+        group.level = wp.where(at_load, ZERO, group.load)
+        solve.groups[i] = group
     if search.lane() == 0:
-        if resumes:
-            n = solve.numbers[0]
-            n.status = search.RUNS
-            solve.numbers[0] = n
-        else:
-            n = search.Numbers()
-            if solve.request[Request.RENEWED] > ZERO:
-                last = solve.numbers[0]
-                n.before = last.before + last.iteration
-                n.transforms_before = last.transforms_before + last.transforms
-                n.renewals = last.renewals + 1
-            n.response = solve.request[Request.RESPONSE]
-            n.stiffness = ONE / n.response
-            n.at_load = wp.where(at_load, 1, 0)
-            n.plain_length = n.stiffness
-            n.near_length = ONE
-            n.last = -1
-            n.few_below = NONE
-            solve.numbers[0] = n
-            solve.flags[Flag.RENEWS] = 1
-            solve.flags[Flag.RENEWS_ROUGHLY] = wp.where(rough, 1, 0)
-            solve.flags[Flag.RENEWS_EXACTLY] = wp.where(rough, 0, 1)
-            solve.flags[Flag.MOVES] = 0
-        solve.flags[Flag.STARTS] = wp.where(resumes, 0, 1)
-        solve.flags[Flag.ANEW] = wp.where(anew and not resumes, 1, 0)
+        n = search.Numbers()
+        if solve.request[Request.RENEWED] > ZERO:
+            last = solve.numbers[0]
+            n.before = last.before + last.iteration
+            n.transforms_before = last.transforms_before + last.transforms
+            n.renewals = last.renewals + 1
+        n.response = solve.request[Request.RESPONSE]
+        n.stiffness = ONE / n.response
+        n.at_load = wp.where(at_load, 1, 0)
+        n.plain_length = n.stiffness
+        n.near_length = ONE
+        n.last = -1
+        n.few_below = NONE
+        solve.numbers[0] = n
+        solve.flags[Flag.RENEWS] = 1
+        solve.flags[Flag.RENEWS_ROUGHLY] = wp.where(rough, 1, 0)
+        solve.flags[Flag.RENEWS_EXACTLY] = wp.where(rough, 0, 1)
+        solve.flags[Flag.MOVES] = 0
+        solve.flags[Flag.STARTS] = 1
+        solve.flags[Flag.ANEW] = wp.where(anew, 1, 0)
         solve.flags[Flag.SEARCHING] = 1
 
 
@@ -255,8 +248,6 @@ def judge(solve: Solve):
             solve.flags[Flag.PRECONDITIONS] = 1 - n.plain
             few = (n.plain == 1 or capped) and n.loaded == 1 and n.at_load == 1
             if few and all_between <= wp.float64(rules.few) and reach <= n.few_below and rules.few > 0:
-                if solve.rules[0].has_coefficients == 0:
-                    n.status = search.NEEDS_COEFFICIENTS
                 n.few_below = HALF * reach
                 n.near = rules.near * reach
                 solve.flags[Flag.MOVES_FEW] = 1
@@ -306,6 +297,5 @@ def accept(solve: Solve, proof: Proof):
     if search.lane() == 0 and faults > ZERO and solve.numbers[0].renewals < rules.renewals:
         solve.request[Request.ANEW] = ZERO
         solve.request[Request.ROUGH] = ZERO
-        solve.request[Request.RESUMES] = ZERO
         solve.request[Request.RENEWED] = ONE
         solve.flags[Flag.SOLVING] = 1

@@ -20,12 +20,11 @@ TOGETHER = wp.get_module("warpwear.kernels.half_space.solve")
 HEADERS = "half_space/extension.h", "half_space/active_set.h", "half_space/windows.h"
 wp.set_module_options(native_code.options(*HEADERS), module=TOGETHER)
 
-#: How a search ended; `NEEDS_COEFFICIENTS`: it goes on once the operator's coefficients are there.
+#: How a search ended.
 RUNS = wp.constant(wp.int32(0))
 CONVERGED = wp.constant(wp.int32(1))
 LED_NOWHERE = wp.constant(wp.int32(2))
 UNBALANCED = wp.constant(wp.int32(3))
-NEEDS_COEFFICIENTS = wp.constant(wp.int32(4))
 #: Lines of the table of partial results.
 LINES = 9
 
@@ -37,9 +36,8 @@ class Request(IntEnum):
     AT_LOAD = 1  # 1 at loads, 0 at approaches
     ANEW = 2  # 1 where it starts from nothing
     ROUGH = 3  # 1 where single precision may do
-    RESUMES = 4  # 1 where it goes on as it ended
-    CERTIFIED = 5  # 1 where its pressure is to be certified
-    RENEWED = 6  # 1 where it goes on from a pressure that could not be certified; the host writes 0
+    CERTIFIED = 4  # 1 where its pressure is to be certified
+    RENEWED = 5  # 1 where it goes on from a pressure that could not be certified; the host writes 0
 
 
 class Flag(IntEnum):
@@ -115,7 +113,6 @@ class Rules:
         "load_tolerance": wp.float64,  # residual of the load, relative to it
         "certified_load": wp.float64,  # that a certified pressure may miss, relatively
         "tiled": wp.int32,  # 1 where what is extended is gathered tile by tile, apart from the trial
-        "has_coefficients": wp.int32,  # of the operator, for few cells
         "group_cells": wp.float64,  # of the surface, in a group
     }
 

@@ -72,13 +72,14 @@ WARPWEAR_FN void give_nothing(Curves& curves, int patch, double base, double off
 }
 
 // What the cells of a patch carry at its trial approach.
-template <typename Curves, typename Surfaces>
-WARPWEAR_FN void carry_patch(int patch, double cap, double stiffness, Curves& curves,
+template <typename Steps, typename Curves, typename Surfaces>
+WARPWEAR_FN void carry_patch(int patch, int slots, const Steps& steps, Curves& curves,
                              const Surfaces& surfaces)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(off)
 #endif
+    const double cap = steps.load.hardness, stiffness = wp::index(steps.now, 0).stiffness;
     const double base = wp::index(curves.base, patch), offset = wp::index(curves.offset, patch);
     if (!((base - wp::index(curves.lowest, patch)) + offset > 0.0)) {
         if (lane_of_slot() == 0) give_nothing(curves, patch, base, offset);
@@ -89,9 +90,7 @@ WARPWEAR_FN void carry_patch(int patch, double cap, double stiffness, Curves& cu
     const Stored* const gap = row_of(surfaces.gap, patch);
     const Stored* const parts = parted ? row_of(surfaces.parts, patch) : nullptr;
     const Lanes zero = 0.0;
-    const Counts no = 0, yes = 1;
-    Lanes pressure = 0.0, nearest = ABSENT;
-    Counts between = 0;
+    Lanes pressure = 0.0, between = 0.0, nearest = ABSENT;
     double beside = ABSENT; // of the tiles that are skipped
     const auto reaches = [&](double low) {
         const double overlap = (base - low) + offset;
@@ -101,16 +100,16 @@ WARPWEAR_FN void carry_patch(int patch, double cap, double stiffness, Curves& cu
     visit_patch(surfaces, patch, reaches, [&](int line, int place) {
         const int i = line * of_line + place;
         const Lanes most_here = parted ? Lanes(cap * parts[i]) : Lanes(cap);
-        const Lanes q = on_spring((base - Lanes(gap[i])) + offset, Lanes(stiffness)),
-                    p = clipped(q, most_here);
+        const Lanes overlap = (base - Lanes(gap[i])) + offset;
+        const Lanes q = on_spring(overlap, Lanes(stiffness)), p = clipped(q, most_here);
         pressure += p;
-        between += p > zero && q < most_here ? yes : no;
+        between += p > zero && q < most_here ? slope_on_spring(overlap, Lanes(stiffness)) : zero;
         const Lanes near = to_bound(q, most_here);
         nearest = nearest < near ? nearest : near;
     });
     leave_each(
         {{total(pressure), &wp::index(surfaces.trial, 0, patch), true},
-         {count(between) * stiffness, &wp::index(surfaces.trial, 1, patch), true},
+         {total(between) * stiffness, &wp::index(surfaces.trial, 1, patch), true},
          {-wp::min(-most(-nearest), beside * stiffness), &wp::index(surfaces.trial, 2, patch), false}});
     give_answer(curves.answer, patch, surfaces.trial, surfaces.cells, stiffness);
 }
@@ -145,10 +144,11 @@ WARPWEAR_FN Extents extents_of(int patch, const Surfaces& surfaces, const WearBy
 
 // Wear the cells of a patch that it has reached or reaches next, and leave what they add up to. Where the
 // next step is foreseen the patch answers for it as well.
-template <typename Steps, typename Now, typename Curves, typename Courses, typename Surfaces, typename Books>
-WARPWEAR_FN void wear_patch(int patch, const Steps& steps, const Now& now, Curves& curves,
-                            const Courses& courses, const Surfaces& surfaces, Books& books)
+template <typename Steps, typename Curves, typename Courses, typename Surfaces, typename Books>
+WARPWEAR_FN void wear_patch(int patch, int slots, const Steps& steps, Curves& curves, const Courses& courses,
+                            const Surfaces& surfaces, Books& books)
 {
+    const auto& now = wp::index(steps.now, 0);
     const double base = wp::index(curves.base, patch), offset = wp::index(curves.offset, patch);
     const double base_next = wp::index(courses.base_next, patch);
     const double offset_next = wp::index(courses.offset_next, patch);

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from cases_half_space import MODULUS, area_fraction_of, bounded, dense_of, dense_streak, rough, separation_of
 
-from warpwear.contact.half_space import coarse_start
+from warpwear.contact.half_space import solver as half_space_solver
 from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.contact.half_space.transforms import load_cupy, stream_of
 from warpwear.engine import executor as execution
@@ -286,7 +286,7 @@ def test_a_start_on_wider_cells_leads_to_the_same_contact_in_less(
             asked["parts"] = executor.field(draw.uniform(0.5, 1.0, shape), padding=1.0)
         for least in (10**6, 16):
             for name in ("LEAST_SIDE", "LEAST_SIDE_ON_GPU"):
-                monkeypatch.setattr(coarse_start, name, least)
+                monkeypatch.setattr(half_space_solver, name, least)
             contact = HalfSpace(executor, tolerance=1e-9, **options).solve(
                 executor.field(gap, padding=PADDING), streak_window=6, **asked
             )
@@ -314,7 +314,7 @@ def test_a_start_on_wider_cells_saves_iterations(boundary: str, monkeypatch: pyt
     work = []
     with Executor(grid) as executor:
         for least in (10**6, 64):
-            monkeypatch.setattr(coarse_start, "LEAST_SIDE", least)
+            monkeypatch.setattr(half_space_solver, "LEAST_SIDE", least)
             solver = HalfSpace(executor, modulus=1.0, boundary=boundary, tolerance=1e-4)
             work.append(solver.solve(executor.field(gap), mean_pressure=0.05).transforms)
     assert work[1] < 0.9 * work[0]

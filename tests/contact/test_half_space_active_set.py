@@ -12,10 +12,23 @@ from warpwear.contact.half_space.search import room_for_few
 from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid, IntArray
-from warpwear.kernels.half_space import active_set
-from warpwear.kernels.half_space.solve import SearchRules
+from warpwear.kernels.half_space.solve import ActiveSet, SearchRules
+from warpwear.kernels.native_code import options
 
 GRID = Grid(60, 53, 0.5)
+
+
+wp.set_module_options(options("half_space/active_set.h"))
+
+
+@wp.func_native("return best_of_few(few, count);")
+def _best_of_few(few: ActiveSet, count: wp.int32) -> wp.bool: ...
+
+
+@wp.kernel
+def solve_few(few: ActiveSet, count: wp.int32, solved_out: wp.array(dtype=wp.int32)):  # type: ignore[valid-type]
+    """Find the best changes of some cells' pressures alone; tell whether there are such."""
+    solved_out[0] = wp.where(_best_of_few(few, count), 1, 0)
 
 
 def best_of_few(
@@ -28,13 +41,12 @@ def best_of_few(
     high: FloatArray,
 ) -> FloatArray | None:
     """Changes of the pressures of cells, as the kernel makes them; distances do not wrap."""
-    room, count = room_for_few(len(rows), "cpu"), wp.zeros(1, dtype=wp.int32, device="cpu")
-    room.elastic = wp.array(elastic, dtype=wp.float64, device="cpu")
-    room.along = wp.array(along, dtype=wp.float64, device="cpu")
-    room.rows = room.columns = 10**6
+    tables = (wp.array(values, dtype=wp.float64, device="cpu") for values in (elastic, along))
+    room = room_for_few(len(rows), "cpu", (10**6, 10**6), *tables)
+    count = wp.zeros(1, dtype=wp.int32, device="cpu")
     for name, values in {"row": rows, "column": columns, "slope": slope, "low": low, "high": high}.items():
         getattr(room, name).numpy()[:] = values
-    wp.launch(active_set.solve_few, dim=1, inputs=[room, len(rows), count], device="cpu")
+    wp.launch(solve_few, dim=1, inputs=[room, len(rows), count], device="cpu")
     return room.change.numpy() if count.numpy()[0] else None
 
 

@@ -50,5 +50,5 @@ def test_a_list_holds_the_lowest_tiles_and_enough_of_them(seed: int, threads: in
             for row, count in enumerate(tiles.count.numpy()):
                 listed[row, tiles.list.numpy()[row, :count]] = True
             assert_array_equal(listed, expected)
-            assert tiles.listed == expected.sum()
+            assert tiles.lists["listed"] == expected.sum()
             assert tiles.lists["asked"] == limit

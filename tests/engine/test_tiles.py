@@ -70,4 +70,4 @@ def test_an_early_contact_visits_few_tiles() -> None:
         model = OneScaleModel(study.contact_task, surface_in(study).heights(grid.x, grid.y), executor)
         for _ in range(5):
             model.advance(3e-3)
-        assert 0.0 < model.tiles.listed < 0.1 * grid.nx * executor.tiles_per_row
+        assert 0.0 < model.tiles.lists["listed"] < 0.1 * grid.nx * executor.tiles_per_row

@@ -80,7 +80,7 @@ def test_what_makes_no_sense_is_left_out_with_its_reason(
         *OF_FILMS,
         *OF_FRETTING,
         *OF_STRESSES,
-        *left_out_for(words.ROUGH, words.NO_PIECES),
+        *left_out_for(words.ROUGH, words.NO_FACTOR, words.NO_PIECES),
     }
     static = set(plot.NAMES) - NOT_STATIC - of_others
     assert {"setup", "contact_map", "junctions"} < static == set(plot.names())

@@ -104,11 +104,6 @@ class Tiles(TileList):
         #: Of the tiles of each row that are not listed: cells touched, and their wear [mm].
         self.rest = wp.zeros(nx, dtype=TileSums, device=device)
 
-    @property
-    def listed(self) -> int:
-        """Return the number of tiles that are listed."""
-        return int(self.lists["listed"])
-
     def add_to(self, program: Program) -> None:
         """Make the list that is asked for, in a program."""
         if not self._executor.device.is_cpu:

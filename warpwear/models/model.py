@@ -57,12 +57,26 @@ class Model(ABC):
         """Begin with the first step of this track, on a disc that has slid over another one before."""
         self.turned = 0
 
-    def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
-        """Steps made on the device in one go, or in a few, before the first of each is seen.
+    def replay(self, increments: Sequence[float], then: float | None) -> tuple[int, Iterator[Step]]:
+        """Make the next steps on the device, as many as it can in one go; return their number, and them.
 
-        then: the increment after them [mm], where it is known. Sets `steps_in_flight` where it makes a few.
+        then: the increment after them [mm], where it is known.
         """
-        yield from map(self.advance, increments)
+        raise NotImplementedError  # of models that are never `in_blocks`
+
+    def check(self) -> None:
+        """Raise ConvergenceError where the last replay ended at a step without a balance."""
+        raise NotImplementedError
+
+    def _block(self, increments: Sequence[float], then: float | None) -> Iterator[Step]:
+        """Yield the steps of a block, which is made in one go or in a few."""
+        while increments:
+            count, steps = self.replay(increments, then)
+            for number, step in enumerate(steps):
+                self.steps_in_flight = count - number - 1
+                yield step
+            self.check()
+            increments = increments[count:]
 
     def steps(self, plan: Iterable[tuple[float, bool] | tuple[float, bool, bool]]) -> Iterator[Step]:
         """Yield a step for each increment [mm] of the plan, with its pressure where that is asked for.
@@ -82,11 +96,5 @@ class Model(ABC):
                 continue
             block.append(increment)
             if following is None or following[1] or len(block) == self.longest_block:
-                yield from self._given(block, then)
+                yield from self._block(block, then)
                 block = []
-
-    def _given(self, increments: Sequence[float], then: float | None) -> Iterator[Step]:
-        """Yield the steps of a block, one by one."""
-        steps = self.block(increments, then)
-        for self.steps_in_flight in reversed(range(len(increments))):
-            yield next(steps)

@@ -18,8 +18,7 @@ from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels import patches as passes
 from warpwear.models.patches.local import TwoScaleModel
-from warpwear.models.patches.shares import LoadSharing
-from warpwear.models.patches.smooth import SmoothContact
+from warpwear.models.patches.shares import LoadSharing, SmoothContact
 from warpwear.study.surface import surface_in
 
 
@@ -419,7 +418,7 @@ def test_prescribed_loads_add_up_well_within_the_tolerance(monkeypatch: pytest.M
     stepped = Stepped(of_kind("load"))
     load, area = stepped.study.contact.load, stepped.patches.area
     with monkeypatch.context() as patch:
-        patch.setattr("warpwear.models.patches.smooth.TOLERANCE", 1e-6)
+        patch.setattr("warpwear.models.patches.shares.TOLERANCE", 1e-6)
         smooth = SmoothContact(stepped.study.contact_task, stepped.patches, stepped.executor)
     wear = 0.003 * sum(stepped.study.wear_coefficients)
     target = smooth.press(foundation=stepped.study.bulk_stiffness(), removal=wear)

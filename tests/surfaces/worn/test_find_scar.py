@@ -205,7 +205,7 @@ def test_a_narrow_scratch_with_lips_keeps_its_volumes(half):
 
 @pytest.mark.parametrize("shape", [(3, 50), (12, 12), (60, 4)])
 def test_fields_of_few_points_are_refused(shape):
-    with pytest.raises(InputError, match=r"at least 16 along each side"):
+    with pytest.raises(InputError, match=r"16 a side are needed"):
         find_scar(np.random.default_rng(0).normal(size=shape), pixel=SIZE)
 
 

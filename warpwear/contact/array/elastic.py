@@ -13,9 +13,8 @@ import numpy.typing as npt
 import warp as wp
 
 from warpwear.contact.array.task import Solution, Task, gap_field, rms_of
-from warpwear.contact.half_space import coarse_start
 from warpwear.contact.half_space.influence import Box, displace
-from warpwear.contact.half_space.solver import HalfSpace
+from warpwear.contact.half_space.solver import ROUGH, ROUGH_ITERATIONS, HalfSpace
 from warpwear.contact.half_space.window import Window
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.staging import upload
@@ -120,7 +119,7 @@ def _guess(task: Task, executor: Executor, options: dict[str, Any]) -> Box | Non
 
     gap, lowest = of_wide(np.add) / counts, of_wide(np.minimum)
     mean = None if task.mean is None else task.mean * (task.gap.size / (gap.size * size**2))
-    rough = {"tolerance": coarse_start.TOLERANCE, "max_iterations": coarse_start.MAX_ITERATIONS}
+    rough = {"tolerance": ROUGH, "max_iterations": ROUGH_ITERATIONS}
     with _executor_like(executor, Grid(gap.shape[0], gap.shape[1], float(size))) as wide:
         solver = HalfSpace(wide, **{**options, **rough})
         try:

@@ -24,22 +24,27 @@ from warpwear.contact.array.arguments import (
 from warpwear.contact.array.contact import ArrayContact
 from warpwear.contact.array.elastic import solve_half_space
 from warpwear.contact.array.memory import check_memory, giving_back
-from warpwear.contact.array.springs import solve_cells
 from warpwear.contact.array.task import ROUNDING, Gap, Solution, Task, gap_field, surface_of
+from warpwear.contact.balance import RIGID, Balance
 from warpwear.contact.certificate import Certificate, Proof
 from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.solver import TOLERANCE
+from warpwear.contact.search import LoadSearch
 from warpwear.engine.device import check_threads
 from warpwear.engine.executor import Executor, arguments
 from warpwear.engine.staging import download, each
+from warpwear.engine.tiles import Tiles
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid
+from warpwear.kernels.bearing import TIE
 from warpwear.kernels.cells import LANES, Cells
 from warpwear.kernels.half_space.solve import Fields, SearchRules
 from warpwear.surfaces.form import Form
 
 #: Largest difference between the load carried and the load asked for, relatively.
 LOAD_TOLERANCE = 1.0e-9
+#: Cells that the lists of tiles hold at least, over those that carry the load at the hardness.
+SPARE = 2.0
 #: Cells in contact of which fewer resolve no area.
 FEWEST_CELLS = 9
 
@@ -159,7 +164,7 @@ def solve_contact(
         giving_back(executor),
     ):
         try:
-            solve = partial(solve_half_space, tolerance=tolerance) if edge else solve_cells
+            solve = partial(solve_half_space, tolerance=tolerance) if edge else _solve_cells
             contact, carried, touched = _contact_of(
                 task, solve(task, executor), executor, hardness, tolerance
             )
@@ -186,6 +191,33 @@ def solve_contact(
             f"solve_contact found a mean pressure of {contact.mean_pressure:g} instead of {mean:g}."
         )
     return contact
+
+
+def _solve_cells(task: Task, executor: Executor) -> Solution:
+    """Solve with springs, or the bearing area: to rounding."""
+    gap, stiffest = gap_field(task.gap, executor), 1.0 if task.response else RIGID
+    load = (task.mean or 0.0) * task.gap.size
+    search = LoadSearch(
+        executor,
+        gap,
+        Tiles(executor, gap, gap, least=SPARE * load / task.cap),
+        load=load,
+        hardness=task.cap,
+        stiffness=executor.field(np.full((1, 1), stiffest), padding=stiffest),
+        # No number of cells but the very one: else their pressure would exceed the hardness.
+        tolerance=None if task.response else ROUNDING * load,
+    )
+    if task.approach is None:
+        balance = search.solve()
+    else:
+        # Where nothing yields a cell at the very approach is touched.
+        width, tied = (0.0, 0.0) if task.response else (TIE, task.cap)
+        balance = Balance(task.approach, 0.0, task.cap, 0.0, width, tied, evaluations=1)
+    pressure = search.pressures(balance._replace(cap=task.cap)).copy()
+    approach = balance.approach
+    if task.approach is None and not task.response:  # the lowest of those that touch these cells
+        approach = float(task.gap[pressure > 0.0].max())
+    return Solution(pressure, pressure * task.response, approach, balance.evaluations)
 
 
 def _extent(gap: Gap, threads: int) -> tuple[float, float, int]:

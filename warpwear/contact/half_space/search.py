@@ -97,7 +97,8 @@ class Search:
         )
         if self._extends:
             self._solve.neighbours = operator.neighbours
-        self._room: Any = room_for_few(self._few, device) if self._few else None
+        if self._few:
+            self._room = room_for_few(self._few, device, operator.far_shape, *operator.coefficients())
         self._proof = Proof(executor, self._solve.fields, groups=groups, visited=operator.visited)
         self._inputs = Mirror(self._solve.request, self._solve.loads)
         self._mirror = Mirror(self._solve.numbers, self._solve.groups, self._proof.arguments.groups)
@@ -116,11 +117,6 @@ class Search:
         loads = np.resize(loads, self._solve.loads.shape)
         self._inputs.write(values, loads)
         self._program.run()
-        if self._few and self._solve.numbers.numpy()["status"][0] == solve.NEEDS_COEFFICIENTS:
-            self._take_coefficients()
-            values[Request.RESUMES] = 1.0
-            self._inputs.write(values, loads)
-            self._program.run()
         if then is not None:
             then.run()
         numbers, groups, proven = self._mirror.read()
@@ -292,20 +288,14 @@ class Search:
         loads = {"load_tolerance": TOLERANCE, "certified_load": LOAD_TOLERANCE}
         return arguments(solve.Rules, **rules, **loads, group_cells=float(cells))
 
-    def _take_coefficients(self) -> None:
-        """Give the operator's coefficients to the search, and write its program anew."""
-        elastic, along = self._operator.coefficients()
-        room, (rows, columns) = self._room, self._operator.far_shape
-        room.elastic, room.along, room.rows, room.columns = elastic, along, rows, columns
-        rules = self._solve.rules.numpy()
-        rules["has_coefficients"] = 1
-        self._solve.rules.assign(rules)
-        self._program = self._make_program()
 
+def room_for_few(most: int, device: Any, shape: tuple[int, int], elastic: Field, along: Field) -> Any:
+    """Return the arrays for the cells that are moved at once.
 
-def room_for_few(most: int, device: Any) -> Any:
-    """Return the arrays for the cells that are moved at once; coefficients are added later."""
+    elastic, along: the operator's coefficients, see `Influence.coefficients`. shape: on which these wrap.
+    """
     names = ("row", "column", "slope", "low", "high", "change", "side", "next", "free", "order", "rest")
     sizes = dict.fromkeys(names, most) | {"pair": 2 * most, "matrix": most**2}
     sizes |= dict.fromkeys(("equations", "factor"), most * (most + 2))
-    return arguments(solve.ActiveSet, device, **sizes, elastic=(0, 0))
+    wraps = {"rows": shape[0], "columns": shape[1]}
+    return arguments(solve.ActiveSet, device, **sizes, **wraps, elastic=elastic, along=along)

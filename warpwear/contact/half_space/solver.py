@@ -1,6 +1,11 @@
 """Two bodies in contact whose surfaces deform together are one elastic–plastic half-space, 0 ≤ p ≤ H.
 
 The pressure minimises ½ p·(G + c)p + p·g at a given mean pressure or approach; see `search`.
+
+A contact of many cells begins with the pressure on cells twice as wide, which is solved roughly. The gap of a
+wide cell is the mean of its four, so that the long waves are those of the fine grid, and its pressure is that
+of all four. A pair of transforms costs a quarter there, and what a search spends on the long waves, which
+decide where load goes, it then need not spend on the fine grid.
 """
 
 import math
@@ -11,21 +16,30 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpwear.contact.certificate import Certificate
-from warpwear.contact.half_space import coarse_start
-from warpwear.contact.half_space.coarse_start import carry
 from warpwear.contact.half_space.influence import Influence
 from warpwear.contact.half_space.search import Search
 from warpwear.contact.half_space.transforms import release
-from warpwear.engine.executor import Executor, Field
-from warpwear.engine.program import Program
+from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.program import Program, launch_once
 from warpwear.errors import ConvergenceError, InputError
-from warpwear.grid import FloatArray
+from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.half_space import windows
 from warpwear.kernels.half_space.solve import CONVERGED, UNBALANCED, Request, SearchRules
 
 #: Largest violation of complementarity, over the rms height of the gap.
 TOLERANCE = SearchRules.tolerance
 MAX_ITERATIONS = SearchRules.iterations
+#: Cells along each side of a grid from which wide ones pay.
+LEAST_SIDE = 256
+#: On a GPU, where a solve on wide cells takes a graph of its own, once.
+LEAST_SIDE_ON_GPU = 4096
+#: Fields of the fine grid that a solver on wide cells, and those that it starts from, take of a GPU.
+FIELDS_ON_GPU = 6.0
+#: Fields that a search on a GPU takes for itself afterwards.
+FIELDS_OF_SEARCH = 10.0
+#: Tolerance of the contact on wide cells, as of `BoundedPressure`, and its iterations at most.
+ROUGH = 1.0e-3
+ROUGH_ITERATIONS = 100
 #: Tolerance from which single precision may be enough for a whole search.
 LOOSE = 1.0e-5
 
@@ -37,7 +51,6 @@ class HalfSpaceContact:
     approaches: FloatArray  # rigid, from the mean planes: of all cells, or row by row [mm]
     mean_pressure: float  # [MPa]
     violation: float  # largest violation of complementarity, over the rms height
-    load_residual: float  # mean pressure over the prescribed one, − 1, furthest from 0; 0 at an approach
     cells_in_contact: int  # with p > 0
     iterations: int
     transforms: int  # pairs of Fourier transforms of the search; a certificate takes one more
@@ -56,14 +69,6 @@ class HalfSpaceContact:
     def pressure(self) -> FloatArray:
         """Return the pressure [MPa], shape (nx, ny)."""
         return self.executor.to_numpy(self.pressure_field)
-
-
-def residual_of(total: FloatArray, loads: FloatArray | None) -> float:
-    """Return the relative residual of the load, of the part where it is furthest from 0; 0 at an approach."""
-    if loads is None:
-        return 0.0
-    over = np.divide(total, loads, out=1.0 + total, where=loads > 0.0) - 1.0
-    return float(over[np.argmax(np.abs(over))])
 
 
 def worst_of(violation: FloatArray, scale: FloatArray) -> float:
@@ -154,7 +159,7 @@ class BoundedPressure:
         }
         self.started = False
         status = search.run(request, np.full(1, approach) if loads is None else loads, then and then(search))
-        contact = self._contact_of(search, status, loads)
+        contact = self._contact_of(search, status)
         if certified:
             contact = replace(contact, certificate=search.certificate())
         if contact.certificate and contact.certificate.fault:
@@ -186,7 +191,7 @@ class BoundedPressure:
             self._said = said
         return self._search
 
-    def _contact_of(self, search: Search, status: int, loads: FloatArray | None) -> HalfSpaceContact:
+    def _contact_of(self, search: Search, status: int) -> HalfSpaceContact:
         """Sum up what a search has left. Raises ConvergenceError where it has not come to its end."""
         groups, numbers = search.groups, search.numbers
         if status == UNBALANCED:
@@ -204,7 +209,6 @@ class BoundedPressure:
             approaches=groups["level"].copy(),
             mean_pressure=float(groups["total"].sum()) / self._influence.cells,
             violation=worst_of(groups["violation"], groups["scale"]),
-            load_residual=residual_of(groups["total"], loads),
             cells_in_contact=round(float(groups["touching"].sum())),
             iterations=int(numbers["before"] + numbers["iteration"]),
             transforms=int(numbers["transforms_before"] + numbers["transforms"]),
@@ -249,63 +253,71 @@ class HalfSpace(BoundedPressure):
         datum = executor.grid.nx * executor.grid.cell if datum is None else datum
         elastic: dict[str, Any] = {"modulus": modulus, "boundary": boundary, "datum": datum}
         self._like = elastic | {name: options[name] for name in ("hardness", "rules") if name in options}
-        #: The solver on wide cells, and its gap, cap fractions and compliances.
+        #: The solver on wide cells, and its gap, cap fractions and compliances, as far as there are such.
         self._wide: HalfSpace | None = None
-        self._wide_fields: tuple[Field, ...] = ()
+        self._wide_fields: dict[str, Field] = {}
         super().__init__(executor, Influence(executor, **elastic), **options)
 
     def solve(self, gap: Field, *, certified: bool | None = True, **where: Any) -> HalfSpaceContact:
         """Solve a contact as `BoundedPressure` does, from that on cells twice as wide if from nothing."""
         begins = not self.started
-        transforms = self._start(gap, **where) if begins and coarse_start.is_worth_it(self._executor) else 0
+        transforms = self._start(gap, **where) if begins and wide_cells_pay(self._executor) else 0
         certified = begins if certified is None else certified
         contact = super().solve(gap, certified=certified, **where)
         return replace(contact, transforms=contact.transforms + transforms)
 
-    def _start(
-        self,
-        gap: Field,
-        *,
-        parts: Field | None = None,
-        yields: Field | None = None,
-        streak_window: int | None = None,
-        then: Any = None,
-        **where: Any,
-    ) -> int:
+    def _start(self, gap: Field, *, streak_window: int | None = None, then: Any = None, **where: Any) -> int:
         """Start from the contact on cells twice as wide, of whose transforms four count as one."""
-        fine = self._executor
-        fields = gap, parts, yields
-        there = [field is not None for field in fields]
-        if self._wide is None or [field is not None for field in self._wide_fields] != there:
+        fine, fields = self._executor, {"gap": gap}
+        fields |= {name: where.pop(name) for name in ("parts", "yields") if where.get(name) is not None}
+        if self._wide is None or self._wide_fields.keys() != fields.keys():
+            # Of an odd number of cells the last wide one goes over the edge.
+            coarse = Grid(-(-fine.grid.nx // 2), -(-fine.grid.ny // 2), 2.0 * fine.grid.cell)
             self._wide = HalfSpace(
-                Executor(coarse_start.coarse_grid(fine.grid), device=str(fine.device), threads=fine.threads),
-                tolerance=coarse_start.TOLERANCE,
-                max_iterations=coarse_start.MAX_ITERATIONS,
+                Executor(coarse, device=str(fine.device), threads=fine.threads),
+                tolerance=ROUGH,
+                max_iterations=ROUGH_ITERATIONS,
                 **self._like,
             )
-            of_wide = self._wide._executor
-            self._wide_fields = tuple(of_wide.zeros() if one else None for one in there)
-        wide, on = self._wide, self._wide._executor
+            self._wide_fields = {name: self._wide._executor.zeros() for name in fields}
+        wide, targets = self._wide, self._wide_fields
         wide.forget()
+        if streak_window is not None:
+            where["streak_window"] = max(streak_window // 2, 1)
         try:
-            wide_gap, wide_parts, wide_yields = (
-                None if field is None else carry(windows.restrict, on, field, target, fine=fine.grid)
-                for field, target in zip(fields, self._wide_fields, strict=True)
-            )
-            contact = wide.solve(
-                wide_gap,
-                streak_window=None if streak_window is None else max(streak_window // 2, 1),
-                parts=wide_parts,
-                yields=wide_yields,
-                certified=False,
-                **where,
-            )
+            for name, field in fields.items():
+                carry(windows.restrict, wide._executor, field, targets[name], fine=fine.grid)
+            contact = wide.solve(certified=False, **targets, **where)
         except (ConvergenceError, InputError):
             return 0
         carry(windows.prolong, fine, contact.pressure_field, self.pressure_field, fine=fine.grid)
         self.started, transforms = True, -(-contact.transforms // 4)
-        if coarse_start.memory_is_short(fine):
-            self._wide, self._wide_fields = None, ()
-            del wide, on, contact, wide_gap, wide_parts, wide_yields
+        if memory_is_short(fine):
+            self._wide, self._wide_fields = None, {}
+            del wide, targets, contact
             release(fine.device)
         return transforms
+
+
+def wide_cells_pay(executor: Executor) -> bool:
+    """Tell whether wide cells make a solve shorter, and there is room for them."""
+    device, grid = executor.device, executor.grid
+    if device.is_cpu:
+        return min(grid.shape) >= LEAST_SIDE
+    return min(grid.shape) >= LEAST_SIDE_ON_GPU and device.free_memory > FIELDS_ON_GPU * 8 * grid.cells
+
+
+def memory_is_short(executor: Executor) -> bool:
+    """Tell whether a solver on wide cells takes memory worth more than the time of making it anew."""
+    device = executor.device
+    return device.is_cpu or device.free_memory < FIELDS_OF_SEARCH * 8 * executor.grid.cells
+
+
+def carry(kernel: Any, executor: Executor, field: Field, target: Field, *, fine: Grid) -> None:
+    """Give the field of an executor what another one holds, by a kernel: `restrict` or `prolong`.
+
+    A wide cell gets the mean of its four, `PADDING` where one of them is that, and each of them its value.
+    fine: grid of the narrow cells.
+    """
+    transfer = arguments(windows.Transfer, field=field, target=target, columns=fine.ny)
+    launch_once(executor, kernel, transfer)

@@ -7,7 +7,7 @@ is therefore that of the whole grid, and its cost follows the contact.
 
 import math
 import operator
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar, Self
@@ -131,30 +131,23 @@ class OnWindow:
         device, threads = str(whole.device), whole.threads
         self._whole, self._part = whole, Executor(grid, device=device, threads=threads, fields_needed=0.0)
         self.solver = HalfSpace(self._part, **law)
-        self.gap = self._part.zeros()
-        #: Of the hardness, that cells bear, and their own compliances.
-        self.fractions: Field | None = None
-        self.yields: Field | None = None
+        #: Gap, cap fractions and compliances of cells there, as far as there are such.
+        self.fields: dict[str, Field] = {}
         #: Row and vector of the whole grid where it begins.
         self.first = wp.zeros(2, dtype=wp.int32, device=whole.device)
         self._programs: dict[Any, tuple[tuple[Any, ...], Program]] = {}
 
-    def take(self, gap: Field, pressure: Field, **others: Field | None) -> None:
-        """Copy what fields of the whole grid hold there. others: fractions and yields, or None."""
-        pairs = [(gap, self.gap), (pressure, self.solver.pressure_field)]
-        for name, field in others.items():
-            if field is None:
-                setattr(self, name, None)
-                continue
-            if getattr(self, name) is None:
-                setattr(self, name, self._part.zeros())
-            pairs.append((field, getattr(self, name)))
+    def take(self, pressure: Field, fields: Mapping[str, Field]) -> None:
+        """Copy what fields of the whole grid hold there."""
+        if self.fields.keys() != fields.keys():
+            self.fields = {name: self._part.zeros() for name in fields}
 
         def add(program: Program) -> None:
-            for field, part in pairs:
-                self.add_copy(program, windows.take, field, part)
+            self.add_copy(program, windows.take, pressure, self.solver.pressure_field)
+            for name, field in fields.items():
+                self.add_copy(program, windows.take, field, self.fields[name])
 
-        self.program(windows.take, add, *(field for field, _ in pairs)).run()
+        self.program(windows.take, add, pressure, *fields.values(), *self.fields.values()).run()
 
     def add_copy(self, program: Program, kernel: Any, field: Field, target: Field) -> None:
         """Add to a program: copy a field to one there, or the other way."""
@@ -209,11 +202,6 @@ class WindowedHalfSpace:
         self._stored: dict[Grid, OnWindow] = {}
 
     @property
-    def window(self) -> list[int] | None:
-        """Return where a search looks first: the first row and the one after the last, vectors likewise."""
-        return None if self._window is None else [*vars(self._window).values()]
-
-    @property
     def columns(self) -> tuple[int, int]:
         """Return the first column that may have a pressure to start from, and the one after the last."""
         if self._window is None or not self._started:
@@ -242,13 +230,13 @@ class WindowedHalfSpace:
         gap: Field,
         *,
         load: float,
-        compliance: float = 0.0,
         streak_compliance: float = 0.0,
         streak_window: int | None = None,
         parts: Field | None = None,
         yields: Field | None = None,
         least_part: float = 1.0,
         certified: bool | None = True,
+        compliance: float = 0.0,
     ) -> HalfSpaceContact:
         """Solve the contact at a load [N], otherwise as `solver.BoundedPressure.solve` does.
 
@@ -256,7 +244,11 @@ class WindowedHalfSpace:
         the parts.
         """
         whole, least = self._executor.grid, least_part * self._hardness
-        certified = not self._started if certified is None else certified
+        there = {"gap": gap, "parts": parts, "yields": yields}
+        fields = {name: field for name, field in there.items() if field is not None}
+        wear = {"compliance": compliance, "streak_compliance": streak_compliance}
+        options: dict[str, Any] = {**wear, "streak_window": streak_window}
+        options["certified"] = not self._started if certified is None else certified
 
         def carries(window: Window) -> bool:
             """Tell whether cells at the least of their caps carry the load: none falls below it later."""
@@ -276,19 +268,12 @@ class WindowedHalfSpace:
             window, here = self._window, self._here
             assert window is not None
             assert here is not None
-            here.take(gap, self._pressure, fractions=parts, yields=yields)
+            here.take(self._pressure, fields)
             self._clear_beside(window)
             here.solver.started = self._started
+            mean = load / window.grid(whole).area
             contact = here.solver.solve(
-                here.gap,
-                mean_pressure=load / window.grid(whole).area,
-                compliance=compliance,
-                streak_compliance=streak_compliance,
-                streak_window=streak_window,
-                parts=here.fractions,
-                yields=here.yields,
-                certified=certified,
-                then=partial(self._after, here, gap),
+                **here.fields, mean_pressure=mean, then=partial(self._after, here, gap), **options
             )
             self._started = True
             transforms, iterations = transforms + contact.transforms, iterations + contact.iterations
@@ -304,7 +289,7 @@ class WindowedHalfSpace:
             self._look_at(fitting)
         return replace(
             contact,
-            mean_pressure=load / whole.area * (1.0 + contact.load_residual),
+            mean_pressure=contact.mean_pressure * window.grid(whole).area / whole.area,
             transforms=transforms,
             iterations=iterations,
             pressure_field=self._pressure,

@@ -19,7 +19,7 @@ from warpwear.grid import FloatArray, Grid
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.archard import BODIES
 from warpwear.laws.patches import Patches
-from warpwear.models.patches.smooth import SmoothContact
+from warpwear.models.patches.shares import SmoothContact
 from warpwear.results.evolution import SurfaceEvolution, spectrum_in_scar, surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.formats.bodies import worn_heights

@@ -35,7 +35,7 @@ from warpwear.models.attachment import Place
 from warpwear.models.film import BareCells
 from warpwear.models.model import Model
 from warpwear.models.patches.influence import PatchInfluence
-from warpwear.models.patches.smooth import SmoothContact
+from warpwear.models.patches.shares import SmoothContact
 from warpwear.models.unworn import gap_over, layout_of
 
 #: Growth of the approach in a step, as is thought before it, over what the last mean pressure would wear off.

@@ -25,8 +25,7 @@ from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 from warpwear.models.model import Model
 from warpwear.models.patches.cells import PatchContact
-from warpwear.models.patches.shares import LoadSharing
-from warpwear.models.patches.smooth import SmoothContact
+from warpwear.models.patches.shares import LoadSharing, SmoothContact
 
 #: Work of a patch where no cell has touched yet, over that of one where all have.
 LEAST_WORK = 0.05
@@ -155,20 +154,18 @@ class TwoScaleModel(Model):
         """Tell whether the device takes the next steps by itself."""
         return self.contact.film is None
 
-    def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
-        """Yield steps that the device takes in one go, or in a few where the contact grows to the edge."""
-        done = 0
-        while done < len(increments):
-            left = increments[done:]
-            removals = self._begin(left, then)
-            self._many.run()
-            count = self._now["number"]
-            for number, worn in enumerate(self._results(count)):
-                self.steps_in_flight = count - 1 - number
-                yield self._ledger.enter_worn(worn, left[number], removals[number])
-            if not self.sharing.is_balanced:
-                raise self._failure()
-            done += count
+    def replay(self, increments: Sequence[float], then: float | None) -> tuple[int, Iterator[Step]]:
+        """Make steps on the device, fewer where the contact grows to the edge."""
+        removals = self._begin(increments, then)
+        self._many.run()
+        results = zip(self._results(self._now["number"]), increments, removals, strict=False)
+        return self._now["number"], (self._ledger.enter_worn(*result) for result in results)
+
+    def check(self) -> None:
+        """Raise ConvergenceError where the load could not be shared."""
+        if not self.sharing.is_balanced:
+            smooth = self._smooth
+            raise self.sharing.failure() if smooth is None else smooth.failure(self.sharing)
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Share the load, then slide by the increment [mm] and wear both bodies.
@@ -181,8 +178,7 @@ class TwoScaleModel(Model):
         removals = self._begin([increment], then)
         self.contact.slides.set(start=distance, end=distance + increment)
         self._find.run()
-        if not self.sharing.is_balanced:
-            raise self._failure()
+        self.check()
         field = self._press() if with_pressure or film else None
         bare = float(self.contact.bare.numpy().sum()) if film else None
         pressure = self.patches.on_domain(self._executor.to_numpy(field)) if with_pressure else None
@@ -242,7 +238,3 @@ class TwoScaleModel(Model):
             total = dict(zip(PATCH_SUMS, sums, strict=False))
             most = dict(zip(PATCH_MAXIMA, sums[len(PATCH_SUMS) :], strict=True))
             yield Worn(total, most, load, area, (base, offset), reference, int(evaluations))
-
-    def _failure(self) -> Exception:
-        """Return the error for a step that has no solution."""
-        return self.sharing.failure() if self._smooth is None else self._smooth.failure(self.sharing)

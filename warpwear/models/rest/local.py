@@ -153,18 +153,11 @@ class OneScaleModel(Model):
         """Whether steps can be made in a row: not where 1/c of one follows from the area of the last."""
         return not self.task.bulk_updated
 
-    def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
-        """Steps made on the device in one go, before the first of them is seen."""
-        done = 0
-        while done < len(increments):
-            removals = self._tell(increments[done:], then)
-            self._many.run()
-            steps = self._course["step"]
-            for beyond, step in enumerate(self._booked(increments[done:], removals)):
-                self.steps_in_flight = steps - beyond - 1
-                yield step
-            self._check()
-            done += steps
+    def replay(self, increments: Sequence[float], then: float | None) -> tuple[int, Iterator[Step]]:
+        """Make steps on the device, before the first of them is seen."""
+        removals = self._tell(increments, then)
+        self._many.run()
+        return self._course["step"], self._booked(increments, removals)
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact, then slide by the increment [mm] and wear both bodies.
@@ -176,15 +169,15 @@ class OneScaleModel(Model):
         removals = self._tell([increment], None if self.task.bulk_updated else then)
         if not with_pressure:
             self._many.run()
-            self._check()
+            self.check()
             return next(self._booked([increment], removals))
         self._to_search.run()
-        self._check()
+        self.check()
         pressure = self._search.pressures()
         self._to_wear.run()
         return next(self._booked([increment], removals))._replace(pressure=pressure)
 
-    def _check(self) -> None:
+    def check(self) -> None:
         """Raise ConvergenceError for a step that was not made."""
         if self._course["failed"]:
             self._search.check()

@@ -13,7 +13,7 @@ from warpwear.contact.certificate import Certificate, columns_of
 from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.solver import HalfSpaceContact
 from warpwear.contact.half_space.window import WindowedHalfSpace
-from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.executor import Executor, arguments
 from warpwear.engine.numbers import Mirror, Numbers
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
@@ -129,7 +129,7 @@ class SlidingHalfSpace:
         of_film = [] if self.film is None else [self._bare]
         self._mirror = Mirror(self._sums, self._maxima, *self._of_rows.values(), *of_film)
         self._slides = Numbers(Slide, executor.device, written=False, rows=executor.grid.nx, window=1)
-        self._programs: dict[str, tuple[Field, Program]] = {}
+        self._programs: dict[str, Program] = {}
         self._of_pieces = wp.zeros((1, 2 * len(OF_BODY)), dtype=wp.float64, device=device)
         #: What the parts that a study adds to a step work on.
         self._place = Place(self._slides.array, arguments(Steps, device, history=self._of_pieces))
@@ -325,13 +325,11 @@ class SlidingHalfSpace:
         """Add the wear of both bodies by the pressure of a contact."""
         slides, pressure = self._slides.array, contact.pressure_field
         pressed = arguments(Pressed, pressure=pressure, means=self._means, gradient=contact.gradient_field)
-        pressed.cap = min(self.task.hardness, NO_CAP)
+        pressed.cap, pressed.bare = min(self.task.hardness, NO_CAP), self._bodies.bare
+        pressed.rubbed, pressed.rubbed_means = self._rubbed, self._rubbed_means
         if self._parts is not None:
             pressed.parts = self._parts
         if self.task.shears:
-            pressed.rubbed, pressed.rubbed_means = self._rubbed, self._rubbed_means
-            if self.film is not None:
-                pressed.bare = self.film.bare
             program.launch(wear_from_pressure.part_of_step, slides, pressed)
             program.launch(wear_from_pressure.means, slides, self._rubbed, self._rubbed_means)
         if self.fretting is not None:
@@ -344,14 +342,12 @@ class SlidingHalfSpace:
         if self.pieces is not None:
             self.pieces.add_take(program, slides, pressure)
 
-    def _run(self, name: str, add: Callable[[Program], None], field: Field = None) -> None:
-        """Run the program of a name; `add` writes it at first, and anew for another field."""
-        said = self._programs.get(name)
-        if said is None or said[0] is not field:
-            program = Program(self._executor)
+    def _run(self, name: str, add: Callable[[Program], None]) -> None:
+        """Run the program of a name; `add` writes it at first."""
+        if name not in self._programs:
+            program = self._programs[name] = Program(self._executor)
             add(program)
-            said = self._programs[name] = field, program
-        said[1].run()
+        self._programs[name].run()
 
     def _wear(
         self, contact: HalfSpaceContact, removals: tuple[float, float]
@@ -366,7 +362,7 @@ class SlidingHalfSpace:
             approach=contact.approach,
             reference=self.ledger.row["pressure_mean"],  # the scatter is summed about a value near the mean
         )
-        self._run("wear", lambda program: self._add_wear(program, contact), contact.pressure_field)
+        self._run("wear", lambda program: self._add_wear(program, contact))
         sums, maxima, *single = self._mirror.read()
         most = dict(zip(MAXIMA, maxima.max(axis=1).tolist(), strict=True))
         total = dict(zip(names_of(PressureSum), sums.sum(axis=1).tolist(), strict=True))

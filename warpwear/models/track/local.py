@@ -129,7 +129,7 @@ class SlidingContact:
         self._steps = arguments(
             sliding_steps.Steps,
             device,
-            plan=(self.longest, len(sliding_steps.PLAN)),
+            plan=self.longest,
             history=(self.longest, len(self._columns)),
             within=wp.array(self.ledger.within, dtype=wp.float64, device=device),
             changes=self._changes,
@@ -137,11 +137,8 @@ class SlidingContact:
             slides=self._slides.array,
             moves=int(moves),
             stays=int(wears_alone and not moves),
-            hardness=task.hardness if task.keeps_dents else NO_LIMIT,
-            rows=executor.grid.nx,
             columns=executor.grid.ny,
             margin=sum(one.margin for one in self.attachments),
-            shear_filmed=1.0 if task.film is None else task.film.part_shear,
         )
         of_cells = arguments(OfCells, factor=factor, factored=int(self._factored))
         for name in ("stiffness", "bare", "parts"):
@@ -213,18 +210,17 @@ class SlidingContact:
         """Whether `steps` can be made in a row: not where 1/c of one follows from the one before."""
         return self.longest > 1 and not self.task.bulk_updated
 
-    def steps(self, shifts: Sequence[int], increments: Sequence[float]) -> Iterator[tuple[int, Step]]:
-        """Steps as `step` makes them, in few replays; each with how many are made beyond it."""
-        done = 0
-        while done < len(increments):
-            end = done + self.longest
-            removals, rigid = self._plan(shifts[done:end], increments[done:end])
-            self._run(self._programs.program("steps", rigid=rigid))
-            count = self._course["step"]
-            for number, step in enumerate(self._booked(increments[done:end], removals)):
-                yield count - number - 1, step
-            self._programs.search(rigid=rigid).check()
-            done += count
+    def replay(self, shifts: Sequence[int], increments: Sequence[float]) -> tuple[int, Iterator[Step]]:
+        """Make steps as `step` makes them, as many as a replay has; return their number, and them."""
+        end = self.longest
+        removals, rigid = self._plan(shifts[:end], increments[:end])
+        self._search = self._programs.search(rigid=rigid)
+        self._run(self._programs.program("steps", rigid=rigid))
+        return self._course["step"], self._booked(increments[:end], removals)
+
+    def check(self) -> None:
+        """Raise ConvergenceError where the last replay ended at a step without a balance."""
+        self._search.check()
 
     def forget(self) -> None:
         """Let the next search begin as the first one does: the disc is another."""
@@ -252,30 +248,45 @@ class SlidingContact:
         rows = moved % self.state.disc.shape[0]
         counter, disc = removals.T
         of_counter, of_disc = dust * counter, dust * track * disc
-        pending = (1.0 - dust) * counter, (1.0 - dust) * (track * disc)
         compliance = own + (of_counter + of_disc) * task.implicit
         alike = [0.0 if self._stiffness is not None else stiffness_of(one) for one in compliance.tolist()]
         ends = np.add.accumulate([row["distance"], *increments])
-        owns = np.full(len(rows), own)
         depths = np.zeros((2, len(rows)))
         if task.shears:
             pairs = zip(ends[:-1].tolist(), increments, strict=True)
             depths = np.array([task.wear_per_contact(*pair) for pair in pairs]).T
-        shears = depths * np.array([[1.0], [track]])
-        each = rows, ends[:-1], ends[1:], of_counter, of_disc, *pending, owns, compliance, alike, *shears
-        plan = np.stack(each, axis=1)
-        compliances = plan[:, sliding_steps.PLAN.index("compliance")]
-        rigid = bool(compliances[0] == 0.0)
-        count = int(np.argmax((compliances == 0.0) != rigid)) or len(plan)  # a replay has steps of one kind
-        self._executor.put(self._steps.plan[:count], plan[:count])
+        steps = {
+            "number": np.arange(len(rows)),
+            "rows": self._executor.grid.nx,
+            "shift": rows,
+            "start": ends[:-1],
+            "end": ends[1:],
+            "of_counter": of_counter,
+            "of_disc": of_disc,
+            "pending_counter": (1.0 - dust) * counter,
+            "pending_disc": (1.0 - dust) * (track * disc),
+            "own": own,
+            "compliance": compliance,
+            "stiffness": alike,
+            "shear_counter": depths[0],
+            "shear_disc": track * depths[1],
+            "shear_filmed": 1.0 if task.film is None else task.film.part_shear,
+            "full_depth": compliance * task.hardness if task.keeps_dents else NO_LIMIT,
+        }
+        plan = self._steps.plan.numpy()
+        for name, values in steps.items():
+            plan[name][: len(rows)] = values
+        if not self._executor.device.is_cpu:
+            self._steps.plan.assign(plan)
+        rigid = bool(compliance[0] == 0.0)
+        count = int(np.argmax((compliance == 0.0) != rigid)) or len(rows)  # a replay has steps of one kind
         self._course.set(step=0, steps=count)
         if not self._course["is_begun"]:
-            self._begin_at(*plan[0])
+            self._begin_at(plan[0])
         return np.stack([counter, disc, *depths], axis=1)[:count], rigid
 
-    def _begin_at(self, *first: float) -> None:
+    def _begin_at(self, step: Any) -> None:
         """Tell the device where the search of the first step begins."""
-        step = dict(zip(sliding_steps.PLAN, first, strict=True))
         smallest, limit = self.tiles.begin_at(int(step["shift"]))
         softest = step["stiffness"]
         if self._stiffness is not None and step["compliance"] > 0.0:

@@ -99,13 +99,17 @@ class SweptModel(Model):
         state, to_numpy = self.contact.state, self._executor.to_numpy
         return to_numpy(state.wear_counter), to_numpy(state.wear_disc)
 
-    def block(self, increments: Sequence[float], then: float | None = None) -> Iterator[Step]:
-        """Steps made on the device in one go, before the first of them is seen."""
+    def replay(self, increments: Sequence[float], then: float | None) -> tuple[int, Iterator[Step]]:
+        """Make steps on the device, before the first of them is seen."""
         assert isinstance(self.contact, SlidingContact)  # no other is `in_blocks`
         rows = self._row_of(self._done + np.arange(len(increments)))
-        for beyond, step in self.contact.steps(rows, increments):
-            self.steps_in_flight = beyond
-            yield self._placed(step)
+        count, steps = self.contact.replay(rows, increments)
+        return count, map(self._placed, steps)
+
+    def check(self) -> None:
+        """Raise ConvergenceError where the last replay ended at a step without a balance."""
+        assert isinstance(self.contact, SlidingContact)
+        self.contact.check()
 
     def _placed(self, step: Step) -> Step:
         if not self._track.moves:
