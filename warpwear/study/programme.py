@@ -257,7 +257,7 @@ class Programme(Section):
 
     @property
     def places(self) -> tuple[FloatArray, FloatArray]:
-        """Return the places of the disc's heights [mm] along sliding and across: of the track, or the domain."""
+        """Return the places of the disc's heights [mm] along and across: of the track, or domain."""
         return self.track.x if self.is_swept else self.cells.x, self.cells.y
 
     @property
