@@ -131,7 +131,7 @@ class Search:
 
     @property
     def reached(self) -> dict[str, Field]:
-        """Return the arrays with approach and certificate, by names of `kernels.half_space.windows.Reach`."""
+        """Return the arrays with approach and certificate, by names of `kernels.half_space.passes.Reach`."""
         return {"groups": self._solve.groups, "proven": self._proof.arguments.groups}
 
     def certificate(self) -> Certificate:
