@@ -201,7 +201,7 @@ class _Shearing:
 
     def solve(self, force: Pair | None, further: Pair) -> ShearedContact:
         """Solve the increment at a force, or at a further rigid displacement."""
-        contact, whole = self.contact, Grid(*self.contact.pressure.shape, 1.0)
+        contact, whole = self.contact, self._grid(1.0)
         pressure, length, window = self._pressure, self._length, self._window
         unit = pressure * contact.cell**2  # of forces
         part, cells = window.grid(whole), np.s_[..., window.cells[0], window.cells[1]]
@@ -232,6 +232,10 @@ class _Shearing:
                 solution = sheared(contact, np.zeros_like(self._last))
         return self._result(contact, solution, force)
 
+    def _grid(self, cell: float) -> Grid:
+        rows, columns = self.contact.pressure.shape
+        return Grid(rows, columns, cell)
+
     @property
     def _pressure(self) -> float:
         """Return the largest bound, the unit of pressures."""
@@ -251,7 +255,7 @@ class _Shearing:
     @cached_property
     def _window(self) -> Window:
         """Return the cells that touch or have touched, where all others have no part in it."""
-        grid, box = Grid(*self.contact.pressure.shape, 1.0), None
+        grid, box = self._grid(1.0), None
         if self.contact.boundary == "free" and not self.bodies.beta:
             box = box_of((self.contact.pressure > 0.0) | self._last.any(axis=0))
         return Window.close_to(box or (0, grid.nx - 1, 0, grid.ny - 1), grid)
@@ -264,7 +268,7 @@ class _Shearing:
         The way is Panagiotopoulos's, 1975, Ing.-Arch. 44, 421.
         """
         contact, traction, iterations = self.contact, self._last, 0
-        grid = Grid(*contact.pressure.shape, contact.cell)
+        grid = self._grid(contact.cell)
         elastic: dict[str, Any] = {"modulus": contact.modulus, "boundary": contact.boundary}
         ties = Coupling(grid, beta=self.bodies.beta, threads=self.options["threads"], **elastic)
         before = self.previous.contact.pressure if self.previous else np.zeros(grid.shape)
