@@ -5,7 +5,7 @@ Every patch is a half-space of its own, behind which the bulk yields to its mean
     u_k + p_k / K_N = δ,   A Σ p_k = F
 
 with u_k the patch's approach from its own mean plane. All patches are one convex problem for the pressures of
-all cells, whose one multiplier is δ: see `PatchInfluence` for the operator, `half_space.search` for the search.
+all cells, whose one multiplier is δ: see `PatchInfluence` and `half_space.search`.
 Where a smooth contact prescribes each p_k, on springs K_N of its own, each u_k is a multiplier of its own.
 """
 
