@@ -201,11 +201,8 @@ class OneScaleModel(Model):
         if not self.task.rigid:
             residual = total["pressure"] * self._executor.grid.cell_area - self.task.load
         total, most = (divided(part, self.task.wear_fractions) for part in (total, most))
-        balance, removed = (
-            Balance(base, offset, cap, residual, *others[:-1]),
-            tuple(np.array(removals)[:count].T),
-        )
-        steps = Entry(balance, np.array(increments[:count]), removed, others[-1], total, most)
+        removed, balance = np.array(removals)[:count].T, Balance(base, offset, cap, residual, *others[:-1])
+        steps = Entry(balance, np.array(increments[:count]), tuple(removed), others[-1], total, most)
         return booked(self._ledger, steps, self._enter)
 
     def _enter(self, balance: Balance, *columns: Any) -> Step:
