@@ -99,6 +99,10 @@ class PressureMost(IntEnum):
     LAST_COLUMN = 6
 
 
+#: Tables whose lines C++ knows by name, see `native_code`: they are numbered from 0 on.
+TABLES = (WearSum, WearMost, TrackSum, TrackMost, PressureSum, PressureMost)
+
+
 def names_of(rows: type[IntEnum]) -> tuple[str, ...]:
     """Return the names of the rows of a table."""
     return tuple(row.name.lower() for row in rows)

@@ -13,10 +13,14 @@ from typing import Any
 
 import warp as wp
 
+from warpwear.kernels.cells import TABLES
+
 FOLDER = Path(__file__).with_name("native")
 #: A line of a header that names another one, which comes before it.
 INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
 
+#: The lines of tables of partial results, by the names of Python, and how many there are.
+LINES = "".join(f"enum class {t.__name__} {{ {', '.join(t.__members__)}, LINES }};\n" for t in TABLES)
 #: Kernels that take the first and the end of a range of slots.
 RANGED: set[Any] = set()
 
@@ -24,7 +28,7 @@ RANGED: set[Any] = set()
 def options(*headers: str) -> dict[str, Any]:
     """Return the options of a module whose native functions call these headers, or `lanes.h` alone."""
     names = dict.fromkeys(name for header in headers or ("lanes.h",) for name in _with_includes(header))
-    text = "".join(_text(name) for name in names)
+    text = LINES + "".join(_text(name) for name in names)
     build = wp.ModuleBuildOptions(extra_cpu_preamble=text, extra_cuda_preamble=text)
     return {"enable_backward": False, "extra_build_options": build}
 

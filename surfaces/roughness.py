@@ -213,9 +213,7 @@ def filtered(
     Parameters and errors are those of `profile_roughness`. Only what is evaluated is returned.
     """
     if short >= cut_off:
-        raise InputError(
-            f"--lambda-s is {1e3 * short:g} µm: must be shorter than --lambda-c, here {1e3 * cut_off:g} µm"
-        )
+        raise InputError(f"--lambda-s is {1e3 * short:g} µm: allowed is less than λc, {1e3 * cut_off:g} µm")
     count, step = heights.shape[axis], pixel[axis]
     used, waves, notes = _cut_offs(count * step, step, cut_off=cut_off, short=short)
 

@@ -73,10 +73,7 @@ class Table:
                 fields = split(row, self.separator)
                 seen = {s: int(line) for s in ",." if any(s in fields[i] for i in wanted)} | seen
                 if len(seen) == 2:
-                    raise ValueError(
-                        f"mixes decimal commas (line {seen[',']}) and points (line {seen['.']}): one of them "
-                        "is expected, and no separators of thousands"
-                    )
+                    raise ValueError(f"mixes decimal commas (line {seen[',']}) and points (line {seen['.']})")
         return [row.replace(",", ".") for row in self.rows]
 
     def _row(self, row: str, line: int, wanted: Sequence[int]) -> list[float]:

@@ -202,6 +202,25 @@ struct Left {
     bool adds;
 };
 
+// Sums over the cells of a slot, by the names of the lines of a table (kernels/cells.py): of numbers, and of
+// cells that are counted. A line is the sum of both, and 0 where neither grows.
+template <typename Line> struct Sums {
+    static const int LINES = int(Line::LINES);
+    Lanes numbers[LINES] = {};
+    Counts cells[LINES] = {};
+
+    CUDA_CALLABLE inline Lanes& of(Line line) { return numbers[int(line)]; }
+    CUDA_CALLABLE inline Counts& counted(Line line) { return cells[int(line)]; }
+
+    // What the slot leaves in its column of the table.
+    template <typename Table> CUDA_CALLABLE inline void list(Left* left, Table& table, int slot) const
+    {
+#pragma unroll
+        for (int line = 0; line < LINES; ++line)
+            left[line] = {total(numbers[line]) + count(cells[line]), &wp::index(table, line, slot), true};
+    }
+};
+
 template <int N> WARPWEAR_FN void leave_each(const Left (&left)[N])
 {
 #if defined(__CUDA_ARCH__)

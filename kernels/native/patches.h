@@ -90,9 +90,7 @@ WARPWEAR_FN void carry_patch(int patch, int slots, const Steps& steps, Curves& c
     const Stored* const gap = row_of(surfaces.gap, patch);
     const Stored* const parts = parted ? row_of(surfaces.parts, patch) : nullptr;
     const Lanes zero = 0.0;
-    const Counts no = 0, yes = 1;
-    Lanes pressure = 0.0, nearest = ABSENT;
-    Counts between = 0;
+    Lanes pressure = 0.0, between = 0.0, nearest = ABSENT;
     double beside = ABSENT; // of the tiles that are skipped
     const auto reaches = [&](double low) {
         const double overlap = (base - low) + offset;
@@ -102,16 +100,16 @@ WARPWEAR_FN void carry_patch(int patch, int slots, const Steps& steps, Curves& c
     visit_patch(surfaces, patch, reaches, [&](int line, int place) {
         const int i = line * of_line + place;
         const Lanes most_here = parted ? Lanes(cap * parts[i]) : Lanes(cap);
-        const Lanes q = on_spring((base - Lanes(gap[i])) + offset, Lanes(stiffness)),
-                    p = clipped(q, most_here);
+        const Lanes overlap = (base - Lanes(gap[i])) + offset;
+        const Lanes q = on_spring(overlap, Lanes(stiffness)), p = clipped(q, most_here);
         pressure += p;
-        between += p > zero && q < most_here ? yes : no;
+        between += p > zero && q < most_here ? slope_on_spring(overlap, Lanes(stiffness)) : zero;
         const Lanes near = to_bound(q, most_here);
         nearest = nearest < near ? nearest : near;
     });
     leave_each(
         {{total(pressure), &wp::index(surfaces.trial, 0, patch), true},
-         {count(between) * stiffness, &wp::index(surfaces.trial, 1, patch), true},
+         {total(between) * stiffness, &wp::index(surfaces.trial, 1, patch), true},
          {-wp::min(-most(-nearest), beside * stiffness), &wp::index(surfaces.trial, 2, patch), false}});
     give_answer(curves.answer, patch, surfaces.trial, surfaces.cells, stiffness);
 }

@@ -211,9 +211,8 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
     const int of_row = bodies.gap.shape[1] * OF_VECTOR;
     const Lanes zero = 0.0, one = 1.0, none = NO_INDEX, least_lift = NEARLY_NONE;
     const Counts no = 0, yes = 1;
-    Lanes pressure = 0.0, weighted = 0.0, deviation = 0.0, highest = 0.0, deepest_counter = 0.0;
-    Lanes deepest_disc = 0.0, bared = 0.0, rubbed = 0.0;
-    Counts contact = 0, capped = 0;
+    Sums<TrackSum> sums;
+    Lanes highest = 0.0, deepest_counter = 0.0, deepest_disc = 0.0;
     double first_column = NO_INDEX, last_column = NO_INDEX;
     bool wears = width_of_slot() > 1;
     for (int row = slot; row < bodies.gap.shape[0]; row += slots) {
@@ -263,7 +262,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
                     const Lanes rubs = tau * (p > zero ? one : part_of_step);
                     da += step.shear_counter * rubs;
                     db += step.shear_disc * rubs;
-                    rubbed += rubs;
+                    sums.of(TrackSum::RUBBED) += rubs;
                 }
                 const Lanes s = counter[i] + da, a = wear_counter[i] + da, b = wear_disc[i] + db;
                 d -= db;
@@ -273,14 +272,14 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
                 disc[i] = d;
                 wear_counter[i] = a;
                 wear_disc[i] = b;
-                pressure += p;
-                weighted += p * f;
+                sums.of(TrackSum::PRESSURE) += p;
+                sums.of(TrackSum::PRESSURE_TIMES_FACTOR) += p * f;
                 highest = larger_of(highest, p);
                 const Lanes from_reference = p > zero ? p - reference : zero;
-                deviation += from_reference * from_reference;
-                contact += p > zero ? yes : no;
-                capped += p >= most_here ? yes : no;
-                if (filmed) bared += p > zero ? (Lanes)bare[i] : zero;
+                sums.of(TrackSum::DEVIATION_SQUARED) += from_reference * from_reference;
+                sums.counted(TrackSum::CONTACT) += p > zero ? yes : no;
+                sums.counted(TrackSum::CAPPED) += p >= most_here ? yes : no;
+                if (filmed) sums.of(TrackSum::BARE) += p > zero ? (Lanes)bare[i] : zero;
                 low = smaller_of(low, s);
                 high = larger_of(high, d);
                 apart = smaller_of(apart, g);
@@ -300,33 +299,33 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
             }
             const double lowest = -of_team(most(-low), false), largest = of_team(most(high), false);
             const double smallest = is_known ? -of_team(most(-apart), false) : 0.0;
-            const double sums[] = {of_team(total(worn_counter), true), of_team(total(worn_disc), true),
-                                   of_team(count(touched), true), of_team(total(pressed), true)};
+            const double of_tile[] = {of_team(total(worn_counter), true), of_team(total(worn_disc), true),
+                                      of_team(count(touched), true), of_team(total(pressed), true)};
             if (lane_of_team() != 0) continue;
             wp::index(of_tiles.lowest, row, t) = lowest;
             wp::index(of_tiles.highest, under, t) = largest;
             if (is_known) wp::index(of_tiles.gap, row, t) = smallest;
-            wp::index(of_tiles.worn_counter, row, t) = sums[0];
-            wp::index(of_tiles.worn_disc, under, t) = sums[1];
-            wp::index(of_tiles.touched, row, t) = sums[2];
-            if (presses) wp::index(of_tiles.pressed_disc, under, t) = sums[3];
+            wp::index(of_tiles.worn_counter, row, t) = of_tile[0];
+            wp::index(of_tiles.worn_disc, under, t) = of_tile[1];
+            wp::index(of_tiles.touched, row, t) = of_tile[2];
+            if (presses) wp::index(of_tiles.pressed_disc, under, t) = of_tile[3];
         }
         if (wears) total_rows(row, under, presses, of_tiles);
     }
-    const auto sum = [&](int line, double v) { return Left{v, &wp::index(tables.sums, line, slot), true}; };
-    const auto largest = [&](int line, double v) {
-        return Left{v, &wp::index(tables.maxima, line, slot), false};
-    };
     if (!wears) { // most rows
         for (int line = 0; line < tables.sums.shape[0]; ++line) wp::index(tables.sums, line, slot) = 0.0;
         for (int line = 0; line < tables.maxima.shape[0]; ++line)
             wp::index(tables.maxima, line, slot) = line < 3 ? 0.0 : NO_INDEX;
         return;
     }
-    leave_each({sum(0, total(pressure)), sum(1, total(deviation)), sum(2, count(contact)),
-                sum(3, count(capped)), sum(4, total(weighted)), sum(5, total(bared)), sum(6, total(rubbed)),
-                largest(0, most(highest)), largest(1, most(deepest_counter)), largest(2, most(deepest_disc)),
-                largest(3, first_column), largest(4, last_column)});
+    const double largest[] = {most(highest), most(deepest_counter), most(deepest_disc), first_column,
+                              last_column};
+    const int lines = Sums<TrackSum>::LINES, more = sizeof(largest) / sizeof(double);
+    Left left[lines + more];
+    sums.list(left, tables.sums, slot);
+#pragma unroll
+    for (int n = 0; n < more; ++n) left[lines + n] = {largest[n], &wp::index(tables.maxima, n, slot), false};
+    leave_each(left);
 }
 
 // The same, told what cells have one each of.

@@ -66,9 +66,10 @@ WARPWEAR_FN void carry_by(int slot, int slots, const List& list, const Count& co
                 if (AT_ONCE > 1 && at[j] < 0) continue;
                 const Lanes s = OWN ? Lanes(own[at[j]]) : Lanes(stiffness);
                 const Lanes most_here = PARTED ? Lanes(cap * parts[at[j]]) : Lanes(cap);
-                const Lanes q = on_spring((base - g[j]) + offset, s), p = clipped(q, most_here);
+                const Lanes overlap = (base - g[j]) + offset;
+                const Lanes q = on_spring(overlap, s), p = clipped(q, most_here);
                 pressure += p;
-                slope += p > zero && q < most_here ? s : zero;
+                slope += p > zero && q < most_here ? s * slope_on_spring(overlap, s) : zero;
                 const Lanes near = to_bound(q, most_here);
                 nearest = nearest < near ? nearest : near;
             }

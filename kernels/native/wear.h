@@ -10,11 +10,9 @@ struct WearBy {
     double base_next, offset_next, stiffness_next;
 };
 
-// Sums of a step over the cells of a slot.
-struct WearSums {
-    Lanes pressure = 0.0, deviation = 0.0, highest = 0.0, worn = 0.0, deepest = 0.0;
-    Lanes pressure_next = 0.0, nearest_next = ABSENT;
-    Counts contact = 0, capped = 0, touched = 0, between_next = 0;
+// Sums of a step over the cells of a slot, its maxima, and what the cells carry in the next step.
+struct WearSums : Sums<WearSum> {
+    Lanes highest = 0.0, deepest = 0.0, pressure_next = 0.0, between_next = 0.0, nearest_next = ABSENT;
 };
 
 // Wear a cell with a cap of its own and add it to the sums; return its gap. touches: whether it ever did.
@@ -30,23 +28,23 @@ WARPWEAR_FN Lanes wear_cell(WearSums& sums, const WearBy& by, Lanes g, Lanes unw
     Lanes p = clipped(on_spring((by.base - g) + (by.offset - by.tie_width), stiffness), cap);
     if (by.tie_width > 0.0) p = size_of((by.base - g) + by.offset) > by.tie_width ? p : by.tie_pressure;
     g += by.wear_per_pressure * p;
-    sums.pressure += p;
+    sums.of(WearSum::PRESSURE) += p;
     sums.highest = sums.highest > p ? sums.highest : p;
     const Lanes d = p > zero ? p - by.reference : zero;
-    sums.deviation += d * d;
-    sums.contact += p > zero ? yes : no;
-    sums.capped += p >= cap ? yes : no;
+    sums.of(WearSum::DEVIATION_SQUARED) += d * d;
+    sums.counted(WearSum::CONTACT) += p > zero ? yes : no;
+    sums.counted(WearSum::CAPPED) += p >= cap ? yes : no;
 
     const Lanes w = g - unworn;
     touches = p > zero || w > zero ? yes : no;
-    sums.touched += touches;
-    sums.worn += w;
+    sums.counted(WearSum::TOUCHED) += touches;
+    sums.of(WearSum::WORN) += w;
     sums.deepest = sums.deepest > w ? sums.deepest : w;
 
-    const Lanes r = on_spring((by.base_next - g) + by.offset_next, stiffness_next);
+    const Lanes next = (by.base_next - g) + by.offset_next, r = on_spring(next, stiffness_next);
     const Lanes cap_next = by.cap, q = clipped(r, cap_next);
     sums.pressure_next += q;
-    sums.between_next += r == q ? yes : no;
+    sums.between_next += r == q ? slope_on_spring(next, stiffness_next) : zero;
     const Lanes near = to_bound(r, cap_next);
     sums.nearest_next = sums.nearest_next < near ? sums.nearest_next : near;
     return g;
@@ -68,21 +66,30 @@ template <typename Tables>
 WARPWEAR_FN void leave_wear(Tables& tables, int slot, const WearSums& sums, const Extents& extents,
                             double stiffness_next, double rest_touched, double rest_worn, double beside)
 {
-    const double nearest = -most(-sums.nearest_next), slope = stiffness_next * count(sums.between_next);
-    const auto sum = [&](int line, double v) { return Left{v, &wp::index(tables.sums, line, slot), true}; };
-    const auto largest = [&](int line, double v) {
-        return Left{v, &wp::index(tables.maxima, line, slot), false};
+    const double nearest = -most(-sums.nearest_next), slope = stiffness_next * total(sums.between_next);
+    const auto largest = [&](WearMost line, double v) {
+        return Left{v, &wp::index(tables.maxima, int(line), slot), false};
     };
     const auto ahead = [&](int line, double v, bool adds) {
         return Left{v, &wp::index(tables.ahead, line, slot), adds};
     };
-    leave_each({sum(0, total(sums.pressure)), sum(1, total(sums.deviation)), sum(2, count(sums.contact)),
-                sum(3, count(sums.capped)), sum(4, count(sums.touched) + rest_touched),
-                sum(5, total(sums.worn) + rest_worn), largest(0, most(sums.highest)),
-                largest(1, most(sums.deepest)), largest(2, extents.first_row), largest(3, extents.last_row),
-                largest(4, extents.first_column), largest(5, extents.last_column),
-                ahead(0, total(sums.pressure_next), true), ahead(1, slope, true),
-                ahead(2, nearest < beside ? -nearest : -beside, false)});
+    const Left others[] = {largest(WearMost::PRESSURE, most(sums.highest)),
+                           largest(WearMost::WORN, most(sums.deepest)),
+                           largest(WearMost::FIRST_ROW, extents.first_row),
+                           largest(WearMost::LAST_ROW, extents.last_row),
+                           largest(WearMost::FIRST_COLUMN, extents.first_column),
+                           largest(WearMost::LAST_COLUMN, extents.last_column),
+                           ahead(0, total(sums.pressure_next), true),
+                           ahead(1, slope, true),
+                           ahead(2, nearest < beside ? -nearest : -beside, false)};
+    const int lines = WearSums::LINES, more = sizeof(others) / sizeof(Left);
+    Left left[lines + more];
+    sums.list(left, tables.sums, slot);
+    left[int(WearSum::TOUCHED)].value += rest_touched;
+    left[int(WearSum::WORN)].value += rest_worn;
+#pragma unroll
+    for (int n = 0; n < more; ++n) left[lines + n] = others[n];
+    leave_each(left);
 }
 
 // Columns of what was ever touched in a worn row of a CPU, looked for beyond those that are known.
@@ -133,11 +140,8 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
     const Lanes cap = by.cap;
 #if !defined(__CUDA_ARCH__)
     if (wp::index(counts, slot) == 0) { // most rows of an early contact
-        for (int line = 0; line < 6; ++line) {
-            wp::index(tables.sums, line, slot) = line < 4 ? 0.0 : wp::index(rest, slot)[line - 4];
-            wp::index(tables.maxima, line, slot) = line < 2 ? 0.0 : NO_INDEX;
-        }
-        for (int line = 0; line < 3; ++line) wp::index(tables.ahead, line, slot) = line < 2 ? 0.0 : -ABSENT;
+        leave_wear(tables, slot, WearSums(), Extents(), 0.0, wp::index(rest, slot)[0],
+                   wp::index(rest, slot)[1], NO_LIMIT);
         return;
     }
 #endif
@@ -186,7 +190,7 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
             }
         });
 #if !defined(__CUDA_ARCH__)
-        if (count(sums.touched) > 0.0) { // a slot has one row
+        if (count(sums.counted(WearSum::TOUCHED)) > 0.0) { // a slot has one row
             extents.first_row = -row;
             extents.last_row = row;
             find_columns(extents, by, step, tiles, listed, of_row, gap, unworn);

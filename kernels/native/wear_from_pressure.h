@@ -125,10 +125,8 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
     const bool shows = bodies.reached.shape[0] != bodies.counter.shape[0];
     const Lanes zero = 0.0, one = 1.0, none = NO_INDEX;
     const Counts no = 0, yes = 1;
-    Lanes pressure = 0.0, deviation = 0.0, worn_counter = 0.0, highest = 0.0, deepest_counter = 0.0;
-    Lanes deepest_disc = 0.0, first = NO_INDEX, last = NO_INDEX;
-    Lanes work = 0.0, rubbed = 0.0;
-    Counts contact = 0, capped = 0, touched = 0, stuck = 0;
+    Sums<PressureSum> summed;
+    Lanes highest = 0.0, deepest_counter = 0.0, deepest_disc = 0.0, first = NO_INDEX, last = NO_INDEX;
     double first_row = NO_INDEX, last_row = NO_INDEX;
     for (int row = slot; row < slide.rows; row += slots) {
         const int under = has_disc ? under_row(row, slide.shift, bodies.disc.shape[0]) : 0;
@@ -170,27 +168,27 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                     by_slip = p * own;
                     s += more_counter * by_slip;
                     a += more_counter * by_slip;
-                    work += by_slip;
+                    summed.of(PressureSum::SLIP_WORK) += by_slip;
                     const Mask sticks = (p > zero) & (own <= zero);
-                    stuck += sticks ? yes : no;
+                    summed.counted(PressureSum::STUCK) += sticks ? yes : no;
                     const Lanes grows = slip_of_gap * (more_counter + more_disc) * by_slip;
                     slip[i] = slip[i] + grows;
                     grown[i] = grows;
                 }
                 counter[i] = s;
                 wear_counter[i] = a;
-                pressure += p;
+                summed.of(PressureSum::PRESSURE) += p;
                 const Lanes away = p > zero ? p - reference : zero;
-                deviation += away * away;
-                contact += p > zero ? yes : no;
-                capped += p >= most_here ? yes : no;
-                worn_counter += a;
+                summed.of(PressureSum::DEVIATION_SQUARED) += away * away;
+                summed.counted(PressureSum::CONTACT) += p > zero ? yes : no;
+                summed.counted(PressureSum::CAPPED) += p >= most_here ? yes : no;
+                summed.of(PressureSum::WEAR_COUNTER) += a;
                 highest = larger_of(highest, p);
                 deepest_counter = larger_of(deepest_counter, a);
-                if (shears) rubbed += (Lanes)rubs[i];
+                if (shears) summed.of(PressureSum::RUBBED) += (Lanes)rubs[i];
                 const Mask ever = m + was + by_shear > zero;
                 const Lanes column = columns_from(domain_column + v * LANES);
-                touched += ever ? yes : no;
+                summed.counted(PressureSum::TOUCHED) += ever ? yes : no;
                 in_line = in_line | ever;
                 first = larger_of(first, ever ? -column : none);
                 last = larger_of(last, ever ? column : none);
@@ -231,9 +229,9 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
             if (lane_of_slot() == 0) wp::index(of_rows.pressed_disc, under) = dents;
         }
     }
-    leave_lines(sums, slot, 9,
-                {total(pressure), total(deviation), count(contact), count(capped), count(touched),
-                 total(worn_counter), total(work), count(stuck), total(rubbed)});
+    Left left[Sums<PressureSum>::LINES];
+    summed.list(left, sums, slot);
+    leave_each(left);
     leave_lines(maxima, slot, 0,
                 {most(highest), most(deepest_counter), most(deepest_disc), first_row, last_row, most(first),
                  most(last)});

@@ -93,9 +93,7 @@ def checked(profile: Profile) -> Profile:
     if count < FEWEST:
         raise InputError(f"{name} has a profile of {count} points: at least {FEWEST} are needed")
     if share > MOST_MISSING:
-        raise InputError(
-            f"{name} has {100.0 * share:.3g} % of its points missing: allowed are {100.0 * MOST_MISSING:g} %"
-        )
+        raise InputError(f"{name} lacks {100.0 * share:.3g} % of its points: allowed is {MOST_MISSING:.0%}")
     return profile
 
 

@@ -60,9 +60,7 @@ def cap_of_diagonals(first: float, second: float, *, radius: float) -> Cap:
         raise InputError(f"--radius is {radius:g} mm: allowed is any positive length")
     for diagonal in (first, second):
         if not 0.0 < diagonal <= 2.0 * radius:
-            raise InputError(
-                f"--diagonals has {diagonal:g} mm: allowed is up to the ball's diameter, {2 * radius:g} mm"
-            )
+            raise InputError(f"a diameter is {diagonal:g} mm: allowed is up to the ball's, {2 * radius:g} mm")
     rim = 0.25 * (first + second)
     height = rim * rim / (radius + math.sqrt(radius * radius - rim * rim))
     return Cap(height=height, rim=rim, volume=math.pi * height**2 * (3.0 * radius - height) / 3.0)
@@ -118,10 +116,7 @@ def _find(
         except NoSphere as error:
             raise InputError(f"no sphere fits the unworn part of the ball: {error}") from error
         if sphere.radius < 0:
-            raise InputError(
-                "the measurement is hollow, not a ball: --height-sign down turns heights over where it "
-                "gives depths"
-            )
+            raise InputError("the measurement is hollow, not a ball: --height-sign down turns depths over")
         lost = sphere.heights(x, y) - heights
         if np.isnan(lost[measured]).any():
             raise InputError("the measurement reaches beyond the ball: --crop takes a smaller part")

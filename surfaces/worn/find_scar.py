@@ -90,9 +90,7 @@ def find_scar(
         if same:
             break
     if sides_reached(patch) == 4:
-        raise InputError(
-            "the scar is larger than the field, of which it reaches all four sides: a wider one is needed"
-        )
+        raise InputError("the scar reaches all four sides of the field: a wider measurement is needed")
     scar = replace(body, unworn=unworn).worn_patch(reach, noise=noise, hurst=hurst)
     guessed = _filling_errors(level, scar) * body.pixel_area
     names = ("volume_error", "piled_up_error", "net_error")
@@ -106,10 +104,7 @@ def find_scar(
     wider["area"], wider["area_error"] = points[0] * pixel_area, math.hypot(points[1], alone) * pixel_area
     scar = replace(scar, **wider)
     if not scar.volume > LEAST_ERRORS * scar.volume_error:
-        raise InputError(
-            f"no scar was found: the deepest region has lost {scar.volume:.3g} mm³, with a standard error "
-            f"of {scar.volume_error:.2g} mm³"
-        )
+        raise InputError(f"no scar was found: {scar.volume:.3g} ± {scar.volume_error:.2g} mm³ are lost")
     along, across, errors = _lengths(reach, lost, unworn, measured, pixel=pixel)
     blurred = [math.hypot(*pair) for pair in zip(scar.length_errors, errors, strict=True)]
     return replace(scar, along=along, across=across, length_errors=(blurred[0], blurred[1]))

@@ -249,7 +249,4 @@ def mostly(chosen: BoolArray, size: int) -> BoolArray:
 def check_points(shape: tuple[int, ...]) -> None:
     """Raise InputError where a field has too few points to tell a worn patch from."""
     if min(shape) < FEWEST_POINTS:
-        raise InputError(
-            f"the field has {shape[0]} × {shape[1]} points: at least {FEWEST_POINTS} along each side "
-            "are needed"
-        )
+        raise InputError(f"the field has {shape[0]} × {shape[1]} points: {FEWEST_POINTS} a side are needed")

@@ -238,10 +238,7 @@ def _span(profile: FloatArray, outside: BoolArray, *, pixel: float, width: float
     if width is not None:
         points = round(width / pixel)
         if not 2 <= points < count:
-            raise InputError(
-                f"--track-width is {width:g} mm: allowed is less than the measurement across, "
-                f"{count * pixel:.4g} mm"
-            )
+            raise InputError(f"--track-width is {width:g} mm: allowed is less than {count * pixel:.4g} mm")
         below = np.convolve(np.maximum(-profile, 0.0), np.ones(points), mode="same")
         near = np.abs(np.arange(count) - int(np.argmax(below))) <= points // 2
         # about the middle of the deeper half: a window wider than the track would hold it in many places
@@ -255,10 +252,7 @@ def _span(profile: FloatArray, outside: BoolArray, *, pixel: float, width: float
     sigma = max(robust_deviation(rest, centre), 1e-6 * float(np.ptp(profile)))
     deepest = int(np.argmin(smooth))
     if centre - smooth[deepest] < THRESHOLD * sigma:
-        raise InputError(
-            "no track stands out of the surface: in a map it is looked for along --sliding-axis, and "
-            "--track-width may say how wide it is"
-        )
+        raise InputError("no track stands out of the surface: --track-width may say how wide it is")
     beyond = np.abs(smooth - centre) > FOOT * sigma
     # a track's profile crosses the reference between its trough and its pile-up
     gap = max(3, count // 25)

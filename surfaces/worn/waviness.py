@@ -99,9 +99,7 @@ def waviness(
     """
     known = np.flatnonzero(unworn)
     if known.size < terms.shape[1] + FEWEST:
-        raise InputError(
-            "too little unworn surface to tell the error of a volume from: a wider measurement is needed"
-        )
+        raise InputError("too little unworn surface to tell an error from: a wider measurement is needed")
     low, high = 2.0 * math.pi / (LONGEST * float(distances.max())), math.pi / spacing
     count = max(3, math.ceil(BANDS * math.log2(high / low)) + 1)
     numbers = np.geomspace(high, low, count)

@@ -104,7 +104,7 @@ def test_standards_of_astm_are_under_their_names() -> None:
     assert same["wear_coefficient_mm3_per_Nm"] == found["wear_coefficient_mm3_per_Nm"]
     refused = calibrate("wear", *flat, "--standard", "g133-flat", "--length", "25 mm").exception
     assert isinstance(refused, InputError)
-    assert "--length is 25 mm and --stroke 30 mm: --standard g133-flat" in str(refused)
+    assert "--length 25 mm is not --stroke 30 mm, which g133-flat takes" in str(refused)
     longer = record("wear", *flat, "--length", "25 mm")  # without the standard it is a length like any other
     assert longer["wear_coefficient_mm3_per_Nm"] == pytest.approx(12.7e-4 * 25 / 30)
 
@@ -302,7 +302,10 @@ BALL = ("--scar", "0.8 mm", "--radius", "3 mm")
         (["wear", "--volume", "1 mm^3", *TEST, "--crop", "3 mm"], "--crop is not for --volume"),
         (["wear", "--volume", "1 mm^3", *TEST, "--standard", "g99-disc"], "is for --width"),
         (["wear", "--scar", "0.8 mm", *TEST], "--scar needs --radius"),
-        (["wear", "--scar", "6.1 mm", "--radius", "3 mm", *TEST], "up to the ball's diameter, 6 mm"),
+        (
+            ["wear", "--scar", "6.1 mm", "--radius", "3 mm", *TEST],
+            "allowed is up to the ball's, 6 mm",
+        ),
         (["wear", *BALL, *TEST, "--uncertainty", "-1 um"], "--uncertainty = '-1 um': must be at least 0"),
         (["wear", "--width", "7 mm", "--radius", "3 mm", "--track-radius", "9 mm", *TEST], "width is 7 mm"),
         (["wear", "--section", "1 um^2", *TEST], "--section needs --length"),

@@ -93,7 +93,7 @@ def test_the_command_and_its_refusals(tmp_path: Path) -> None:
         file.write_text(text, encoding="utf-8")
         with pytest.raises(InputError, match=told):
             calibrate_loop(file, load="20 N")
-    with pytest.raises(InputError, match="is a line contact, of which it computes a strip: type --load"):
+    with pytest.raises(InputError, match="is a line contact: type --load"):
         calibrate_loop(written(file, slide=0.024), study=str(strip_in(tmp_path)))
     with pytest.raises(InputError, match="--load is missing"):
         calibrate_loop(written(file, slide=0.024))

@@ -80,7 +80,7 @@ def test_what_makes_no_sense_is_left_out_with_its_reason(
         *OF_FILMS,
         *OF_FRETTING,
         *OF_STRESSES,
-        *left_out_for(words.ROUGH, words.NO_PIECES),
+        *left_out_for(words.ROUGH, words.NO_FACTOR, words.NO_PIECES),
     }
     static = set(plot.NAMES) - NOT_STATIC - of_others
     assert {"setup", "contact_map", "junctions"} < static == set(plot.names())
@@ -231,7 +231,7 @@ def test_captions_lie_beside_the_figures(
     assert "after 0.3, 3, 10 and 30 mm" in text
     assert "Local law, cell by cell, hardness 590 MPa; load 8 N; cells of 20 µm." in text
     assert "The area in contact shears; shear strength 3.83 MPa, as given." in plot.caption("cof")
-    for name, run in ((n, r) for r in results.values() for n in r.plot.names()):
+    for name, run in ((n, results[kind]) for kind in RUNS for n in results[kind].plot.names()):
         assert "{" not in run.plot.caption(name)
     with pytest.raises(InputError, match="'cop' is no figure"):
         plot.caption("cop")
@@ -347,5 +347,5 @@ def test_a_notebook_shows_a_result(results: dict[str, Result]) -> None:
 
 
 def test_a_notebook_shows_a_figure_without_pyplot(results: dict[str, Result]) -> None:
-    figure = next(iter(results.values())).plot.areas()
+    figure = results["rough"].plot.areas()
     assert figure._repr_png_().startswith(b"\x89PNG")

@@ -93,7 +93,9 @@ def test_figures_of_a_track(result: Result, tmp_path: Path, monkeypatch: pytest.
         for axes in figure.axes:
             assert axes.get_xlabel() or axes.get_ylabel() or not axes.axison, name
     left_out = result.plot.left_out
-    assert {"disc_map", "disc_3d", "disc_profiles", "wear_map", "roughness"} <= set(left_out)
+    assert {"disc_map", "disc_3d", "disc_profiles", "wear_map", "roughness", "distance_factor"} <= set(
+        left_out
+    )
     assert "track_map" in left_out["disc_map"]
     still = warpwear.run(small("full", sliding__kinematics="stationary", sliding__distance="0.1 mm"))
     assert set(still.plot.left_out) >= OF_TRACKS

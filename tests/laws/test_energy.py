@@ -13,6 +13,7 @@ import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.calibration.energy import calibrate_energy
 from warpwear.inference.unknowns import unknowns_of
+from warpwear.laws import friction
 from warpwear.page.content import words_of
 from warpwear.results.file import MAGIC
 from warpwear.results.seal import sealing
@@ -268,6 +269,25 @@ def test_cells_that_do_not_lose_one_depth_are_refused(keys: dict[str, Any], sent
     told = rf"wear\.law = 'energy' does not go with {sentence}.*, unless friction\.law = 'coulomb'"
     with pytest.raises(InputError, match=told):
         Study.load("v3-fine").replace(CASES["rough"][1] | BY_STRENGTH | keys)
+
+
+@pytest.mark.parametrize(
+    ("keys", "beside"),
+    [
+        (BY_STRENGTH, "wear.law = 'energy'"),
+        ({"friction.junction_growth": 9.0}, "friction.junction_growth = 9"),
+    ],
+)
+def test_a_factor_that_only_friction_follows_is_refused(
+    keys: dict[str, Any], beside: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Wear and caps would else be those of another shear strength."""
+    study = Study.load("v3-fine").replace(CASES["rough"][1] | {"friction.shear_strength": "4 MPa"})
+    factor = friction.Factor(("ploughing",), of=lambda history, by: 1.0 + by, formula="", sentence="")
+    monkeypatch.setattr(friction, "FACTORS", (friction.RUNNING_IN, factor))
+    study.replace({"friction.ploughing": 0.1})
+    with pytest.raises(InputError, match=f"friction.ploughing does not go with {beside}, which does not"):
+        study.replace(keys | {"friction.ploughing": 0.1})
 
 
 def test_patches_do_not_wear_by_a_shear_strength() -> None:

@@ -218,7 +218,7 @@ def test_a_worn_ball(here: Path) -> None:
         ),
         (["../files/track.npy", *GIVEN, "--track", "--level", "sphere"], "--level sphere is for a ball"),
         (["--ball", "--diagonals", "1 mm", "1 mm"], "--diagonals needs --radius"),
-        (["--ball", "--radius", "3 mm", "--diagonals", "9 mm", "1 mm"], "up to the ball's diameter"),
+        (["--ball", "--radius", "3 mm", "--diagonals", "9 mm", "1 mm"], "allowed is up to the ball's, 6 mm"),
         (["../files/ball.npy", "--ball", "--diagonals", "1 mm", "1 mm"], "--diagonals stand for FILE"),
     ],
 )

@@ -213,5 +213,5 @@ def test_the_short_cut_off_stays_the_one_asked_for():
 
 @pytest.mark.parametrize("short", [0.8, 2.5])
 def test_cut_offs_the_wrong_way_round_are_refused(short):
-    with pytest.raises(InputError, match=r"--lambda-s is \d+ µm: must be shorter than --lambda-c, here 800"):
+    with pytest.raises(InputError, match=r"--lambda-s is \d+ µm: allowed is less than λc, 800"):
         ra(sine(0.05, 1000, 0.001), 0.001, cut_off=0.8, short=short)

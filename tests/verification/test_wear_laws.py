@@ -1,6 +1,7 @@
 """Wear laws beside Archard's: exact in volume at any step, and the running-in of an unresolved roughness."""
 
 import math
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from numpy.testing import assert_allclose
 from thesis import K_COUNTER, K_DISC, F, smooth
 
 from warpwear import InputError, Study, run
+from warpwear.laws.archard import WEAR_LAWS, WearLaw
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.study.surface import bearing_curve_of, fit_bearing_curve
 
@@ -43,6 +45,16 @@ def test_running_in_law(increment: str, device: str) -> None:
     extra = 9.0 * K_COUNTER * 50.0 * -np.expm1(-distance / 50.0)
     assert_allclose(history["wear_volume_counter"], F * (K_COUNTER * distance + extra), rtol=1e-10)
     assert_allclose(history["wear_volume_disc"], F * K_DISC * distance, rtol=1e-10)
+
+
+@pytest.mark.parametrize("law", WEAR_LAWS.values(), ids=WEAR_LAWS)
+def test_no_law_wears_faster_than_it_says(law: type[WearLaw]) -> None:
+    """An inference looks for a field that holds the scar of `fastest`, and refuses a larger one."""
+    draw = np.random.default_rng(1)
+    for numbers in draw.uniform(0.1, 2.0, (20, len(fields(law)))):
+        body = law(*numbers.tolist())
+        for start in (0.0, 0.1, 1.0, 10.0, 100.0):
+            assert body.wear_per_pressure(start, 0.01) <= 0.01 * body.fastest * (1.0 + 1e-9)
 
 
 CURVE = Logistic(middle=0.010, scale=0.002)

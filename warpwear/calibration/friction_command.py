@@ -77,10 +77,7 @@ def _of_area(area: str, load: str, cof: float, ploughing: float) -> tuple[list[R
     size, force = quantity("--area", area, "mm^2"), quantity("--load", load, "N")
     tau = friction.fitted_strength(cof, ploughing, load=force, area=size)
     if not 0.0 < tau < math.inf:
-        raise InputError(
-            f"--area {area} and --load {load} make a shear strength of {tau:g} MPa: allowed is any positive "
-            "number"
-        )
+        raise InputError(f"--area {area} and --load {load} make {tau:g} MPa: allowed is any positive number")
     strength = Row("", "shear_strength_MPa", tau)
     study = Row("in a study", "", f'[friction] shear_strength = "{strength.text}"')
     rows = [*_test_rows(force, cof, ploughing), Row("area A", "area_mm2", size, digits=6), strength, study]

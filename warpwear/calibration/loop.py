@@ -35,10 +35,7 @@ def calibrate_loop(file: Path, *, study: str | None = None, as_json: bool = Fals
         o.refuse("--load", why="and --study exclude each other: the study has its load")
     known = None if study is None else Study.load(study)
     if known is not None and known.is_line:
-        raise InputError(
-            f"--study {study} is a line contact, of which it computes a strip: "
-            "type --load with that of the whole contact, instead of --study"
-        )
+        raise InputError(f"--study {study} is a line contact: type --load, that of all of it, instead")
     force = o.load if known is None else known.contact.load
     place, friction = _read(file)
     rows = [
@@ -117,10 +114,7 @@ def _compliance(place: FloatArray, force: FloatArray) -> float:
         x, q = np.roll(x, -start), np.roll(q, -start)
         steps = int(np.argmax(q < (1.0 - 2.0 * STRAIGHT) * q.max()))
         if steps < FEWEST_STRAIGHT:
-            raise InputError(
-                f"only {steps} points lie behind a tip of the loop before half of the force is gone: "
-                f"{FEWEST_STRAIGHT} or more are needed for a slope"
-            )
+            raise InputError(f"{steps} points lie behind a tip of the loop: {FEWEST_STRAIGHT} are needed")
         slopes.append(np.polyfit(q[:steps], x[:steps], 1)[0])
     return float(np.mean(slopes))
 

@@ -142,9 +142,7 @@ def circular_track(
     if width >= 2.0 * radius:
         raise InputError(f"width is {width:g} mm: allowed is below the ball's diameter, {2 * radius:g} mm")
     if width > 2.0 * track_radius:
-        raise InputError(
-            f"width is {width:g} mm: allowed is up to twice the track's radius, {2 * track_radius:g} mm"
-        )
+        raise InputError(f"width is {width:g} mm: allowed is up to the track's, {2 * track_radius:g} mm")
     around = 2.0 * math.pi * track_radius
     # √(4r² − d²) of lengths whose squares may overflow or cancel
     chord = math.sqrt(2.0 * radius - width) * math.sqrt(2.0 * radius + width)

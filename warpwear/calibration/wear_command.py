@@ -142,10 +142,7 @@ def _lengths(source: str, options: Options) -> dict[str, float | None]:
     if options["--standard"] == "g133-flat" and options["--stroke"] is not None:
         stroke, length = quantity("--stroke", options["--stroke"], "mm"), lengths["--length"] or 0.0
         if not math.isclose(length, stroke, rel_tol=1e-9):
-            raise InputError(
-                f"--length is {length:g} mm and --stroke {stroke:g} mm: --standard g133-flat takes the mean "
-                "cross-section × the stroke, so allowed is the stroke alone"
-            )
+            raise InputError(f"--length {length:g} mm is not --stroke {stroke:g} mm, which g133-flat takes")
     return lengths
 
 
@@ -175,10 +172,6 @@ def _volume(
         case "--width":
             track = lengths["--track-radius"] or 0.0
             return volumes.circular_track(*sizes, radius=radius, track_radius=track, error=error)
-    if max(sizes) > 2.0 * radius:
-        raise InputError(
-            f"{source} has {max(sizes):g} mm: allowed is up to the ball's diameter, {2 * radius:g} mm"
-        )
     return volumes.cap(*sizes, radius=radius, error=error)
 
 
@@ -221,9 +214,7 @@ def _of_topography(
         counter = f"{body.sphere.radius:.5g} mm ({'given' if lengths['--radius'] else 'fitted'})"
         measured = f"patch {body.along:.4g} × {body.across:.4g} mm on a radius of {counter}"
     if volume <= 0.0:
-        raise InputError(
-            f"{file} has lost no volume: {volume:.3g} ± {error:.2g} mm³; a wear coefficient needs a loss"
-        )
+        raise InputError(f"{file} has lost no volume: {volume:.3g} ± {error:.2g} mm³; a loss is needed")
     origin, measured = f"what the same sum finds on unworn surface{more}", f"{file}: {measured}"
     return volumes.WornVolume(volume=volume, error=error, error_from=origin, depth=depth, measured=measured)
 

@@ -16,8 +16,8 @@ def far(figure: Figure) -> Figure:
         charts = [panel for panel in figure.panels if isinstance(panel, Chart) and panel.x.label == least]
         ends = (float(values.max()) for chart in charts for values in values_of(chart, "x") if values.size)
         end, what = max(ends, default=0.0), least.rpartition(", ")[0]
-        label = f"{what}, {max(units, key=lambda unit: units[unit] * (end >= 10.0 * units[unit]))}"
-        panels = [in_unit(panel, label) if isinstance(panel, Chart) else panel for panel in figure.panels]
+        unit = [*units][max(sum(end >= 10.0 * size for size in units.values()) - 1, 0)]
+        panels = [in_unit(p, f"{what}, {unit}") if isinstance(p, Chart) else p for p in figure.panels]
         figure = replace(figure, panels=panels)
     return figure
 

@@ -82,10 +82,7 @@ def _unknown(texts: Sequence[str]) -> dict[str, str | None]:
     for text in texts:
         name, equals, prior = (part.strip() for part in text.partition("="))
         if not name or (equals and not prior):
-            raise InputError(
-                f"--unknown {text!r}: KEY or KEY=PRIOR is expected, such as 'wear.counter=log-uniform 1e-4 "
-                ".. 1e-3 mm^3/N/m'"
-            )
+            raise InputError(f"--unknown {text!r}: KEY or KEY=PRIOR is expected, a prior as in a sweep")
         priors[name] = prior or None
     return priors
 

@@ -222,25 +222,17 @@ def _measured(study: Study, kind: str, text: str) -> Measured:
     except ValueError as problem:
         raise refusal(f"it {problem}") from None
     measured = Measured(kind, factor * float(value), factor * float(error), at)
-    if not measured.error > 0.0:
-        raise refusal("the uncertainty must be greater than 0, for nothing is known exactly")
-    if measured.value <= 0.0:
-        raise refusal(f"the {what} must be greater than 0")
-    for number, (least, most), what_it_is in (
-        (measured.value, NUMBERS, f"the {what} ({unit or 'a plain ratio'})"),
-        (measured.error / measured.value, PARTS, "the uncertainty as a part of the value"),
-    ):
+    numbers = {f"the {what} ({unit or 'a plain ratio'})": (measured.value, NUMBERS)}
+    numbers["the uncertainty as a part of the value"] = measured.error / (measured.value or np.nan), PARTS
+    for name, (number, (least, most)) in numbers.items():
         if not least <= number <= most:
-            raise refusal(f"{what_it_is} is {number:.3g}, and allowed is {least:g} to {most:g}")
+            raise refusal(f"{name} is {number:.3g}, and allowed is {least:g} to {most:g}")
     if kind == "cof":
         check_cof(text, np.array([at]), np.array([measured.value]))
     if at is not None and not 0.0 < at <= study.sliding.total * (1.0 + 1e-9):
         raise refusal(f"the study slides {study.sliding.total:g} mm, and not to {at:g} mm")
     if kind == "diameter" and measured.value > min(*study.grid.sides, 2.0 * (study.counter.radius or np.inf)):
-        raise refusal(
-            f"the scar is larger than the field of the study, {study.grid.size} (grid.extent), which "
-            "has to hold it"
-        )
+        raise refusal(f"the scar is larger than the field of the study, {study.grid.size} (grid.extent)")
     if kind == "section" and study.sliding.stroke is None:
         raise InputError("section needs sliding.stroke in the study: section × stroke is the disc's volume")
     return measured

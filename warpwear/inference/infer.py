@@ -63,10 +63,7 @@ def infer(
     study = study if isinstance(study, Study) else Study.load(study)
     study.refuse_blocks("warpwear calibrate bayes")
     if study.wears_by_area:
-        raise InputError(
-            "warpwear calibrate bayes knows volumes by load and distance: wear.law = 'energy' needs "
-            "friction.law = 'coulomb' there"
-        )
+        raise InputError("warpwear calibrate bayes needs friction.law = 'coulomb' for wear.law = 'energy'")
     data = measured if isinstance(measured, Data) else data_of(study, experiments, measured or {})
     priors = dict(unknown) if isinstance(unknown, Mapping) else dict.fromkeys(unknown)
     unknowns, noise = unknowns_of(study, priors), noise_for(data, priors)
@@ -127,9 +124,7 @@ def check_priors(posterior: Posterior, *, seed: int) -> None:
     values = {unknown.key: unknown.values(row) for unknown, row in zip(posterior.unknowns, z, strict=True)}
     allowed = posterior.model.allowed(values)
     if not allowed.any():
-        raise InputError(
-            "the priors of the wear leave scars that the field does not hold: a larger grid.extent is needed"
-        )
+        raise InputError("the priors leave scars beyond the field: a larger grid.extent is needed")
     values = {key: column[allowed] for key, column in values.items()}
     for measured in posterior.data.values:
         mean, variance = posterior.model.value(values, measured.kind)

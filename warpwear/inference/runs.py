@@ -297,8 +297,5 @@ def _roughness(folder: Path) -> tuple[float, float]:
     columns = (table.get(f"sq_{body}", np.zeros(0)) for body in BODIES)
     counter, disc = (float(column[-1]) if column.size else np.nan for column in columns)
     if not np.isfinite([counter, disc]).all():
-        raise InputError(
-            "Sq in the scar is not known of every run: it needs a snapshot at the end (output.snapshots), "
-            "and a scar of more cells than the least wear of the priors makes here"
-        )
+        raise InputError("Sq in the scar is not known of every run: it needs a snapshot at the end")
     return counter, disc

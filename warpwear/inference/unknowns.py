@@ -127,9 +127,7 @@ def noise_for(data: Data, priors: Mapping[str, str | None]) -> list[Unknown]:
     }
     if len(data.courses) < 2:
         if "noise.repeat" in priors:
-            raise InputError(
-                "noise.repeat needs two or more courses: one test does not show the scatter between tests"
-            )
+            raise InputError("noise.repeat needs two or more courses: one test does not show it")
         del assumed["noise.repeat"]
     unknowns = []
     for key, text in assumed.items():

@@ -50,14 +50,13 @@ def _decay(history: Mapping[str, FloatArray], length: Any) -> FloatArray:
     return np.asarray(of_decay(distance - increment, increment, length) / increment)
 
 
-FACTORS = (
-    Factor(
-        keys=("initial_ratio", "running_in"),
-        of=lambda history, ratio, length: 1.0 + (ratio - 1.0) * _decay(history, length),
-        formula=r"\left(1 + (r - 1) e^{-L/L_\tau}\right)",
-        sentence="it runs in by 1 + (r − 1) e^(−L/L_τ), r = {initial_ratio:.4g}, L_τ = {running_in:.4g} mm",
-    ),
+RUNNING_IN = Factor(
+    keys=("initial_ratio", "running_in"),
+    of=lambda history, ratio, length: 1.0 + (ratio - 1.0) * _decay(history, length),
+    formula=r"\left(1 + (r - 1) e^{-L/L_\tau}\right)",
+    sentence="it runs in by 1 + (r − 1) e^(−L/L_τ), r = {initial_ratio:.4g}, L_τ = {running_in:.4g} mm",
 )
+FACTORS = (RUNNING_IN,)
 #: Keys of [friction] that are numbers of the law.
 NUMBERS = (PLOUGHING, STRENGTH, FILM_STRENGTH, *(key for factor in FACTORS for key in factor.keys))
 KEYS = (*NUMBERS, *FITTED, "area")
@@ -132,8 +131,8 @@ class FrictionLaw:
     @property
     def course(self) -> dict[str, Any]:
         """Return the numbers by which the strength runs in, as the energy law names them; none without."""
-        named = {"ratio": self.values["initial_ratio"], "running_in": self.values["running_in"]}
-        return {} if None in named.values() else named
+        numbers = (self.values[key] for key in RUNNING_IN.keys)
+        return dict(zip(("ratio", "running_in"), numbers, strict=True)) if RUNNING_IN in self.factors else {}
 
     def sheared(self, history: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Return key of a strength -> the area [mm²] that it shears at every step, without `factor`."""

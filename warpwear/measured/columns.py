@@ -225,10 +225,7 @@ def _index(record: Record, titles: list[tuple[str, str]], pick: str) -> tuple[in
     name, unit = split_unit(pick)
     for wanted, known in ((" ".join(pick.lower().split()), plain), (name, [title for title, _ in titles])):
         if known.count(wanted) > 1:
-            raise InputError(
-                f"--columns: {record.path} has {known.count(wanted)} columns called '{pick}'; pick by "
-                f"number, from 1 to {record.table.width}"
-            )
+            raise InputError(f"--columns: {known.count(wanted)} columns called '{pick}'; pick by number")
         if wanted and wanted in known:
             return known.index(wanted), unit
     if name.isdecimal() and 1 <= int(name) <= record.table.width:

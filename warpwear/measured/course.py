@@ -123,19 +123,13 @@ def _in_order(path: Path, distance: FloatArray, cof: FloatArray) -> Experiment:
     before = distance < 0.0
     if before.any():
         if before.mean() > NEGATIVE_SHARE:
-            raise InputError(
-                f"{path}: {before.sum()} of {before.size} distances or times are negative; those since the "
-                "start of sliding are expected"
-            )
+            raise InputError(f"{path}: {before.sum()} of {before.size} distances or times are negative")
         distance, cof = distance[~before], cof[~before]
         notes.append(f"Rows before the start (negative distance or time), left out: {before.sum()}.")
     if np.any(np.diff(distance) < 0.0):
         again = _covered_again(distance)
         if again is not None:
-            raise InputError(
-                f"{path}: the distance falls back at row {again + 1} and covers the same range again: it was "
-                "reset or is a position; an accumulated distance is expected"
-            )
+            raise InputError(f"{path}: row {again + 1} starts again: an accumulated distance is expected")
         order = np.argsort(distance, kind="stable")
         repeated = np.diff(distance[order]) == 0.0
         if np.any(repeated & (np.diff(cof[order]) != 0.0)):
@@ -172,10 +166,7 @@ def check_cof(path: Path | str, distance: FloatArray, cof: FloatArray) -> list[s
     """Return notes on coefficients of friction. Raises InputError for those that no contact has."""
     negative = cof < 0.0
     if negative.all():
-        raise InputError(
-            f"{path}: the coefficient of friction is negative everywhere; positive values are expected, so "
-            "the sign of the force has to be reversed"
-        )
+        raise InputError(f"{path}: friction is negative everywhere: the force's sign has to be reversed")
     if negative.mean() > NEGATIVE_SHARE:
         raise InputError(
             f"{path}: {negative.sum()} of {negative.size} coefficients of friction are negative: a signed "
@@ -192,10 +183,7 @@ def check_cof(path: Path | str, distance: FloatArray, cof: FloatArray) -> list[s
             "ratio of forces under load is expected"
         )
     if typical == 0.0:
-        raise InputError(
-            f"{path}: the coefficient of friction is 0 in the middle, which says that nothing was measured; "
-            "a record of a sliding contact is expected"
-        )
+        raise InputError(f"{path}: the coefficient of friction is 0 in the middle: nothing was measured")
     if not negative.any():
         return []
     return [f"Coefficients of friction below zero, kept: {negative.sum()} of {negative.size}."]
@@ -229,8 +217,5 @@ def check_coverage(experiment: Experiment, start: float, end: float) -> list[str
     where = f"{100.0 * missing:.0f} % of the distance shared with the runs, the longest piece from "
     where += f"{low:.4g} to {high:.4g} mm"
     if missing > MOST_IN_GAPS:
-        raise InputError(
-            f"{experiment.name} has no measured point over {where}; points over half of it or more are "
-            "expected"
-        )
+        raise InputError(f"{experiment.name} has no measured point over {where}; half of it is expected")
     return [f"It has no measured point over {where}: straight lines bridge that in the rms."]

@@ -93,10 +93,7 @@ def sliding_distance(rows: Rows, motion: Motion, *, what: str) -> tuple[FloatArr
             f"{path} gives the cycle '{rows.chosen['cycle'].title}' and no distance: the length of a stroke "
             "is needed, such as --stroke '10 mm'"
         )
-    raise InputError(
-        f"{path} has a {what} but neither a distance nor a time; a column such as 'Distance [mm]' is "
-        "expected, or --columns 'DISTANCE,COF'"
-    )
+    raise InputError(f"{path} has a {what} but neither distance nor time: --columns 'DISTANCE,COF' names it")
 
 
 def _without_slips(distance: FloatArray, time: FloatArray | None) -> tuple[FloatArray, str]:

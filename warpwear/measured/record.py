@@ -174,10 +174,7 @@ def _joined(path: Path, form: Format, pieces: list[_Piece], *, ended: bool) -> R
         rows, numbers, steps = rows[:-1], numbers[:-1], steps[:-1]
     for row, number in zip(rows, numbers, strict=True):
         if (count := row.count(separator or "") + 1) != width:
-            raise ValueError(
-                f"line {number} has {count} fields where line {numbers[0]} has {width}: ragged rows, where "
-                "equal ones are expected"
-            )
+            raise ValueError(f"line {number} has {count} fields, line {numbers[0]} {width}: ragged rows")
     full = _fitting(names, rows, separator, width, numbers)
     table = Table((), separator, width, rows, np.array(numbers, dtype=np.intp), ended=ended)
     return Record(path, table, full, _padded(units, width), form, steps, tuple(notes))

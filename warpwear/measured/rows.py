@@ -58,9 +58,7 @@ def files_of(paths: Paths) -> list[Path]:
         else:
             files.append(path)
     if not files:
-        raise InputError(
-            f"{places[0] if places else 'the record'} holds no file: records of friction are expected"
-        )
+        raise InputError(f"{places[0] if places else 'the record'} holds no file of a record")
     return files
 
 

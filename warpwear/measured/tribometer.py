@@ -76,9 +76,7 @@ def _normal(
     """Return the normal force [N], pressing positive, shape (rows,); notes and warnings."""
     if "normal force" not in table:
         if load is None:
-            raise InputError(
-                f"{path} has a friction force but no normal force; a column such as 'Fz [N]' is expected"
-            )
+            raise InputError(f"{path} has a friction force but no normal force; 'Fz [N]' is expected")
         note = f"The normal force is not in the record: {load:g} N."
         return np.full_like(table["friction force"], load), [note], ()
     normal = table["normal force"]
@@ -119,10 +117,7 @@ def one_sign(path: Path, friction: FloatArray) -> float:
     friction = friction[np.isfinite(friction)]
     sign = float(np.sign(np.median(friction))) if friction.size else 0.0
     if sign == 0.0 or (sign * friction < 0.0).mean() > OTHER_SIGN:
-        raise InputError(
-            f"{path}: the friction force changes its sign and there is no position to tell the direction; a "
-            "column such as 'Position [mm]' is expected"
-        )
+        raise InputError(f"{path}: the friction force changes its sign: 'Position [mm]' is expected")
     return sign
 
 
@@ -141,19 +136,13 @@ def _by_cycles(
     path: Path, position: FloatArray, friction: FloatArray, normal: FloatArray, stroke: float | None
 ) -> Experiment:
     """Return the course cycle by cycle, of the passes forth and back between the turning points."""
-    turns, smooth = _turning_points(position)
+    turns, smooth = turning_points(position)
     if turns.size < LEAST_TURNS:
-        raise InputError(
-            f"{path}: the position turns {turns.size} times, so there are no two whole cycles; a "
-            "reciprocating record of four passes or more is expected"
-        )
+        raise InputError(f"{path}: the position turns {turns.size} times: two whole cycles are expected")
     ends = [float(np.median(smooth[turns[side::2]])) for side in (0, 1)]
     measured, middle = abs(ends[1] - ends[0]), 0.5 * (ends[0] + ends[1])
     if stroke is not None and abs(measured - stroke) > OTHER_STROKE * stroke:
-        raise InputError(
-            f"{path}: the stroke is {measured:.3g} mm by the position where {stroke:g} mm was given; they "
-            "must agree within a tenth (--stroke, or sliding.stroke of the runs)"
-        )
+        raise InputError(f"{path}: the stroke is {measured:.3g} mm by the position, not {stroke:g} mm")
     used = measured if stroke is None else stroke
     inside = np.abs(position - middle) <= (0.5 - CUT) * measured
     start = abs(float(smooth[turns[0]] - smooth[0]))
@@ -189,10 +178,7 @@ def _by_strokes(
     inside = np.abs(place - 0.5) <= 0.5 - CUT
     source = "as given" if stroke is not None else "of its steps"
     if stroke is None and "distance" not in table:
-        raise InputError(
-            f"{path} has a stroke a step and does not say how long it is: --stroke is needed, such as "
-            "--stroke '10 mm'"
-        )
+        raise InputError(f"{path} has a stroke a step and not its length: --stroke '10 mm' is needed")
     if stroke is None:
         stroke = float((table["distance"][-1] - table["distance"][0]) / (count.size - count.size / step.size))
     return _of_passes(path, table["friction force"], normal, _Passes(turns, inside, stroke, 0.0, source))
@@ -259,12 +245,7 @@ def _pass_means(
     return sums / number
 
 
-def turning_rows(position: FloatArray) -> Rows:
-    """Return the rows at which a position [mm], shape (rows,), turns, in order."""
-    return _turning_points(position)[0]
-
-
-def _turning_points(position: FloatArray) -> tuple[Rows, FloatArray]:
+def turning_points(position: FloatArray) -> tuple[Rows, FloatArray]:
     """Return the rows at which the position [mm] turns, in order, and the smoothed position [mm].
 
     Between two crossings of the middle of the stroke, each complete only when it leaves a band of half the

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from warpwear.laws.elastic import LEAST_TORSION
+from warpwear.laws.friction import RUNNING_IN
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study import rules_track
@@ -33,6 +34,7 @@ def check(study: Content) -> None:
         _steps(study)
         return
     _junction_growth(study)
+    _factors(study)
     if study.study.model == "two-scale":
         rules_track.check_patches(study)
     _line(study)
@@ -183,6 +185,17 @@ def _shape(study: Content) -> None:
             f"counter.radius = {counter.nominal_radius:g} mm with counter.edge_radius = "
             f"{counter.edge_radius:g} mm makes a pin {width:g} mm wide, and grid.extent = {study.grid.size} "
             "must hold it with a cell on each side; allowed are a smaller pin and a larger grid.extent"
+        )
+
+
+def _factors(study: Content) -> None:
+    """Refuse factors of the shear strength where caps or wear follow from one strength at all steps."""
+    growth = study.friction.junction_growth
+    beside = f"friction.junction_growth = {growth:g}" if growth else "wear.law = 'energy'"
+    factors = study.friction.law_with().factors if growth or study.wears_by_area else ()
+    for key in (factor.keys[0] for factor in factors if growth or factor is not RUNNING_IN):
+        raise ValueError(
+            f"friction.{key} does not go with {beside}, which does not follow it; allowed is none"
         )
 
 

@@ -67,7 +67,7 @@ def test_missing_points_have_no_weight() -> None:
 
 
 def test_bad_filters_and_flats_are_refused() -> None:
-    with pytest.raises(InputError, match="--lambda-s is 800 µm: must be shorter"):
+    with pytest.raises(InputError, match="--lambda-s is 800 µm: allowed is less"):
         parameters(profile(np.sin(PLACES), STEP), cut_off=0.8, short=0.8)
     with pytest.raises(InputError, match="has no roughness"):
         parameters(profile(0.0 * PLACES, STEP))

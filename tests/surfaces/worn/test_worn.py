@@ -237,7 +237,7 @@ def test_two_diagonals_are_equation_3_1():
     half = cap_of_diagonals(6.0, 6.0, radius=3.0)
     assert half.volume == pytest.approx(2 / 3 * math.pi * 27)
     for bad in ((0.0, 1.0), (7.0, 1.0), (-1.0, 1.0)):
-        with pytest.raises(InputError, match=r"--diagonals has .* allowed is"):
+        with pytest.raises(InputError, match=r"a diameter is .* allowed is"):
             cap_of_diagonals(*bad, radius=3.0)
     with pytest.raises(InputError, match=r"--radius is 0 mm"):
         cap_of_diagonals(1.0, 1.0, radius=0.0)

@@ -13,6 +13,7 @@ from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.view import FilmState, State, Window, positive
 from warpwear.figures.wording import after, with_scatter
 from warpwear.grid import FloatArray
+from warpwear.laws import archard
 from warpwear.laws.patches import Patches
 
 STATES = {
@@ -158,6 +159,19 @@ def hertz(data: FigureData) -> Figure:
         when, along = after(snapshot.distance), Axis(describe.ALONG, low=-half, high=half, ticks=5)
         panels.append(Chart(when, along, pressure, [unworn, worn], when))
     return Figure(panels, legend=2)
+
+
+@words.figure(words.TRACK_FACTOR, words.NO_FACTOR, words.NO_SNAPSHOT)
+def distance_factor(data: FigureData) -> Figure:
+    """Sliding distance of cells of the disc over that of the middle."""
+    study, window, kind = data.study, data.window, data.study.wear.distance_factor
+    factors = archard.distance_factor(study.cells, kind, curvature=study.counter.form.curvature)
+    whole = np.broadcast_to(factors, study.cells.shape)
+    part, label = whole[window.x, window.y], "relative sliding distance, –"
+    scale = Scale(label, float(part.min()), float(part.max()), colours="heights")
+    line = Line(study.cells.y[window.y], whole[study.cells.nx // 2, window.y], look=Look(describe.DISC))
+    across = Chart("Across", Axis(describe.ACROSS), Axis(label), [line], "1 = sliding distance in the middle")
+    return Figure([Map("Factor", [part], window.extent, scale), across], height=2.9)
 
 
 @words.figure(*words.PATCHES, essential=True, section="load_share")

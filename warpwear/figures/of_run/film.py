@@ -94,7 +94,7 @@ class _Film:
         means = [float(data.history["pressure_mean"][data.row_of(distance)]) for distance in data.distances]
         pressures = [data.view(index).pressure for index in ends]
         self._pressure = pressure_scale(pressures, means, "pressure, MPa")
-        disc = np.stack([self._disc_at(index) for index in ends])
+        disc = np.stack([self._disc_at(index)[0] for index in ends])
         label = "height of the disc, µm"
         self._height = Scale(label, float(np.nanmin(disc)), float(np.nanmax(disc)), colours="heights")
         self._is_friction = bool(np.isfinite(data.course["cof"]).any())
@@ -102,11 +102,10 @@ class _Film:
     def frame(self, index: int) -> Figure:
         """Declare the frame of snapshot number `index`."""
         data, window = self._data, self._data.window
-        view, extent = data.view(index), window.extent
+        view, (heights, extent) = data.view(index), self._disc_at(index)
         more: dict[str, Any] = {}
         near: dict[str, Any] = {}
         if self._swept:  # the whole track, as wide as the panel
-            extent = blocks(data.result, index, BLOCKS).extent
             position = Level(float(data.history["position"][view.row]), look=Look(describe.COUNTER), axis="x")
             label = "along the track, x, mm (line: the counter-body)"
             more = {"square": False, "levels": [position], "x": label}
@@ -115,17 +114,18 @@ class _Film:
         mean, deviation = (float(data.history[f"pressure_{name}"][view.row]) for name in ("mean", "std"))
         contact = f"{with_scatter(mean, deviation)} MPa in contact"
         panels: list[Panel] = [
-            Map(disc, [self._disc_at(index)], extent, self._height, [disc], **more),
+            Map(disc, [heights], extent, self._height, [disc], **more),
             Map(contact, [positive(view.pressure)], window.extent, self._pressure, [contact], **near),
             self._course(view.distance),
         ]
         return Figure(panels, width=SIZE[0], height=SIZE[1])
 
-    def _disc_at(self, index: int) -> FloatArray:
-        """Return heights of the disc [µm]: under the ball, or of the whole track that it slides over."""
+    def _disc_at(self, index: int) -> tuple[FloatArray, describe.Ends]:
+        """Return heights of the disc [µm] and their extent: under the ball, or of its whole track."""
         if self._swept:
-            return 1e3 * blocks(self._data.result, index, BLOCKS).heights
-        return np.asarray(1e3 * self._data.bodies_at(index)["disc"])
+            track = blocks(self._data.result, index, BLOCKS)
+            return 1e3 * track.heights, track.extent
+        return 1e3 * self._data.bodies_at(index)["disc"], self._data.window.extent
 
     def _course(self, slid: float) -> Chart:
         """Declare the course up to a distance and its end, of the area where there is no friction."""

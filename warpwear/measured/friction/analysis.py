@@ -12,7 +12,7 @@ from warpwear.measured.experiment import Experiment
 from warpwear.measured.friction.events import Events, Laps, events_of, laps_of
 from warpwear.measured.motion import Motion
 from warpwear.measured.rows import Rows
-from warpwear.measured.tribometer import alternates, turning_rows
+from warpwear.measured.tribometer import alternates, turning_points
 
 #: A step with less than this part of the rows is told, and not analysed.
 SHORT = 0.02
@@ -117,7 +117,7 @@ def _loops(rows: Rows) -> list[Loop]:
         return []
     position, force = rows.table["position"], rows.table["friction force"]
     good = np.isfinite(position) & np.isfinite(force)
-    turns = turning_rows(position[good])[::2]
+    turns = turning_points(position[good])[0][::2]
     last = turns.size - 2
     return [
         Loop(k + 1, position[good][turns[k] : turns[k + 1]], force[good][turns[k] : turns[k + 1]])

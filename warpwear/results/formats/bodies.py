@@ -154,9 +154,7 @@ class Job:
         row = np.searchsorted(history["distance"], snapshot.distance * (1.0 - 1.0e-12))
         approach = float(history["approach"][min(int(row), history["approach"].size - 1)])
         if not abs(approach) < NO_SURFACE:
-            raise InputError(
-                f"the result's approach at {snapshot.distance:g} mm is {approach:g} mm, which is none"
-            )
+            raise InputError(f"the approach at {snapshot.distance:g} mm is {approach:g} mm, which is none")
         x, y, fields = self._reduced(x, {"heights": heights})
         return Body(name, title, x, y, fields["heights"], approach)
 
