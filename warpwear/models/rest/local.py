@@ -41,6 +41,14 @@ MOST_SLOTS = 264
 SUMS, MAXIMA = names_of(WearSum), names_of(WearMost)
 
 
+def foresee(task: ContactTask, executor: Executor) -> None:
+    """Begin to compile the kernels of a model, which may be made later, of the same task."""
+    of_law = (bearing.counted_below, wear.judge_area) if task.rigid else (balance.carried, wear.judge)
+    listing = contact.gap, balance.select, balance.listed
+    steps = *of_law, wear.wear_step, wear.record, balance.pressures
+    executor.foresee([*listing, *steps], together=True)
+
+
 class OneScaleModel(Model):
     """Contact and wear of one task, with the same law for every cell, on one executor.
 
@@ -53,9 +61,7 @@ class OneScaleModel(Model):
 
     def __init__(self, task: ContactTask, heights: FloatArray, executor: Executor) -> None:
         assert task.is_uniform  # others are those of a track
-        executor.foresee([wear.wear_step, contact.gap, balance.carried])  # what takes longest first
-        if task.rigid:
-            executor.foresee([bearing.counted_below])
+        foresee(task, executor)
         self.task = task
         self._executor = executor
         fitting = max(int(CELLS_OF_REPLAY / executor.grid.cells), 1)
@@ -109,7 +115,7 @@ class OneScaleModel(Model):
 
     def _add_search(self, program: Program) -> None:
         """The search of a step, and the list of tiles that its wear needs."""
-        self._search.add_to(program, wear.judge, self._steps)
+        self._search.add_to(program, wear.judge_area if self.task.rigid else wear.judge, self._steps)
         self.tiles.add_to(program)
 
     def _add_wear(self, program: Program) -> None:
