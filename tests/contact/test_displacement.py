@@ -10,7 +10,7 @@ from warpwear.engine.executor import Executor
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, Grid
 from warpwear.laws.patches import Patches
-from warpwear.models.patches.influence import PatchInfluence
+from warpwear.models.patches.half_space import PatchInfluence
 
 #: On a GPU the transforms need their library.
 pytestmark = pytest.mark.transforms
