@@ -153,8 +153,6 @@ class Executor:
 
     def equal_chunks(self, slots: int) -> list[tuple[int, int]]:
         """Return ranges of slots for the threads, of passes over whole rows."""
-        if not self.device.is_cpu:
-            return [(0, slots)]
         return self.split_rows(np.full(slots, -(-self.grid.cells // slots)))
 
     def on_threads(self, work: Sequence[Callable[[], Any]]) -> None:
