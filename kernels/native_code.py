@@ -8,6 +8,7 @@ import inspect
 import re
 from collections.abc import Callable
 from functools import cache
+from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
@@ -23,14 +24,36 @@ INCLUDE = re.compile(r'^#include "(.+)"$', re.MULTILINE)
 LINES = "".join(f"enum class {t.__name__} {{ {', '.join(t.__members__)}, LINES }};\n" for t in TABLES)
 #: Kernels that take the first and the end of a range of slots.
 RANGED: set[Any] = set()
+#: Headers of a preamble, by its text.
+_HEADERS: dict[str, list[str]] = {}
 
 
 def options(*headers: str) -> dict[str, Any]:
     """Return the options of a module whose native functions call these headers, or `lanes.h` alone."""
     names = dict.fromkeys(name for header in headers or ("lanes.h",) for name in _with_includes(header))
     text = LINES + "".join(_text(name) for name in names)
+    _HEADERS[text] = list(names)
     build = wp.ModuleBuildOptions(extra_cpu_preamble=text, extra_cuda_preamble=text)
     return {"enable_backward": False, "extra_build_options": build}
+
+
+@cache
+def together(kernels: tuple[Any, ...]) -> dict[Any, Any]:
+    """Copy kernels into a module of their own, which pays for Warp's headers once; return the copy of each.
+
+    Their modules have no other options than those of `options`.
+    """
+    of_each = [kernel.module.options["extra_build_options"].extra_cpu_preamble for kernel in kernels]
+    names = ",".join(f"{kernel.module.name}.{kernel.key}" for kernel in kernels)
+    module = wp.get_module(f"{kernels[0].module.name}.{blake2b(names.encode(), digest_size=4).hexdigest()}")
+    headers = dict.fromkeys(header for text in of_each for header in _HEADERS[text])
+    wp.set_module_options(options(*headers), module=module)
+    copies = {
+        kernel: wp.Kernel(kernel.func, key=kernel.key, module=module, source=kernel.adj.source)
+        for kernel in kernels
+    }
+    RANGED.update(copy for kernel, copy in copies.items() if kernel in RANGED)
+    return copies
 
 
 def native_pass(function: str, *, module: Any = None) -> Callable[[Callable[..., None]], Any]:

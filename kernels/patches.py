@@ -10,8 +10,7 @@ above the patch's approach are skipped.
 
 import warp as wp
 
-from warpwear.kernels.cells import LANES, ONE, ZERO, Cells, Layout
-from warpwear.kernels.contact import Law, pressure_of
+from warpwear.kernels.cells import Cells, Layout
 from warpwear.kernels.native_code import native_pass
 from warpwear.kernels.two_scale.curves import TOGETHER, Curves
 from warpwear.kernels.two_scale.steps import Books, Courses, Steps
@@ -39,34 +38,9 @@ def carried(steps: Steps, curves: Curves, surfaces: Surfaces):
     """
 
 
-@wp.kernel(module=TOGETHER)
-def pressures(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    steps: Steps,
-    curves: Curves,
-    surfaces: Surfaces,
-    pressure_out: wp.array2d(dtype=Cells),
-):
+@native_pass("press_patch", module=TOGETHER)
+def pressures(steps: Steps, curves: Curves, surfaces: Surfaces, pressure_out: wp.array2d(dtype=Cells)):
     """Lay the pressure field of solved approaches."""
-    patch = first_slot + wp.tid() // wp.block_dim()
-    law = Law()
-    law.base = curves.base[patch]
-    law.offset = curves.offset[patch]
-    cap = steps.load.hardness
-    stiffness = steps.now[0].stiffness
-    touches = (law.base - curves.lowest[patch]) + law.offset > ZERO
-    for k in range(wp.tid() % wp.block_dim(), surfaces.gap.shape[1], wp.block_dim()):
-        p = Cells(ZERO)
-        if touches:
-            g = surfaces.gap[patch, k]
-            part = Cells(ONE)
-            if surfaces.parts.shape[0] > 0:
-                part = surfaces.parts[patch, k]
-            for j in range(LANES):
-                law.cap = cap * part[j]
-                p[j] = pressure_of(law, g[j], stiffness)
-        pressure_out[patch, k] = p
 
 
 @native_pass("wear_patch", module=TOGETHER)
@@ -79,9 +53,6 @@ def wear(steps: Steps, curves: Curves, courses: Courses, surfaces: Surfaces, boo
     """
 
 
-@wp.kernel(module=TOGETHER)
-def worn(first_slot: wp.int32, slots: wp.int32, surfaces: Surfaces, worn_out: wp.array2d(dtype=Cells)):
+@native_pass("worn_of_patch", module=TOGETHER)
+def worn(surfaces: Surfaces, worn_out: wp.array2d(dtype=Cells)):
     """Lay what both bodies have lost so far: how far the gap has opened."""
-    patch = first_slot + wp.tid() // wp.block_dim()
-    for k in range(wp.tid() % wp.block_dim(), surfaces.gap.shape[1], wp.block_dim()):
-        worn_out[patch, k] = surfaces.gap[patch, k] - surfaces.unworn[patch, k]

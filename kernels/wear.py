@@ -165,16 +165,19 @@ def expect(steps: Steps, s: Search, lists_before: Listing, approach: wp.float64,
 @wp.kernel
 def judge(springs: Springs, steps: Steps):
     """Decides what follows from a pass of the search of a step."""
-    if steps.is_rigid == 1:
-        s, lists, law = judged_area(springs)
-        if wp.tid() == 0:
-            if s.bracket.state != LOOKS:
-                lists = expect(steps, s, lists, law.base, law.cap)
-            conclude_area(springs, s, lists, law)
-    else:
-        s, lists = balance.judged_pass(springs)
-        if wp.tid() == 0:
-            conclude_step(springs, steps, s, lists)
+    s, lists = balance.judged_pass(springs)
+    if wp.tid() == 0:
+        conclude_step(springs, steps, s, lists)
+
+
+@wp.kernel
+def judge_area(springs: Springs, steps: Steps):
+    """Decides what follows from a pass of the search of a step over a bearing area."""
+    s, lists, law = judged_area(springs)
+    if wp.tid() == 0:
+        if s.bracket.state != LOOKS:
+            lists = expect(steps, s, lists, law.base, law.cap)
+        conclude_area(springs, s, lists, law)
 
 
 @native_code.native_pass("wear_rows")

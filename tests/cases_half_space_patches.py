@@ -11,8 +11,7 @@ from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import PADDING
 from warpwear.laws.patches import Patches
-from warpwear.models.patches.half_space import HalfSpacePatches
-from warpwear.models.patches.influence import PatchInfluence
+from warpwear.models.patches.half_space import HalfSpacePatches, PatchInfluence
 from warpwear.study.surface import surface_in
 
 SIDE, ACROSS = 5, 2  # neither a multiple of the lanes of a vector

@@ -1,7 +1,10 @@
 """What every test may ask for: a device, a number of threads, and pictures that are soon drawn."""
 
 import base64
+import gc
+import importlib
 import os
+import pkgutil
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from typing import Any
@@ -14,8 +17,10 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import pytest
 import warp as wp
 
-from warpwear import lazy
+from warpwear import kernels, lazy
 from warpwear.engine import executor as execution
+from warpwear.engine.device import find_device
+from warpwear.engine.kernel_cache import begin_to_load
 
 process, style = lazy.module("warpwear.figures.process"), lazy.module("warpwear.figures.style")
 
@@ -25,6 +30,32 @@ wp.config.log_level = wp.LOG_ERROR
 def pytest_configure(config: pytest.Config) -> None:
     """Coarse cells make quick tests, and the warnings of them a long list; `pytest.warns` sees them still."""
     config.addinivalue_line("filterwarnings", "ignore::warpwear.StudyWarning")
+
+
+#: From so many tests on each of the processes that share them compiles some of the kernels, before any test.
+MANY = 1000
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Make what all tests need once, and let no collector of garbage look through it again and again."""
+    number, count = (os.environ.get(f"PYTEST_XDIST_WORKER{name}", "") for name in ("", "_COUNT"))
+    if len(session.items) >= MANY and number:
+        compile_kernels(int(number.removeprefix("gw")), int(count))
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000, 20, 20)
+
+
+def compile_kernels(number: int, count: int) -> None:
+    """Compile every count-th file of kernels, from the one of this number on, for all to load.
+
+    Two processes that meet a file at the same time would both compile it.
+    """
+    device = find_device("cpu")
+    files = [name for _, name, _ in pkgutil.walk_packages(kernels.__path__, f"{kernels.__name__}.")]
+    modules = [wp.get_module(importlib.import_module(name).__name__) for name in files]
+    for module in [module for module in modules if module.kernels][number::count]:
+        begin_to_load(module, device)()
 
 
 @pytest.fixture(params=["cpu", "cuda:0"])
@@ -38,15 +69,25 @@ def device(request: pytest.FixtureRequest) -> str:
     return name
 
 
+def shared_by(threads: int, monkeypatch: pytest.MonkeyPatch) -> int:
+    """So many threads, which share grids too small for it to pay; skips where there are fewer cores."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if threads > cores:
+        pytest.skip("one core")
+    monkeypatch.setattr(execution, "CELLS_PER_THREAD", 1)
+    return threads
+
+
 @pytest.fixture(params=[1, 2], ids=["1 thread", "2 threads"])
 def threads(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> int:
     """One and two threads, which also share grids too small for it to pay."""
-    count: int = request.param
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if count > cores:
-        pytest.skip("one core")
-    monkeypatch.setattr(execution, "CELLS_PER_THREAD", 1)
-    return count
+    return shared_by(request.param, monkeypatch)
+
+
+@pytest.fixture
+def two_threads(monkeypatch: pytest.MonkeyPatch) -> int:
+    """Two threads, of tests that compare them with one themselves."""
+    return shared_by(2, monkeypatch)
 
 
 #: Dots per inch that are soon drawn, and a PNG file of one white dot.

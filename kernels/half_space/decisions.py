@@ -50,7 +50,6 @@ def start(solve: Solve):
         solve.flags[Flag.RENEWS_ROUGHLY] = wp.where(rough, 1, 0)
         solve.flags[Flag.RENEWS_EXACTLY] = wp.where(rough, 0, 1)
         solve.flags[Flag.MOVES] = 0
-        solve.flags[Flag.STARTS] = 1
         solve.flags[Flag.ANEW] = wp.where(anew, 1, 0)
         solve.flags[Flag.SEARCHING] = 1
 

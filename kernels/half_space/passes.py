@@ -1,11 +1,14 @@
 """A search of the half-space solver makes these passes over all cells.
 
-`native/half_space/search.h` and `extension.h` beside it have their loops.
+`native/half_space/search.h` and `extension.h` beside it have their loops, `windows.h` those by which fields
+move between the grid of a search and others: a larger grid, and cells twice as wide.
 """
 
 import warp as wp
 
-from warpwear.kernels.half_space.solve import TOGETHER, Solve
+from warpwear.kernels.cells import Cells
+from warpwear.kernels.half_space.certificate import Proven
+from warpwear.kernels.half_space.solve import TOGETHER, Group, Solve
 from warpwear.kernels.native_code import native_pass
 
 #: Rows of a slot of `extend` and `gather`.
@@ -105,3 +108,49 @@ def gather(solve: Solve):
 @native_pass("extend_once", module=TOGETHER)
 def extend_once(solve: Solve, number: wp.int32):
     """On a GPU: make one of the passes 0 and 1, which extend the trial, or 2 to 4, which gather it."""
+
+
+@wp.struct
+class Transfer:
+    """Holds a field, and the one of another grid that it goes to."""
+
+    field: wp.array2d(dtype=Cells)
+    target: wp.array2d(dtype=Cells)
+    columns: wp.int32  # of the finer grid
+    first: wp.array(dtype=wp.int32)  # row and vector of the larger grid where the window begins
+
+
+@wp.struct
+class Reach:
+    """Tells what a contact reaches: its cells below its approach, and the level of its certificate."""
+
+    gap: wp.array2d(dtype=Cells)
+    columns: wp.int32
+    groups: wp.array(dtype=Group)
+    proven: wp.array(dtype=Proven)
+    extents: wp.array2d(dtype=wp.float64)  # first and last row, first and last column; a column a slot
+
+
+@native_pass("take_window", module=TOGETHER)
+def take_window(transfer: Transfer):
+    """Copy what a field of the larger grid holds in a window."""
+
+
+@native_pass("give_window", module=TOGETHER)
+def give_window(transfer: Transfer):
+    """Copy a field of a window to where it lies in the larger grid."""
+
+
+@native_pass("restrict_cells", module=TOGETHER)
+def restrict(transfer: Transfer):
+    """Give cells twice as wide the means of four, or of fewer at an edge; no surface where one has none."""
+
+
+@native_pass("prolong_cells", module=TOGETHER)
+def prolong(transfer: Transfer):
+    """Give each cell the value of the wide cell that it lies in."""
+
+
+@native_pass("extents", module=TOGETHER)
+def extents(reach: Reach):
+    """Find the extents of the cells that a contact reaches; the first ones negated."""

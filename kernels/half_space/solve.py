@@ -43,23 +43,22 @@ class Request(IntEnum):
 class Flag(IntEnum):
     """Names what a decision says of what follows: places in `Solve.flags`."""
 
-    STARTS = 0
-    ANEW = 1
-    SEARCHING = 2
-    RENEWS = 3
-    RENEWS_EXACTLY = 4
-    RENEWS_ROUGHLY = 5
-    MOVES = 6
-    MOVES_FEW = 7
-    AIMED_AT_FEW = 8
-    STEPS = 9
-    DESCENDS = 10
-    PRECONDITIONS = 11
-    EXTENDS = 12
-    EXTENDS_NOT = 13
-    BALANCING = 14
-    SOLVING = 15
-    CERTIFIES = 16
+    ANEW = 0
+    SEARCHING = 1
+    RENEWS = 2
+    RENEWS_EXACTLY = 3
+    RENEWS_ROUGHLY = 4
+    MOVES = 5
+    MOVES_FEW = 6
+    AIMED_AT_FEW = 7
+    STEPS = 8
+    DESCENDS = 9
+    PRECONDITIONS = 10
+    EXTENDS = 11
+    EXTENDS_NOT = 12
+    BALANCING = 13
+    SOLVING = 14
+    CERTIFIES = 15
 
 
 @dataclass(frozen=True)

@@ -114,6 +114,35 @@ WARPWEAR_FN void carry_patch(int patch, int slots, const Steps& steps, Curves& c
     give_answer(curves.answer, patch, surfaces.trial, surfaces.cells, stiffness);
 }
 
+// Lay the pressures of a patch at its solved approach, and what both bodies have lost there.
+template <typename Steps, typename Curves, typename Surfaces, typename Field>
+WARPWEAR_FN void press_patch(int patch, int slots, const Steps& steps, const Curves& curves,
+                             const Surfaces& surfaces, Field& pressure_out)
+{
+    const double cap = steps.load.hardness, stiffness = wp::index(steps.now, 0).stiffness;
+    const double base = wp::index(curves.base, patch), offset = wp::index(curves.offset, patch);
+    const bool touches = (base - wp::index(curves.lowest, patch)) + offset > 0.0;
+    const Stored* const gap = row_of(surfaces.gap, patch);
+    const Stored* const parts = surfaces.parts.shape[0] > 0 ? row_of(surfaces.parts, patch) : nullptr;
+    Stored* const pressure = row_of(pressure_out, patch);
+    const Lanes zero = 0.0;
+    for (int i = lane_of_slot(); i < surfaces.gap.shape[1] * OF_VECTOR; i += width_of_slot()) {
+        const Lanes most_here = parts ? Lanes(cap * parts[i]) : Lanes(cap);
+        const Lanes p = clipped(on_spring((base - Lanes(gap[i])) + offset, Lanes(stiffness)), most_here);
+        pressure[i] = touches ? p : zero;
+    }
+}
+
+template <typename Surfaces, typename Field>
+WARPWEAR_FN void worn_of_patch(int patch, int slots, const Surfaces& surfaces, Field& worn_out)
+{
+    const Stored* const gap = row_of(surfaces.gap, patch);
+    const Stored* const unworn = row_of(surfaces.unworn, patch);
+    Stored* const worn = row_of(worn_out, patch);
+    for (int i = lane_of_slot(); i < surfaces.gap.shape[1] * OF_VECTOR; i += width_of_slot())
+        worn[i] = Lanes(gap[i]) - Lanes(unworn[i]);
+}
+
 // Rows and columns of the domain in which a worn patch was ever touched, beyond those that are known.
 template <typename Surfaces, typename Now, typename Reaches>
 WARPWEAR_FN Extents extents_of(int patch, const Surfaces& surfaces, const WearBy& by, const Now& now,

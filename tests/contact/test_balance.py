@@ -286,12 +286,12 @@ def test_worn_run_equals_reference(
 
 
 @pytest.mark.parametrize("kind", RUNS)
-def test_threads_do_not_change_a_bit(kind: str, device: str, threads: int) -> None:
+def test_threads_do_not_change_a_bit(kind: str, device: str, two_threads: int) -> None:
     """Once more, and with two threads: bit-identical fields and history."""
     changes = RUNS[kind] | {"wear.distance_factor": "radial"}
     this = study(**(changes if "stepping.increment" in changes else changes | GROWING))
     outcomes = []
-    for count in (1, threads):
+    for count in (1, two_threads):
         with Executor(Grid(61, 75, CELL), device=device, threads=count) as executor:
             model = model_at_rest(this.contact_task, rough((61, 75), 4), executor)
             steps = list(model.steps([(0.1, True)] * 30))

@@ -21,7 +21,7 @@ from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.cells import PADDING
 from warpwear.kernels.half_space.solve import Fields, SearchRules
 from warpwear.laws.patches import Patches
-from warpwear.models.patches.influence import PatchInfluence
+from warpwear.models.patches.half_space import PatchInfluence
 
 #: On a GPU the transforms need their library.
 pytestmark = pytest.mark.transforms

@@ -164,11 +164,11 @@ def test_squares_are_filtered_one_by_one(
 )
 @pytest.mark.parametrize("kind", [np.float32, np.float64])
 def test_threads_change_nothing(
-    cells: tuple[int, int], shape: tuple[int, int], kind: Any, threads: int
+    cells: tuple[int, int], shape: tuple[int, int], kind: Any, two_threads: int
 ) -> None:
     """To the last bit."""
     case, values, results = Case(shape, divides=True), np.random.default_rng(2).normal(size=cells), []
-    for count in (1, threads):
+    for count in (1, two_threads):
         with Executor(Grid(*cells, 1.0), threads=count) as executor:
             assert executor.is_shared == (count > 1)
             field, program = executor.field(values.copy()), Program(executor)

@@ -10,7 +10,7 @@ from warpwear.engine.executor import Executor
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, Grid
 from warpwear.laws.patches import Patches
-from warpwear.models.patches.influence import PatchInfluence
+from warpwear.models.patches.half_space import PatchInfluence
 
 #: On a GPU the transforms need their library.
 pytestmark = pytest.mark.transforms
@@ -132,10 +132,10 @@ def test_the_inverse_undoes_the_response(
 
 @pytest.mark.parametrize("boundary", ["periodic", "free", "line"])
 @pytest.mark.parametrize("shape", [(48, 40), (21, 33), (40, 2), (40, 1)])
-def test_threads_change_no_operator(shape: tuple[int, int], boundary: str, threads: int) -> None:
+def test_threads_change_no_operator(shape: tuple[int, int], boundary: str, two_threads: int) -> None:
     """To the last bit."""
     grid, results = Grid(*shape, 0.5), []
-    for count in (1, threads):
+    for count in (1, two_threads):
         with Executor(grid, threads=count) as executor:
             operator = Influence(executor, modulus=MODULUS, boundary=boundary)
             operator.set_compliance(0.1, 0.2, 6)

@@ -77,11 +77,11 @@ def test_against_active_sets_on_the_dense_matrix(
         assert moved.mean_pressure == pytest.approx(expected.mean(), rel=1e-8)
 
 
-def test_threads_change_nothing(threads: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_threads_change_nothing(two_threads: int, monkeypatch: pytest.MonkeyPatch) -> None:
     grid = Grid(64, 60, 1.0 / 64)
     gap = rough(grid, rms=0.01, shortest=16)
     pressures = []
-    for count in (1, threads):
+    for count in (1, two_threads):
         with Executor(grid, threads=count) as executor:
             solver = HalfSpace(executor, modulus=1.0, hardness=0.1)
             pressures.append(solver.solve(executor.field(gap), mean_pressure=0.01).pressure.copy())
@@ -210,7 +210,7 @@ def test_no_convergence_is_an_error_with_its_residual() -> None:
 @pytest.mark.parametrize("boundary", ["periodic", "free", "line"])
 @pytest.mark.parametrize("hardness", [math.inf, 1.5, 0.3])
 def test_a_recorded_search_makes_the_iterations_of_one_whose_passes_are_shared(
-    boundary: str, hardness: float, threads: int
+    boundary: str, hardness: float, two_threads: int
 ) -> None:
     """From nothing, from the last pressure, with values extended, and where plain steps take over."""
     grid = Grid(40, 37, 0.5)
@@ -219,7 +219,7 @@ def test_a_recorded_search_makes_the_iterations_of_one_whose_passes_are_shared(
     for elastic_fraction, scattered in ((0.3, 1.0), (0.9, 1.0), (0.1, 0.0)):
         rules = SearchRules(elastic_fraction=elastic_fraction, scattered=scattered, few=0)
         contacts = []
-        for count in (1, threads):
+        for count in (1, two_threads):
             with Executor(grid, threads=count) as executor:
                 options: dict[str, Any] = {"boundary": boundary, "hardness": hardness, "rules": rules}
                 solver = HalfSpace(executor, modulus=MODULUS, tolerance=1e-8, **options)

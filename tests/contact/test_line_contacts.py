@@ -131,12 +131,12 @@ def test_a_window_of_a_long_line_finds_the_contact_of_all_cells(device: str) -> 
         assert approach == pytest.approx(expected, rel=1e-7)
 
 
-def test_threads_change_no_line(threads: int) -> None:
+def test_threads_change_no_line(two_threads: int) -> None:
     """To the last bit."""
     for shape in ((64, 20), (200, 1)):
         heights = -rough(Grid(*shape, 1.0), shortest=9)
         options: dict[str, Any] = {"cell": 1.0, "mean_pressure": 0.01, "modulus": 1.0, "boundary": "line"}
-        one, other = (solve_contact(heights, threads=count, **options) for count in (1, threads))
+        one, other = (solve_contact(heights, threads=count, **options) for count in (1, two_threads))
         assert_array_equal(one.pressure, other.pressure)
         assert one.approach == other.approach
 

@@ -302,10 +302,10 @@ def test_grids_of_any_shape(name: str, shape: tuple[int, int], device: str) -> N
     assert turned.approach == pytest.approx(found.approach, abs=1e-5)
 
 
-def test_threads_change_nothing(threads: int) -> None:
+def test_threads_change_nothing(two_threads: int) -> None:
     for law in LAWS.values():
         options = {"cell": GRID.cell, "mean_pressure": 0.05, **law}
-        one, other = (solve_contact(HEIGHTS, threads=count, **options) for count in (1, threads))
+        one, other = (solve_contact(HEIGHTS, threads=count, **options) for count in (1, two_threads))
         assert_array_equal(one.pressure, other.pressure)
         assert_array_equal(one.gap, other.gap)
 

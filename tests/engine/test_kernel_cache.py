@@ -11,7 +11,9 @@ from fuzzing import check_sentence
 from warpwear import InputError
 from warpwear.engine import kernel_cache
 from warpwear.engine.device import find_device
-from warpwear.kernels import contact
+from warpwear.engine.executor import Executor
+from warpwear.grid import Grid
+from warpwear.kernels import balance, contact
 
 
 @pytest.fixture
@@ -49,3 +51,14 @@ def test_files_that_warp_cannot_load_are_compiled_anew(
     monkeypatch.setattr(wp, "load_module", load)
     kernel_cache.begin_to_load(module, device)()
     assert there == [True, False]
+
+
+def test_kernels_of_a_run_are_compiled_as_one_file(module: Any) -> None:
+    with Executor(Grid(8, 8, 0.01)) as executor:
+        assert executor.load(contact.gap) is contact.gap
+        executor.foresee([contact.gap, balance.listed], together=True)
+        gap, listed = (executor.load(kernel) for kernel in (contact.gap, balance.listed))
+        assert gap.module is listed.module
+        assert gap.module not in (contact.gap.module, balance.listed.module)
+        executor.foresee([contact.gap, balance.listed], together=True)  # by a model that is made later
+        assert executor.load(contact.gap) is gap

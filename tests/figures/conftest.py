@@ -7,13 +7,20 @@ import warpwear
 from warpwear import Result, Study
 
 
-@pytest.fixture(scope="module")
+class Results(dict[str, Result]):
+    """Finished runs by the name of their kind, in folders without figures, made when they are asked for."""
+
+    def __init__(self, folders: pytest.TempPathFactory) -> None:
+        super().__init__()
+        self._where = folders.mktemp("runs")
+
+    def __missing__(self, name: str) -> Result:
+        study = Study.load("v3-fine").replace(SMALL | RUNS[name])
+        self[name] = warpwear.run(study, out=self._where / name.replace(" ", "-"), plots=False)
+        return self[name]
+
+
+@pytest.fixture(scope="session")
 def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Result]:
-    """A finished run of each kind, in a folder without figures."""
-    where = tmp_path_factory.mktemp("runs")
-    return {
-        name: warpwear.run(
-            Study.load("v3-fine").replace(SMALL | changes), out=where / name.replace(" ", "-"), plots=False
-        )
-        for name, changes in RUNS.items()
-    }
+    """Finished runs of each kind by its name."""
+    return Results(tmp_path_factory)

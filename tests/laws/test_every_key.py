@@ -22,7 +22,7 @@ from warpwear.inference.data import Data, Measured
 from warpwear.inference.infer import _check_unknowns
 from warpwear.inference.model import Model
 from warpwear.inference.runs import make_runs, needs_runs
-from warpwear.inference.unknowns import unknowns_of
+from warpwear.inference.unknowns import Unknown, unknowns_of
 from warpwear.laws import archard
 from warpwear.laws.friction import FITTED, KEYS
 from warpwear.page.content import words_of
@@ -161,7 +161,7 @@ def run_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Study], Path]:
     return make
 
 
-@pytest.fixture(params=CASES)
+@pytest.fixture(params=CASES, scope="module")
 def pair(request: pytest.FixtureRequest, run_of: Callable[[Study], Path]) -> Any:
     """The runs of a case, open."""
     key, case = request.param.split(",")[0], CASES[request.param]
@@ -204,21 +204,41 @@ def test_a_key_changes_the_run_and_what_is_said_of_it(pair: Pair) -> None:
     assert f"the runs differ in {CALLED.get(pair.key, pair.key)} (" in notes
 
 
-def test_a_key_changes_an_inference_as_it_changes_the_run(pair: Pair, tmp_path: Path) -> None:
+def constant_of(study: Study) -> tuple[Unknown, ...]:
+    """The constant of a study's law of friction as the only unknown."""
+    return tuple(unknowns_of(study, {f"friction.{study.friction.law_with().constant}": "uniform 0 .. 0.5"}))
+
+
+@pytest.fixture(scope="module")
+def model_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Study], Model]:
+    """Make the model of a study once, for many cases begin with the same."""
+    models: dict[str, Model] = {}
+
+    def make(study: Study) -> Model:
+        text = study.to_toml()
+        if text not in models:
+            out, unknowns = tmp_path_factory.mktemp("model"), constant_of(study)
+            runs = make_runs(study, unknowns, samples=None, seed=0, out=out, device="cpu")
+            models[text] = Model(study, unknowns, runs)
+        return models[text]
+
+    return make
+
+
+def test_a_key_changes_an_inference_as_it_changes_the_run(
+    pair: Pair, model_of: Callable[[Study], Model]
+) -> None:
     """A model of the changed study computes what its run came to."""
     study, history = pair.studies[1], pair.results[1].history
     distance, cof = course(pair.results[1], "cof")  # along a track the means of its passes
     like = Data(points=(Measured("cof", 0.6, 0.02, study.sliding.total),))
-    asked = unknowns_of(study, {f"friction.{study.friction.law_with().constant}": "uniform 0 .. 0.5"})
+    asked = constant_of(study)
     if refusal(pair, "inference", lambda: _check_unknowns(study, asked, like)):
         return
     places = np.linspace(0, distance.size - 1, 5).astype(int)[1:]
     computed = []
-    for number, one in enumerate(pair.studies):
-        constant = one.friction.law_with().constant
-        unknowns = tuple(unknowns_of(one, {f"friction.{constant}": "uniform 0 .. 0.5"}))
-        runs = make_runs(one, unknowns, samples=None, seed=0, out=tmp_path / str(number), device="cpu")
-        model = Model(one, unknowns, runs)
+    for one in pair.studies:
+        model, constant = model_of(one), one.friction.law_with().constant
         values = {f"friction.{constant}": np.array([getattr(one.friction, constant)])}
         volumes = [model.value(values, f"volume_{body}")[0][0] for body in ("counter", "disc")]
         computed.append(np.array([*model.cof(values, distance[places])[0], *volumes]))

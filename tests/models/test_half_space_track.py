@@ -243,7 +243,7 @@ def test_a_flat_on_a_lap_of_its_own_length_feels_no_displacement() -> None:
     ("track", "wears"), [("full", True), ("representative", True), ("rotating", False)], ids=str
 )
 def test_a_track_goes_on_from_any_step(
-    track: str, wears: bool, threads: int, monkeypatch: pytest.MonkeyPatch
+    track: str, wears: bool, two_threads: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In every number of every row and in every cell, on one thread and on two; dents are kept."""
     monkeypatch.setattr("warpwear.models.track.part_length.LARGEST_ERROR", 0.4)  # parts of a few cells
@@ -270,7 +270,7 @@ def test_a_track_goes_on_from_any_step(
     touched = fields[-1] if not wears else fields[3]  # reached, or the counter-body's wear
     assert rows[-1]["area_touched"] == pytest.approx(np.count_nonzero(touched) * TRACK_CELL**2)
     for restart in (None, 1):
-        again, *fields_again = outcome(threads, restart)
+        again, *fields_again = outcome(two_threads, restart)
         assert again == rows
         for one, other in zip(fields_again, fields, strict=True):
             assert_array_equal(one, other)

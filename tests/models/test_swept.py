@@ -14,7 +14,7 @@ from cases_track import CELL, LOSES, TRACKS, WINDOW, rough, small
 from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
-from warpwear import InputError, Result, Study
+from warpwear import Study
 from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
@@ -125,26 +125,6 @@ def test_single_cells_of_a_step_are_the_steps_of_single_cells(track: str) -> Non
     assert all(way.row(n, 0, way.cells_of(n)) == way.row(n) for n in range(2 * way.steps_of_pass))
 
 
-def test_a_rigid_contact_on_a_track_is_warned_of() -> None:
-    """Its area depends on the step; the cure is named."""
-
-    def told(study: Study) -> bool:
-        return any("depends on its length" in note for note in study.notices())
-
-    study = small("full")
-    assert told(study)
-    assert any(
-        "the cure is contact.law = 'half-space'" in note
-        for note in warpwear.run(study.replace({"sliding.distance": "0.3 mm"})).summary["warnings"]
-    )
-    for changes in (
-        {"contact.law": "half-space"},
-        {"contact.stiffness": "2e6 N/mm^3"},
-        {"sliding.kinematics": "stationary"},
-    ):
-        assert not told(study.replace(changes))
-
-
 @pytest.mark.parametrize(
     ("track", "loses"),
     [*((track, "keeps") for track in TRACKS), ("full", "forgets"), ("representative", "springs back")],
@@ -188,24 +168,6 @@ def test_a_counter_that_does_not_wear_was_touched_all_the_same(threads: int) -> 
                 touched |= now
                 assert step.row["area_touched"] == pytest.approx(np.count_nonzero(touched) * CELL**2)
         assert np.count_nonzero(touched) > np.count_nonzero(now)
-
-
-@pytest.mark.parametrize("shift", [1, 3, 8, 16, 33, 64])
-def test_volumes_are_exact_under_reversal(shift: int, device: str) -> None:
-    """K F L of both bodies over seven and a third passes, also where the shift does not divide the stroke."""
-    changes = {"sliding.stroke": "1.5 mm", "sliding.distance": "11 mm", "sliding.shift": shift}
-    changes |= {"grid.extent": "0.8 mm", "counter.radius": "3 mm", "wear.disc": "3e-3 mm^3/N/m"}
-    result = warpwear.run(
-        small("full", **{k.replace(".", "__"): v for k, v in changes.items()}), device=device
-    )
-    history = result.history
-    assert history["distance"][-1] == pytest.approx(11.0, rel=1e-14)
-    assert history["increment"].sum() == pytest.approx(11.0, rel=1e-12)
-    assert history["wear_volume_counter"][-1] == pytest.approx(9.4e-7 * 8.0 * 11.0, rel=1e-9)
-    assert history["wear_volume_disc"][-1] == pytest.approx(3e-6 * 8.0 * 11.0, rel=1e-9)
-    turns = np.flatnonzero(np.diff(np.sign(np.diff(history["position"]))))
-    assert 6 <= turns.size <= 14  # into and out of the step that is made twice at each end
-    assert np.abs(history["position"]).max() < 0.75 + 1e-9
 
 
 @pytest.mark.parametrize(("track", "loses"), [*zip(TRACKS, LOSES, strict=True)])
@@ -273,178 +235,6 @@ def test_an_interrupted_run_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPa
                 for name, field in alone.snapshot(index).fields.items():
                     assert_array_equal(getattr(again.snapshot(index), name), field, err_msg=name)
             assert_array_equal(again.track_heights(), alone.track_heights())
-
-
-def test_a_static_contact_and_a_measured_time() -> None:
-    static = warpwear.run(small("full", sliding__distance="0 mm", contact__stiffness="2e5 N/mm^3"))
-    assert static.history["distance"].tolist() == [0.0]
-    spun = small("rotating").replace({"sliding.revolutions": 3, "sliding.speed": "1 mm/s"})
-    assert spun.sliding.distance is None
-    assert spun.sliding.total == pytest.approx(6.0 * np.pi * 0.161)
-    assert warpwear.run(spun).history["time"][-1] == pytest.approx(6.0 * np.pi * 0.161)
-
-
-BAD: list[tuple[dict[str, Any], str]] = [
-    (
-        {"sliding.track": "3.25 mm", "sliding.shift": 8},
-        r"sliding\.track = 3\.25 mm is not a whole .* nearest that is, is 3\.28 mm",
-    ),
-    (
-        {"sliding.track": "2.9 mm", "sliding.shift": 160, "disc.surface": "disc.npz", "disc.synthetic": None},
-        r"sliding\.track = 2\.9 mm .* nearest that is, is 3\.2 mm",
-    ),
-    ({"sliding.track": "0.8 mm"}, r"sliding\.track = 0\.8 mm is shorter than grid\.extent = 1\.5 mm"),
-    ({"sliding.track": "32 mm"}, r"sliding\.track = 32 mm is longer than sliding\.stroke = 30 mm"),
-    (
-        {"sliding.kinematics": None, "study.model": "macro"},
-        r"sliding\.stroke = 30 mm: in the macro model the disc lies still; allowed are .*'stationary'",
-    ),
-    ({"sliding.stroke": "30.005 mm"}, r"sliding\.stroke = 30\.005 mm is not a whole number of cells"),
-    ({"sliding.stroke": None}, r"'swept' needs sliding\.stroke"),
-    ({"study.model": "macro"}, r"'swept' needs study\.model = 'micro', not 'macro': .*kind = 'flat'"),
-    ({"sliding.track_radius": "0.2 mm"}, r"track_radius = 0\.2 mm \(a track of 1\.257 mm\) is shorter than"),
-    ({"sliding.shift": 40_000}, r"sliding\.shift = 40000 cells .* longer than sliding\.stroke"),
-    ({"sliding.shift": 0}, r"sliding\.shift = 0"),
-    ({"sliding.shift": 2.5}, r"sliding\.shift = 2\.5"),
-    ({"sliding.revolutions": 3}, r"sliding\.revolutions = 3 needs sliding\.track_radius"),
-    ({"sliding.shift": 1, "grid.cell": "1 um"}, r"takes 2\.4e\+06 steps; .* a larger sliding\.shift or"),
-    (
-        {"stepping.scheme": "explicit", "sliding.plastic": "keep"},
-        r"plastic = 'keep' needs a contact with comp",
-    ),
-    (
-        {"stepping.scheme": "explicit", "contact.stiffness": "1e7 N/mm^3", "sliding.shift": 16},
-        r"sliding\.shift = 16 cells, .* mm of sliding, is beyond the explicit stability limit",
-    ),
-]
-
-
-@pytest.mark.parametrize(("changes", "message"), BAD, ids=[",".join(c) for c, _ in BAD])
-def test_a_bad_track_is_one_sentence(changes: dict[str, Any], message: str) -> None:
-    swept = {"grid.cell": "10 um", "sliding.kinematics": "swept"}
-    with pytest.raises(InputError, match=message) as caught:
-        Study.load("v3-fine").replace(swept | changes)
-    assert "\n" not in str(caught.value)
-
-
-def test_a_track_that_memory_does_not_hold(monkeypatch: pytest.MonkeyPatch) -> None:
-    study = Study.load("v3-fine").replace({"sliding.kinematics": "swept"})
-    monkeypatch.setattr("warpwear.engine.executor.free_memory", lambda device: {"the host": 10**9})
-    with pytest.raises(
-        InputError, match=r"31500 × 1500 cells, which need 1\.5 GiB .* sliding\.track = '3\.2 mm'"
-    ):
-        warpwear.run(study)
-
-
-def test_a_domain_too_narrow_for_the_patch_of_a_swept_counter() -> None:
-    """Its patch ends 1.025 mm wide, where a disc that lies still makes 1.27 mm."""
-    swept = {"grid.cell": "10 um", "sliding.kinematics": "swept", "sliding.track": "3.2 mm"}
-    study = Study.load("v3-fine").replace(swept)
-    with pytest.raises(
-        InputError, match=r"grid\.extent = 1 mm is too small: the worn patch will be 1\.02 mm"
-    ):
-        warpwear.run(study.replace({"grid.extent": "1 mm"}))
-
-
-def test_keys_that_do_not_apply() -> None:
-    fine = Study.load("v3-fine")
-    still = fine.replace({"sliding.shift": 16, "sliding.plastic": "keep"})
-    assert still.notices() == [
-        "sliding.shift, sliding.plastic do not apply to sliding.kinematics = 'stationary'."
-    ]
-    moving = fine.replace({"sliding.kinematics": "swept", "wear.distance_factor": "across"})
-    told = "\n".join(moving.notices())
-    assert "stepping.first, stepping.growth, stepping.largest do not apply" in told
-    assert "wear.distance_factor does not apply to sliding.kinematics = 'swept'" in told
-    seam = fine.replace({"sliding.kinematics": "swept", "sliding.track": "3.2 mm", "grid.cell": "10 um"})
-    assert any("has a seam" in notice for notice in seam.notices())
-    assert any("longer than a contact" in n for n in seam.replace({"sliding.shift": 16}).notices())
-    assert fine.replace({"sliding.track_radius": "5 mm"}).sliding.stroke is None
-    assert fine.replace({"sliding.track_radius": "5 mm", "sliding.revolutions": 10}).sliding.distance is None
-
-
-def smooth(**changes: Any) -> Study:
-    swept: dict[str, Any] = {"sliding.kinematics": "swept", "disc.synthetic.kind": "flat"}
-    swept["grid.cell"] = "10 um"
-    swept["output.snapshots"] = [f"{1200 + 30 * i / 8} mm" for i in range(9)]
-    return Study.load("v3-fine").replace(swept | {k.replace("__", "."): v for k, v in changes.items()})
-
-
-def middle_areas(result: Result) -> FloatArray:
-    """Mean area in contact of each pass over the middle half of the stroke or lap, shape (passes,)."""
-    history, track = result.history, result.study.track
-    half = 0.25 * track.cells * track.cell
-    number = np.ceil(history["distance"] / track.stroke - 1e-9).astype(int) - 1
-    inside = np.abs(history["position"]) < half
-    areas = np.bincount(number[inside], history["area_contact"][inside]) / np.bincount(number[inside])
-    return np.asarray(areas)
-
-
-@pytest.mark.slow
-def test_a_smooth_disc_wears_as_known() -> None:
-    """Patch √√ of counter-body only, groove K_d F L/(stroke·width), volumes, section K_d ∫p dx per pass."""
-    result = warpwear.run(smooth(sliding__track="3.2 mm"))
-    history, last = result.history, result.snapshot(-1)
-    for name in ("patch_along", "patch_across"):  # (4 R K_s F L/π)^¼ = 1.025 mm, to a cell a side
-        assert history[name][-1] == pytest.approx(1.025, abs=0.02)
-    assert history["wear_volume_counter"][-1] == pytest.approx(9.4e-7 * 8.0 * 2400.0, rel=1e-9)
-    assert history["wear_volume_disc"][-1] == pytest.approx(12.7e-7 * 8.0 * 2400.0, rel=1e-9)
-    section = last.wear_disc.mean(axis=0)
-    width = (section > 0.0).sum() * 0.01
-    assert section.sum() * 0.01 == pytest.approx(12.7e-7 * 8.0 * 2400.0 / 30.0, rel=1e-9)
-    assert 0.78e-3 * 0.99 < section[section > 0.0].mean() < 0.8e-3 * 1.01
-    assert width == pytest.approx(1.025, abs=0.02)
-    during = [result.snapshot(i) for i in range(9)]  # of one pass
-    a_pass = (during[-1].wear_disc - during[0].wear_disc).mean(axis=0)
-    line = np.mean([snapshot.pressure for snapshot in during], axis=0).sum(axis=0) * 0.01
-    assert_allclose(a_pass, 12.7e-7 * line, atol=0.02 * a_pass.max())
-
-
-@pytest.mark.slow
-def test_a_representative_track_stands_for_the_whole_one() -> None:
-    """On a smooth disc: volumes, patch and groove to 2 %, and the area of each pass in mid-stroke.
-
-    On a rotating disc that too agrees. A stroke has ends, beyond which the disc is less worn: they round the
-    patch's leading edges, which late costs it some of its area, and which no periodic track has.
-    """
-    rotating = f"{30.0 / (2.0 * np.pi)!r} mm"
-    ways = [{"sliding.track": track} for track in ("full", "3.2 mm")]
-    whole, part = (warpwear.run(smooth().replace(way)) for way in ways)
-    round_whole, round_part = (
-        warpwear.run(smooth().replace(way | {"sliding.track_radius": rotating})) for way in ways
-    )
-    for name in ("wear_volume_counter", "wear_volume_disc", "patch_across", "patch_along"):
-        for one, other in ((part, whole), (round_part, round_whole)):
-            assert one.history[name][-1] == pytest.approx(other.history[name][-1], rel=0.02)
-    inside = np.abs(whole.track_x) < 14.0
-    grooves = whole.snapshot(-1).wear_disc[inside].mean(axis=0), part.snapshot(-1).wear_disc.mean(axis=0)
-    assert grooves[1].mean() == pytest.approx(grooves[0].mean(), rel=0.02)
-    assert_allclose(middle_areas(round_part)[1:], middle_areas(round_whole)[1:], rtol=0.01)
-    assert_allclose(middle_areas(part)[1:40], middle_areas(whole)[1:40], rtol=0.02)
-    assert_allclose(middle_areas(part)[40:], middle_areas(whole)[40:], rtol=0.06)
-    assert_allclose(middle_areas(part), middle_areas(round_part), rtol=0.01)
-
-
-@pytest.mark.slow
-def test_a_representative_track_on_a_rough_disc() -> None:
-    """Within the scatter of five seeds and 2 %: the area of five passes, the patch.
-
-    Steps are short: near F/H an implicit step spreads the load over cells that it has not worn down yet, by
-    an area that goes with its length; on a representative track the counter-body's steps are S/P as long.
-    """
-    found: dict[str, list[list[float]]] = {"full": [], "3.2 mm": []}
-    for (track, shift), seed in itertools.product((("full", 2), ("3.2 mm", 1)), range(5)):
-        rough_one = smooth(sliding__track=track, sliding__shift=shift).replace(
-            {"disc.synthetic.kind": "self-affine", "disc.synthetic.seed": seed, "output.snapshots": []}
-            | {"disc.synthetic.period": "3.2 mm", "sliding.distance": "150 mm"}
-        )
-        result = warpwear.run(rough_one)
-        patch = float(result.history["patch_across"][-1])
-        found[track].append([*middle_areas(result).tolist(), patch])
-    whole, part = (np.array(found[track]) for track in found)
-    scatter = np.sqrt(whole.std(axis=0, ddof=1) ** 2 + part.std(axis=0, ddof=1) ** 2)
-    off = np.abs(whole.mean(axis=0) - part.mean(axis=0))
-    assert (off <= scatter + 0.02 * whole.mean(axis=0)).all(), (whole, part)
 
 
 @pytest.mark.parametrize("track", TRACKS)

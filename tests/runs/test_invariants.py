@@ -327,7 +327,7 @@ def test_without_a_checkpoint_a_stopped_run_begins_again(
     told = capsys.readouterr().err
     assert told.endswith(
         f". The run folder {tmp_path / 'out'} holds the steps so far. "
-        "To begin again and go on anyway, set checks.strict=false and resume it (--resume, resume=True).\n"
+        "To continue anyway, set checks.strict=false and resume it (--resume, resume=True).\n"
     )
     assert told.count("of Archard's law") == 1
     with Result.open(tmp_path / "out") as result:

@@ -13,7 +13,6 @@ from click.testing import CliRunner
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.cli.main import commands
-from warpwear.inference.data import data_of
 from warpwear.results.file import MAGIC
 from warpwear.results.seal import seal
 
@@ -215,14 +214,3 @@ def test_a_result_of_a_sphere(tmp_path: Path, preset: str) -> None:
         "counter_worn.npy",
         "disc_worn.npy",
     }
-
-
-def test_old_names_of_measured_values() -> None:
-    """`calibrate bayes` takes the old option, and a test of a sphere's volume, and says what to type."""
-    args = ["calibrate", "bayes", "v1", "--unknown", "wear.counter", "--runs", "2"]
-    told = CliRunner().invoke(commands, [*args, "--volume-sphere", "0.0072 +- 0.0008 mm^3"])
-    assert isinstance(told.exception, InputError)
-    assert "runs = 2" in str(told.exception)  # what it says once all is read
-    data = data_of(Study.load("v1"), [], {"volume_sphere": "0.0072 +- 0.0008 mm^3"})
-    assert [value.kind for value in data.values] == ["volume_counter"]
-    assert data.notes == ("volume_sphere has a new name, and the next release refuses it: volume_counter.",)

@@ -15,6 +15,7 @@ from warpwear import Study
 ROOT = Path(__file__).parents[2]
 #: A rough contact that takes a tenth of a second.
 SMALL = {"grid.cell": "10 um", "grid.extent": "1 mm", "sliding.distance": "3 mm", "output.snapshots": []}
+VARY = {"contact.load": ["4 N", "8 N"], "disc.synthetic.seed": "1:3"}
 
 
 class Here(Executor):

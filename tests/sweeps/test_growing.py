@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases_sweeps import Here
 from click.testing import CliRunner
 
 import warpwear
@@ -101,7 +102,7 @@ def test_a_failed_run_has_its_place(tmp_path: Path) -> None:
     xarray: Any = pytest.importorskip("xarray")
     study = Study.load("v3-fine").replace(SMALL)
     with pytest.warns(StudyWarning, match="1 of 2 runs failed"):
-        found = warpwear.sweep(study, vary={"contact.load": ["8 N", "-1 N"]}, workers=1)
+        found = warpwear.sweep(study, vary={"contact.load": ["8 N", "-1 N"]}, executor=Here())
     table = found.to_xarray()
     assert isinstance(table, xarray.Dataset)
     assert table["contact.load"].values.tolist() == [8.0, -1.0]

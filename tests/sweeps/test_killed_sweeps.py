@@ -32,6 +32,8 @@ cli.main(sys.argv[1:])
 ENVIRONMENT = os.environ | {"PYTHONPATH": os.pathsep.join((str(ROOT), str(ROOT / "tests")))}
 #: Seven short runs, and one that fails each time.
 VARY = "contact.load=2 N,3 N,4 N,5 N,6 N,7 N,8 N,-1 N"
+#: Kills of all.
+KILLS = 30
 #: Longest that a sweep may take which something was done to [s].
 PATIENCE = 300.0
 
@@ -81,14 +83,17 @@ def check_end(process: "subprocess.Popen[str]", out: Path, alone: list[dict[str,
     assert not [*out.glob(".tables-*"), *out.glob("runs/*/.work-*"), *out.glob("runs/*/checkpoint*")]
 
 
-@pytest.mark.parametrize("count", [2, pytest.param(30, marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_sweeps_and_workers_killed_at_random(
-    count: int, study: Path, alone: list[dict[str, str]], tmp_path: Path
+    study: Path, alone: list[dict[str, str]], tmp_path: Path
 ) -> None:
-    """Two workers, then the sweep, which is begun again; the same call loses at most two workers."""
-    dice, out = random.Random(numbers(count).start), tmp_path / "s"
+    """Two workers, then the sweep, which is begun again; the same call loses at most two workers.
+
+    Quick tests kill a worker, and stop a sweep and begin it again, where they choose: see `test_workers.py`.
+    """
+    dice, out = random.Random(numbers(KILLS).start), tmp_path / "s"
     kills, ends = {"workers": 0, "sweeps": 0}, 0
-    while sum(kills.values()) < len(numbers(count)):
+    while sum(kills.values()) < len(numbers(KILLS)):
         process = begin(study, out)
         for strike in ("workers", "workers", "sweeps"):
             with suppress(psutil.NoSuchProcess, subprocess.TimeoutExpired):

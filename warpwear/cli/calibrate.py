@@ -42,9 +42,6 @@ MEASURED = {
     "--cof": ("cof", "Coefficient of friction, e.g. '0.2 +- 0.02 at 30 mm'. [default: at the end]"),
 }
 
-#: Old names of such options.
-FORMER = {"--volume-sphere": "volume_sphere", "--sq-sphere": "sq_sphere"}
-
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 def calibrate() -> None:
@@ -149,7 +146,6 @@ def thesis(**options: Any) -> None:
 @EXPERIMENTS
 @COLUMNS
 @together(*(repeated(option, "X+-U", text, name) for option, (name, text) in MEASURED.items()))
-@together(*(click.option(name, multiple=True, hidden=True) for name in FORMER))
 @click.option("--target", metavar="KEY", help="Unknown that the next test shall tell; ranks tests.")
 @repeated("--next", "TEST", "A test to rank, e.g. 'contact.load=16 N, repeats=3'.", "candidates")
 @click.option("--out", type=PATH, help="Folder of report, calibrated study and runs.")
@@ -178,7 +174,6 @@ def bayes(study: str, changes: tuple[str, ...], **options: Any) -> None:
     A value measured in repeated tests is given repeatedly. Unknowns, measurements and tests may stand in the
     study's own section [infer] too.
     """
-    names = [name for name, _ in MEASURED.values()]
-    measured = {name: options.pop(name) for name in (*names, *FORMER.values())}
+    measured = {name: options.pop(name) for name, _ in MEASURED.values()}
     changed = parsed_changes(changes)
     click.echo(places.inference_command.calibrate_bayes(study, changed, measured=measured, **options))

@@ -13,8 +13,9 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.results.ensemble import at, dotted, is_label, label_of, short_names, that_matter
+from warpwear.results.ensemble import at, is_label, label_of, short_names, that_matter
 from warpwear.results.file import FILE_NAME
+from warpwear.study.keys import dotted
 from warpwear.study.study import Study
 
 #: Table and folder of runs of a sweep.

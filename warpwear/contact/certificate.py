@@ -167,9 +167,6 @@ class Proof:
 
 def columns_of(*certificates: Certificate | None) -> dict[str, float]:
     """Return a step's columns from its solves' certificates, the worst of them; NaN where there is none."""
+    names = {"violation": "violation", "energy_gap": "energy_gap", "energy_gap_relative": "relative_gap"}
     there = [certificate for certificate in certificates if certificate is not None]
-    return {
-        "violation": max((one.violation for one in there), default=math.nan),
-        "energy_gap": max((one.energy_gap for one in there), default=math.nan),
-        "energy_gap_relative": max((one.relative_gap for one in there), default=math.nan),
-    }
+    return {name: max((getattr(c, of) for c in there), default=math.nan) for name, of in names.items()}

@@ -18,6 +18,7 @@ from warpwear.engine.device import check_threads, find_device, free_memory
 from warpwear.engine.kernel_cache import begin_to_load
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray, Grid
+from warpwear.kernels import native_code
 from warpwear.kernels.cells import LANES, TILE_VECTORS, Cells
 
 #: Below this many cells a thread, handing work to a pool costs more than it saves.
@@ -104,6 +105,7 @@ class Executor:
         self._loaded: set[Any] = set()
         self._loader: ThreadPoolExecutor | None = None
         self._foreseen: dict[Any, Callable[[], None]] = {}
+        self._copies: dict[Any, Any] = {}
 
     def __enter__(self) -> Self:
         return self
@@ -113,9 +115,14 @@ class Executor:
             if pool is not None:
                 pool.shutdown(cancel_futures=True)
 
-    def foresee(self, kernels: Iterable[Any]) -> None:
-        """Begin to load, or compile, the files of kernels on a CPU in that order, beside other work."""
-        modules = dict.fromkeys(kernel.module for kernel in kernels)
+    def foresee(self, kernels: Iterable[Any], *, together: bool = False) -> None:
+        """Begin to load, or compile, the files of kernels on a CPU in that order, beside other work.
+
+        together: whether these are all that a run launches of their files; they are compiled as one.
+        """
+        if together and self.device.is_cpu:
+            self._copies |= native_code.together(tuple(kernels))
+        modules = dict.fromkeys(self._copies.get(kernel, kernel).module for kernel in kernels)
         new = [module for module in modules if module not in self._loaded | self._foreseen.keys()]
         if not self.device.is_cpu or not new:
             return
@@ -123,12 +130,14 @@ class Executor:
         for module in new:
             self._foreseen[module] = begin_to_load(module, self.device, self._loader)
 
-    def load(self, kernel: Any) -> None:
-        """Load, or compile, the file of a kernel before its first launch, and before any thread needs it."""
+    def load(self, kernel: Any) -> Any:
+        """Load, or compile, the file of a kernel before any thread needs it; return what to launch."""
+        kernel = self._copies.get(kernel, kernel)
         module = kernel.module
         if module not in self._loaded:
             (self._foreseen.pop(module, None) or begin_to_load(module, self.device))()
             self._loaded.add(module)
+        return kernel
 
     @property
     def is_shared(self) -> bool:
@@ -144,8 +153,6 @@ class Executor:
 
     def equal_chunks(self, slots: int) -> list[tuple[int, int]]:
         """Return ranges of slots for the threads, of passes over whole rows."""
-        if not self.device.is_cpu:
-            return [(0, slots)]
         return self.split_rows(np.full(slots, -(-self.grid.cells // slots)))
 
     def on_threads(self, work: Sequence[Callable[[], Any]]) -> None:

@@ -12,9 +12,6 @@ import warp as wp
 from warpwear.clock import phase
 from warpwear.errors import explained
 
-#: Names of the modules that this process has loaded, and the devices.
-_LOADED: set[tuple[str, str]] = set()
-
 
 def begin_to_load(module: Any, device: Any, pool: Executor | None = None) -> Callable[[], None]:
     """Look for the kernels of Warp's module; return what loads or compiles them.
@@ -23,14 +20,12 @@ def begin_to_load(module: Any, device: Any, pool: Executor | None = None) -> Cal
     """
     # Compiled in advance, as Warp would, its headers take longer than twice with the kernels of two files.
     wp.config.use_precompiled_headers = device.is_cuda
-    name = module.name, str(device)
-    is_compiled = name in _LOADED or _folder(module, device).is_dir()
+    is_compiled = _folder(module, device).is_dir()
     load = pool.submit(_load, module, device).result if pool else partial(_load, module, device)
 
     def finish() -> None:
         with phase("kernels" if is_compiled else "compile"):
             load()
-        _LOADED.add(name)
 
     return finish
 

@@ -45,10 +45,10 @@ class Launch:
         slots: int | None,
         chunks: Chunks | Callable[[], Chunks],
     ) -> None:
-        self._executor, self._kernel, self._chunks = executor, kernel, chunks
-        executor.load(kernel)  # a recording cannot load it
+        self._executor, self._chunks = executor, chunks
+        self._kernel = executor.load(kernel)  # a recording cannot load it
         self._slots, self._arguments = slots, arguments
-        self._takes_range = kernel in RANGED
+        self._takes_range = self._kernel in RANGED
         self._commands: list[tuple[Any, tuple[int, int]]] = []
         #: Whether it is one loop on one core, which a recording can hold.
         self.is_recordable = not executor.is_shared or not (callable(chunks) or len(chunks) > 1)

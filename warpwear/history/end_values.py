@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from warpwear.history.quantities import BY_NAME, Quantity
+from warpwear.study.keys import value_of
 
 Value = str | int | float | None
 
@@ -46,7 +47,5 @@ ENDS = {quantity.name: quantity for quantity in END_VALUES}
 
 def value_in(summary: Mapping[str, Any], quantity: Quantity) -> Value:
     """Find the value of a quantity in a run's summary; None where it has none."""
-    value: Any = summary
-    for key in quantity.entry.split("."):
-        value = (value or {}).get(key)
+    value = value_of(summary, quantity.entry)
     return value if isinstance(value, str | int | float) else None

@@ -51,8 +51,7 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
 class Quantity:
     """Declare one quantity of a result.
 
-    only: a name of `ONLY`, None where all runs have it. booked: whether the step itself says it, so that
-    checkpoints keep it; if not, it follows from the whole history at the end of a run.
+    only: a name of `ONLY`, None where all runs have it.
 
     Where people see it: label names it alone, short beside others of its family, whose name stands at the
     axis. Its values times factor are in shown_unit. log: whether an axis of values over decades is
@@ -65,7 +64,6 @@ class Quantity:
     meaning: str
     per: Per = "step"
     only: str | None = None
-    booked: bool = True
     label: str = ""
     family: str = ""
     short: str = ""
@@ -166,10 +164,6 @@ LOOKS: dict[str, dict[str, Any]] = {
 }
 
 
-#: Columns that follow from the whole history at the end of a run.
-UNBOOKED = ("cof", "friction_energy")
-
-
 def _quantities() -> Iterator[Quantity]:
     declared: dict[Any, Any] = tomllib.loads(
         (files("warpwear.history") / "quantities.toml").read_text(encoding="utf-8")
@@ -178,8 +172,7 @@ def _quantities() -> Iterator[Quantity]:
         what, _, only = where.partition(", ")
         for heading, meaning in meanings.items():
             name, units = heading.rstrip("]").split(" [")
-            booked, looks = name not in UNBOOKED, LOOKS.get(name, {})
-            yield Quantity(name, units, meaning, what, only or None, booked, **looks)
+            yield Quantity(name, units, meaning, what, only or None, **LOOKS.get(name, {}))
 
 
 QUANTITIES = tuple(_quantities())

@@ -115,29 +115,21 @@ class PatchLedger(Ledger):
         return self.enter(balance, increment, removals, worn.reference, total, most, pressure=pressure)
 
     def snapshot(
-        self,
-        step: Step,
-        distance: float,
-        patches: Patches,
-        *,
-        gap: FloatArray,
-        worn: FloatArray,
-        bare: FloatArray | None = None,
+        self, step: Step, distance: float, patches: Patches, **stored: FloatArray | None
     ) -> Snapshot:
         """Return the fields after a step that was asked for its pressure, at its distance [mm].
 
-        Over the whole domain; what no patch covers has neither pressure nor wear, and no gap (NaN). gap,
-        worn, bare: the gap, what both bodies lost of it [mm], and which cells are bare of film, as `patches`
-        stores them, in whatever order.
+        Over the whole domain; what no patch covers has neither pressure nor wear, and no gap (NaN). stored:
+        gap, what both bodies have worn of it [mm], and which cells are bare of film, as `patches` stores
+        them, in whatever order.
         """
         assert step.pressure is not None
-        worn = patches.on_domain(worn)
-        snapshot = Snapshot(
-            distance,
-            pressure=step.pressure,
-            wear_counter=self._fractions[0] * worn,
-            wear_disc=self._fractions[1] * worn,
-            gap=patches.on_domain(gap, beside=math.nan),
-            bare=None if bare is None else patches.on_domain(bare),
-        )
+        fields: dict[str, Any] = {
+            name: patches.on_domain(values, beside=math.nan if name == "gap" else 0.0)
+            for name, values in stored.items()
+            if values is not None
+        }
+        worn = fields.pop("worn")
+        counter, disc = (part * worn for part in self._fractions)
+        snapshot = Snapshot(distance, step.pressure, counter, disc, **fields)
         return replace(snapshot, fresh=frozenset(snapshot.fields))  # all are made for it

@@ -10,10 +10,9 @@ from warpwear.errors import InputError
 from warpwear.inference.data import data_of
 from warpwear.inference.infer import infer
 from warpwear.inference.report import CALIBRATED, FITTED, content_of
-from warpwear.results.ensemble import dotted
 from warpwear.results.report import to_json
 from warpwear.study import loading
-from warpwear.study.keys import Section, key
+from warpwear.study.keys import Section, dotted, key
 from warpwear.study.study import Study
 from warpwear.study.text import sentence
 

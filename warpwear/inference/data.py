@@ -48,10 +48,6 @@ def unit_of(kind: str) -> str:
     return printed(KINDS[kind][0])
 
 
-#: Old names of kinds, before the counter-body was called so.
-FORMER = {"volume_sphere": "volume_counter", "sq_sphere": "sq_counter"}
-
-
 @dataclass(frozen=True)
 class Measured:
     """Hold a value with its standard uncertainty; at: sliding distance [mm] of a coefficient, else None."""
@@ -166,9 +162,8 @@ def data_of(
     InputError for what does not go with the study.
     """
     courses = [_course(study, experiment, columns) for experiment in experiments]
-    old_names = [name for name in FORMER if measured.get(name)]
     both = [
-        _measured(study, FORMER.get(kind, kind), text)
+        _measured(study, kind, text)
         for kind, texts in measured.items()
         for text in ([texts] if isinstance(texts, str) else texts)
     ]
@@ -176,9 +171,6 @@ def data_of(
         raise InputError("nothing was measured: give a course of friction, a volume or a diameter")
     points = tuple(value for value in both if value.kind == "cof")
     values, notes = _repeated([value for value in both if value.kind != "cof"])
-    notes += [
-        f"{name} has a new name, and the next release refuses it: {FORMER[name]}." for name in old_names
-    ]
     return Data(tuple(courses), points, tuple(values), tuple(notes))
 
 

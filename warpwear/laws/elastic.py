@@ -121,7 +121,6 @@ class Hertz:
 
         match: which of Hertz's values K_N reproduces, a key of `MATCHES`. radius: a [mm], Hertz's by default.
         A foundation of stiffness K bears F = π K δ² √(R R') under an ellipse, of the area 2π δ √(R R').
-        Raises ValueError for the approach of a line, which has none.
         """
         if self.radius_across in (None, self.counter_radius):
             return MATCHES[match] * self.modulus / (radius or self.radius)
@@ -130,9 +129,7 @@ class Hertz:
     def _foundation(self, match: str) -> float:
         """Return K_N of an ellipse or a line."""
         if self.is_line:
-            factor = {"area": 3.0 * math.pi / 8.0, "pressure": 64.0 / (9.0 * math.pi**2)}.get(match)
-            if factor is None:
-                raise ValueError("the approach of a line contact has no absolute zero")
+            factor = {"area": 3.0 * math.pi / 8.0, "pressure": 64.0 / (9.0 * math.pi**2)}[match]
             return factor * self.modulus / self.radius
         mean = math.sqrt(self.counter_radius * (self.radius_across or 0.0))
         depth = {"area": self.radius**2 / (2.0 * mean), "approach": self.approach}.get(match)

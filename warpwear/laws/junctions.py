@@ -15,7 +15,6 @@ def critical_junction(
     surface_energy: γ of one new surface [N/mm]; 1 J/m² is 1e-3 N/mm.
     shear_modulus: G of the body that particles come from [MPa]. poisson: its ν.
     strength: σ_j, the shear stress that the junction bears [MPa]; see `junction_strength`.
-    ValueError unless γ, G and σ_j are positive and finite and 0 ≤ ν ≤ 0.5.
 
     An adhesive junction that slides stores elastic energy up to the shear stress σ_j. A circle of diameter d
     under an even σ_j stores (2 − ν) σ_j² d³ / (12 G) in one half-space; a hemisphere below it has two new
@@ -28,12 +27,6 @@ def critical_junction(
     γ G / σ_j² times a factor of shape; for the comparison of energies Pham-Ba, Brink, Molinari (arXiv
     1907.08183, 2019) and Pham-Ba, Molinari (Tribology Letters, 2021, doi 10.1007/s11249-021-01471-5).
     """
-    positive = {"surface energy": surface_energy, "shear modulus": shear_modulus, "strength": strength}
-    for name, value in positive.items():
-        if not (value > 0.0 and math.isfinite(value)):
-            raise ValueError(f"the {name} of a junction is {value:g}; it must be positive and finite")
-    if not 0.0 <= poisson <= 0.5:
-        raise ValueError(f"Poisson's ratio of a junction is {poisson:g}; it must lie between 0 and 0.5")
     return 12.0 * math.pi * surface_energy * shear_modulus / ((2.0 - poisson) * strength**2)
 
 

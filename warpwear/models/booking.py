@@ -1,47 +1,30 @@
 """Steps that were made many at a time, entered into the books in one piece."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from warpwear.contact.balance import Balance
-from warpwear.grid import FloatArray
-from warpwear.history.recorder import Ledger, Step
+import numpy as np
+
+from warpwear.history.recorder import Entry, Ledger, Step
 
 
-def booked(
-    ledger: Ledger,
-    numbers: Sequence[Any],
-    increments: FloatArray,
-    removals: FloatArray,
-    total: dict[str, Any],
-    most: dict[str, Any],
-    enter: Callable[..., Step],
-) -> Iterator[Step]:
-    """Enter steps into the books, and yield them.
+def booked(ledger: Ledger, steps: Entry, enter: Callable[..., Step]) -> Iterator[Step]:
+    """Enter steps into the books, arrays of one number a step, and yield them.
 
-    numbers: columns of a balance, and what the scatter of the pressure counts from [MPa], of each step; total
-    and most likewise. removals: a row a step. enter: books one as a step made by itself, here the last: it
-    may be one that fails.
+    enter: books one as a step made by itself, here the last: it may be one that fails.
     """
-    count = len(numbers[0])
-    if not count:
-        return
-    *balance, reference = numbers
+    count = len(steps.increment)
+    if count > 1:
+        yield from ledger.enter_all(*_of(steps, slice(0, count - 1)))
+    if count:
+        yield enter(*_of(steps, count - 1))
 
-    def part(values: dict[str, FloatArray], which: Any) -> dict[str, Any]:
-        return {name: column[which] for name, column in values.items()}
 
-    before, last = slice(0, count - 1), count - 1
-    if last:
-        yield from ledger.enter_all(
-            Balance(*(column[before] for column in balance)),
-            increments[before],
-            tuple(removals[before].T),
-            reference[before],
-            part(total, before),
-            part(most, before),
-        )
-    alone = Balance._make(float(column[last]) for column in balance)
-    sums, maxima = ({n: float(v) for n, v in part(values, last).items()} for values in (total, most))
-    removed = tuple(removals[last].tolist())
-    yield enter(alone, float(increments[last]), removed, float(reference[last]), sums, maxima)
+def _of(values: Any, which: Any) -> Any:
+    """Return some of the numbers of every array, one as a float."""
+    if isinstance(values, Mapping):
+        return {name: _of(column, which) for name, column in values.items()}
+    if isinstance(values, np.ndarray):
+        return values[which] if isinstance(which, slice) else float(values[which])
+    parts = [_of(column, which) for column in values]
+    return type(values)._make(parts) if hasattr(values, "_make") else tuple(parts)

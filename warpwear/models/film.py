@@ -9,8 +9,8 @@ import numpy as np
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
-from warpwear.kernels.running_in import film as kernels
-from warpwear.kernels.running_in.film import Coat, Films
+from warpwear.kernels import wear_from_pressure as kernels
+from warpwear.kernels.wear_from_pressure import Coat, Films
 from warpwear.laws.film import Film
 from warpwear.models.attachment import Attachment, Place
 

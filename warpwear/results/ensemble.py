@@ -33,15 +33,6 @@ def that_matter(study: Study) -> dict[str, Any]:
     return sections
 
 
-def dotted(sections: Mapping[str, Any], above: str = "", *, whole: str = "") -> dict[str, Any]:
-    """Return the values of tables in tables by their dotted keys. whole: a key of tables that are values."""
-    flat: dict[str, Any] = {}
-    for key, value in sections.items():
-        is_table = isinstance(value, Mapping) and whole not in value
-        flat |= dotted(value, f"{above}{key}.", whole=whole) if is_table else {f"{above}{key}": value}
-    return flat
-
-
 def short_names(keys: Sequence[str]) -> dict[str, str]:
     """Map each dotted key to its last part, as far as that says which of the keys it is."""
     ends = [key.rpartition(".")[2] for key in keys]

@@ -193,7 +193,7 @@ def _hertz(result: ResultFile, *, is_line: bool) -> Row:
     ]
     if not hertz.is_line:  # whose approach has no absolute zero
         rows.append(Row("approach", "approach_um", 1.0e3 * hertz.approach, digits=3))
-    if hertz.radius_across is not None:
+    if hertz.radius_across not in (None, hertz.counter_radius):  # a ball has one radius
         rows.append(Row("", "semi_axes_um", [1.0e3 * axis for axis in hertz.semi_axes]))
     return Row("Hertz, unworn", "hertz", rows) if is_line else Row("", "hertz", record(rows))
 

@@ -106,6 +106,13 @@ class Maker:
 class AtRest(Maker, name="rest"):
     """A ball that stays on the same cells."""
 
+    def executor(self, study: Study, *, device: str, threads: int | None) -> Executor:
+        """Make it, and begin to compile while the surface is made."""
+        executor, task = super().executor(study, device=device, threads=threads), study.contact_task
+        if is_alike(task, study.wear.law == "bearing-curve"):
+            models_rest.foresee(task, executor)
+        return executor
+
     def fields(self, study: Study, *, device: str) -> float:
         """Estimate more where cells differ: by a track's model, a radial factor, and the stiffness."""
         differs = not study.contact_task.is_uniform or study.wear.law == "bearing-curve"
@@ -173,6 +180,11 @@ def arrangement_of(study: Study) -> Maker:
     return Maker.REGISTERED[name_of(study)]
 
 
+def is_alike(task: ContactTask, recedes: bool) -> bool:
+    """Tell whether all cells at rest follow one law. recedes: by a bearing curve of what no cell resolves."""
+    return task.is_uniform and not (task.half_space or recedes or task.pieces is not None)
+
+
 def model_at_rest(
     task: ContactTask, heights: FloatArray, executor: Executor, *, bearing_curve: Logistic | None = None
 ) -> Model:
@@ -181,7 +193,7 @@ def model_at_rest(
     heights: of the disc over its mean plane [mm], shape (nx, ny). bearing_curve: of a roughness that the grid
     does not resolve.
     """
-    if task.is_uniform and not task.half_space and bearing_curve is None and task.pieces is None:
+    if is_alike(task, bearing_curve is not None):
         return models_rest.OneScaleModel(task, heights, executor)
     # The asperities spring back: a dent that stays would be pressed anew in each step.
     task = replace(task, keeps_dents=False)

@@ -61,18 +61,17 @@ def take_surface(study: Study, surface: Any, folder: Path | None) -> ArraySurfac
             "surface = an array does not apply to study.model = 'macro', whose disc is smooth; allowed: "
             "'micro', 'two-scale'."
         )
-    cells, cell = study.cells, study.grid.cell
-    x = study.track.x if study.is_swept else cells.x
-    filled = surface.filled_at(x, cells.y) if isinstance(surface, Measured) else None
+    (x, y), cell = study.places, study.grid.cell
+    filled = surface.filled_at(x, y) if isinstance(surface, Measured) else None
     if callable(getattr(surface, "heights", None)):
-        surface = surface.heights(x, cells.y)
+        surface = surface.heights(x, y)
     if not hasattr(surface, "__array__") and not isinstance(surface, list | tuple):
         raise InputError(
             f"surface is a {type(surface).__name__}; an array of heights in mm is expected, or an object "
             "with heights(x, y). The name of a file belongs in disc.surface."
         )
     heights = arguments.checked_heights(surface, 1, name="surface")[0].copy()
-    shape = (x.size, cells.ny)
+    shape = (x.size, y.size)
     if heights.shape != shape:
         where = "track" if study.is_swept else "domain"
         raise InputError(

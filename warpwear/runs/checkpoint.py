@@ -29,10 +29,11 @@ from warpwear.errors import OVERWRITE_IT, RESUME_IT, InputError
 from warpwear.grid import FloatArray
 from warpwear.history.rows import Rows
 from warpwear.results.check import check_snapshots
-from warpwear.results.ensemble import NO_MATTER, dotted
+from warpwear.results.ensemble import NO_MATTER
 from warpwear.results.seal import HEADER, digest_of, has_mark, read_header, seal
 from warpwear.results.writer import SPACE_FOR_THE_REST, ResultWriter, require_free_space
 from warpwear.runs.order import RunOrder
+from warpwear.study.keys import dotted
 from warpwear.study.study import Study
 from warpwear.surfaces.form import Given
 from warpwear.version import __version__
@@ -75,7 +76,7 @@ class Checkpoints:
 
     def __init__(self, path: Path, work: Path, order: RunOrder, heights: FloatArray, *, device: str) -> None:
         self.path = path
-        self._heights = heights if order.track is None else None
+        self._heights = None if order.study.is_swept else heights
         self._new = work / FILE_NAME
         self._about = {
             "version": __version__,

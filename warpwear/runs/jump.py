@@ -51,23 +51,11 @@ class CycleJumps:
 
     STATE: ClassVar = {
         "model": object,
-        "stands_for": int,
-        "contacts": int,
-        "_number": int,
-        "_cycle": int,
-        "_step": int,
-        "_size": int,
-        "_means": dict,
-        "_coarse": dict,
+        **dict.fromkeys(("stands_for", "contacts", "_number", "_cycle", "_step", "_size"), int),
+        **dict.fromkeys(("_behind", "_left", "_age", "_again"), int),
+        **dict.fromkeys(("_means", "_coarse", "_errors", "_earlier", "_circles"), dict),
         "_numbers": str,
-        "_behind": int,
-        "_left": int,
-        "_age": int,
-        "_errors": dict,
-        "_earlier": dict,
-        "_circles": dict,
         "_jumped": bool,
-        "_again": int,
     }
 
     def __init__(self, order: RunOrder, model: Any, begin: Callable[[Planned], None]) -> None:

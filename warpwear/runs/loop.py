@@ -69,11 +69,11 @@ class StepLoop:
         self._writer = writer
         self._progress = progress
         self.warnings: list[str] = []
-        self._warn(*order.notes, kind="note")
         self._rows = Rows()
         with opened(folder / CHECKPOINT if folder and resume else None) as stored:
             if stored is not None:
                 stored.refuse_changes(order, device=str(executor.device))
+            self._warn(*order.notes, kind="note")
             self._block = order.blocks[stored.block - 1 if stored else 0]
             original = stored.heights_for if stored else np.asarray
             prepared = order.model(executor, block=self._block, original=original)
@@ -85,8 +85,8 @@ class StepLoop:
             #: The state of those circles of the disc that the counter-body has left.
             self._circles = Circles() if order.study.circles else None
             self._warn(*doubts.of_slope(order.study, prepared.record["on_the_grid"]["rms_slope"]))
-            if order.track is not None and writer is not None:
-                writer.add_track(order.track, prepared.heights)
+            if order.study.is_swept and writer is not None:
+                writer.add_track(order.study.track.x, prepared.heights)
             if writer is not None and isinstance(order.form, Given):
                 writer.add_counter(order.form.values)
             if stored is not None:
@@ -332,11 +332,8 @@ class StepLoop:
             self.warnings.append(str(error))
         assert self._checkpoints is not None  # or there is nothing to keep the run in
         advice = f"The run folder {self._checkpoints.path.parent} holds the steps so far."
-        if isinstance(error, InvariantError):
-            to_do = "continue anyway" if self._checkpoints.path.exists() else "begin again and go on anyway"
-            advice += f" To {to_do}, set checks.strict=false and {RESUME_IT}."
-        else:
-            advice += doubts.smaller_steps(self._order.study)
+        go_on = f" To continue anyway, set checks.strict=false and {RESUME_IT}."
+        advice += go_on if isinstance(error, InvariantError) else doubts.smaller_steps(self._order.study)
         self.stopped = type(error)(f"{str(error).removesuffix('.')}. {advice}")
 
     def _warn(self, *sentences: str, kind: str = "warning") -> None:

@@ -20,11 +20,11 @@ from warpwear.laws.friction import friction_energy
 from warpwear.laws.passes import Block
 from warpwear.laws.track import WHOLE, Track
 from warpwear.models.model import Model
-from warpwear.results.ensemble import dotted
 from warpwear.runs.arrangements import Maker, Parts, Record, arrangement_of
 from warpwear.runs.array_surface import ArraySurface, take_surface
 from warpwear.runs.invariants import Invariants
 from warpwear.runs.plan import Planned, plan_of
+from warpwear.study.keys import dotted
 from warpwear.study.rules_track import too_small
 from warpwear.study.study import Study
 from warpwear.study.surface import counter_surface, form_of, surface_in
@@ -100,11 +100,6 @@ class RunOrder:
         return tuple(column.name for column in columns_of(self.study))
 
     @cached_property
-    def track(self) -> FloatArray | None:
-        """Places of the track's rows along x [mm]; None where the disc's heights are of the domain."""
-        return self.study.track.x if self.study.is_swept else None
-
-    @cached_property
     def surface(self) -> Surface:
         """The disc's surface. Raises InputError where it, or the domain that it is seen in, will not do."""
         problem = too_small(self.study) if self.study.checks.strict else None
@@ -126,10 +121,9 @@ class RunOrder:
     def notes(self) -> list[str]:
         """Sentences on what of the study and of the surface misleads before anything is computed."""
         grid = self.study.cells
-        along = grid.x if self.track is None else self.track
         of_counter = self.counter.notices(grid.x, grid.y) if self.counter else []
         of_counter = [f"The counter-body: {notice.replace('disc.', 'counter.')}" for notice in of_counter]
-        return [*self.study.notices(), *self.surface.notices(along, grid.y), *of_counter]
+        return [*self.study.notices(), *self.surface.notices(*self.study.places), *of_counter]
 
     def model(
         self,
@@ -149,7 +143,7 @@ class RunOrder:
         heights, record = original(sampled.heights), {**sampled.record}
         filled = None
         if isinstance(surface, Measured):
-            filled = surface.filled_at(grid.x if track is None else track.x, grid.y)
+            filled = surface.filled_at(*study.places)
             filled = None if filled is None or not filled.any() else filled
         if filled is not None and filled.all():
             raise InputError(

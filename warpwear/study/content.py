@@ -326,11 +326,6 @@ class Content(Programme):
         return self.study.model == "two-scale" and self.patches.patch_width < self.patches.macro_cell
 
     @property
-    def places_at_random(self) -> bool:
-        """True where patches that stand for more than themselves lie at random in their macro cells."""
-        return self.samples_area and self.patches.placement == "random"
-
-    @property
     def wear_coefficients(self) -> tuple[float, float]:
         """K of counter-body and disc [mm²/N], hardness contained; in the long run, where a law changes it."""
         counter, disc = self.wear_laws

@@ -29,9 +29,9 @@ SCATTER = 0.2
 
 def doubts(study: Content) -> Iterator[str]:
     """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
-    for doubt in (_of_mean, _of_track, _of_extent, _of_line_load, _of_seam):
+    for doubt in (_of_mean, _of_track, _of_extent, _of_line_load, _of_seam, _of_hardness, _of_film):
         yield from doubt(study)
-    of_parts = (_of_hardness, _of_film, _of_parabola, _of_pieces, _of_steps, _of_part)
+    of_parts = (_of_parabola, _of_pieces, _of_steps, _of_part)
     yield from dict.fromkeys(text for part in study.parts for doubt in of_parts for text in doubt(part))
 
 

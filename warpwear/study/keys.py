@@ -57,10 +57,10 @@ class Demand:
     name: str  # dotted key of a study, or a property of its content or of a section
     values: tuple[Any, ...]  # of that, which are needed or excluded; none: whatever says something
     of: tuple[Any, ...]  # values of the key that demand it; none: whatever is given and says something
-    what: str  # is needed, in words; by default the name and its values
-    why: str  # end of the sentence, with its comma or colon
-    excludes: bool
-    where: tuple[Rule, ...]  # that have to hold, or nothing is demanded
+    what: str = ""  # is needed, in words; by default the name and its values
+    why: str = ""  # end of the sentence, with its comma or colon
+    excludes: bool = False  # whether the values, or any, are excluded instead
+    where: tuple[Rule, ...] = ()  # that have to hold, or nothing is demanded
 
     def refusal(self, study: BaseModel, key: str) -> str | None:
         """Return the sentence about a study that does not meet the demand of a key; None where it does."""
@@ -137,22 +137,13 @@ def _allowed(study: BaseModel, name: str, barred: tuple[Any, ...]) -> str:
     return _one_of(value for value in chain(*options) if value not in (*barred, type(None)))
 
 
-def needs(
-    name: str,
-    *values: Any,
-    of: Any = (),
-    what: str = "",
-    why: str = "",
-    excluded: bool = False,
-    where: tuple[Rule, ...] = (),
-) -> tuple[Demand, ...]:
+def needs(name: str, *values: Any, of: Any = (), **others: Any) -> tuple[Demand, ...]:
     """Return the demand that `name` has one of the values, or says something at all, beside a key.
 
-    of: value of the key, or a tuple of them, that demands it; by default any that is given. what: what is
-    needed, in words, by default the name and the values. why: end of the sentence. where: rules, see `when`,
-    that have to hold for it. Demands add up.
+    of: value of the key, or a tuple of them, that demands it; by default any that is given. others: see the
+    fields of `Demand`. Demands add up.
     """
-    return (Demand(name, values, of if isinstance(of, tuple) else (of,), what, why, excluded, where),)
+    return (Demand(name, values, of if isinstance(of, tuple) else (of,), **others),)
 
 
 def needs_compliance(of: Any, what: str = "compliance") -> tuple[Demand, ...]:
@@ -162,7 +153,7 @@ def needs_compliance(of: Any, what: str = "compliance") -> tuple[Demand, ...]:
 
 
 #: As `needs`: the demand that `name` has none of the values, or says nothing at all, beside a key.
-excludes = partial(needs, excluded=True)
+excludes = partial(needs, excludes=True)
 
 
 NO_FIELD = FieldInfo()
@@ -331,6 +322,18 @@ def _other_ways(model: type[BaseModel], name: str) -> tuple[str, ...]:
     siblings = [key for key in keys if key.rpartition(".")[0] == name.rpartition(".")[0] and key != name]
     ways = {key: keys[key].one_of for key in siblings if keys[key].one_of.split(":")[0] == thing}
     return tuple(key for key, way in ways.items() if way != keys[name].one_of or ":" not in way)
+
+
+def dotted(sections: Mapping[str, Any], above: str = "", *, whole: str = "") -> dict[str, Any]:
+    """Return the values of tables in tables by their dotted keys, an empty one by its own.
+
+    whole: a key of tables that are values.
+    """
+    flat: dict[str, Any] = {}
+    for key, value in sections.items():
+        is_table = isinstance(value, Mapping) and bool(value) and whole not in value
+        flat |= dotted(value, f"{above}{key}.", whole=whole) if is_table else {f"{above}{key}": value}
+    return flat
 
 
 def value_of(nested: Any, name: str) -> Any:

@@ -165,15 +165,6 @@ def _name_now(name: str) -> str:
     return FORMER.get(name, f"{FORMER.get(section, section)}{dot}{key}")
 
 
-def flat(sections: Mapping[str, Any], above: str = "") -> dict[str, Any]:
-    """Map the dotted names of keys in nested sections to their values, an empty section to itself."""
-    names: dict[str, Any] = {}
-    for name, value in sections.items():
-        is_section = isinstance(value, dict) and value and name != "assumed"
-        names |= flat(value, f"{above}{name}.") if is_section else {f"{above}{name}": value}
-    return names
-
-
 def nested(names: Mapping[str, Any]) -> dict[str, Any]:
     """Return the nested sections of keys by dotted names."""
     sections: dict[str, Any] = {}

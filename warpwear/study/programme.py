@@ -8,7 +8,7 @@ from typing import Any, Self, TypeVar
 import numpy as np
 from pydantic import Field
 
-from warpwear.grid import Grid
+from warpwear.grid import FloatArray, Grid
 from warpwear.laws.passes import Block, Laps
 from warpwear.laws.patches import Patches
 from warpwear.laws.track import WHOLE, Leg, Track
@@ -254,6 +254,11 @@ class Programme(Section):
             track if track.periodic else replace(track, spare=longest.cells - track.cells)
             for track in (part.track for part in self.parts)
         )
+
+    @property
+    def places(self) -> tuple[FloatArray, FloatArray]:
+        """Return the places of the disc's heights [mm] along and across: of the track, or domain."""
+        return self.track.x if self.is_swept else self.cells.x, self.cells.y
 
     @property
     def legs(self) -> list[Leg]:

@@ -11,7 +11,7 @@ from warpwear.laws.pieces import Pieces
 from warpwear.laws.track import WHOLE, is_whole
 from warpwear.study import rules_track
 from warpwear.study.content import Content
-from warpwear.study.keys import check_keys
+from warpwear.study.keys import attribute_of, check_keys
 from warpwear.study.motion import LENGTHS, WAYS, BlockSection, Sliding, refuse_parts
 from warpwear.study.units import LineLoad
 
@@ -77,6 +77,7 @@ def sliding_of_blocks(study: Content) -> Sliding:
             raise ValueError(f"sliding.{name} and [[block]] exclude each other: the lengths of blocks add up")
     if not study.block:
         raise ValueError("block = []: a programme has one block or more; without a programme leave it out")
+    first = study.parts[0]
     for number, part in enumerate(study.parts, 1):
         try:
             check(part)
@@ -85,8 +86,6 @@ def sliding_of_blocks(study: Content) -> Sliding:
                 rf"(contact\.|sliding\.)({'|'.join(BlockSection.model_fields)})\b", r"\2", str(error)
             )
             raise ValueError(f"block {number}: {here}") from error
-    first = study.parts[0]
-    for number, part in enumerate(study.parts, 1):
         moves = [(one.is_swept, one.sliding.track_radius is None) for one in (part, first)]
         if any(swept for swept, _ in moves) and moves[0] != moves[1]:
             raise ValueError(
@@ -200,16 +199,11 @@ def _factors(study: Content) -> None:
 
 
 def _junction_growth(study: Content) -> None:
-    """Refuse junctions that grow where the shear leaves a cell no pressure, or has no smooth contact."""
-    friction, hardness = study.friction, study.indentation_hardness
-    growth, film = friction.junction_growth, friction.film
-    if growth == 0.0:
-        return
-    strengths = {"friction.shear_strength": friction.shear_strength or 0.0}
-    if film is not None:
-        strengths["friction.film.shear_strength"] = film.shear_strength
-    for key, strength in strengths.items():
-        if strength * math.sqrt(growth) >= hardness:
+    """Refuse junctions that grow where the shear leaves a cell no pressure."""
+    growth, hardness = study.friction.junction_growth, study.indentation_hardness
+    for key in ("friction.shear_strength", "friction.film.shear_strength"):
+        strength = attribute_of(study, key) or 0.0
+        if growth and strength * math.sqrt(growth) >= hardness:
             raise ValueError(
                 f"{key} = {strength:g} MPa with friction.junction_growth = {growth:g} leaves cells of "
                 f"{hardness:g} MPa hardness no pressure to bear: allowed are less than H/√α = "

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from warpwear.errors import InputError
 from warpwear.study import doubts, loading, rules, text
 from warpwear.study.content import Content
-from warpwear.study.keys import unused_key_notices
+from warpwear.study.keys import dotted, unused_key_notices
 
 
 class Study(Content):
@@ -25,7 +25,8 @@ class Study(Content):
     _old_names: tuple[str, ...] = ()
 
     def __init__(self, **sections: Any) -> None:
-        flat, old_names = loading.with_new_names(loading.flat(sections))
+        flat = dotted(sections | {"assumed": None}) | {"assumed": sections.get("assumed", {})}
+        flat, old_names = loading.with_new_names(flat)
         sections = loading.nested(flat)
         names = loading.fill(sections)
         try:

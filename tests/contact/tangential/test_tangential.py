@@ -133,10 +133,10 @@ def test_a_rough_traction_is_the_difference_of_two_pressures(device: str, axes: 
     assert np.abs(slip - FRICTION * np.where(contact.pressure > 0.0, less.gap, 0.0)).max() < 1e-6
 
 
-def test_results_do_not_depend_on_threads(threads: int) -> None:
+def test_results_do_not_depend_on_threads(two_threads: int) -> None:
     contact = ball(64)
     options: dict[str, Any] = {"friction": FRICTION, "poisson": 0.3, "force": (0.4 * ALL, 0.3 * ALL)}
-    one, more = (solve_tangential(contact, threads=count, **options) for count in (1, threads))
+    one, more = (solve_tangential(contact, threads=count, **options) for count in (1, two_threads))
     for name in ("traction", "slip", "stick", "displacement", "energy", "certificate"):
         assert_array_equal(getattr(one, name), getattr(more, name))
 

@@ -91,7 +91,7 @@ def limit(study: Study, stick: float) -> tuple[np.ndarray, np.ndarray, np.ndarra
     return r, np.where(r < c, MODULUS * inside, 0.0), wear
 
 
-@pytest.mark.parametrize("cells", [128, 256])
+@pytest.mark.parametrize("cells", [64, 128])
 def test_the_limit_of_wear(cells: int) -> None:
     """A punch with the unworn shape and sharp edges; what is off halves with the cell."""
     off = 128 / cells

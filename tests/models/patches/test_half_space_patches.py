@@ -99,9 +99,9 @@ def test_every_patch_is_a_contact_of_its_own(boundary: str, bulk: float, complia
 
 
 @pytest.mark.parametrize("coupling", ["approach", "load"])
-def test_threads_change_nothing(threads: int, coupling: str) -> None:
+def test_threads_change_nothing(two_threads: int, coupling: str) -> None:
     found = []
-    for count in (1, threads):
+    for count in (1, two_threads):
         stepped = Stepped(quick(patches__coupling=coupling), threads=count)
         found.append([stepped.model.advance(increment).row for increment in (0.003, 0.3, 3.0)])
         assert stepped.executor.is_shared == (count > 1)

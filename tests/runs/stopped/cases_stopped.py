@@ -21,6 +21,8 @@ ROOT = Path(__file__).parents[3]
 KILLS = ROOT / "bench" / "kills.py"
 of_kills = runpy.run_path(str(KILLS))
 CASES, differences, study_of = of_kills["CASES"], of_kills["differences"], of_kills["study_of"]
+#: Cases whose state others have, too: quick tests do not stop them.
+COVERED = ("micro, implicit", "micro, many tiles", "bearing area", "two-scale, load")
 
 
 #: What makes a step of a model that lies still, or of a contact that slides.
@@ -31,6 +33,8 @@ ADVANCE |= {
     (SlidingHalfSpace, "slide"): SlidingHalfSpace.slide,
 }
 
+#: Changes of a study on springs.
+HALF_SPACE = {"contact.law": "half-space", "counter.radius": "3 mm"}
 
 SHORT = {"sliding.distance": "0.2 mm", "output.snapshots": ["0.05 mm"]}
 
@@ -73,3 +77,14 @@ def run_stopped(study: Study, out: Path, after: int, **options: Any) -> None:
         with pytest.raises(SystemExit):
             warpwear.run(study, out=out, plots=False, **options)
     assert (out / FILE_NAME).is_file()
+
+
+def soon_done(case: str) -> Study:
+    """A case of the kills with few steps, without checkpoints."""
+    study: Study = study_of(case, math.inf).replace({"output.snapshots": ["0.06 mm"]})
+    if case == "programme, swept, stresses":
+        return study.replace({"sliding.shift": 4})
+    if case.startswith("fretting"):
+        return study.replace({"sliding.cycles": 3_000})
+    small_steps = case.startswith(("micro", "two-scale", "half-space", "stresses"))
+    return study.replace({"sliding.distance": "0.2 mm" if small_steps else "3 mm"})

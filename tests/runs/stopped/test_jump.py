@@ -63,7 +63,7 @@ def test_laws_of_the_distance_are_integrated_over_what_a_jump_stands_for() -> No
 
 @pytest.mark.parametrize(("law", "jump"), [("local", 8), ("half-space", "auto")])
 def test_the_error_that_is_told_holds(law: str, jump: Any, device: str) -> None:
-    study = study_of(sliding__distance="250 mm").replace(LAWS[law])
+    study = study_of(sliding__distance="160 mm").replace(LAWS[law])
     every, jumped = (warpwear.run(study.replace({"stepping.jump": j}), device=device) for j in (1, jump))
     told = jumped.summary["track"]["jumps"]
     assert told["contacts"] < 0.6 * told["contacts_of_every_cycle"]

@@ -1,7 +1,6 @@
 """A run that was stopped goes on as if it had not been."""
 
 import json
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,7 +8,7 @@ from typing import Any
 import numpy as np
 import psutil
 import pytest
-from cases_stopped import CASES, differences, run_stopped, study_of
+from cases_stopped import CASES, COVERED, differences, run_stopped, soon_done
 from cases_tiles import CELL, LAWS, SHAPE, SURFACES
 from numpy.testing import assert_array_equal
 
@@ -21,9 +20,6 @@ from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray, Grid
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.runs.arrangements import model_at_rest
-
-#: Cases whose state others have, too: quick tests leave them out.
-COVERED = ("micro, implicit", "micro, many tiles", "bearing area", "two-scale, load")
 
 
 def steps_of(law: str, heights: FloatArray, increments: list[float], restart: int | None) -> Any:
@@ -103,11 +99,7 @@ def test_the_list_of_tiles_is_part_of_the_state(monkeypatch: pytest.MonkeyPatch)
 )
 def test_a_resumed_run_is_the_same_bit_for_bit(case: str, tmp_path: Path) -> None:
     """Stopped twice, before and after its first snapshot, on one thread and on two."""
-    study = study_of(case, math.inf)
-    distance = "0.2 mm" if case.startswith(("micro", "two-scale", "half-space", "stresses")) else "3 mm"
-    if not case.startswith(("fretting", "programme")):  # which say their own
-        study = study.replace({"sliding.distance": distance})
-    study = study.replace({"output.snapshots": ["0.06 mm"]})
+    study = soon_done(case)
     one, other = tmp_path / "alone", tmp_path / "stopped"
     cores = len(psutil.Process().cpu_affinity()) if hasattr(psutil.Process, "cpu_affinity") else 1
     with pytest.MonkeyPatch.context() as patch:

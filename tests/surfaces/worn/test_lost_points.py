@@ -52,11 +52,11 @@ def test_an_outline_goes_on_as_it_bends_where_a_hole_hides_it(lip, depth):
 def test_the_area_of_a_scar_is_where_its_depth_comes_to_nothing(power, least):
     """A bowl's edge is lost in the noise, where its area is taken on, and a steep edge is seen to be one."""
     x, off, errors = np.arange(160) - 79.5, [], []
-    for seed in range(6):
+    for seed in range(3):
         middle = np.random.default_rng([8, seed]).uniform(-0.5, 0.5, 2)
         r = np.hypot.outer(x - middle[0], x - middle[1]) / 25.0
         noise = 5e-5 * np.random.default_rng(seed).normal(size=r.shape)
-        bowl = least * (1.0 + 0.2 * seed) * np.maximum(1.0 - np.square(r), 0.0) ** power
+        bowl = least * (1.0 + 0.4 * seed) * np.maximum(1.0 - np.square(r), 0.0) ** power
         found = find_scar(noise - bowl, pixel=(PIXEL, PIXEL))
         off.append(found.area / (math.pi * (25.0 * PIXEL) ** 2) - 1.0)
         errors.append(found.area_error / found.area)

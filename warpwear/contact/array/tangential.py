@@ -98,7 +98,8 @@ def solve_tangential(
         raise InputError(
             "contact with a counter-body that ends over heights is not possible with coupled = True."
         )
-    task = _Shearing(contact, mu, bodies, previous, axes, coupled, tolerance, device, workers)
+    options: dict[str, Any] = {"device": device, "threads": workers}
+    task = _Shearing(contact, mu, bodies, previous, axes, coupled, tolerance, options)
     if force is not None:
         return task.solve((x, y), (0.0, 0.0))
     before = previous.displacement if previous else (0.0, 0.0)
@@ -196,19 +197,18 @@ class _Shearing:
     axes: int
     coupled: bool
     tolerance: float
-    device: str
-    threads: int
+    options: dict[str, Any]  # device and threads
 
     def solve(self, force: Pair | None, further: Pair) -> ShearedContact:
         """Solve the increment at a force, or at a further rigid displacement."""
         contact, whole = self.contact, self._grid(1.0)
         pressure, length, window = self._pressure, self._length, self._window
+        unit = pressure * contact.cell**2  # of forces
         part, cells = window.grid(whole), np.s_[..., window.cells[0], window.cells[1]]
-        options: dict[str, Any] = {"device": self.device, "threads": self.threads}
-        host, *gpu = free_memory(self.device)
+        host, *gpu = free_memory(self.options["device"])
         needs = {host: 8.0 * FIELDS * part.cells} | dict.fromkeys(gpu, 8.0 * FIELDS_ON_GPU * part.cells)
-        claim("solve_tangential", f"{part.nx} × {part.ny} cells", needs, self.device)
-        with Executor(part, fields_needed=0.0, **options) as executor:
+        claim("solve_tangential", f"{part.nx} × {part.ny} cells", needs, self.options["device"])
+        with Executor(part, fields_needed=0.0, **self.options) as executor:
             elastic: dict[str, Any] = {"excess": self.bodies.excess, "boundary": contact.boundary}
             operator = ShearInfluence(executor, modulus=1.0, axes=self.axes, **elastic)
             search = ShearSearch(executor, operator, tolerance=self.tolerance)
@@ -219,7 +219,7 @@ class _Shearing:
                     self.friction / pressure * normal.pressure[cells],
                     last=self._last[cells] / pressure,
                     start=start[cells] / length,
-                    force=force and (force[0] / self._unit_force, force[1] / self._unit_force),
+                    force=force and (force[0] / unit, force[1] / unit),
                     displacement=(further[0] / length, further[1] / length),
                 )
                 traction, slip = np.zeros_like(self._last), np.zeros_like(self._last)
@@ -247,10 +247,6 @@ class _Shearing:
         assert self.contact.modulus is not None
         return self._pressure * self.contact.cell / self.contact.modulus
 
-    @property
-    def _unit_force(self) -> float:
-        return self._pressure * self.contact.cell**2
-
     @cached_property
     def _last(self) -> FloatArray:
         """Return the traction before, shape (2, nx, ny)."""
@@ -274,7 +270,7 @@ class _Shearing:
         contact, traction, iterations = self.contact, self._last, 0
         grid = self._grid(contact.cell)
         elastic: dict[str, Any] = {"modulus": contact.modulus, "boundary": contact.boundary}
-        ties = Coupling(grid, beta=self.bodies.beta, threads=self.threads, **elastic)
+        ties = Coupling(grid, beta=self.bodies.beta, threads=self.options["threads"], **elastic)
         before = self.previous.contact.pressure if self.previous else np.zeros(grid.shape)
         gap = self._unloaded(grid) if self.coupled else contact.gap
         for _ in range(ROUNDS):
@@ -297,7 +293,7 @@ class _Shearing:
     def _unloaded(self, grid: Grid) -> FloatArray:
         """Return the gap before contact, from that which the pressure of the contact leaves."""
         contact = self.contact
-        with Executor(grid, device=self.device, threads=self.threads) as executor:
+        with Executor(grid, **self.options) as executor:
             assert contact.modulus is not None
             assert contact.boundary is not None
             pressed, displaced = executor.field(contact.pressure), executor.zeros()
@@ -315,8 +311,7 @@ class _Shearing:
             normal = solve_contact(
                 -gap,
                 tolerance=min(self.tolerance, TOLERANCE),
-                device=self.device,
-                threads=self.threads,
+                **self.options,
                 **options,
             )
         return replace(normal, approach=normal.approach + float(gap.mean()))

@@ -95,7 +95,6 @@ class Influence:
             few = near[xp.asarray(self._few_lines)[:, np.newaxis], xp.asarray(across)]
             self._few: FloatArray = few if xp is np else few.get()
         self._sums = _sums(grid.shape, along, across)
-        self._means: dict[tuple[int, int], FloatArray] = {}
         #: What compliances add to the coefficients in a column, by distance along x, where that is read.
         self._along: Any = None
         self._compliance: tuple[float, float, int] | None = None
@@ -178,9 +177,13 @@ class Influence:
         compliances add to it in a column, by distance along x, which programs heed when they change.
         """
         if self._along is None:
-            device = self._executor.device
+            with array_module(self._executor) as xp:
+                table = self.elastic if xp is np else self.elastic.get()
+            (rows, columns), device = self.far_shape, self._executor.device
+            quarter = fft.irfft(table, n=columns, axis=1)[:, : columns // 2 + 1]
+            quarter = np.ascontiguousarray(fft.irfft(quarter, n=rows, axis=0)[: rows // 2 + 1])
+            self._table: Field = wp.array(quarter, dtype=wp.float64, device=device)
             self._along = wp.array(self._along_x, dtype=wp.float64, device=device)
-            self._table: Field = wp.array(self._coefficients, dtype=wp.float64, device=device)
         return self._table, self._along
 
     @property
@@ -188,15 +191,6 @@ class Influence:
         rows = self.far_shape[0]
         # A line by row is a response of the cells of one column alone.
         return np.asarray(fft.irfft(self.line.numpy(), n=rows)[: rows // 2 + 1])
-
-    @cached_property
-    def _coefficients(self) -> FloatArray:
-        """Return the displacement without compliances by distance in cells; it is even in both directions."""
-        with array_module(self._executor) as xp:
-            table = self.elastic if xp is np else self.elastic.get()
-        shape = self.far_shape
-        quarter = fft.irfft(table, n=shape[1], axis=1)[:, : shape[1] // 2 + 1]
-        return np.ascontiguousarray(fft.irfft(quarter, n=shape[0], axis=0)[: shape[0] // 2 + 1])
 
     def _weights(self, own: float, streak: float, window: int) -> FloatArray:
         """Return weights of neighbours along x, y and across corners, by which a cell needs no pressure.
@@ -214,15 +208,11 @@ class Influence:
 
     def _mean_of(self, rows: int, window: int) -> FloatArray:
         """Return the spectrum of S S, which is that of its coefficients, of `rows` modes."""
-        if (rows, window) not in self._means:
-            distance = np.minimum(np.arange(rows), rows - np.arange(rows))
-            if window == self._grid.nx:
-                mean = np.fft.fft(np.where(distance < window, 1.0 / window, 0.0)).real
-            else:
-                inside = np.where(2 * distance < window, 1.0, np.where(2 * distance == window, 0.5, 0.0))
-                mean = np.fft.fft(inside / window).real ** 2
-            self._means[rows, window] = np.asarray(mean)
-        return self._means[rows, window]
+        distance = np.minimum(np.arange(rows), rows - np.arange(rows))
+        if window == self._grid.nx:
+            return np.asarray(np.fft.fft(np.where(distance < window, 1.0 / window, 0.0)).real)
+        inside = np.where(2 * distance < window, 1.0, np.where(2 * distance == window, 0.5, 0.0))
+        return np.asarray(np.fft.fft(inside / window).real ** 2)
 
 
 def _sums(shape: tuple[int, int], along: IntArray, across: IntArray) -> FloatArray:

@@ -26,7 +26,7 @@ from warpwear.engine.numbers import Mirror
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.kernels.cells import LANES, NONE
-from warpwear.kernels.half_space import active_set, decisions, passes, solve, steps
+from warpwear.kernels.half_space import decisions, passes, solve, steps
 from warpwear.kernels.half_space.solve import Flag, Request, SearchRules
 
 #: Stands for no cap: kernels compare with it.
@@ -131,7 +131,7 @@ class Search:
 
     @property
     def reached(self) -> dict[str, Field]:
-        """Return the arrays with approach and certificate, by names of `kernels.half_space.windows.Reach`."""
+        """Return the arrays with approach and certificate, by names of `kernels.half_space.passes.Reach`."""
         return {"groups": self._solve.groups, "proven": self._proof.arguments.groups}
 
     def certificate(self) -> Certificate:
@@ -155,17 +155,15 @@ class Search:
         """Add the start of a search, and its iteration, which repeats until a decision ends it."""
         search = self._solve
         program.decide(decisions.start, search)
-        with program.branch(self._flag(Flag.STARTS)):
-            for _ in range(2):  # about 0, then about the mean
-                self._pass(program, passes.moments)
-                program.decide(decisions.measure, search)
+        for _ in range(2):  # about 0, then about the mean
+            self._pass(program, passes.moments)
+            program.decide(decisions.measure, search)
         with program.branch(self._flag(Flag.ANEW)):
             self._pass(program, passes.springs)
             self._balance(program)
             self._pass(program, passes.take)
-        with program.branch(self._flag(Flag.STARTS)):
-            self._renew(program)
-            self._judge(program)
+        self._renew(program)
+        self._judge(program)
         with program.loop(self._flag(Flag.SEARCHING)):
             if self._single:  # in double precision a gradient stays good
                 with program.branch(self._flag(Flag.RENEWS)):
@@ -259,14 +257,14 @@ class Search:
     def _move_few(self, program: Program) -> None:
         """Solve the few cells that may still change between 0, free and the cap directly, all at once."""
         search = self._solve
-        self._pass(program, active_set.count_open, self._room)
-        program.decide(active_set.place_open, search, self._room)
+        self._pass(program, steps.count_open, self._room)
+        program.decide(steps.place_open, search, self._room)
         with program.branch(self._flag(Flag.AIMED_AT_FEW)):
-            self._pass(program, active_set.list_open, self._room)
-            program.decide(active_set.aim_few, search, self._room)
+            self._pass(program, steps.list_open, self._room)
+            program.decide(steps.aim_few, search, self._room)
         with program.branch(self._flag(Flag.AIMED_AT_FEW)):
             self._respond_to_step(program)
-            program.decide(active_set.go_few, search)
+            program.decide(steps.go_few, search)
 
     def _flag(self, flag: Flag) -> Field:
         return self._solve.flags[flag : flag + 1]

@@ -23,7 +23,7 @@ from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.program import Program, launch_once
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels.half_space import windows
+from warpwear.kernels.half_space import passes
 from warpwear.kernels.half_space.solve import CONVERGED, UNBALANCED, Request, SearchRules
 
 #: Largest violation of complementarity, over the rms height of the gap.
@@ -286,11 +286,11 @@ class HalfSpace(BoundedPressure):
             where["streak_window"] = max(streak_window // 2, 1)
         try:
             for name, field in fields.items():
-                carry(windows.restrict, wide._executor, field, targets[name], fine=fine.grid)
+                carry(passes.restrict, wide._executor, field, targets[name], fine=fine.grid)
             contact = wide.solve(certified=False, **targets, **where)
         except (ConvergenceError, InputError):
             return 0
-        carry(windows.prolong, fine, contact.pressure_field, self.pressure_field, fine=fine.grid)
+        carry(passes.prolong, fine, contact.pressure_field, self.pressure_field, fine=fine.grid)
         self.started, transforms = True, -(-contact.transforms // 4)
         if memory_is_short(fine):
             self._wide, self._wide_fields = None, {}
@@ -319,5 +319,5 @@ def carry(kernel: Any, executor: Executor, field: Field, target: Field, *, fine:
     A wide cell gets the mean of its four, `PADDING` where one of them is that, and each of them its value.
     fine: grid of the narrow cells.
     """
-    transfer = arguments(windows.Transfer, field=field, target=target, columns=fine.ny)
+    transfer = arguments(passes.Transfer, field=field, target=target, columns=fine.ny)
     launch_once(executor, kernel, transfer)

@@ -24,7 +24,7 @@ from warpwear.engine.program import Program, launch_once
 from warpwear.engine.state import Columns
 from warpwear.grid import Grid
 from warpwear.kernels.cells import LANES, Cells
-from warpwear.kernels.half_space import windows
+from warpwear.kernels.half_space import passes
 
 fft = lazy.module("scipy.fft")
 
@@ -96,8 +96,8 @@ class Window:
     def give(self, executor: Executor, part: Field, field: Field) -> None:
         """Copy a part, of an executor, to where it lies in a field of the whole grid."""
         first: Field = wp.array([self.first_row, self.first], dtype=wp.int32, device=executor.device)
-        transfer = arguments(windows.Transfer, field=part, target=field, first=first)
-        launch_once(executor, windows.give, transfer)
+        transfer = arguments(passes.Transfer, field=part, target=field, first=first)
+        launch_once(executor, passes.give_window, transfer)
 
     def grid(self, whole: Grid) -> Grid:
         columns = min(self.end * LANES, whole.ny) - self.first * LANES
@@ -143,15 +143,15 @@ class OnWindow:
             self.fields = {name: self._part.zeros() for name in fields}
 
         def add(program: Program) -> None:
-            self.add_copy(program, windows.take, pressure, self.solver.pressure_field)
+            self.add_copy(program, passes.take_window, pressure, self.solver.pressure_field)
             for name, field in fields.items():
-                self.add_copy(program, windows.take, field, self.fields[name])
+                self.add_copy(program, passes.take_window, field, self.fields[name])
 
-        self.program(windows.take, add, pressure, *fields.values(), *self.fields.values()).run()
+        self.program(passes.take_window, add, pressure, *fields.values(), *self.fields.values()).run()
 
     def add_copy(self, program: Program, kernel: Any, field: Field, target: Field) -> None:
         """Add to a program: copy a field to one there, or the other way."""
-        transfer = arguments(windows.Transfer, field=field, target=target, first=self.first)
+        transfer = arguments(passes.Transfer, field=field, target=target, first=self.first)
         slots = self._part.slots_of(self._part.grid.nx)
         program.launch(kernel, transfer, slots=slots, chunks=self._part.equal_chunks(slots))
 
@@ -307,11 +307,11 @@ class WindowedHalfSpace:
         fields = {"gap": gap, "columns": executor.grid.ny, "extents": self._extents}
 
         def add(program: Program) -> None:
-            here.add_copy(program, windows.give, here.solver.pressure_field, self._pressure)
-            here.add_copy(program, windows.give, search.gradient, self._gradient)
-            program.launch(windows.extents, arguments(windows.Reach, **fields, **search.reached))
+            here.add_copy(program, passes.give_window, here.solver.pressure_field, self._pressure)
+            here.add_copy(program, passes.give_window, search.gradient, self._gradient)
+            program.launch(passes.extents, arguments(passes.Reach, **fields, **search.reached))
 
-        return here.program(windows.extents, add, gap, search)
+        return here.program(passes.extents, add, gap, search)
 
     def _clear_beside(self, window: Window) -> None:
         """Leave no pressure, and no gradient, of the last window where that was another."""

@@ -5,7 +5,7 @@ Every patch is a half-space of its own, behind which the bulk yields to its mean
     u_k + p_k / K_N = δ,   A Σ p_k = F
 
 with u_k the patch's approach from its own mean plane. All patches are one convex problem for the pressures of
-all cells, whose one multiplier is δ: see `influence` for its operator and `half_space.search` for the search.
+all cells, whose one multiplier is δ: see `PatchInfluence` and `half_space.search`.
 Where a smooth contact prescribes each p_k, on springs K_N of its own, each u_k is a multiplier of its own.
 """
 
@@ -16,6 +16,7 @@ import numpy as np
 import warp as wp
 
 from warpwear.contact.certificate import columns_of
+from warpwear.contact.half_space.influence import Influence
 from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.solver import BoundedPressure, HalfSpaceContact
 from warpwear.engine.executor import Executor, Field, arguments
@@ -34,7 +35,6 @@ from warpwear.laws.task import ContactTask
 from warpwear.models.attachment import Place
 from warpwear.models.film import BareCells
 from warpwear.models.model import Model
-from warpwear.models.patches.influence import PatchInfluence
 from warpwear.models.patches.shares import SmoothContact
 from warpwear.models.unworn import gap_over, layout_of
 
@@ -109,7 +109,7 @@ class HalfSpacePatches(Model):
         self._look = Program(executor)
         if self._film:
             self._film.before_search(self._look, Place(self._slides.array))
-        self._worn_by: Field = None
+        self._wearing: Program | None = None
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact at the end of an increment [mm], and wear both bodies.
@@ -191,8 +191,8 @@ class HalfSpacePatches(Model):
         # The scatter is summed about a value near the mean.
         reference, visited = self._ledger.row["pressure_mean"], self.visited
         self._slides.set(rows=visited, of_counter=removal, reference=reference)
-        if self._worn_by is not contact.pressure_field:
-            self._wearing, self._worn_by = self._wear_program(contact), contact.pressure_field
+        if self._wearing is None:
+            self._wearing = self._wear_program(contact)
         self._wearing.run()
         table, maxima = (numbers.numpy()[:, :visited] for numbers in (self._sums, self._maxima))
         sums = {name: np.zeros(self.patches.count) for name in PATCH_SUMS}
@@ -232,3 +232,47 @@ class HalfSpacePatches(Model):
             self._film.add_under(program, self._slides.array, contact.pressure_field, self._bare)
             self._film.after_step(program, Place(self._slides.array))
         return program
+
+
+class PatchInfluence(Influence):
+    """Applies the operator of patches of which each displaces itself alone, and an approximate inverse.
+
+    modulus: E* of both bodies together [MPa]. boundary: "periodic" (each patch repeats itself; the mean
+    displacement, which has no limit then, is the business of the bulk behind the patch, see `set_bulk`) or
+    "free" (nothing outside a patch, whose mean displacement is then contained). executor: on `patches.grid`.
+    """
+
+    _bulk = 0.0  # 1/K_N of the spring behind every patch [mm³/N]
+
+    def __init__(self, executor: Executor, patches: Patches, *, modulus: float, boundary: str) -> None:
+        super().__init__(executor, modulus=modulus, boundary=boundary, side=patches.side)
+        self.visited = self._grids.visited
+        self.visit(patches.count)
+
+    def visit(self, patches: int) -> None:
+        """Leave out all but the first `patches`; the pressures of the others stay, which must be 0."""
+        self._executor.put(self._grids.visited, patches)
+        self.chunks = self._executor.split_rows(np.full(patches, self._executor.grid.ny))
+
+    def set_bulk(self, flexibility: float) -> None:
+        """Set 1/K_N of the spring behind every patch [mm³/N]; it yields to the patch's mean pressure."""
+        if flexibility != self._bulk:
+            assert all(self.wraps)  # else the mean displacement is contained
+            self._bulk = flexibility
+            self._set_means()
+
+    def set_compliance(self, own: float, streak: float, window: int | None = None) -> None:
+        """Add to the elastic response to a cell's own pressure [mm/MPa]; patches have no streaks."""
+        assert streak == 0.0
+        before = self._compliance
+        super().set_compliance(own, streak, window)
+        if self._compliance != before and all(self.wraps):
+            self._set_means()
+
+    def _set_means(self) -> None:
+        """Let the mean pressure of a patch displace it; programs recorded before heed it."""
+        assert self._compliance is not None
+        self._far.set_mean(self._bulk)
+        # A mean that displaces nothing, or that Fourier modes do not tell of, yields as the longest waves.
+        longest = 0.0 if self._compliance[0] else float(self.near_elastic.max())
+        self._near.set_mean(self._bulk or longest)

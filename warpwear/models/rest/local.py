@@ -18,7 +18,7 @@ from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray
-from warpwear.history.recorder import Ledger, Step, divided
+from warpwear.history.recorder import Entry, Ledger, Step, divided
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import balance, bearing, contact, wear
 from warpwear.kernels.cells import NO_INDEX, WearMost, WearSum, names_of
@@ -41,6 +41,14 @@ MOST_SLOTS = 264
 SUMS, MAXIMA = names_of(WearSum), names_of(WearMost)
 
 
+def foresee(task: ContactTask, executor: Executor) -> None:
+    """Begin to compile the kernels of a model, which may be made later, of the same task."""
+    of_law = (bearing.counted_below, wear.judge_area) if task.rigid else (balance.carried, wear.judge)
+    listing = contact.gap, balance.select, balance.listed
+    steps = *of_law, wear.wear_step, wear.record, balance.pressures
+    executor.foresee([*listing, *steps], together=True)
+
+
 class OneScaleModel(Model):
     """Contact and wear of one task, with the same law for every cell, on one executor.
 
@@ -53,9 +61,7 @@ class OneScaleModel(Model):
 
     def __init__(self, task: ContactTask, heights: FloatArray, executor: Executor) -> None:
         assert task.is_uniform  # others are those of a track
-        executor.foresee([wear.wear_step, contact.gap, balance.carried])  # what takes longest first
-        if task.rigid:
-            executor.foresee([bearing.counted_below])
+        foresee(task, executor)
         self.task = task
         self._executor = executor
         fitting = max(int(CELLS_OF_REPLAY / executor.grid.cells), 1)
@@ -109,7 +115,7 @@ class OneScaleModel(Model):
 
     def _add_search(self, program: Program) -> None:
         """The search of a step, and the list of tiles that its wear needs."""
-        self._search.add_to(program, wear.judge, self._steps)
+        self._search.add_to(program, wear.judge_area if self.task.rigid else wear.judge, self._steps)
         self.tiles.add_to(program)
 
     def _add_wear(self, program: Program) -> None:
@@ -193,16 +199,17 @@ class OneScaleModel(Model):
 
     def _booked(self, increments: Sequence[float], removals: Sequence[tuple[float, float]]) -> Iterator[Step]:
         """The steps that the device has made, as the ledger enters them."""
-        steps = self._course["step"]
-        table = np.ascontiguousarray(self._steps.history[: max(steps, 1)].numpy()[:steps].T)
+        count = self._course["step"]
+        table = np.ascontiguousarray(self._steps.history[: max(count, 1)].numpy()[:count].T)
         base, offset, cap, residual, *others = table[: len(wear.BALANCE)]
         sums, maxima = table[len(wear.BALANCE) :][: len(SUMS)], table[len(wear.BALANCE) + len(SUMS) :]
         total, most = dict(zip(SUMS, sums, strict=True)), dict(zip(MAXIMA, maxima, strict=True))
         if not self.task.rigid:
             residual = total["pressure"] * self._executor.grid.cell_area - self.task.load
         total, most = (divided(part, self.task.wear_fractions) for part in (total, most))
-        numbers, slid = (base, offset, cap, residual, *others), np.array(increments)
-        return booked(self._ledger, numbers, slid, np.array(removals), total, most, self._enter)
+        removed, balance = np.array(removals)[:count].T, Balance(base, offset, cap, residual, *others[:-1])
+        steps = Entry(balance, np.array(increments[:count]), tuple(removed), others[-1], total, most)
+        return booked(self._ledger, steps, self._enter)
 
     def _enter(self, balance: Balance, *columns: Any) -> Step:
         """Book a step. Raises ConvergenceError where its pressures do not carry the load."""

@@ -29,17 +29,8 @@ class CyclicSlip:
     what cells lose, so that the contact under P* is solved once where a force keeps it as it is.
     """
 
-    STATE: ClassVar = {
-        "slips": Field,
-        "grown": Field,
-        "_jump": float,
-        "rigid": float,
-        "force": float,
-        "border": float,
-        "_stuck": float,
-        "_approach": float,
-        "_first": float,
-    }
+    NUMBERS: ClassVar = ("_jump", "rigid", "force", "border", "_stuck", "_approach", "_first")
+    STATE: ClassVar = {"slips": Field, "grown": Field, **dict.fromkeys(NUMBERS, float)}
 
     def __init__(self, task: ContactTask, executor: Executor) -> None:
         assert task.fretting is not None

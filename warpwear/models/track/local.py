@@ -6,13 +6,13 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 
-from warpwear.contact.balance import stiffness_of
+from warpwear.contact.balance import Balance, stiffness_of
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.engine.tiles import NO_LIMIT
 from warpwear.grid import FloatArray
-from warpwear.history.recorder import Ledger, Step
+from warpwear.history.recorder import Entry, Ledger, Step
 from warpwear.kernels import balance, bearing, sliding, sliding_steps
 from warpwear.kernels.cells import NO_INDEX, PADDING, TrackMost, TrackSum, names_of
 from warpwear.kernels.sliding import Bodies, OfCells, OfRows, OfTiles, Slide, StepTables
@@ -306,8 +306,10 @@ class SlidingContact:
         most |= {name: columns[name] for name in ("first_row", "last_row")}
         for one in self.attachments:
             one.enter(columns, total, most)
-        numbers = [columns[name] for name in BALANCE]
-        return booked(self.ledger, numbers, np.array(increments), removals, total, most, self._enter)
+        *numbers, reference = (columns[name] for name in BALANCE)
+        slid, removed = np.array(increments[:count]), tuple(removals[:count].T)
+        steps = Entry(Balance(*numbers), slid, removed, reference, total, most)
+        return booked(self.ledger, steps, self._enter)
 
     def _enter(self, *columns: Any) -> Step:
         """Book a step as `Ledger.enter` does."""

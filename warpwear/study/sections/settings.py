@@ -8,14 +8,10 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from warpwear.study.keys import Length, LengthOrZero, Section, excludes, key, needs, needs_compliance, when
 from warpwear.study.units import Quantity, Range, one_by_one
 
-ONE_APPROACH = when(
-    "patches.coupling",
-    "approach",
-    otherwise="does not apply to patches.coupling = '{}', whose macro contact has K_N",
-)
+ONE_APPROACH = when("patches.coupling", "approach")
 SAMPLES = when("samples_area", otherwise="does not apply: the patches tile the contact")
 HAS_STRESSES = when("has_stresses", otherwise="does not apply without output.stress_depths")
-AT_RANDOM = when("places_at_random", otherwise="does not apply: no patch is placed at random")
+AT_RANDOM = SAMPLES + when("patches.placement", "random")
 
 
 COUNTED_TWICE = (

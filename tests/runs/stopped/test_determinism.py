@@ -2,27 +2,18 @@
 
 import os
 import platform
-import runpy
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import warp as wp
+from cases_stopped import CASES, COVERED, soon_done
 
 import warpwear
 from warpwear import Study
 
-_kills = runpy.run_path(str(Path(__file__).parents[2] / "bench" / "kills.py"))
-CASES, study_of = _kills["CASES"], _kills["study_of"]
-
-
-def short(case: str) -> Study:
-    study: Study = study_of(case, float("inf"))
-    distance = "0.2 mm" if case.startswith(("micro", "two-scale", "half-space", "stresses")) else "3 mm"
-    if not case.startswith(("fretting", "programme")):  # which say their own
-        study = study.replace({"sliding.distance": distance})
-    return study.replace({"output.snapshots": ["0.06 mm"]})
+#: On a CPU the others are run on one thread and on two where they are stopped, see `test_resume.py`.
+TWICE = [("cpu", case) for case in COVERED] + [("cuda:0", case) for case in CASES]
 
 
 def numbers(study: Study, **options: Any) -> dict[str, Any]:
@@ -35,13 +26,13 @@ def numbers(study: Study, **options: Any) -> dict[str, Any]:
         return found
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(("device", "case"), TWICE, indirect=["device"])
 def test_twice_the_same(case: str, device: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """On a CPU bit for bit, with one thread and two; on a GPU, which orders its sums itself, to 1e-10."""
     monkeypatch.setattr("warpwear.engine.executor.CELLS_PER_THREAD", 1)
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    one = numbers(short(case), device=device, threads=1)
-    two = numbers(short(case), device=device, threads=min(2, cores))
+    one = numbers(soon_done(case), device=device, threads=1)
+    two = numbers(soon_done(case), device=device, threads=min(2, cores))
     assert one.keys() == two.keys()
     for name, values in one.items():
         if device == "cpu":
