@@ -170,15 +170,6 @@ def test_a_run_folder_is_a_study_again(folder: Path) -> None:
             np.testing.assert_array_equal(again.history[name], result.history[name])
 
 
-def test_every_figure_has_labels_with_units(folder: Path) -> None:
-    with Result.open(folder) as result:
-        for name in set(result.plot.NAMES) - set(result.plot.left_out):
-            figure = getattr(result.plot, name)()
-            for axes in figure.axes:
-                label = axes.get_ylabel() or axes.get_xlabel()
-                assert "," in label, f"{name}: an axis without a unit"
-
-
 def test_a_static_contact_has_one_row(tmp_path: Path, quick_pictures: Any) -> None:
     with quick_pictures():
         result = warpwear.run(quick(sliding__distance="0 mm"), out=tmp_path / "static")
