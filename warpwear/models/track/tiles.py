@@ -28,8 +28,9 @@ class PerTile:
 
     def fill(self, values: FloatArray, *, padding: float) -> None:
         """Take values of shape (rows, tiles). padding: stands beyond the last tile."""
-        self.numbers.fill_(padding)
-        self.numbers[:, : values.shape[1]].assign(values)
+        host = np.full(self.numbers.shape, padding)
+        host[:, : values.shape[1]] = values
+        self.numbers.assign(host)
 
     def to_numpy(self) -> FloatArray:
         """Shape (rows, tiles and padding)."""
