@@ -84,7 +84,7 @@ class Case:
 
 TWO_STRENGTHS = {"calibrate friction": "which needs friction.shear_strength itself; allowed is"}
 NOT_GIVEN = {"inference": "friction.shear_strength is neither given nor unknown"}
-OF_ENERGY = {"calibrate friction": "wear.law = 'energy' needs friction.shear_strength, as"}
+OF_ENERGY = {"calibrate friction": "wear.law = 'energy' needs friction.shear_strength, a pressure"}
 CASES = {
     "wear.counter": Case("4e-4 mm^3/N/m"),
     "wear.disc": Case("4e-4 mm^3/N/m"),

@@ -77,7 +77,7 @@ def _courses(
         chart = over_each_other(BY_NAME[column], courses)
         up = Axis("over its value at the end, –", low=0.0) if relative else chart.y
         panels.append(replace(chart, y=up))
-    return Figure(panels, legend=len(names))
+    return Figure(panels, legend=len(names), height=1.2 * describe.ROW)
 
 
 def _of_versions(name: str, panel: int, runs: Runs, numbers: Numbers) -> Figure:
