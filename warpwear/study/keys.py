@@ -308,8 +308,8 @@ def unused_key_notices(study: BaseModel) -> list[str]:
 
 def alternatives_of(model: type[BaseModel], name: str) -> set[str]:
     """Return the keys that say the same as a key, or as a section that it lies in, in other ways."""
-    parts = name.split(".")
-    above = [".".join(parts[:length]) for length in range(1, len(parts) + 1)]
+    within = f"{name}."
+    above = [key for key in declarations(model) if within.startswith(f"{key}.")]
     return {other for key in above for other in _other_ways(model, key)}
 
 

@@ -10,6 +10,7 @@ Where a smooth contact prescribes each p_k, on springs K_N of its own, each u_k 
 """
 
 from dataclasses import replace
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -272,7 +273,12 @@ class PatchInfluence(Influence):
     def _set_means(self) -> None:
         """Let the mean pressure of a patch displace it; programs recorded before heed it."""
         assert self._compliance is not None
+        longest = self._longest
         self._far.set_mean(self._bulk)
         # A mean that displaces nothing, or that Fourier modes do not tell of, yields as the longest waves.
-        longest = 0.0 if self._compliance[0] else float(self.near_elastic.max())
-        self._near.set_mean(self._bulk or longest)
+        self._near.set_mean(self._bulk or (0.0 if self._compliance[0] else longest))
+
+    @cached_property
+    def _longest(self) -> float:
+        """Return the response to the longest waves [mm/MPa], before a library's filter has another mean."""
+        return float(self.near_elastic.max())
