@@ -25,6 +25,7 @@ CUT_OFF_CELLS = 2.0  # cut-off wavelength of the filter against aliasing: the sh
 SLACK = 1e-9  # relative, for lengths that should be equal
 SLOPE_CHANGE = 0.1  # of the rms slope when the shortest wavelength doubles: more is worth a notice
 MUCH_MISSING = 2.0  # percent of the points
+MANY_OUTLIERS = 0.5  # percent of the points
 SPIKE = 7.0  # times Sq: heights over the mean that random roughness of ten million points does not reach
 SEAM = 3.0  # times the rms step between neighbours: a higher one, where copies meet, is a seam
 #: Columns that a profile is taken for, enough for a spline, and their distance [mm]: wider than any domain.
@@ -189,11 +190,17 @@ class Measured:
                 "disc.height_unit and disc.pixel override it"
             )
         highest = float(np.nanmax(self.measured)) / sq if sq > 0.0 else 0.0
-        if highest > SPIKE and not self.details.get("outliers_removed", 0):
+        removed = self.details.get("outliers_removed", 0)
+        if highest > SPIKE and not removed:
             doubts.append(
                 f"the highest point stands {highest:.2g} times Sq above the mean, which roughness seldom "
                 "does: it may be a spike of the instrument, and decides where the bodies first touch; look at"
                 " the map; disc.outliers, 6 for example, removes points that stand out from their neighbours"
+            )
+        if (share := 100.0 * removed / self.levelled.size) > MANY_OUTLIERS:
+            doubts.append(
+                f"outliers: {removed} points, {share:.3g} % of the measurement, were removed: more than "
+                "spikes usually are, so real peaks or valleys may be among them; compare without outliers"
             )
         shortest = max(2.0 * cell, self.details.get("s_filter_um", 0.0) * 1e-3)
         fine, coarse = slope_against_cut_off(

@@ -130,7 +130,7 @@ def test_gaps_of_a_measured_course_are_told_or_refused(runs: Path, tmp_path: Pat
     # From 9.9 to 22 mm of the 0.3 to 30 mm that both have, or a little more.
     assert re.search(r"holes: It has no measured point over 4[01] % of .* from 9\.9 to 22 mm:", some)
     with pytest.raises(
-        InputError, match=r"no measured point over 6\d % .* from 9\.9 to 28 mm; points over half"
+        InputError, match=r"no measured point over 6\d % .* from 9\.9 to 28 mm; half of it is"
     ):
         notes(np.concatenate([np.arange(0.0, 10.0, 0.1), np.arange(28.0, 30.1, 0.1)]))
 

@@ -84,7 +84,7 @@ def broken(monkeypatch: pytest.MonkeyPatch, name: str, how: Any, *, step: int = 
     """After so many steps change a value of a field in the contact, by the way that checkpoints take."""
     monkeypatch.setattr(OneScaleModel, "longest_block", 1)  # on a GPU
     monkeypatch.setattr(OneScaleModel, "in_blocks", False)  # a call is a step
-    advance, block, calls = OneScaleModel.advance, OneScaleModel.block, []
+    advance, block, calls = OneScaleModel.advance, OneScaleModel._block, []
 
     def spoil(self: OneScaleModel) -> None:
         calls.append(1)
@@ -107,7 +107,7 @@ def broken(monkeypatch: pytest.MonkeyPatch, name: str, how: Any, *, step: int = 
         yield from block(self, *args)
 
     monkeypatch.setattr(OneScaleModel, "advance", advance_broken)
-    monkeypatch.setattr(OneScaleModel, "block", block_broken)
+    monkeypatch.setattr(OneScaleModel, "_block", block_broken)
 
 
 def not_a_number(value: float) -> float:

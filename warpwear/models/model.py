@@ -60,13 +60,14 @@ class Model(ABC):
     def replay(self, increments: Sequence[float], then: float | None) -> tuple[int, Iterator[Step]]:
         """Make the next steps on the device, as many as it can in one go; return their number, and them.
 
-        then: the increment after them [mm], where it is known.
+        then: the increment after them [mm], where it is known. A model that is never `in_blocks` makes one.
         """
-        raise NotImplementedError  # of models that are never `in_blocks`
+        first, following = increments[0], [*increments[1:], then][0]
+        return 1, iter([self.advance(first, then=following)])
 
     def check(self) -> None:
         """Raise ConvergenceError where the last replay ended at a step without a balance."""
-        raise NotImplementedError
+        self.steps_in_flight = 0
 
     def _block(self, increments: Sequence[float], then: float | None) -> Iterator[Step]:
         """Yield the steps of a block, which is made in one go or in a few."""
