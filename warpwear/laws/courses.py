@@ -172,7 +172,7 @@ def descend(
         step = np.linalg.solve(normal + np.diag(damping * scale), np.where(out, 0.0, downhill))
         trial = np.clip(constants + step, low, high)
         further = course(places, *trial) - values
-        gain = (left @ left - further @ further) / max(left @ left, TINY)
+        gain = float(left @ left - further @ further) / max(float(left @ left), TINY)
         if gain >= 0.0:
             constants, left, damping = trial, further, max(0.1 * damping, LEAST_DAMPING)
         else:
