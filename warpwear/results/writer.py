@@ -11,9 +11,7 @@ import tempfile
 import zlib
 from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
-from functools import lru_cache
 from pathlib import Path
-from struct import pack
 from typing import Any
 
 import h5py
@@ -37,11 +35,9 @@ CHUNK = 256
 LEVEL = 1
 #: How a stream of zlib begins (RFC 1950).
 ZLIB = b"\x78\x01"
-#: Bytes that repeat the one before where words do not, of all: noise has fewer.
-REPEATS = 0.01
-#: Words of a run that is worth its codes; bytes that a code of deflate repeats.
-LONG, SHORTEST, LONGEST = 32, 3, 258
-#: Words from one that is looked at to the next.
+#: Bytes that repeat the one before, of all, below which those of one place of the words are stored as noise.
+REPEATS = 0.2
+#: Bytes from one that is looked at to the next.
 SAMPLED = 16
 #: Part of the memory that is free which a snapshot may take to be kept.
 AT_HAND = 0.1
@@ -251,55 +247,25 @@ def _compressed(values: FloatArray, chunk: tuple[int, ...]) -> bytes | None:
     """Shuffle and deflate a block as HDF5's filters do, filled up to its size; None where all is zero.
 
     What is not written reads as zero. Shuffled heights hold runs of equal bytes and nothing else that deflate
-    finds: Z_RLE looks for these alone, at half the time. Last digits are noise between runs of equal words:
-    that is stored, at a tenth of its time.
+    finds: Z_RLE looks for these alone, at half the time. Last digits are noise, which is stored.
     """
     block = values
     if values.shape != chunk:
         block = np.zeros(chunk)
         block[tuple(slice(n) for n in values.shape)] = values
-    words = np.ascontiguousarray(block).view(np.uint64).ravel()
+    words = np.ascontiguousarray(block).view(np.uint64)
     if not words.any():
         return None
     planes = np.ascontiguousarray(words.view(np.uint8).reshape(-1, words.itemsize).T)
-    same = words[1:] == words[:-1]
-    equal, some = np.count_nonzero(same[::SAMPLED]), slice(None, same.size, SAMPLED)
-    repeats = np.count_nonzero(planes[:, 1:][:, some] == planes[:, some], axis=1) - equal
-    noise = int((repeats > REPEATS * (same[some].size - equal)).argmax())
-    parts: list[bytes | memoryview] = [ZLIB]
-    pieces = _between_runs(same) if noise else []
-    for plane in planes[:noise]:
-        for head, first, end in pieces:
-            parts += head, plane.data[first:end]
-    deflate = zlib.compressobj(LEVEL, wbits=-zlib.MAX_WBITS, strategy=zlib.Z_RLE)
-    parts += deflate.compress(planes[noise:].data), deflate.flush()
+    repeats = planes[:, 1::SAMPLED] == planes[:, :-1:SAMPLED]
+    noise = int((np.count_nonzero(repeats, axis=1) > REPEATS * repeats.shape[1]).argmax())
+    stored = zlib.compressobj(0, wbits=-zlib.MAX_WBITS)
+    deflated = zlib.compressobj(LEVEL, wbits=-zlib.MAX_WBITS, strategy=zlib.Z_RLE)
+    parts = [ZLIB]
+    if noise:
+        parts += stored.compress(planes[:noise].data), stored.flush(zlib.Z_FULL_FLUSH)
+    parts += deflated.compress(planes[noise:].data), deflated.flush()
     return b"".join((*parts, zlib.adler32(planes.data).to_bytes(4, "big")))
-
-
-def _between_runs(same: "np.ndarray[Any, np.dtype[np.bool_]]") -> list[tuple[bytes, int, int]]:
-    """Return the pieces between long runs, from first to end, each after its run and its head in deflate.
-
-    same: whether a word is the one before it, from the second word on. A stored block holds 65535 bytes: the
-    first byte of a plane has a block of its own.
-    """
-    edges = np.flatnonzero(np.diff(same, prepend=False, append=False))
-    first, count = edges[::2] + 1, edges[1::2] - edges[::2]
-    first, count = first[count > LONG], count[count > LONG]
-    rest = count % LONGEST
-    count -= np.where(rest < SHORTEST, rest, 0)  # a code says no less
-    begins, ends = [0, 1, *(first + count).tolist()], [1, *first.tolist(), same.size + 1]
-    return [
-        (_repeat(n) + pack("<HH", end - begin, end - begin ^ 0xFFFF), begin, end)
-        for n, begin, end in zip([0, 0, *count.tolist()], begins, ends, strict=True)
-    ]
-
-
-@lru_cache(4096)
-def _repeat(count: int) -> bytes:
-    """Say in deflate that any byte before comes `count` times more, and begin a stored block."""
-    deflate = zlib.compressobj(LEVEL, wbits=-zlib.MAX_WBITS, strategy=zlib.Z_RLE, zdict=b"\0")
-    ending = deflate.compress(bytes(count)) + deflate.flush(zlib.Z_SYNC_FLUSH)  # with an empty stored block
-    return ending[:-4]  # without its length
 
 
 def _label(dataset: h5py.Dataset, scales: h5py.Group, *names: str) -> None:
