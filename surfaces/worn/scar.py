@@ -35,7 +35,7 @@ def roughness_without_form(heights: FloatArray, inside: BoolArray) -> dict[str, 
 
     They are of the cells inside; NaN where too few cells are inside.
     """
-    if np.count_nonzero(inside) < FEWEST_CELLS:
+    if np.count_nonzero(inside & np.isfinite(heights)) < FEWEST_CELLS:
         return dict.fromkeys((*LENGTHS, "ssk"), np.nan)
     level = without_polynomial(heights, degree=FORM_DEGREE, where=inside)[inside]
     parameters = height_parameters(level) | vars(bearing_parameters(level))

@@ -16,7 +16,7 @@ import json
 import os
 import time
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,6 +28,7 @@ import numpy as np
 from warpwear.errors import OVERWRITE_IT, RESUME_IT, InputError
 from warpwear.grid import FloatArray
 from warpwear.history.rows import Rows
+from warpwear.laws.passes import Block
 from warpwear.results.check import check_snapshots
 from warpwear.results.ensemble import NO_MATTER
 from warpwear.results.seal import HEADER, digest_of, has_mark, read_header, seal
@@ -208,11 +209,10 @@ class StoredCheckpoint:
         self.heights_differ = True
         return stored
 
-    @property
-    def block(self) -> int:
-        """Return the number of the block that the run was in."""
+    def block_of(self, blocks: Iterable[Block]) -> Block:
+        """Return the one of the study's blocks that the run was in."""
         with self.reading():
-            return int(self._rows.last["block"])
+            return {block.number: block for block in blocks}[int(self._rows.last["block"])]
 
     def read(self) -> Checkpoint:
         """Where the run was: all that is stored but the snapshots."""

@@ -74,7 +74,7 @@ class StepLoop:
             if stored is not None:
                 stored.refuse_changes(order, device=str(executor.device))
             self._warn(*order.notes, kind="note")
-            self._block = order.blocks[stored.block - 1 if stored else 0]
+            self._block = stored.block_of(order.blocks) if stored else order.blocks[0]
             original = stored.heights_for if stored else np.asarray
             prepared = order.model(executor, block=self._block, original=original)
             self._executor, self._heights = executor, prepared.heights

@@ -255,7 +255,9 @@ def test_compiled_kernels_that_were_damaged(count: int, tmp_path: Path) -> None:
     kernels = [path for path in files if path.suffix in (".o", ".meta")]
     assert kernels
     modules = {path.parts[-2].rpartition("_")[0] for path in kernels}  # what the run launches, no other
-    assert {name for name in modules if name.startswith("wp_warpwear")} <= {
+    together = {name for name in modules if name.startswith("wp_warpwear.kernels.contact.")}
+    assert len(together) <= 1  # kernels of a run at rest are compiled as one file
+    assert {name for name in modules - together if name.startswith("wp_warpwear")} <= {
         f"wp_warpwear.kernels.{name}" for name in ("balance", "contact", "wear")
     }
     longest, wrong = 0.0, []
