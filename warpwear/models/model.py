@@ -62,12 +62,11 @@ class Model(ABC):
 
         then: the increment after them [mm], where it is known. A model that is never `in_blocks` makes one.
         """
-        first, following = increments[0], [*increments[1:], then][0]
-        return 1, iter([self.advance(first, then=following)])
+        following = increments[1] if len(increments) > 1 else then
+        return 1, iter([self.advance(increments[0], then=following)])
 
-    def check(self) -> None:
+    def check(self) -> None:  # noqa: B027 - one step is looked at as it is made
         """Raise ConvergenceError where the last replay ended at a step without a balance."""
-        self.steps_in_flight = 0
 
     def _block(self, increments: Sequence[float], then: float | None) -> Iterator[Step]:
         """Yield the steps of a block, which is made in one go or in a few."""

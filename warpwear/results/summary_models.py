@@ -147,11 +147,11 @@ def _parts(history: Mapping[str, FloatArray]) -> list[Row]:
     if "parts" not in history:
         return []
     number, error = int(history["parts"].sum()), float(history["area_error"].max())
-    steps, most = history["parts"].size, int(history["parts"].max())
+    least, most = int(history["parts"].min()), int(history["parts"].max())
     numbers = {"number": number, "most_of_a_step": most, "estimated_error_at_most": error}
-    text = f"{number} for {steps} steps, {f'each in 1 to {most} parts' if number > steps else 'none divided'}"
+    text = f"{f'{least} to ' * (least < most)}{most}"  # a row of the history may stand for many steps
     text += f"; by estimate their length changes the area by at most {100.0 * error:.2g} %"
-    return [Row("contacts solved", "parts", numbers, sentence=text)]
+    return [Row("parts of a step", "parts", numbers, sentence=text)]
 
 
 def _half_space(result: ResultFile) -> Row:
