@@ -8,6 +8,7 @@ import numpy as np
 
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.kernels import wear_from_pressure as kernels
 from warpwear.kernels.cells import CellProperties
@@ -31,7 +32,9 @@ class BareCells(Attachment):
     wear given [mm].
     """
 
-    STATE: ClassVar = {"healing": dict}
+    STATE: ClassVar = {
+        "healing": {"counter": InFrame("counter"), "disc": InFrame("disc"), "both": InFrame("contact")}
+    }
 
     def __init__(
         self,
@@ -51,10 +54,9 @@ class BareCells(Attachment):
         for name, ratio in filmed.items():
             self.properties[name] = executor.field(np.full(executor.grid.shape, ratio), padding=ratio)
         #: Of films that form anew: see `Coat`.
-        self.healing: dict[str, Field] = {
-            f"{name}_{body}": executor.zeros(field.shape[0] if heals else 0)
+        self.healing: dict[str, dict[str, Field]] = {
+            body: {name: executor.zeros(field.shape[0] if heals else 0) for name in KEPT}
             for body, field in wear.items()
-            for name in KEPT
         }
         #: Both films, as kernels take them.
         self.films = arguments(
@@ -67,8 +69,7 @@ class BareCells(Attachment):
             cells=arguments(CellProperties, **self.properties),
         )
         for body, field in wear.items():
-            coat = {name: self.healing[f"{name}_{body}"] for name in KEPT}
-            setattr(self.films, AS[body], arguments(Coat, wear=field, **coat))
+            setattr(self.films, AS[body], arguments(Coat, wear=field, **self.healing[body]))
         self._heals = heals
 
     @classmethod

@@ -33,8 +33,6 @@ from warpwear.runs.step import RunStep
 from warpwear.surfaces.form import Given
 
 LOG = logging.getLogger("warpwear.run")
-#: What is of the disc among the arrays of a model, by parts of their names.
-OF_THE_DISC = ("disc", "highest")
 
 
 class StepLoop:
@@ -363,7 +361,7 @@ class Circles:
         unworn: arrays of a model on unworn bodies.
         """
         arrays, numbers = state.save(model, whole=True)
-        names = [name for name in arrays if any(part in name for part in OF_THE_DISC)]
+        names = [name for name, frame in state.frames(model).items() if frame == "disc"]
         other = self.left.pop(str(after), None) or {name: unworn[name] for name in names}
         self.left[str(before)] = {name: arrays[name] for name in names}
         state.restore(model, arrays | other, numbers)

@@ -20,9 +20,10 @@ from warpwear.contact.certificate import columns_of
 from warpwear.contact.half_space.influence import Influence
 from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.solver import BoundedPressure, HalfSpaceContact
-from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.executor import Executor, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
@@ -67,8 +68,8 @@ class HalfSpacePatches(Model):
     STATE: ClassVar = {
         "_ledger": PatchLedger,
         "_smooth": SmoothContact,
-        "gap": Field,
-        "worn": Field,
+        "gap": InFrame("contact"),
+        "worn": InFrame("contact"),
         "_solver": BoundedPressure,
         "_reached": float,
         "visited": int,

@@ -7,6 +7,7 @@ import warp as wp
 
 from warpwear.engine.executor import Arguments, Executor, Field, arguments, as_numbers
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.engine.tiles import NO_LIMIT, TileList, of_tiles
 from warpwear.grid import FloatArray
 from warpwear.kernels import sliding
@@ -50,7 +51,7 @@ class SlidingTiles(TileList):
     gap, which is made once then.
     """
 
-    STATE: ClassVar = {"lowest": PerTile, "highest": PerTile}
+    STATE: ClassVar = {"lowest": InFrame("counter"), "highest": InFrame("disc")}
 
     def __init__(
         self,
