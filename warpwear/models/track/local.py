@@ -112,6 +112,7 @@ class SlidingContact:
         # Pieces and a disc that recedes change heights after the pass that wears; what shear wears may lie
         # higher than what a list that serves several steps reaches.
         wears_alone = self.pieces is None and self._recession is None and not task.shears
+        wears_alone = wears_alone and not any(one.raises for one in self.attachments)
         fully = task.load / (task.least_hardness * executor.grid.cell_area)
         self.tiles = SlidingTiles(
             executor, bodies, self._slides.array, least=SPARE * fully, stays=wears_alone and not moves
