@@ -30,6 +30,8 @@ class Attachment:
 
     #: Columns beside those touched that it may change.
     margin = 0
+    #: Whether it may raise a surface, so that gaps close: its host remakes the bounds of tiles after it.
+    raises = False
     #: Its own columns of the history, after those of every contact.
     columns: ClassVar[tuple[str, ...]] = ()
     #: Index of the first of them, as its host gives it.

@@ -5,6 +5,7 @@ from typing import Any, ClassVar
 
 import pytest
 import warp as wp
+from cases_track import small
 
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.program import Program
@@ -14,6 +15,33 @@ from warpwear.kernels.cells import Cells
 from warpwear.kernels.sliding import Slide
 from warpwear.models.attachment import Attachment, Place
 from warpwear.models.film import BareCells
+from warpwear.models.model import Model
+from warpwear.runs.order import RunOrder
+from warpwear.study.study import Study
+
+SMALL = {"grid.cell": "20 um", "grid.extent": "0.6 mm", "sliding.distance": "3 mm", "output.snapshots": []}
+REST = SMALL | {"stepping.first": "30 um", "counter.radius": "1 mm"}
+PATCHES = SMALL | {"stepping.first": "30 um", "patches.macro_cell": "100 um"}
+HALF_SPACE = {"contact.law": "half-space"}
+#: A study of every model.
+STUDIES = {
+    "track": small("representative"),
+    "track, bearing area": small("full", stepping__scheme="explicit", stepping__force=True),
+    "track, half-space": small("representative").replace(HALF_SPACE),
+    "rest": Study.load("v3-fine").replace(REST),
+    "rest, across": Study.load("v3-fine").replace(REST | {"wear.distance_factor": "across"}),
+    "rest, half-space": Study.load("v3-fine").replace(REST | HALF_SPACE),
+    "patches": Study.load("two-scale").replace(PATCHES),
+    "patches, load": Study.load("two-scale").replace(PATCHES | {"patches.coupling": "load"}),
+    "patches, half-space": Study.load("two-scale").replace(
+        PATCHES | HALF_SPACE | {"patches.bulk": "none", "contact.boundary": "free"}
+    ),
+}
+
+
+def needs_transforms(study: Study, device: str) -> None:
+    if device != "cpu" and study.contact.law == "half-space":
+        pytest.importorskip("cupy")
 
 
 @wp.kernel
@@ -47,6 +75,7 @@ class Debris(Attachment):
 
     STATE: ClassVar = {"depth": InFrame("disc")}
     columns = "debris", "debris_negated"
+    raises = True
     #: That a step lays [mm].
     of_step = 1.0e-9
 
@@ -77,3 +106,9 @@ def attach(monkeypatch: pytest.MonkeyPatch, kind: type[Debris] = Debris) -> list
 
     monkeypatch.setattr(BareCells, "of_bodies", of_bodies)
     return made
+
+
+def model_of(study: Study, executor: Executor) -> Model:
+    """The model of a study's first block, on unworn bodies."""
+    order = RunOrder(study)
+    return order.model(executor, block=order.blocks[0]).model

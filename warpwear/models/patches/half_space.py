@@ -155,6 +155,10 @@ class HalfSpacePatches(Model):
             step, distance, self.patches, gap=read(self.gap), worn=read(self.worn), bare=bare
         )
 
+    def below_bounds(self) -> float:
+        """Compare with the lowest gap of every patch before any wear, see `Model.below_bounds`."""
+        return float((self.lowest - self._executor.to_numpy(self.gap).min(axis=1)).max())
+
     def _press(self, smooth: SmoothContact, removal: float, *, certified: bool | None) -> HalfSpaceContact:
         """Solve the contact by loads that a smooth one prescribes. removal: K ΔL of both bodies [mm³/N]."""
         loads = smooth.press(foundation=self._ledger.foundation, removal=removal)[self._order]

@@ -111,6 +111,10 @@ class OneScaleModel(Model):
         self._add_search(self._to_search)
         self._add_wear(self._to_wear)
 
+    def below_bounds(self) -> float:
+        """Ask its tiles, see `Model.below_bounds`."""
+        return self.tiles.below_bounds()
+
     def _begin(self, program: Program) -> None:
         program.decide(wear.record, self._search.springs, self._steps, self._tables)
 

@@ -110,6 +110,7 @@ class SlidingContact:
         # Pieces and a disc that recedes change heights after the pass that wears; what shear wears may lie
         # higher than what a list that serves several steps reaches.
         wears_alone = self.pieces is None and self._recession is None and not task.shears
+        wears_alone = wears_alone and not any(one.raises for one in self.attachments)
         cells = arguments(CellProperties)
         if self._factored:
             cells.k_disc = factor
