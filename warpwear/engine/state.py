@@ -7,7 +7,8 @@ A part is an object with a `STATE`, which names the attributes that steps change
 Arrays on a device are restored in place; parts of a part by their own `STATE`; dataclasses and named tuples
 of numbers, arrays and None are made anew. What cells, tiles or rows of a body have declares its frame, by
 which it follows a disc that is changed: see `frames`. A part that must do more, once it is restored, does it
-in `restored()`.
+in `restored()`. What else steps change of it is made anew before it is read: these attributes are its
+`SCRATCH`.
 """
 
 from collections import deque

@@ -31,6 +31,7 @@ class BareCells(Attachment):
     STATE: ClassVar = {
         "healing": {"counter": InFrame("counter"), "disc": InFrame("disc"), "both": InFrame("contact")}
     }
+    SCRATCH: ClassVar = ("bare", "parts", "films")
 
     def __init__(
         self, film: Film, executor: Executor, wear: Mapping[str, Field], *, thickness: float | None = None

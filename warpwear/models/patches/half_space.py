@@ -67,6 +67,7 @@ class HalfSpacePatches(Model):
         "visited": int,
         "_film": BareCells,
     }
+    SCRATCH: ClassVar = ("_sums", "_maxima", "_slides", "_bare", "_parts", "_influence")
 
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.task, self._executor = task, executor

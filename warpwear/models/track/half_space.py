@@ -73,6 +73,10 @@ class SlidingHalfSpace:
         "film": BareCells,
         "fretting": CyclicSlip,
     }
+    SCRATCH: ClassVar = (
+        *("_gap", "_means", "_sums", "_maxima", "_mirror", "_rubbed", "_rubbed_means", "_bare", "_parts"),
+        *("_slides", "_place", "_of_pieces", "_programs", "_static"),
+    )
     #: Steps are made one by one, on a GPU too.
     in_blocks = False
     #: Whether to certify the pressure with which the next step ends.

@@ -75,6 +75,7 @@ class SlidingContact:
         "ledger": Ledger,
         "film": BareCells,
     }
+    SCRATCH: ClassVar = ("_slides", "_stiffness", "_steps", "_programs", "_search")
 
     def __init__(
         self,

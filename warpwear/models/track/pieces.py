@@ -40,6 +40,7 @@ class Pending:
     """
 
     STATE: ClassVar = {"pending": Field, "overflow": np.ndarray, "_of_rows": Field}
+    SCRATCH: ClassVar = ("body",)
 
     def __init__(
         self,
@@ -136,6 +137,7 @@ class SlidingPieces(Attachment):
     """
 
     STATE: ClassVar = {"counter": InFrame("counter"), "disc": InFrame("disc"), "book": PieceBook}
+    SCRATCH: ClassVar = ("_both", "_release")
     columns = COLUMNS
 
     def __init__(self, law: PieceLaw, executor: Executor, bodies: SlidingBodies, *, periodic: bool) -> None:

@@ -53,6 +53,8 @@ class UnequalStiffness(Attachment):
     factor: of the sliding distance of the disc's cells. recession: by which the disc runs in, if it does.
     """
 
+    SCRATCH: ClassVar = ("_bodies", "_stiffness")
+
     def __init__(
         self, executor: Executor, bodies: Bodies, factor: Field, recession: Recession | None
     ) -> None:

@@ -53,7 +53,11 @@ class SlidingTiles(TileList):
     whether the disc lies still and nothing but the pass that wears changes a gap, which is made once then.
     """
 
-    STATE: ClassVar = {"lowest": InFrame("counter"), "highest": InFrame("disc")}
+    STATE: ClassVar = {
+        **dict.fromkeys(("lowest", "lowest_of_eight"), InFrame("counter")),
+        **dict.fromkeys(("highest", "highest_of_row"), InFrame("disc")),
+    }
+    SCRATCH: ClassVar = ("list", "count", "lists", "_slides", "_bodies")
 
     def __init__(
         self, executor: Executor, bodies: Arguments, slides: Field, *, least: float, stays: bool = False
@@ -93,6 +97,11 @@ class SlidingTiles(TileList):
             program.decide(
                 sliding.listed, self.lists.array, self.listing, self._depth, self.count, self._least
             )
+
+    def restored(self) -> None:
+        """Make lists and their gaps anew: those that there are may be of another time."""
+        self.gap.numbers.zero_()
+        self.lists.set(limit=-NO_LIMIT, asked=-NO_LIMIT)
 
     def refresh(self, program: Program) -> None:
         """Make all bounds anew from the heights, in a program, after what may have raised a surface."""
