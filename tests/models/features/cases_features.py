@@ -1,5 +1,6 @@
 """A part that a test adds to the steps of a contact on springs: debris that lies on the disc."""
 
+from collections import deque
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
@@ -116,3 +117,36 @@ def model_of(study: Study, executor: Executor) -> Model:
     """The model of a study's first block, on unworn bodies."""
     order = RunOrder(study)
     return order.model(executor, block=order.blocks[0]).model
+
+
+def arrays_of(owner: Any) -> dict[str, "np.ndarray[Any, Any]"]:
+    """Copies of all arrays that an object of warpwear holds, by the way to them, but for its scratch.
+
+    Parts, structs and containers are gone through; what a class names in `SCRATCH` is not.
+    """
+    found: dict[str, np.ndarray[Any, Any]] = {}
+    seen: set[int] = set()
+
+    def look(value: Any, path: str) -> None:
+        if isinstance(value, wp.array | np.ndarray):
+            found[path] = np.array(value.numpy() if isinstance(value, wp.array) else value)
+            return
+        if id(value) in seen or isinstance(value, Executor | Program):
+            return
+        seen.add(id(value))
+        if isinstance(value, Mapping):
+            members = {str(name): item for name, item in value.items()}
+        elif isinstance(value, list | tuple | deque):
+            members = {str(number): item for number, item in enumerate(value)}
+        elif hasattr(value, "_cls") and hasattr(value, "__ctype__"):  # a struct of Warp
+            members = {name: getattr(value, name) for name in value._cls.vars}
+        elif type(value).__module__.startswith("warpwear."):
+            scratch = getattr(type(value), "SCRATCH", ())
+            members = {name: item for name, item in vars(value).items() if name not in scratch}
+        else:
+            return
+        for name, item in members.items():
+            look(item, f"{path}.{name}" if path else name)
+
+    look(owner, "")
+    return found

@@ -32,6 +32,7 @@ class Features:
     """
 
     STATE: ClassVar = {"by_name": dict}
+    SCRATCH: ClassVar = ("cells", "sources", "pressed")
 
     def __init__(
         self, by_name: Mapping[str, Feature], *, own: tuple[str, ...] = (), disc_rows: int = 0

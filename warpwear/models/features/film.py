@@ -34,6 +34,7 @@ class BareCells(Feature):
     STATE: ClassVar = {
         "healing": {"counter": InFrame("counter"), "disc": InFrame("disc"), "both": InFrame("contact")}
     }
+    SCRATCH: ClassVar = ("bare", "properties", "sources")
 
     def __init__(
         self,

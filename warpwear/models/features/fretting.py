@@ -39,6 +39,7 @@ class CyclicSlip(Feature):
         **dict.fromkeys(("slips", "grown"), InFrame("contact")),
         **dict.fromkeys(NUMBERS, float),
     }
+    SCRATCH: ClassVar = ("yields", "_solver")
 
     def __init__(self, task: ContactTask, executor: Executor) -> None:
         assert task.fretting is not None

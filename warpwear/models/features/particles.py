@@ -38,6 +38,7 @@ class Pending:
     """
 
     STATE: ClassVar = {"pending": Field, "overflow": np.ndarray, "_of_rows": Field}
+    SCRATCH: ClassVar = ("body",)
 
     def __init__(
         self,
@@ -134,6 +135,7 @@ class SlidingParticles(Feature):
     """
 
     STATE: ClassVar = {"counter": InFrame("counter"), "disc": InFrame("disc"), "book": PieceBook}
+    SCRATCH: ClassVar = ("_both", "_release")
     columns = COLUMNS
     book: PieceBook
     changes_heights = True

@@ -53,6 +53,8 @@ class UnequalStiffness(Feature):
     of every cell with the list of its tile.
     """
 
+    SCRATCH: ClassVar = ("properties", "sources", "_stiffness")
+
     def __init__(
         self, executor: Executor, bodies: Mapping[str, Field], curve: Logistic | None, *, alike: bool
     ) -> None:

@@ -29,6 +29,7 @@ class PatchContact:
     """
 
     STATE: ClassVar = {"gap": InFrame("contact"), "features": Features}
+    SCRATCH: ClassVar = ("slides", "bare", "surfaces", "_worn")
 
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.initial = gap_over(task.form, heights, executor, patches)

@@ -74,6 +74,7 @@ class HalfSpacePatches(Model):
         "visited": int,
         "_features": Features,
     }
+    SCRATCH: ClassVar = ("_sums", "_maxima", "_slides", "_place", "_influence")
 
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.task, self._executor = task, executor

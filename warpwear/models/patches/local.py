@@ -50,6 +50,7 @@ class TwoScaleModel(Model):
         "_memory": Numbers,
         "_courses": dict,
     }
+    SCRATCH: ClassVar = ("_books", "_now", "_steps", "_state", "_work", "_chunks", "_pressure")
 
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.task, self.patches = task, patches

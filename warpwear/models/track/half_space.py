@@ -65,6 +65,10 @@ class SlidingHalfSpace:
         "_steps_done": int,
         "_length": PartLength,
     }
+    SCRATCH: ClassVar = (
+        *("gap", "slides", "_means", "_sums", "_maxima", "_mirror", "_rubbed", "_rubbed_means", "_row"),
+        *("_place", "_programs", "_static"),
+    )
     #: Steps are made one by one, on a GPU too.
     in_blocks = False
     #: Whether to certify the pressure with which the next step ends.

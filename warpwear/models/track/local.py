@@ -71,6 +71,7 @@ class SlidingContact:
         "features": Features,
         "ledger": Ledger,
     }
+    SCRATCH: ClassVar = ("_slides", "_steps", "_programs", "_search")
 
     def __init__(
         self,

@@ -56,7 +56,11 @@ class SlidingTiles(TileList):
     wears changes a gap, which is made once then.
     """
 
-    STATE: ClassVar = {"lowest": InFrame("counter"), "highest": InFrame("disc")}
+    STATE: ClassVar = {
+        **dict.fromkeys(("lowest", "lowest_of_eight"), InFrame("counter")),
+        **dict.fromkeys(("highest", "highest_of_row"), InFrame("disc")),
+    }
+    SCRATCH: ClassVar = ("list", "count", "lists", "_slides", "_bodies", "_features")
 
     def __init__(
         self,
@@ -105,6 +109,11 @@ class SlidingTiles(TileList):
             program.decide(
                 sliding.listed, self.lists.array, self.listing, self._depth, self.count, self._least
             )
+
+    def restored(self) -> None:
+        """Make lists and their gaps anew: those that there are may be of another time."""
+        self.gap.numbers.zero_()
+        self.lists.set(limit=-NO_LIMIT, asked=-NO_LIMIT)
 
     def make_listed(self, program: Program) -> None:
         """Make what the cells listed have of their own, in a program, where a list serves several steps."""
