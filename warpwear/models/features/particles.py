@@ -63,7 +63,7 @@ class Pending:
             height=as_numbers(height, shape),
             wear=as_numbers(self._wear, shape),
             pending=as_numbers(self.pending, shape),
-            **dict.fromkeys(("sums", "candidates", "overflow"), math.prod(shape)),
+            **dict.fromkeys(("sums", "candidates", "due", "overflow"), math.prod(shape)),
             peaks=self.most,
             counts=kernels.COUNTS,
             of_rows=(3, rows),
