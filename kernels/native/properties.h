@@ -39,11 +39,23 @@ struct PerBody {
     Lanes counter, disc;
 };
 
+// What a step wears cells by, as plain numbers: a loop over cells need not read them again.
+struct WearOfStep {
+    double k_counter, k_disc, shear_counter, shear_disc;
+
+    template <typename Slide>
+    CUDA_CALLABLE explicit WearOfStep(const Slide& slide)
+        : k_counter(slide.k_counter), k_disc(slide.k_disc), shear_counter(slide.shear_counter),
+          shear_disc(slide.shear_disc)
+    {
+    }
+};
+
 // The depths that a step wears off both bodies of cells [mm]: K ΔL p, and what their shear wears. pressure:
 // as each body sees it. sheared: part of the step in contact times the shear ratio. OWN: whether cells have a
 // K each; SHEARS: whether shear wears. Nothing of it is fused with what it is added to.
-template <bool OWN, bool SHEARS, typename Slide>
-WARPWEAR_FN PerBody removal_of(const Slide& step, const CellRow& cells, int i, const PerBody& pressure,
+template <bool OWN, bool SHEARS>
+WARPWEAR_FN PerBody removal_of(const WearOfStep& step, const CellRow& cells, int i, const PerBody& pressure,
                                const PerBody& sheared)
 {
 #if !defined(__CUDA_ARCH__)
