@@ -234,10 +234,10 @@ def _is_missing(fields: list[str], width: int, *, words: bool) -> bool:
 
     words: in records, where a row may miss some values, a number among them is none of a header.
     """
-    told = [bool(field.strip("-–")) for field in fields]
+    no_dashes = [bool(field.strip("-–")) for field in fields]
     if words:
-        return len(fields) == width and any(told) and _are_values(fields)
-    return len(fields) == width and all(told) and all(map(MISSING.fullmatch, fields))
+        return len(fields) == width and any(no_dashes) and _are_values(fields)
+    return len(fields) == width and all(no_dashes) and all(map(MISSING.fullmatch, fields))
 
 
 def _are_values(fields: list[str]) -> bool:

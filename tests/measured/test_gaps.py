@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases_records import RECORDS, ROWS, cetr, written
+from cases_records import RECORDS, ROWS, cetr, raw, written
 from numpy.testing import assert_allclose
-from test_experiment import raw
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray

@@ -160,10 +160,10 @@ def spans(*columns: FloatArray) -> list[float]:
 def _over_gaps(along: Callable[..., FloatArray], *columns: FloatArray) -> FloatArray:
     """Return a sum along the rows in which no column has a gap, NaN in the others, which would end it."""
     whole = np.isfinite(columns).all(axis=0)
-    found = np.full(whole.size, np.nan)
+    distance = np.full(whole.size, np.nan)
     if whole.any():
-        found[whole] = along(*(values[whole] for values in columns))
-    return found
+        distance[whole] = along(*(values[whole] for values in columns))
+    return distance
 
 
 def _integral(speed: FloatArray, time: FloatArray) -> FloatArray:
