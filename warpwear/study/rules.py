@@ -5,6 +5,9 @@ import re
 from collections.abc import Iterator
 from itertools import pairwise
 
+import numpy as np
+
+from warpwear.grid import blocks_of_rows
 from warpwear.laws.elastic import LEAST_TORSION
 from warpwear.laws.friction import RUNNING_IN
 from warpwear.laws.pieces import Pieces
@@ -23,6 +26,8 @@ MOST_JUMP = 1000
 CELLS, LARGEST = 4.0, 0.25
 #: Fewest cells across sliding of a domain that the contact does not go on beyond.
 FEWEST_ACROSS = 4
+#: By what a load may exceed what all cells carry, relatively: rounding does so.
+ROUNDING = 1.0e-12
 #: What is allowed instead of a contact that ends across.
 A_LINE = "a line contact, contact.boundary = 'line' (contact.law = 'local': a cylinder)"
 
@@ -266,13 +271,21 @@ def without_unit(study: Content) -> Iterator[str]:
 
 
 def _capacity(study: Content) -> None:
-    under_counter = math.pi * study.counter.form.reach**2
-    carried = min(study.caps) * min(study.cells.area, under_counter)  # all cells may become bare
-    if carried < study.contact.load:
+    load, cells, form = study.contact.load, study.cells, study.counter.form
+    least = min(study.caps)  # all cells may become bare
+    inside = max(min(form.reach, 0.5 * cells.cell * min(cells.shape)) - cells.cell, 0.0)
+    if load <= least * math.pi * inside**2:  # of a circle that lies in cells with a body: they carry it
+        return
+    present = cells.cells
+    if form.reach < 0.5 * cells.cell * math.hypot(*cells.shape):
+        blocks = blocks_of_rows(cells.nx, values=cells.ny)
+        present = sum(int(np.isfinite(form.heights(cells.x[at], cells.y)).sum()) for at in blocks)
+    carried = least * present * cells.cell_area
+    if carried * (1.0 + ROUNDING) < load:
         of_length = f" ({study.loads})" if study.is_line else ""
         raise ValueError(
-            f"contact.load = {study.contact.load:g} N{of_length} is more than the domain under the "
-            f"counter-body carries at this hardness ({carried:.4g} N{_of_sheared(study)}); allowed are "
+            f"contact.load = {load:g} N{of_length} is more than the domain under the "
+            f"counter-body carries at this hardness ({carried:.6g} N{_of_sheared(study)}); allowed are "
             "smaller loads, a larger counter-body, grid.extent or contact.hardness"
         )
 
