@@ -43,13 +43,13 @@ def write_crate(write_tables: WriteTables, job: Job, path: Path) -> None:
     result = job.result
     sections, digests = tomllib.loads(result.study.to_toml()), digests_in(result)
     files, notes = dict[str, Path](), dict[str, str]()
-    added = {extra.absolute() for extra in job.added}
+    added = {extra.resolve() for extra in job.added}
     keys = dict[str, str]()
     for key, name in files_of(result.study).items():
         source = Path(name).absolute()
         if not source.is_file():
             raise InputError(f"{key} = {source}: the file is gone, and a crate holds it; put it back")
-        if key not in digests and source not in added:
+        if key not in digests and source.resolve() not in added:
             raise InputError(
                 f"{key} = {source}: the result does not carry what was in that file, so that it may be any "
                 "of yours; add it (--add) if it is what the run was made on"
