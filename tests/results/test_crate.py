@@ -16,6 +16,7 @@ import warpwear
 from warpwear import InputError, Study
 from warpwear.cli.main import commands
 from warpwear.results.file import MAGIC
+from warpwear.results.formats.bodies import worn_heights
 from warpwear.results.formats.metadata import NAME
 from warpwear.results.seal import seal
 
@@ -231,3 +232,16 @@ def test_a_result_of_an_earlier_version_has_its_digest_where_it_tells_of_the_dis
     sealed(run)
     assert not crated(run, tmp_path / "sent")
     assert (tmp_path / "my disc.xyz").read_bytes() in packed(tmp_path / "sent")
+
+
+def test_a_worn_disc_goes_on_beyond_the_ball_as_the_run_had_it(run: Path, tmp_path: Path) -> None:
+    """Of a file that was exchanged since nothing is taken."""
+    study = Study.load(run).replace({"counter.radius": "0.18 mm", "sliding.distance": "0.1 mm"})
+    with warpwear.run(study, out=tmp_path / "small", plots=False) as result:
+        before = worn_heights(result, result.snapshot(-1), "disc")
+        surface = tmp_path / "my disc.xyz"
+        surface.write_text(surface.read_text(encoding="utf-8").replace("0.0", "0.1", 1), encoding="utf-8")
+        after = worn_heights(result, result.snapshot(-1), "disc")
+    assert np.isfinite(before).all()
+    assert np.isnan(after[0, 0])
+    np.testing.assert_array_equal(after[np.isfinite(after)], before[np.isfinite(after)])

@@ -84,12 +84,12 @@ def _found(task: Task, study: Study) -> Row | None:
         return None
     (folder / FILE_NAME).open("rb").close()
     try:
-        found = Result.open(folder)
+        stored = Result.open(folder)
     except InputError:
         if _is_whole(folder / FILE_NAME):
             raise
         return None
-    with found as result:
+    with stored as result:
         own = name_of(result.study, device=result.attributes["device"], files=digests_in(result))
         if not result.finished or own != name_of(study, device=task.device, files=task.files):
             return None
