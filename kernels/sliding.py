@@ -106,7 +106,7 @@ class OfTiles:
 
 @wp.struct
 class Bounds:
-    """What gaps of pairs of tiles are bounded by [mm]. It may be out of date: wear only opens gaps."""
+    """Lower bounds of the gap [mm]. Invariant: gaps only grow. Whoever raises a surface refreshes them."""
 
     lowest_of_eight: wp.array2d(dtype=wp.float64)  # of neighbouring tiles of the counter-body
     highest_of_row: wp.array(dtype=wp.float64)  # of the disc

@@ -1,6 +1,6 @@
 """What a study may add to the steps of a contact: each addition adds its part to a program, and books it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any, ClassVar, NamedTuple
 
@@ -29,8 +29,12 @@ class Attachment:
 
     #: Columns beside those touched that it may change.
     margin = 0
+    #: Whether it may raise a surface, so that gaps close: its host remakes the bounds of tiles after it.
+    raises = False
     #: Its own columns of the history, after those of every contact.
     columns: ClassVar[tuple[str, ...]] = ()
+    #: Index of the first of them, as its host gives it.
+    first_column = 0
 
     def of_cells(self) -> Mapping[str, Field]:
         """Give what cells have one each of, by the names of `OfCells`."""
@@ -72,3 +76,17 @@ class Attachment:
 
     def enter(self, columns: Mapping[str, FloatArray], total: dict[str, Any], most: dict[str, Any]) -> None:
         """Enter among the sums and maxima of steps what the columns of their history say of it."""
+
+
+def give_columns(attachments: Iterable[Attachment], own: tuple[str, ...]) -> tuple[str, ...]:
+    """Give attachments their columns of the history, behind a contact's own; return the names of all.
+
+    Raises ValueError for two columns of one name.
+    """
+    names = [*own]
+    for one in attachments:
+        one.first_column = len(names)
+        names += one.columns
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise ValueError(f"columns of the history that two would write: {', '.join(twice)}")
+    return tuple(names)

@@ -8,6 +8,7 @@ import numpy as np
 
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.kernels import wear_from_pressure as kernels
 from warpwear.kernels.wear_from_pressure import Coat, Films
@@ -27,7 +28,10 @@ class BareCells(Attachment):
     `shift`. thickness: of the film, if not the film's own: of the wear given [mm].
     """
 
-    STATE: ClassVar = {"healing": dict}
+    STATE: ClassVar = {
+        "healing": {"counter": InFrame("counter"), "disc": InFrame("disc"), "both": InFrame("contact")}
+    }
+    SCRATCH: ClassVar = ("bare", "parts", "films")
 
     def __init__(
         self, film: Film, executor: Executor, wear: Mapping[str, Field], *, thickness: float | None = None
@@ -42,10 +46,9 @@ class BareCells(Attachment):
                 np.full(executor.grid.shape, film.part_filmed), padding=film.part_filmed
             )
         #: Of films that form anew: see `Coat`.
-        self.healing: dict[str, Field] = {
-            f"{name}_{body}": executor.zeros(field.shape[0] if heals else 0)
+        self.healing: dict[str, dict[str, Field]] = {
+            body: {name: executor.zeros(field.shape[0] if heals else 0) for name in KEPT}
             for body, field in wear.items()
-            for name in KEPT
         }
         #: Both films, as kernels take them.
         self.films = arguments(
@@ -58,8 +61,7 @@ class BareCells(Attachment):
             parts=executor.zeros(0) if self.parts is None else self.parts,
         )
         for body, field in wear.items():
-            coat = {name: self.healing[f"{name}_{body}"] for name in KEPT}
-            setattr(self.films, AS[body], arguments(Coat, wear=field, **coat))
+            setattr(self.films, AS[body], arguments(Coat, wear=field, **self.healing[body]))
         self._heals = heals
 
     @classmethod

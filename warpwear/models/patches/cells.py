@@ -9,6 +9,7 @@ import warp as wp
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.engine.tiles import of_tiles
 from warpwear.grid import FloatArray
 from warpwear.kernels import patches as kernels
@@ -26,7 +27,8 @@ class PatchContact:
     executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
     """
 
-    STATE: ClassVar = {"gap": Field, "film": BareCells}
+    STATE: ClassVar = {"gap": InFrame("contact"), "film": BareCells}
+    SCRATCH: ClassVar = ("slides", "bare", "surfaces", "_worn")
 
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.initial = gap_over(task.form, heights, executor, patches)

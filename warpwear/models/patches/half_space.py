@@ -20,9 +20,10 @@ from warpwear.contact.certificate import columns_of
 from warpwear.contact.half_space.influence import Influence
 from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.solver import BoundedPressure, HalfSpaceContact
-from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.executor import Executor, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
@@ -59,13 +60,14 @@ class HalfSpacePatches(Model):
     STATE: ClassVar = {
         "_ledger": PatchLedger,
         "_smooth": SmoothContact,
-        "gap": Field,
-        "worn": Field,
+        "gap": InFrame("contact"),
+        "worn": InFrame("contact"),
         "_solver": BoundedPressure,
         "_reached": float,
         "visited": int,
         "_film": BareCells,
     }
+    SCRATCH: ClassVar = ("_sums", "_maxima", "_slides", "_bare", "_parts", "_influence")
 
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.task, self._executor = task, executor
@@ -144,6 +146,10 @@ class HalfSpacePatches(Model):
         return self._ledger.snapshot(
             step, distance, self.patches, gap=read(self.gap), worn=read(self.worn), bare=bare
         )
+
+    def below_bounds(self) -> float:
+        """Compare with the lowest gap of every patch before any wear, see `Model.below_bounds`."""
+        return float((self.lowest - self._executor.to_numpy(self.gap).min(axis=1)).max())
 
     def _press(self, smooth: SmoothContact, removal: float, *, certified: bool | None) -> HalfSpaceContact:
         """Solve the contact by loads that a smooth one prescribes. removal: K ΔL of both bodies [mm³/N]."""

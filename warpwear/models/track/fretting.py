@@ -10,6 +10,7 @@ from warpwear.contact.half_space.solver import HalfSpace, HalfSpaceContact
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.kernels import wear_from_pressure
 from warpwear.laws.task import ContactTask
 
@@ -30,7 +31,11 @@ class CyclicSlip:
     """
 
     NUMBERS: ClassVar = ("_jump", "rigid", "force", "border", "_stuck", "_approach", "_first")
-    STATE: ClassVar = {"slips": Field, "grown": Field, **dict.fromkeys(NUMBERS, float)}
+    STATE: ClassVar = {
+        **dict.fromkeys(("slips", "grown"), InFrame("contact")),
+        **dict.fromkeys(NUMBERS, float),
+    }
+    SCRATCH: ClassVar = ("yields", "_solver")
 
     def __init__(self, task: ContactTask, executor: Executor) -> None:
         assert task.fretting is not None

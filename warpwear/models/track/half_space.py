@@ -16,6 +16,7 @@ from warpwear.contact.half_space.window import WindowedHalfSpace
 from warpwear.engine.executor import Executor, arguments
 from warpwear.engine.numbers import Mirror, Numbers
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import contact, fourier, wear_from_pressure
@@ -26,7 +27,7 @@ from warpwear.kernels.sliding_steps import Steps
 from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.archard import BODIES
 from warpwear.laws.task import ContactTask
-from warpwear.models.attachment import Place
+from warpwear.models.attachment import Place, give_columns
 from warpwear.models.film import BareCells
 from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.fretting import CyclicSlip
@@ -63,7 +64,7 @@ class SlidingHalfSpace:
 
     STATE: ClassVar = {
         "state": SlidingBodies,
-        "_of_rows": dict,
+        "_of_rows": InFrame("disc"),
         "_half_space": WindowedHalfSpace,
         "pieces": SlidingPieces,
         "ledger": Ledger,
@@ -72,6 +73,10 @@ class SlidingHalfSpace:
         "film": BareCells,
         "fretting": CyclicSlip,
     }
+    SCRATCH: ClassVar = (
+        *("_gap", "_means", "_sums", "_maxima", "_mirror", "_rubbed", "_rubbed_means", "_bare", "_parts"),
+        *("_slides", "_place", "_of_pieces", "_programs", "_static"),
+    )
     #: Steps are made one by one, on a GPU too.
     in_blocks = False
     #: Whether to certify the pressure with which the next step ends.
@@ -136,6 +141,7 @@ class SlidingHalfSpace:
         margin = 1 if self.fretting is None else self.fretting.margin
         self.ledger = Ledger(task, executor.grid, margin=margin, track_fraction=track_fraction)
         self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
+        give_columns([] if self.pieces is None else [self.pieces], ())
         #: Whether bodies wear in pieces, alone or beside dust: where all is dust no piece leaves.
         self._sheds = self.pieces is not None and task.dust < 1.0
         self._length = PartLength(task, moves=moves, sheds=self._sheds)

@@ -10,6 +10,7 @@ from warpwear.contact.balance import Balance, stiffness_of
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.engine.tiles import NO_LIMIT
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Entry, Ledger, Step
@@ -20,7 +21,7 @@ from warpwear.kernels.wear import BALANCE
 from warpwear.laws.archard import distance_factor, wear_in_steps
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
-from warpwear.models.attachment import Attachment, Place
+from warpwear.models.attachment import Attachment, Place, give_columns
 from warpwear.models.booking import booked
 from warpwear.models.film import BareCells
 from warpwear.models.track.bodies import SlidingBodies
@@ -37,6 +38,11 @@ LONGEST, CELLS_OF_REPLAY = 500, 1.0e8
 RENAMED = {"worn_counter": "wear_counter", "worn_disc": "wear_disc"}
 #: Names of the sums and maxima of a step.
 SUMS, MAXIMA = names_of(TrackSum), names_of(TrackMost)
+#: Sums that are kept of every tile and row of a body.
+KEPT = {
+    **dict.fromkeys(("touched", "worn_counter"), InFrame("counter")),
+    **dict.fromkeys(("worn_disc", "pressed_disc"), InFrame("disc")),
+}
 #: Columns of the history on the device.
 COLUMNS = (*BALANCE, *SUMS, *(f"most_{name}" for name in MAXIMA), *sliding_steps.KEPT, *sliding_steps.LAST)
 
@@ -60,8 +66,8 @@ class SlidingContact:
     STATE: ClassVar = {
         "state": SlidingBodies,
         "tiles": SlidingTiles,
-        "_kept": dict,
-        "_totals": dict,
+        "_kept": KEPT,
+        "_totals": KEPT,
         "_course": Numbers,
         "_changes": Field,
         "_recession": Recession,
@@ -69,6 +75,7 @@ class SlidingContact:
         "ledger": Ledger,
         "film": BareCells,
     }
+    SCRATCH: ClassVar = ("_slides", "_stiffness", "_steps", "_programs", "_search")
 
     def __init__(
         self,
@@ -106,6 +113,7 @@ class SlidingContact:
         # Pieces and a disc that recedes change heights after the pass that wears; what shear wears may lie
         # higher than what a list that serves several steps reaches.
         wears_alone = self.pieces is None and self._recession is None and not task.shears
+        wears_alone = wears_alone and not any(one.raises for one in self.attachments)
         fully = task.load / (task.least_hardness * executor.grid.cell_area)
         self.tiles = SlidingTiles(
             executor, bodies, self._slides.array, least=SPARE * fully, stays=wears_alone and not moves
@@ -125,7 +133,7 @@ class SlidingContact:
         #: What the steps on the device remember.
         self._course = Numbers(sliding_steps.Course, device, extents=[NO_INDEX] * 4)
         self._changes: Field = wp.full(int(sliding_steps.CHANGES), -1.0, dtype=wp.float64, device=device)
-        self._columns = (*COLUMNS, *(name for one in self.attachments for name in one.columns))
+        self._columns = give_columns(self.attachments, COLUMNS)
         self._steps = arguments(
             sliding_steps.Steps,
             device,

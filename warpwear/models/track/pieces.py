@@ -11,6 +11,7 @@ import warp as wp
 from warpwear.engine.executor import Arguments, Executor, Field, arguments, as_numbers
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.history.pieces import PieceBook
 from warpwear.kernels.cells import LANES
@@ -39,6 +40,7 @@ class Pending:
     """
 
     STATE: ClassVar = {"pending": Field, "overflow": np.ndarray, "_of_rows": Field}
+    SCRATCH: ClassVar = ("body",)
 
     def __init__(
         self,
@@ -134,7 +136,8 @@ class SlidingPieces(Attachment):
     the program is to be run again before its step is done.
     """
 
-    STATE: ClassVar = {"counter": Pending, "disc": Pending, "book": PieceBook}
+    STATE: ClassVar = {"counter": InFrame("counter"), "disc": InFrame("disc"), "book": PieceBook}
+    SCRATCH: ClassVar = ("_both", "_release")
     columns = COLUMNS
 
     def __init__(self, law: PieceLaw, executor: Executor, bodies: SlidingBodies, *, periodic: bool) -> None:
@@ -200,14 +203,9 @@ class SlidingPieces(Attachment):
         program.launch(kernels.take_tiles, place.slides, self._both, *contact, **self._alone)
 
     def between(self, program: Program, place: Place) -> None:
-        """Add that the pieces of a step leave; the loop over steps ends where their table is full.
-
-        The last columns of the history are `COLUMNS`.
-        """
-        rows = place.steps.history
-        column = rows.shape[1] - len(COLUMNS)
+        """Add that the pieces of a step leave; the loop over steps ends where their table is full."""
         for number, body in enumerate(self.both):
-            line = rows, column + number * len(OF_BODY)
+            line = place.steps.history, self.first_column + number * len(OF_BODY)
             body.add_shed(program, place.slides, self._release, line)
         goes = place.steps.stepping
         program.decide(shedding.end_step, self.counter.body, self.disc.body, self._release, goes)

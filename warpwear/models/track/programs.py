@@ -82,8 +82,7 @@ class StepPrograms:
         place = self._place._replace(springs=search.springs)
         with self._each(one.at_beginning(program) for one in self._attachments):
             program.decide(sliding_steps.begin_search, search.springs, place.steps)
-            for one in self._attachments:
-                one.before_search(program, place)
+            self._ask("before_search", program, place)
             search.add_to(program)
             self._tiles.add_to(program)
             program.decide(sliding_steps.end_search, search.springs, place.steps)
@@ -99,21 +98,24 @@ class StepPrograms:
             self._each(one.at_beginning(program) for one in self._attachments),
             program.branch(steps.solved),
         ):
-            for one in self._attachments:
-                one.before_wear(program, place)
+            self._ask("before_wear", program, place)
             program.launch(
                 sliding.wear_step,
                 *(*listed, slides, springs, of_cells, bodies, self._of_tiles, tables),
                 chunks=lambda: tiles.chunks,
             )
-            for one in self._attachments:
-                one.after_wear(program, place)
-        for one in self._attachments:
-            one.between(program, place)
+            self._ask("after_wear", program, place)
+        self._ask("between", program, place)
         with self._each(one.at_end(program) for one in self._attachments):
             program.decide(sliding_steps.record, springs, steps, tables, self._of_tiles.rows)
-            for one in self._attachments:
-                one.after_step(program, place)
+            self._ask("after_step", program, place)
+
+    def _ask(self, hook: str, program: Program, place: Place) -> None:
+        """Let each attachment add its part; after one that may close gaps the bounds are made anew."""
+        for one in self._attachments:
+            getattr(one, hook)(program, place)
+            if one.raises and getattr(type(one), hook) is not getattr(Attachment, hook):
+                self._tiles.refresh(program)
 
     @staticmethod
     @contextmanager

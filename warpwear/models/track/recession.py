@@ -13,6 +13,7 @@ import numpy as np
 
 from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.kernels.running_in import recession as kernels
 from warpwear.kernels.sliding import Bodies
@@ -23,7 +24,7 @@ from warpwear.models.attachment import Attachment, Place
 class Recession(Attachment):
     """What a logistic bearing curve adds to the steps of a disc that lies still."""
 
-    STATE: ClassVar = {"beyond": Field}
+    STATE: ClassVar = {"beyond": InFrame("disc")}
 
     def __init__(self, curve: Logistic, executor: Executor, bodies: Bodies) -> None:
         #: For kernels.
@@ -51,6 +52,8 @@ class UnequalStiffness(Attachment):
 
     factor: of the sliding distance of the disc's cells. recession: by which the disc runs in, if it does.
     """
+
+    SCRATCH: ClassVar = ("_bodies", "_stiffness")
 
     def __init__(
         self, executor: Executor, bodies: Bodies, factor: Field, recession: Recession | None
