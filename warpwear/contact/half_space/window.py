@@ -175,7 +175,7 @@ class WindowedHalfSpace:
     """
 
     STATE: ClassVar = {"_started": bool, "_window": Window, "_pressure": InFrame("contact", columns=True)}
-    SCRATCH: ClassVar = ("_gradient", "_extents", "_mirror", "_here", "_stored")
+    SCRATCH: ClassVar = ("_gradient", "_extents", "_mirror", "_here", "_stored", "_bodies")
 
     def __init__(
         self,
