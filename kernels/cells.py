@@ -85,6 +85,7 @@ class PressureSum(IntEnum):
     SLIP_WORK = 6  # Σ p s, of cells that slip by lengths of their own [MPa mm]
     STUCK = 7  # cells in contact that do not
     RUBBED = 8  # cells, each by the part of the step that it was in contact
+    BARE = 9
 
 
 class PressureMost(IntEnum):
@@ -99,6 +100,8 @@ class PressureMost(IntEnum):
     LAST_COLUMN = 6
 
 
+#: Sums that a feature of a contact enters in its books, where there is one.
+OF_FEATURES = {"bare", "slip_work", "stuck"}
 #: Tables whose lines C++ knows by name, see `native_code`: they are numbered from 0 on.
 TABLES = (WearSum, WearMost, TrackSum, TrackMost, PressureSum, PressureMost)
 
@@ -124,6 +127,21 @@ class Layout:
     vectors: wp.int32  # of a line
     first_row: wp.array(dtype=wp.int32)  # of the domain's cells, where a row of the field begins
     first_column: wp.array(dtype=wp.int32)
+
+
+@wp.struct
+class CellProperties:
+    """What cells of a contact may have one each of, or one row for all; no rows where they are alike.
+
+    Rows are those of the counter-body. Ratios are those to what a step has for all: see `Slide`.
+    """
+
+    stiffness: wp.array2d(dtype=Cells)  # 1/c [N/mm³]
+    cap_ratio: wp.array2d(dtype=Cells)  # cap over the hardness
+    shear_ratio: wp.array2d(dtype=Cells)  # shear strength over that by which shear wears
+    k_counter: wp.array2d(dtype=Cells)  # K of the counter-body over that of its uppermost material
+    k_disc: wp.array2d(dtype=Cells)  # of the disc, and factor of the sliding distance of its cells
+    material: wp.array2d(dtype=Cells)  # index of what meets: of a film 0, of the bare bodies 1
 
 
 @wp.func

@@ -172,17 +172,24 @@ def level_of(
     return wp.where(group.total < group.load, lowest, highest)
 
 
-@wp.kernel(module=TOGETHER)
-def judge(solve: Solve):
-    """Judge the pressure: is it the solution, and if not of what kind is the next step?"""
+@wp.struct
+class Judged:
+    """Holds what all groups of a search say of its pressure."""
+
+    between: wp.float64  # cells that are neither open nor capped
+    touching: wp.float64  # cells with a pressure
+    off_load: wp.float64  # groups that do not carry their load
+    off_bounds: wp.float64  # and those that breach the bounds of the gap by more than is allowed
+    reach: wp.float64  # largest breach of a group [mm]
+    least: wp.float64  # smallest breach, or the smallest that is allowed, whichever is larger [mm]
+
+
+@wp.func
+def judge_groups(solve: Solve, n: search.Numbers):
+    """See how far the groups are from their solution, and keep what that says of each."""
     rules = solve.rules[0]
-    n = solve.numbers[0]
-    all_between = ZERO
-    all_touching = ZERO
-    off_load = ZERO
-    off_bounds = ZERO
-    largest = ZERO
-    reach = -NONE
+    judged = Judged()
+    judged.reach = -NONE
     least_violation = -NONE
     least_allowed = -NONE
     for i in range(search.first_group(solve), search.groups_of(solve), search.stride(solve)):
@@ -204,52 +211,76 @@ def judge(solve: Solve):
         group.allowed = wp.max(rules.tolerance * group.scale, rules.rounding * yielded)
         if search.writes(solve):
             solve.groups[i] = group
-        all_between += between
-        all_touching += group.touching
-        off_load += wp.where(loaded, ZERO, ONE)
-        off_bounds += wp.where(group.violation <= group.allowed, ZERO, ONE)
-        largest = wp.max(largest, group.violation)
-        reach = wp.max(reach, off)
+        judged.between += between
+        judged.touching += group.touching
+        judged.off_load += wp.where(loaded, ZERO, ONE)
+        judged.off_bounds += wp.where(group.violation <= group.allowed, ZERO, ONE)
+        judged.reach = wp.max(judged.reach, off)
         least_violation = wp.max(least_violation, -group.violation)
         least_allowed = wp.max(least_allowed, -group.allowed)
-    all_between = search.over_groups(solve, all_between, True)
-    all_touching = search.over_groups(solve, all_touching, True)
-    off_load = search.over_groups(solve, off_load, True)
-    off_bounds = search.over_groups(solve, off_bounds, True)
-    reach = search.over_groups(solve, reach, False)
-    least = wp.max(
+    judged.between = search.over_groups(solve, judged.between, True)
+    judged.touching = search.over_groups(solve, judged.touching, True)
+    judged.off_load = search.over_groups(solve, judged.off_load, True)
+    judged.off_bounds = search.over_groups(solve, judged.off_bounds, True)
+    judged.reach = search.over_groups(solve, judged.reach, False)
+    judged.least = wp.max(
         -search.over_groups(solve, least_violation, False), -search.over_groups(solve, least_allowed, False)
     )
+    return judged
+
+
+@wp.func
+def with_status(before: search.Numbers, rules: search.Rules, judged: Judged, drifts: wp.bool):
+    """Return the numbers of a search that has ended, or goes on."""
+    n = before
+    n.iteration = n.iteration + n.moved
+    n.moved = 0
+    n.loaded = wp.where(judged.off_load == ZERO, 1, 0)
+    if not drifts and n.status == search.RUNS:
+        if n.loaded == 1 and judged.off_bounds == ZERO:
+            n.status = search.CONVERGED
+        elif n.iteration >= rules.iterations:
+            n.status = search.LED_NOWHERE
+    return n
+
+
+@wp.func
+def with_kind(solve: Solve, before: search.Numbers, judged: Judged):
+    """Return the numbers by which the next step goes, of the kind that suits: plain, or of few cells."""
+    rules = solve.rules[0]
+    n = before
+    capped = judged.between <= rules.elastic_fraction * judged.touching
+    patient = n.plain_done < rules.patience or judged.between == ZERO
+    n.plain = wp.where(n.plain_left > 0 or (capped and patient), 1, 0)
+    n.plain_left = wp.max(n.plain_left - 1, 0)
+    n.plain_done = n.plain_done + n.plain
+    solve.flags[Flag.PRECONDITIONS] = 1 - n.plain
+    few = (n.plain == 1 or capped) and n.loaded == 1 and n.at_load == 1
+    if few and judged.between <= wp.float64(rules.few) and judged.reach <= n.few_below and rules.few > 0:
+        n.few_below = HALF * judged.reach
+        n.near = rules.near * judged.reach
+        solve.flags[Flag.MOVES_FEW] = 1
+    return n
+
+
+@wp.kernel(module=TOGETHER)
+def judge(solve: Solve):
+    """Judge the pressure: is it the solution, and if not of what kind is the next step?"""
+    n = solve.numbers[0]
+    judged = judge_groups(solve, n)
     if search.lane() == 0:
-        n.iteration = n.iteration + n.moved
-        n.moved = 0
-        n.loaded = wp.where(off_load == ZERO, 1, 0)
-        drifts = n.drift > rules.drift * least
-        if not drifts and n.status == search.RUNS:
-            if n.loaded == 1 and off_bounds == ZERO:
-                n.status = search.CONVERGED
-            elif n.iteration >= rules.iterations:
-                n.status = search.LED_NOWHERE
+        drifts = n.drift > solve.rules[0].drift * judged.least
+        n = with_status(n, solve.rules[0], judged, drifts)
+        goes_on = not drifts and n.status == search.RUNS
         solve.flags[Flag.RENEWS] = wp.where(drifts, 1, 0)
         if drifts:
             solve.flags[Flag.RENEWS_ROUGHLY] = 0
             solve.flags[Flag.RENEWS_EXACTLY] = 1
-        goes_on = not drifts and n.status == search.RUNS
         solve.flags[Flag.MOVES] = wp.where(goes_on, 1, 0)
         solve.flags[Flag.MOVES_FEW] = 0
         solve.flags[Flag.STEPS] = 1
         if goes_on:
-            capped = all_between <= rules.elastic_fraction * all_touching
-            patient = n.plain_done < rules.patience or all_between == ZERO
-            n.plain = wp.where(n.plain_left > 0 or (capped and patient), 1, 0)
-            n.plain_left = wp.max(n.plain_left - 1, 0)
-            n.plain_done = n.plain_done + n.plain
-            solve.flags[Flag.PRECONDITIONS] = 1 - n.plain
-            few = (n.plain == 1 or capped) and n.loaded == 1 and n.at_load == 1
-            if few and all_between <= wp.float64(rules.few) and reach <= n.few_below and rules.few > 0:
-                n.few_below = HALF * reach
-                n.near = rules.near * reach
-                solve.flags[Flag.MOVES_FEW] = 1
+            n = with_kind(solve, n, judged)
         solve.flags[Flag.SEARCHING] = wp.where(n.status == search.RUNS, 1, 0)
         solve.numbers[0] = n
 

@@ -11,16 +11,16 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.balance import Springs, pressures_at
-from warpwear.kernels.cells import LANES, ONE, TILE_VECTORS, ZERO, Cells
-from warpwear.kernels.sliding import OfCells, Slide
+from warpwear.kernels.cells import LANES, ONE, TILE_VECTORS, ZERO, CellProperties, Cells
+from warpwear.kernels.sliding import Slide
 
 wp.set_module_options({**native_code.options("law.h", "bodies.h"), "fuse_fp": False})
 
 #: Counts of a body: candidates, peaks of a round and those that are cut, rounds in which pieces left, cells
-#: over for the next step and those that were for this one, how far the step is, its pieces.
+#: over for the next step and those that were for this one, how far the step is, its pieces, cells due.
 CANDIDATES, PEAKS, CUT, ROUND = (wp.constant(wp.int32(n)) for n in range(4))
-OVERFLOW, OVERFLOW_BEFORE, STAGE, PIECES = (wp.constant(wp.int32(n)) for n in range(4, 8))
-COUNTS = 8
+OVERFLOW, OVERFLOW_BEFORE, STAGE, PIECES, DUE = (wp.constant(wp.int32(n)) for n in range(4, 9))
+COUNTS = 9
 #: How far a body is with a step: it takes wear, sheds pieces, or is done.
 TAKES, SHEDS, DONE = (wp.constant(wp.int32(n)) for n in range(3))
 
@@ -48,6 +48,7 @@ class Body:
     pending: wp.array2d(dtype=wp.float64)  # [mm]
     sums: wp.array(dtype=wp.float64)  # pending in the footprint around a listed cell, 0 elsewhere [mm]
     candidates: wp.array(dtype=wp.int32)  # cells whose footprint gained in this step
+    due: wp.array(dtype=wp.int32)  # those of them whose sums call for a piece before any has left
     overflow: wp.array(dtype=wp.int32)  # cells still due after all rounds of the last step
     peaks: wp.array(dtype=wp.int32)  # those where a piece is due in this round
     counts: wp.array(dtype=wp.int32)  # by `CANDIDATES` and so on
@@ -143,7 +144,7 @@ def take_tiles(
     springs: Springs,
     tiles_in: wp.array2d(dtype=wp.int32),
     count_in: wp.array(dtype=wp.int32),
-    of_cells: OfCells,
+    cells: CellProperties,
     gap_in: wp.array2d(dtype=Cells),
 ):
     """Make the wear by the pressure of a solved approach pending, of the tiles listed."""
@@ -153,7 +154,7 @@ def take_tiles(
         for n in range(wp.tid() % wp.block_dim(), count_in[row], wp.block_dim()):
             t = tiles_in[row, n]
             for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap_in.shape[1])):
-                p = pressures_at(row, k, springs, gap_in, of_cells.stiffness, of_cells.parts)
+                p = pressures_at(row, k, springs, gap_in, cells.stiffness, cells.cap_ratio)
                 for j in range(LANES):
                     share_out(row, k * LANES + j, p[j], slide, both)
 

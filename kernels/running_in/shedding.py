@@ -14,6 +14,7 @@ from warpwear.kernels.running_in.pieces import (
     CANDIDATES,
     CUT,
     DONE,
+    DUE,
     OVERFLOW,
     OVERFLOW_BEFORE,
     PEAKS,
@@ -63,6 +64,8 @@ def sum_around(cell: wp.int32, anew: wp.int32, footprint: Footprint, body: Body)
         if r >= 0 and c >= 0 and c < body.columns:
             total += body.pending[r, c]
     body.sums[cell] = total
+    if anew == 1 and total >= footprint.needed:
+        body.due[wp.atomic_add(body.counts, DUE, 1)] = cell
 
 
 @wp.func
@@ -172,6 +175,8 @@ def begin_rounds(body: Body, release: Release):
             body.counts[PIECES] = 0
             body.counts[OVERFLOW_BEFORE] = body.counts[OVERFLOW]
             body.counts[OVERFLOW] = 0
+        if body.counts[ROUND] == 0:  # also where the table was full before the first
+            body.counts[DUE] = 0
         goes_on = body.counts[STAGE] == SHEDS and release.full[0] == 0 and body.counts[CANDIDATES] > 0
         release.sheds[0] = wp.where(goes_on, 1, 0)
 
@@ -179,16 +184,20 @@ def begin_rounds(body: Body, release: Release):
 @wp.kernel(module=TOGETHER)
 def sum_up(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Body):
     """Sum up what is pending around the cells listed; after the first round only where a piece was due."""
-    anew = wp.where(body.counts[ROUND] == 0, 1, 0)
-    for n in range(first_slot * wp.block_dim() + wp.tid(), body.counts[CANDIDATES], slots * wp.block_dim()):
-        sum_around(body.candidates[n], anew, footprint, body)
+    first = first_slot * wp.block_dim() + wp.tid()
+    if body.counts[ROUND] == 0:
+        for n in range(first, body.counts[CANDIDATES], slots * wp.block_dim()):
+            sum_around(body.candidates[n], 1, footprint, body)
+    else:
+        for n in range(first, body.counts[DUE], slots * wp.block_dim()):
+            sum_around(body.due[n], 0, footprint, body)
 
 
 @wp.kernel(module=TOGETHER)
 def find_peaks(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Body):
-    """Find the peaks among the cells listed."""
-    for n in range(first_slot * wp.block_dim() + wp.tid(), body.counts[CANDIDATES], slots * wp.block_dim()):
-        find_peak(body.candidates[n], footprint, body)
+    """Find the peaks among the cells where a piece is due."""
+    for n in range(first_slot * wp.block_dim() + wp.tid(), body.counts[DUE], slots * wp.block_dim()):
+        find_peak(body.due[n], footprint, body)
 
 
 @wp.kernel(module=TOGETHER)

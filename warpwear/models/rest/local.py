@@ -1,7 +1,8 @@
 """A ball wears with a disc on one grid, smooth on a foundation (macro) or with every asperity (micro).
 
-Every cell has the same stiffness, and both bodies wear in one proportion. Other laws, of cell by cell, are
-those of a track on which the disc does not move.
+Every cell has the same stiffness, and both bodies wear in one proportion: it is taken where a study has no
+feature, see `models.features`. Other laws, of cell by cell, are those of a track on which the disc does not
+move, which would do here as well, in 1.5 to 3.2 times the time: it keeps the fields of two bodies, not a gap.
 """
 
 from collections.abc import Iterator, Sequence

@@ -5,18 +5,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases_attached import STUDIES, arrays_of, model_of, needs_transforms
+from cases_features import STUDIES, arrays_of, model_of, needs_transforms
 
 from warpwear.contact.half_space.solver import BoundedPressure
 from warpwear.engine import state
 from warpwear.engine.executor import Executor
-from warpwear.models.film import BareCells
+from warpwear.models.features.film import BareCells
+from warpwear.models.features.particles import Pending
 from warpwear.models.model import Model
 from warpwear.models.patches.cells import PatchContact
 from warpwear.models.patches.half_space import HalfSpacePatches
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.models.track.bodies import SlidingBodies
-from warpwear.models.track.pieces import Pending
 from warpwear.models.track.tiles import SlidingTiles
 from warpwear.runs.order import RunOrder
 from warpwear.study.study import Study
