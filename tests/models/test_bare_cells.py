@@ -16,7 +16,7 @@ from warpwear.contact.search import LoadSearch
 from warpwear.engine.executor import Executor
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray, Grid
-from warpwear.kernels.cells import NO_INDEX, PADDING
+from warpwear.kernels.cells import PADDING
 from warpwear.runs.order import RunOrder
 
 PARTS = np.array([1.0, BARE / FILMED])
@@ -186,13 +186,9 @@ def bared(study: Study, device: str, threads: int) -> tuple[FloatArray, dict[str
     with order.arrangement.executor(study, device=device, threads=threads) as executor:
         model: Any = order.model(executor).model
         holder = getattr(model, "contact", model)
-        film = getattr(holder, "film", None) or getattr(holder, "_film", None)
-        if film is not None:
-            film.films.thickness = -1.0
-            if hasattr(holder, "state"):
-                holder.state.columns = (0, executor.grid.ny)
-            if hasattr(holder, "_course"):
-                holder._course.set(extents=[NO_INDEX, NO_INDEX, 0.0, executor.grid.ny - 1.0])
+        features = getattr(holder, "features", None) or getattr(holder, "_features", None)
+        if features:
+            features.sources.films.thickness = -1.0
         step = model.advance(order.plan[0][0], with_pressure=True)
         return step.pressure.copy(), step.row
 
