@@ -17,6 +17,7 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import Cells, Layout
+from warpwear.kernels.contact import Bends
 from warpwear.kernels.sliding import Bodies, OfRows, Slide
 
 wp.set_module_options(native_code.options("film.h", "wear_from_pressure.h"))
@@ -152,3 +153,30 @@ def bare_under_pressure(
     sums_out: wp.array2d(dtype=wp.float64),
 ):
     """Count bare cells among those with a pressure, of the rows visited."""
+
+
+@native_code.native_pass("wearing_pressures")
+def wearing_pressures(
+    bends: Bends,
+    pressure: wp.array2d(dtype=Cells),
+    counter_out: wp.array2d(dtype=Cells),
+    disc_out: wp.array2d(dtype=Cells),
+    sums_out: wp.array2d(dtype=wp.float64),
+):
+    """Find the pressures that wear counter-body and disc at the K of a step, where K goes with the pressure."""
+
+
+@native_code.native_pass("straighten")
+def straighten(
+    bends: Bends,
+    pressure: wp.array2d(dtype=Cells),
+    last: wp.array2d(dtype=Cells),
+    gap: wp.array2d(dtype=Cells),
+    gap_out: wp.array2d(dtype=Cells),
+    yields_out: wp.array2d(dtype=Cells),
+    off_out: wp.array2d(dtype=wp.float64),
+):
+    """Make a straight line over the pressure of what wear takes off each cell; say how far the last was off.
+
+    last: the pressures before, which become the present ones.
+    """

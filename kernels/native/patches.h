@@ -104,7 +104,7 @@ WARPWEAR_FN void carry_patch(int patch, int slots, const Steps& steps, Curves& c
         const Lanes q = on_spring(overlap, Lanes(stiffness)), p = clipped(q, most_here);
         pressure += p;
         between += p > zero && q < most_here ? slope_on_spring(overlap, Lanes(stiffness)) : zero;
-        const Lanes near = to_bound(q, most_here);
+        const Lanes near = to_bound(q, most_here, Lanes(stiffness));
         nearest = nearest < near ? nearest : near;
     });
     leave_each(

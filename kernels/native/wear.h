@@ -45,7 +45,7 @@ WARPWEAR_FN Lanes wear_cell(WearSums& sums, const WearBy& by, Lanes g, Lanes unw
     const Lanes cap_next = by.cap, q = clipped(r, cap_next);
     sums.pressure_next += q;
     sums.between_next += r == q ? slope_on_spring(next, stiffness_next) : zero;
-    const Lanes near = to_bound(r, cap_next);
+    const Lanes near = to_bound(r, cap_next, stiffness_next);
     sums.nearest_next = sums.nearest_next < near ? sums.nearest_next : near;
     return g;
 }

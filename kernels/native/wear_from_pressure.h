@@ -236,3 +236,49 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                 {most(highest), most(deepest_counter), most(deepest_disc), first_row, last_row, most(first),
                  most(last)});
 }
+
+// The pressures that wear counter-body and disc at their K of a step, where that goes with the pressure; and
+// their sums.
+template <typename Bends, typename Field, typename Table>
+WARPWEAR_FN void wearing_pressures(int slot, int slots, const Bends& bends, const Field& pressure,
+                                   const Field& counter, const Field& disc, Table& sums)
+{
+    const Bend bend = bend_of(bends);
+    Lanes of_counter = 0.0, of_disc = 0.0;
+    for (int row = slot; row < pressure.shape[0]; row += slots)
+        for (int i = lane_of_slot(); i < pressure.shape[1] * OF_VECTOR; i += width_of_slot()) {
+            const Lanes p = row_of(pressure, row)[i], a = bend.k_at(0, p) * p, b = bend.k_at(1, p) * p;
+            row_of(counter, row)[i] = a;
+            row_of(disc, row)[i] = b;
+            of_counter += a;
+            of_disc += b;
+        }
+    leave_lines(sums, slot, 2, {total(of_counter), total(of_disc)});
+}
+
+// What wear takes off a cell at a K of its pressure, as a line over the pressure: a part of the gap, and a
+// compliance. It is the chord from the last pressure, or where that is the present one, the tangent. Left is
+// the most by which the line before was off.
+template <typename Bends, typename Field, typename Table>
+WARPWEAR_FN void straighten(int slot, int slots, const Bends& bends, const Field& pressure, const Field& last,
+                            const Field& gap, const Field& gap_out, const Field& yields, Table& off)
+{
+    const Bend bend = bend_of(bends);
+    const double counter = bends.step.data[1], disc = bends.step.data[2];
+    const auto worn = [&](Lanes p) { return p * (counter * bend.k_at(0, p) + disc * bend.k_at(1, p)); };
+    const Lanes zero = 0.0;
+    Lanes largest = 0.0;
+    for (int row = slot; row < gap.shape[0]; row += slots)
+        for (int i = lane_of_slot(); i < gap.shape[1] * OF_VECTOR; i += width_of_slot()) {
+            const Lanes p = row_of(pressure, row)[i], g = row_of(gap, row)[i], here = worn(p);
+            const Lanes by = here - (row_of(gap_out, row)[i] - g) - row_of(yields, row)[i] * p;
+            const Lanes before = row_of(last, row)[i], least = 1.0e-6 * p + 1.0e-6;
+            const Lanes other = size_of(before - p) < least ? p + least : before;
+            const Lanes slope = (worn(other) - here) / (other - p);
+            largest = larger_of(largest, p > zero ? size_of(by) : zero);
+            row_of(yields, row)[i] = slope;
+            row_of(gap_out, row)[i] = g + (here - slope * p);
+            row_of(last, row)[i] = p;
+        }
+    leave_most(off, 0, slot, most(largest));
+}

@@ -101,6 +101,7 @@ def scales(study: Study) -> bool:
         not study.is_swept
         and study.fretting is None
         and study.wear.law != "bearing-curve"
+        and not any(law.over_pressure[0] for law in study.wear_laws)
         and study.wear.distance_factor == "none"
         and not study.wear.sheds
         and study.friction.film is None

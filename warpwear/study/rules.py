@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterator
 from itertools import pairwise
 
+from warpwear.laws.archard import BODIES, COEFFICIENTS
 from warpwear.laws.elastic import LEAST_TORSION
 from warpwear.laws.friction import RUNNING_IN
 from warpwear.laws.pieces import Pieces
@@ -44,6 +45,7 @@ def check(study: Content) -> None:
     _fretting(study)
     _pieces(study)
     _hardness(study)
+    _transition(study)
     _capacity(study)
     _tolerance(study)
     _stability(study)
@@ -257,9 +259,25 @@ def _hardness(study: Content) -> None:
             )
 
 
+def _transition(study: Content) -> None:
+    """Refuse a K over the pressure that programs do not follow."""
+    for body, law in zip(BODIES, study.wear_laws, strict=True):
+        pressures, values = law.over_pressure
+        named = f"wear.{body} = {getattr(study.wear, body).value:g} with wear.law = '{law.name}'"
+        if pressures and pressures[0] < 0.0:
+            raise ValueError(f"{named} begins to change at {pressures[0]:g} MPa; allowed is 0 MPa or more")
+        if values and values[0] == 0.0 < law.fastest:
+            raise ValueError(f"{named} wears under some pressures alone; allowed is more than 0, or 0 at all")
+        if law.rates().min() < 0.0:
+            raise ValueError(
+                f"{named} makes pressures beyond {pressures[0]:g} MPa wear less than smaller ones; allowed is a "
+                "p K that does not fall: a K that falls less, or over a wider range of pressures"
+            )
+
+
 def without_unit(study: Content) -> Iterator[str]:
     """Yield key and value of each wear coefficient that has no unit and is not 0."""
-    for name in ("counter", "disc", "initial_counter", "initial_disc"):
+    for name in sorted(COEFFICIENTS):
         coefficient = getattr(study.wear, name)
         if coefficient is not None and coefficient.dimensionless and coefficient.value > 0.0:
             yield f"wear.{name} = {coefficient.value:g}"
@@ -316,7 +334,7 @@ def unstable(study: Content) -> str | None:
     """Return the start of a sentence about explicit steps that are too large; None where they are not."""
     if study.stepping.scheme == "implicit":
         return None
-    counter, disc = (law.fastest for law in study.wear_laws)
+    counter, disc = (float(law.rates(study.hardness).max()) for law in study.wear_laws)
     slid, fraction = longest_step(study)
     limit = study.stable_increment(counter + fraction * disc)
     if slid < limit:

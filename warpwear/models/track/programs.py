@@ -51,6 +51,7 @@ class StepPrograms:
                 stiffness=None if rigid else of_cells.stiffness,
                 parts=of_cells.parts,
                 tolerance=task.load_tolerance if rigid else None,
+                knots=task.knots,
             )
             if rigid:
                 search.springs.highest = self._highest()
