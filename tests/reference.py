@@ -3,8 +3,9 @@
 Lengths in mm, pressures in MPa, loads in N, wear coefficients in mm²/N. Imports nothing from the package.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +71,39 @@ def foundation(
     return Contact(float(low + offset), found, found >= hardness, residual)
 
 
+def stretched(
+    gap: FloatArray,
+    compliance: float,
+    lent: tuple[FloatArray, FloatArray],
+    load: float,
+    hardness: float,
+    cell: float,
+) -> Contact:
+    """Foundation whose cells yield by p (c + k(p)), k(p) linear in a table, found by halving alone."""
+
+    def halved(low: FloatArray, high: FloatArray, is_low: Callable[[FloatArray], Any]) -> FloatArray:
+        for _ in range(200):
+            middle = 0.5 * (low + high)
+            if np.all((middle == low) | (middle == high)):
+                break
+            below = is_low(middle)
+            low, high = np.where(below, middle, low), np.where(below, high, middle)
+        return low
+
+    def pressure(approach: FloatArray) -> FloatArray:
+        overlap, most = approach - gap, min(hardness, load / cell**2)
+        return halved(
+            np.zeros_like(gap),
+            np.full_like(gap, most),
+            lambda p: p * (compliance + np.interp(p, *lent)) < np.maximum(overlap, 0.0),
+        )
+
+    most = np.array(gap.max() + min(hardness, load / cell**2) * (compliance + lent[1].max()))
+    approach = halved(np.array(gap.min()), most, lambda level: pressure(level).sum() * cell**2 < load)
+    found = pressure(approach)
+    return Contact(float(approach), found, found >= hardness * (1.0 - 1e-12), float(found.sum() * cell**2 - load))
+
+
 @dataclass
 class Run:
     """A worn contact: fields, the pressure of the last step, and one value a step of every quantity."""
@@ -93,18 +127,28 @@ def wear_run(
     stiffness: float = np.inf,
     factor: float | FloatArray = 1.0,
     tolerance: float = 0.0,
+    over_pressure: tuple[FloatArray, FloatArray, FloatArray] | None = None,
 ) -> Run:
     """Archard wear of both bodies, Δw = K p ΔL each, the disc's ΔL times a factor (eqs 4.16 and 4.22).
 
     explicit: p of the gap before the step, so c = 1/k. implicit: p of the gap after it, so
-    c = 1/k + (K_counter + K_disc factor) ΔL. tolerance: of the bearing area, which c = 0 leaves.
+    c = 1/k + (K_counter + K_disc factor) ΔL. tolerance: of the bearing area, which c = 0 leaves. over_pressure:
+    pressures, and what K of counter and disc are multiplied by at a pressure of the cell.
     """
     run = Run(gap.copy(), np.zeros_like(gap), np.zeros_like(gap), np.zeros_like(gap))
     touched = np.zeros(gap.shape, dtype=bool)
     for increment in increments:
         depth_per_pressure = wear[0] * increment, wear[1] * factor * increment
         c = 1.0 / stiffness + (sum(depth_per_pressure) if implicit else 0.0)
-        if np.any(c):
+        if over_pressure is not None:
+            at, *times = over_pressure
+            of_step = np.array(depth_per_pressure)
+            lent = at, np.add(*(k * t for k, t in zip(of_step * implicit, times, strict=True)))
+            contact = stretched(run.gap, 1.0 / stiffness, lent, load, hardness, cell)
+            depth_per_pressure = tuple(
+                k * np.interp(contact.pressure, at, t) for k, t in zip(of_step, times, strict=True)
+            )
+        elif np.any(c):
             contact = foundation(run.gap, c, load, hardness, cell)
         else:
             contact = bearing(run.gap, load, hardness, cell, tolerance)
