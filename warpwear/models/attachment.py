@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
+from types import MappingProxyType
 from typing import Any, ClassVar, NamedTuple
 
 from warpwear.engine.executor import Arguments, Field
@@ -16,7 +17,7 @@ class Place(NamedTuple):
     steps: Arguments = None  # their history and flags
     springs: Arguments = None  # of the search for the load
     listed: tuple[Field, ...] = ()  # the list of tiles, and how many each row has
-    of_cells: Arguments = None
+    cells: Arguments = None  # `CellProperties`
     bodies: Arguments = None
     tables: Arguments = None
 
@@ -31,10 +32,8 @@ class Attachment:
     margin = 0
     #: Its own columns of the history, after those of every contact.
     columns: ClassVar[tuple[str, ...]] = ()
-
-    def of_cells(self) -> Mapping[str, Field]:
-        """Give what cells have one each of, by the names of `OfCells`."""
-        return {}
+    #: What it makes of cells, by the names of `CellProperties`.
+    properties: Mapping[str, Field] = MappingProxyType({})
 
     def beside(self, columns: tuple[int, int]) -> tuple[int, int]:
         """Return the first column that the part may change beside these, and the one after the last."""

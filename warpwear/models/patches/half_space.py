@@ -28,7 +28,15 @@ from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import wear_from_pressure
-from warpwear.kernels.cells import LANES, PADDING, PATCH_MAXIMA, PATCH_SUMS, PressureMost, PressureSum
+from warpwear.kernels.cells import (
+    LANES,
+    PADDING,
+    PATCH_MAXIMA,
+    PATCH_SUMS,
+    CellProperties,
+    PressureMost,
+    PressureSum,
+)
 from warpwear.kernels.sliding import Bodies, OfRows, Slide
 from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.patches import Patches
@@ -87,8 +95,9 @@ class HalfSpacePatches(Model):
             layout_of(executor, self.patches),
         )
         self.worn = executor.zeros()  # by both bodies [mm]
-        self._film = BareCells.of_both(task.film, executor, self.worn, task.wear_fractions)
-        self._parts = None if self._film is None else self._film.parts
+        self._film = BareCells.of_both(task, executor, self.worn)
+        self._properties = arguments(CellProperties, **({} if self._film is None else self._film.properties))
+        self._parts = self._properties.cap_ratio
         #: Cells where there is a surface, summed over the patches up to each.
         self._cells = np.cumsum((executor.to_numpy(self.gap) < PADDING).sum(axis=1))
         assert task.modulus is not None  # checked with the study
@@ -191,7 +200,7 @@ class HalfSpacePatches(Model):
         """Wear both bodies by the pressure of the contact; sums are in the order of the macro cells."""
         # The scatter is summed about a value near the mean.
         reference, visited = self._ledger.row["pressure_mean"], self.visited
-        self._slides.set(rows=visited, of_counter=removal, reference=reference)
+        self._slides.set(rows=visited, k_counter=removal, reference=reference)
         if self._wearing is None:
             self._wearing = self._wear_program(contact)
         self._wearing.run()
@@ -213,10 +222,9 @@ class HalfSpacePatches(Model):
             pressure=contact.pressure_field,
             means=contact.pressure_field,
             gradient=contact.gradient_field,
+            cells=self._properties,
             cap=min(self.task.hardness, NO_CAP),
         )
-        if self._parts is not None:
-            pressed.parts = self._parts
         program = Program(self._executor)
         tables = arguments(OfRows), self._sums, self._maxima
         bodies = arguments(Bodies, counter=self.gap, wear_counter=self.worn)

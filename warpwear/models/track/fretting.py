@@ -158,8 +158,8 @@ class CyclicSlip:
         (counter, disc), slides = removals, self.rigid / cycle
         own = 0.0 if self.yields is None else 1.0 / cycle
         return {
-            "of_counter": slides * counter,
-            "of_disc": slides * disc,
+            "k_counter": slides * counter,
+            "k_disc": slides * disc,
             "slipping_counter": own * counter,
             "slipping_disc": own * disc,
             # Under a stroke they are made anew in each jump.

@@ -152,9 +152,9 @@ class SlidingPieces(Attachment):
             margin=self.margin,
             rounds=ROUNDS,
         )
-        of_counter, of_disc = (bodies.counter, bodies.wear_counter), (bodies.disc, bodies.wear_disc)
-        self.counter = Pending(executor, law, self._footprint, of_counter, number=0, periodic=False)
-        self.disc = Pending(executor, law, self._footprint, of_disc, number=1, periodic=periodic)
+        counter, disc = (bodies.counter, bodies.wear_counter), (bodies.disc, bodies.wear_disc)
+        self.counter = Pending(executor, law, self._footprint, counter, number=0, periodic=False)
+        self.disc = Pending(executor, law, self._footprint, disc, number=1, periodic=periodic)
         self.both = self.counter, self.disc
         both = {"counter": self.counter.body, "disc": self.disc.body}
         self._both = arguments(kernels.Both, footprint=self._footprint, **both)
@@ -196,7 +196,7 @@ class SlidingPieces(Attachment):
 
     def before_wear(self, program: Program, place: Place) -> None:
         """Add that the wear of the tiles listed becomes pending."""
-        contact = place.springs, *place.listed, place.of_cells, place.bodies.gap
+        contact = place.springs, *place.listed, place.cells, place.bodies.gap
         program.launch(kernels.take_tiles, place.slides, self._both, *contact, **self._alone)
 
     def between(self, program: Program, place: Place) -> None:

@@ -41,15 +41,15 @@ class StepPrograms:
     def search(self, *, rigid: bool) -> LoadSearch:
         """Return the search of steps whose cells are rigid or not."""
         if rigid not in self._searches:
-            task, of_cells = self._task, self._place.of_cells
+            task, cells = self._task, self._place.cells
             search = LoadSearch(
                 self._executor,
                 self._place.bodies.gap,
                 self._tiles,
                 load=task.load,
                 hardness=task.hardness,
-                stiffness=None if rigid else of_cells.stiffness,
-                parts=of_cells.parts,
+                stiffness=None if rigid else cells.stiffness,
+                parts=cells.cap_ratio,
                 tolerance=task.load_tolerance if rigid else None,
                 knots=task.knots,
             )
@@ -92,8 +92,8 @@ class StepPrograms:
     def _add_wear(self, program: Program, search: LoadSearch) -> None:
         """Add the end of a step: the wear of both bodies, what follows it, and its row."""
         place, tiles = self._place._replace(springs=search.springs), self._tiles
-        slides, springs, listed, of_cells, bodies, tables, steps = (
-            *(place.slides, place.springs, place.listed, place.of_cells),
+        slides, springs, listed, cells, bodies, tables, steps = (
+            *(place.slides, place.springs, place.listed, place.cells),
             *(place.bodies, place.tables, place.steps),
         )
         with (
@@ -104,7 +104,7 @@ class StepPrograms:
                 one.before_wear(program, place)
             program.launch(
                 sliding.wear_step,
-                *(*listed, slides, springs, of_cells, bodies, self._of_tiles, tables),
+                *(*listed, slides, springs, cells, bodies, self._of_tiles, tables),
                 chunks=lambda: tiles.chunks,
             )
             for one in self._attachments:

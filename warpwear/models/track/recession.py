@@ -59,10 +59,7 @@ class UnequalStiffness(Attachment):
         self._executor, self._bodies, self._factor = executor, bodies, factor
         self._curve = arguments(kernels.Curve) if recession is None else recession.curve
         self._stiffness = executor.zeros(1 if alike else None)
-
-    def of_cells(self) -> Mapping[str, Field]:
-        """Give the stiffness."""
-        return {"stiffness": self._stiffness}
+        self.properties = {"stiffness": self._stiffness}
 
     def before_search(self, program: Program, place: Place) -> None:
         """Add how 1/c of every cell follows from what wears it in a step."""

@@ -45,17 +45,25 @@ class SlidingTiles(TileList):
     made its gap. The gap of other tiles is not made. A list holds no tile without a cell within the limit.
 
     bodies: heights as worn, of nx rows and of at least as many, and room for the gap; places without a
-    surface stand infinitely high on the ball and low on the disc. slides: a `Slide` in an array. stays:
-    whether the disc lies still and nothing but the pass that wears changes a gap, which is made once then.
+    surface stand infinitely high on the ball and low on the disc. slides: a `Slide` in an array. cells: what
+    they have of their own. stays: whether the disc lies still and nothing but the pass that wears changes a
+    gap, which is made once then.
     """
 
     STATE: ClassVar = {"lowest": PerTile, "highest": PerTile}
 
     def __init__(
-        self, executor: Executor, bodies: Arguments, slides: Field, *, least: float, stays: bool = False
+        self,
+        executor: Executor,
+        bodies: Arguments,
+        slides: Field,
+        cells: Arguments,
+        *,
+        least: float,
+        stays: bool = False,
     ) -> None:
         super().__init__(executor, least=least, limit=-NO_LIMIT, asked=-NO_LIMIT)
-        self._bodies, self._slides = bodies, slides
+        self._bodies, self._slides, self._cells = bodies, slides, cells
         device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
         self._depth: Field = wp.array([float(sliding.FIRST_DEPTH)], dtype=wp.float64, device=device)
         self.lowest = PerTile(nx, columns, device)  # of the counter-body
@@ -81,7 +89,8 @@ class SlidingTiles(TileList):
         with program.loop(self.listing):
             program.launch(
                 sliding.select,
-                *(self.lists.array, self._slides, self._bounds, self._bodies, self.list, self.count),
+                *(self.lists.array, self._slides, self._bounds, self._cells, self._bodies),
+                *(self.list, self.count),
                 chunks=self._chunks_of_bounds,
             )
             program.decide(
