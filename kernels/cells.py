@@ -61,6 +61,7 @@ class TrackSum(IntEnum):
     PRESSURE_TIMES_FACTOR = 4
     BARE = 5
     RUBBED = 6  # cells, each by the part of the step that it was in contact
+    WEARING_COUNTER = 7  # pressure times K of the counter-body over that of the step, where it differs [MPa]
 
 
 class TrackMost(IntEnum):

@@ -2,7 +2,7 @@
 // Cells of a list of tiles: how they are visited, what they carry at an approach, and what lies below a
 // level.
 
-#include "law.h"
+#include "properties.h"
 
 #if defined(__CUDA_ARCH__)
 static const int AT_ONCE =
@@ -36,11 +36,6 @@ WARPWEAR_FN void visit_listed(const int* tiles, int listed, int of_row, const Vi
     }
 #endif
 }
-
-// What bears a cell: its own stiffness, or what all have alike.
-template <bool OWN> WARPWEAR_FN Lanes spring_at(const Stored* own, int i, double alike)
-{ return OWN ? Lanes(own[i]) : Lanes(alike); }
-template <bool> WARPWEAR_FN const Bend& spring_at(const Stored*, int, const Bend& alike) { return alike; }
 
 // What cells carry at an approach base + offset: the sum of the pressures, of the stiffnesses of the cells
 // that are neither open nor capped, and how near one is to changing that [MPa]. OWN: whether cells have a
@@ -102,10 +97,9 @@ WARPWEAR_FN void carry(int slot, int slots, const List& list, const Count& count
     };
     const bool bends = springs.bends.knots.shape[0] > 0, own = stiffness.shape[0] > 0;
     const bool parted = parts.shape[0] > 0;
-    const double alike = search.stiffness;
-    if (bends && !parted) by(Is<false>(), Is<false>(), bend_of(springs.bends));
-    if (bends && parted) by(Is<false>(), Is<true>(), bend_of(springs.bends));
-    if (bends) return;
+    const Lanes alike = search.stiffness;
+    if (bends && !parted) return by(Is<false>(), Is<false>(), bend_of(springs.bends));
+    if (bends) return by(Is<false>(), Is<true>(), bend_of(springs.bends));
     if (!own && !parted) by(Is<false>(), Is<false>(), alike);
     if (own && !parted) by(Is<true>(), Is<false>(), alike);
     if (!own && parted) by(Is<false>(), Is<true>(), alike);
