@@ -34,6 +34,8 @@ class Pressed:
     grown: wp.array2d(dtype=Cells)  # by how much they did in the last jump [mm]
     rubbed: wp.array2d(dtype=Cells)  # part of the step in contact, and its means; no rows without shear
     rubbed_means: wp.array2d(dtype=Cells)
+    on_counter: wp.array2d(dtype=Cells)  # by which bodies wear at K of the step; no rows where that is the
+    on_disc: wp.array2d(dtype=Cells)  # pressure itself [MPa]
     cells: CellProperties
     cap: wp.float64  # largest pressure [MPa]
 
@@ -168,9 +170,12 @@ def wearing_pressures(
 
 @native_code.native_pass("straighten")
 def straighten(
+    slides: wp.array(dtype=Slide),
     bends: Bends,
     pressure: wp.array2d(dtype=Cells),
     last: wp.array2d(dtype=Cells),
+    far: wp.array2d(dtype=Cells),
+    passing: wp.array2d(dtype=Cells),
     gap: wp.array2d(dtype=Cells),
     gap_out: wp.array2d(dtype=Cells),
     yields_out: wp.array2d(dtype=Cells),
@@ -178,5 +183,6 @@ def straighten(
 ):
     """Make a straight line over the pressure of what wear takes off each cell; say how far the last was off.
 
-    last: the pressures before, which become the present ones.
+    last: the pressures before, which become the present ones. passing: means over the way of means of those
+    that wear the counter-body; a row of them where no disc moves.
     """

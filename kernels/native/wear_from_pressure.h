@@ -132,10 +132,13 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
         const int under = has_disc ? under_row(row, slide.shift, bodies.disc.shape[0]) : 0;
         const Stored *const p_of = row_of(pressed.pressure, row), *const target =
                                                                       row_of(pressed.gradient, row);
-        const Stored* const passing = mean_of(pressed.pressure, pressed.means, row, slide.window);
+        const bool bends = pressed.on_counter.shape[0] > 0; // K goes with the pressure
+        const Stored* const passing =
+            mean_of(bends ? pressed.on_counter : pressed.pressure, pressed.means, row, slide.window);
         const bool turned = slide.counter_moves == 1;
+        const Stored* const own_disc = bends ? row_of(pressed.on_disc, row) : p_of;
         const Stored *const over_counter = turned ? p_of : passing, *const over_disc =
-                                                                        turned ? passing : p_of;
+                                                                        turned ? passing : own_disc;
         Stored* const slip = slips ? row_of(pressed.slips, row) : nullptr;
         Stored* const grown = slips ? row_of(pressed.grown, row) : nullptr;
         const CellRow own(pressed.cells, row);
@@ -256,12 +259,17 @@ WARPWEAR_FN void wearing_pressures(int slot, int slots, const Bends& bends, cons
 }
 
 // What wear takes off a cell at a K of its pressure, as a line over the pressure: a part of the gap, and a
-// compliance. It is the chord from the last pressure, or where that is the present one, the tangent. Left is
-// the most by which the line before was off.
-template <typename Bends, typename Field, typename Table>
-WARPWEAR_FN void straighten(int slot, int slots, const Bends& bends, const Field& pressure, const Field& last,
+// compliance. It is the chord to a pressure on the other side of what is looked for: the last one where the
+// present one has gone past it, else half as far as before; in the end the tangent. What the
+// pressures that pass over a cell take off, `passing` by K of the step, is a part of the gap. Left is the most
+// by which the line before was off.
+template <typename Slides, typename Bends, typename Field, typename Table>
+WARPWEAR_FN void straighten(int slot, int slots, const Slides& slides, const Bends& bends,
+                            const Field& pressure, const Field& last, const Field& far, const Field& passing,
                             const Field& gap, const Field& gap_out, const Field& yields, Table& off)
 {
+    const auto& slide = wp::index(slides, 0);
+    const double k_passing = slide.window > 1 ? slide.k_counter : 0.0;
     const Bend bend = bend_of(bends);
     const double counter = bends.step.data[1], disc = bends.step.data[2];
     const auto worn = [&](Lanes p) { return p * (counter * bend.k_at(0, p) + disc * bend.k_at(1, p)); };
@@ -269,15 +277,19 @@ WARPWEAR_FN void straighten(int slot, int slots, const Bends& bends, const Field
     Lanes largest = 0.0;
     for (int row = slot; row < gap.shape[0]; row += slots)
         for (int i = lane_of_slot(); i < gap.shape[1] * OF_VECTOR; i += width_of_slot()) {
-            const Lanes p = row_of(pressure, row)[i], g = row_of(gap, row)[i], here = worn(p);
+            const Lanes p = row_of(pressure, row)[i], here = worn(p);
+            const Lanes g = row_of(gap, row)[i] + k_passing * mean_of(passing, passing, row, slide.window)[i];
             const Lanes by = here - (row_of(gap_out, row)[i] - g) - row_of(yields, row)[i] * p;
             const Lanes before = row_of(last, row)[i], least = 1.0e-6 * p + 1.0e-6;
-            const Lanes other = size_of(before - p) < least ? p + least : before;
-            const Lanes slope = (worn(other) - here) / (other - p);
+            const Lanes beyond = (p - before) * by > zero ? before : 0.5 * (p + row_of(far, row)[i]);
+            const Lanes other = size_of(beyond - p) < least ? p + least : beyond;
+            const Lanes chord = (worn(other) - here) / (other - p), tangent = (worn(p + least) - here) / least;
+            const Lanes slope = larger_of(chord, tangent);
             largest = larger_of(largest, p > zero ? size_of(by) : zero);
             row_of(yields, row)[i] = slope;
             row_of(gap_out, row)[i] = g + (here - slope * p);
             row_of(last, row)[i] = p;
+            row_of(far, row)[i] = beyond;
         }
     leave_most(off, 0, slot, most(largest));
 }

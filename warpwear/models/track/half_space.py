@@ -33,6 +33,7 @@ from warpwear.models.track.fretting import CyclicSlip
 from warpwear.models.track.part_length import PartLength
 from warpwear.models.track.pieces import OF_BODY, SlidingPieces
 from warpwear.models.unworn import layout_of
+from warpwear.models.wear_lines import WearLines
 
 #: Real over nominal area from which the last pressure, where it is, is a better start than none.
 KEEPS_PRESSURE = 0.7
@@ -138,6 +139,8 @@ class SlidingHalfSpace:
         #: Whether bodies wear in pieces, alone or beside dust: where all is dust no piece leaves.
         self._sheds = self.pieces is not None and task.dust < 1.0
         self._length = PartLength(task, moves=moves, sheds=self._sheds)
+        #: Finds what wears cells whose K goes with their pressure; None where none does.
+        self._lines = WearLines(task.knots, executor, self._slides, moves=moves) if len(task.knots) else None
         #: Solves contacts without the wear of the step. It is a second solver: the first goes on as it was.
         self._static = None
         if task.static_area_every:
@@ -170,7 +173,8 @@ class SlidingHalfSpace:
         approach = residual = error = 0.0
         transforms = parts = done = 0
         of_film, of_shear = ["bare"] * (self.film is not None), ["rubbed"] * self.task.shears
-        pooled = dict.fromkeys((*OF_A_PART, *of_film, *of_shear), 0.0)
+        of_lines = ["wearing_counter", "pressure_times_factor"] * (self._lines is not None)
+        pooled = dict.fromkeys((*OF_A_PART, *of_film, *of_shear, *of_lines), 0.0)
         highest, removal, columns = 0.0, (0.0, 0.0), self.state.columns
         shears = self.task.wear_per_contact(before["distance"], increment)
         ratios = self.task.shear_ratios
@@ -277,15 +281,18 @@ class SlidingHalfSpace:
             of_place, of_mean = (self.fretting.shares(removals)[f"k_{body}"] for body in BODIES)
             yields = self.fretting.yields
         own = of_mean if window == 1 else 0.0  # a mean over one cell changes nothing
-        return self._half_space.solve(
+        solve = partial(
+            self._half_space.solve, load=self.task.load, parts=self._parts, least_part=self._least_part
+        )
+        if self._lines is not None:
+            self._slides.set(k_counter=of_mean, k_disc=self._track_fraction * of_place)
+            return self._lines.solve(solve, self._gap, self._half_space.start, certified=certified)
+        return solve(
             self._gap,
-            load=self.task.load,
             compliance=self._track_fraction * of_place + own,
             streak_compliance=of_mean - own,
             streak_window=window,
-            parts=self._parts,
             yields=yields,
-            least_part=self._least_part,
             certified=certified,
         )
 
@@ -333,7 +340,11 @@ class SlidingHalfSpace:
             program.launch(wear_from_pressure.means, slides, self._rubbed, self._rubbed_means)
         if self.fretting is not None:
             pressed.slips, pressed.grown = self.fretting.slips, self.fretting.grown
-        program.launch(wear_from_pressure.means, slides, pressure, self._means)
+        if self._lines is not None:
+            pressed.on_counter, pressed.on_disc = self._lines.counter, self._lines.disc
+        program.launch(
+            wear_from_pressure.means, slides, self._lines.counter if self._lines else pressure, self._means
+        )
         tables = [arguments(OfRows, **self._of_rows), self._sums, self._maxima]
         program.launch(wear_from_pressure.wear, slides, self._layout, pressed, self._bodies, *tables)
         if self.film is not None:
@@ -361,10 +372,11 @@ class SlidingHalfSpace:
             approach=contact.approach,
             reference=self.ledger.row["pressure_mean"],  # the scatter is summed about a value near the mean
         )
+        wearing = self._lines.press(contact.pressure_field) if self._lines else {}
         self._run("wear", lambda program: self._add_wear(program, contact))
         sums, maxima, *single = self._mirror.read()
         most = dict(zip(MAXIMA, maxima.max(axis=1).tolist(), strict=True))
-        total = dict(zip(names_of(PressureSum), sums.sum(axis=1).tolist(), strict=True))
+        total = dict(zip(names_of(PressureSum), sums.sum(axis=1).tolist(), strict=True)) | wearing
         names = ("wear_disc", "pressed_disc", "bare")
         total.update(zip(names, (float(values.sum()) for values in single), strict=self.film is not None))
         return total, most
