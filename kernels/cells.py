@@ -38,6 +38,7 @@ class WearSum(IntEnum):
     CAPPED = 3
     TOUCHED = 4  # this and the next: of the whole field, not of the step
     WORN = 5  # by both bodies [mm]
+    WEARING = 6  # pressure times K over that of the step, where it differs [MPa]
 
 
 class WearMost(IntEnum):

@@ -29,10 +29,10 @@ static const bool IS_STRAIGHT = true;
 template <typename Real> WARPWEAR_FN Real stiffness_of(Real stiffness) { return stiffness; }
 
 // Cells whose K goes with their pressure p: over that of the step it is linear between knots, and constant
-// beyond the last, so that between them the overlap of a cell is a parabola of p, which wear stretches. Passes
-// take it in the place of a stiffness.
+// beyond the last, so that between them the overlap of a cell is a parabola of p, which wear stretches.
+// Passes take it in the place of a stiffness.
 struct Bend {
-    static const int MOST = 16;       // knots
+    static const int MOST = 16; // knots
     int knots = 0;
     double stiffness;                 // of all cells, where nothing presses
     double from[MOST], length[MOST];  // p at a knot, and up to the next [MPa]
@@ -40,8 +40,7 @@ struct Bend {
     double overlap[MOST], width[MOST], linear[MOST], square[MOST]; // there, up to the next, and of p beyond
 
     // knots: rows of p and K. own: compliance that is not wear; counter, disc: what K of the step adds.
-    template <typename Knots>
-    CUDA_CALLABLE Bend(const Knots& table, double own, double counter, double disc)
+    template <typename Knots> CUDA_CALLABLE Bend(const Knots& table, double own, double counter, double disc)
     {
         const double by[2] = {counter, disc};
         stiffness = own + counter + disc > 0.0 ? 1.0 / (own + counter + disc) : NO_LIMIT;
@@ -95,7 +94,8 @@ template <typename Real> WARPWEAR_FN Real slope_on_spring(Real overlap, const Be
     Real slope = 0.0;
     for (int j = 0; j < bend.knots; ++j) {
         const Real beyond = overlap - bend.overlap[j], zero = 0.0;
-        const Real root = root_of(bend.linear[j] * bend.linear[j] + 4.0 * bend.square[j] * clipped(beyond, Real(bend.width[j])));
+        const Real root = root_of(bend.linear[j] * bend.linear[j] +
+                                  4.0 * bend.square[j] * clipped(beyond, Real(bend.width[j])));
         slope = beyond > zero ? 1.0 / (root * bend.stiffness) : slope;
     }
     return slope;

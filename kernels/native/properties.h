@@ -51,8 +51,8 @@ WARPWEAR_FN PerBody wearing_pressure(const Bend& bend, Lanes p)
 { return {bend.k_at(0, p) * p, bend.k_at(1, p) * p}; }
 
 // The depths that a step wears off both bodies of cells [mm]: K ΔL p, and what their shear wears. pressure:
-// that which wears each body, as it sees it. sheared: part of the step in contact times the shear ratio. OWN: whether cells have a
-// K each; SHEARS: whether shear wears. Nothing of it is fused with what it is added to.
+// that which wears each body, as it sees it. sheared: part of the step in contact times the shear ratio. OWN:
+// whether cells have a K each; SHEARS: whether shear wears. Nothing of it is fused with what it is added to.
 template <bool OWN, bool SHEARS, typename Slide>
 WARPWEAR_FN PerBody removal_of(const Slide& step, const CellRow& cells, int i, const PerBody& pressure,
                                const PerBody& sheared)

@@ -185,8 +185,8 @@ WARPWEAR_FN void total_rows(int row, int under, bool presses, const OfTiles& of_
 // it lifts the approach, so cells that stand out less than that were in contact for a part of the step, and
 // bear nothing at its end. Bounds and sums of the tiles and rows are made anew; tiles that
 // do not touch stay as they are, where their lowest gaps are known. Each sum grows lane by lane, in the order
-// of the cells. alike: stiffness, or `Bend`, of all. OWN: cells have a K each; RARE: they have more of their own, shear, keep their dents, or
-// belong to a ball that does not wear.
+// of the cells. alike: stiffness, or `Bend`, of all. OWN: cells have a K each; RARE: they have more of their
+// own, shear, keep their dents, or belong to a ball that does not wear.
 template <bool OWN, bool RARE, typename Spring, typename List, typename Count, typename Slides,
           typename Springs, typename Properties, typename Bodies, typename OfTiles, typename Tables>
 WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& list, const Count& counts,
@@ -267,7 +267,8 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
                 wear_counter[i] = a;
                 wear_disc[i] = b;
                 sums.of(TrackSum::PRESSURE) += p;
-                sums.of(TrackSum::PRESSURE_TIMES_FACTOR) += OWN ? wearing.disc * own_or(own.k_disc, i, one) : wearing.disc;
+                sums.of(TrackSum::PRESSURE_TIMES_FACTOR) +=
+                    OWN ? wearing.disc * own_or(own.k_disc, i, one) : wearing.disc;
                 if (!is_straight(alike)) sums.of(TrackSum::WEARING_COUNTER) += wearing.counter;
                 highest = larger_of(highest, p);
                 const Lanes from_reference = p > zero ? p - reference : zero;
@@ -331,8 +332,8 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
                             const OfTiles& of_tiles, Tables& tables)
 {
     const auto by = [&](auto own, auto rare, const auto& alike) {
-        wear_by<decltype(own)::value, decltype(rare)::value>(slot, slots, alike, list, counts, slides, springs,
-                                                             cells, bodies, of_tiles, tables);
+        wear_by<decltype(own)::value, decltype(rare)::value>(slot, slots, alike, list, counts, slides,
+                                                             springs, cells, bodies, of_tiles, tables);
     };
     const Lanes alike = wp::index(springs.search, 0).stiffness;
     const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];

@@ -40,7 +40,8 @@ WARPWEAR_FN void visit_listed(const int* tiles, int listed, int of_row, const Vi
 // What cells carry at an approach base + offset: the sum of the pressures, of the stiffnesses of the cells
 // that are neither open nor capped, and how near one is to changing that [MPa]. OWN: whether cells have a
 // stiffness of their own; PARTED: whether they have a part of the cap. alike: stiffness, or `Bend`, of all.
-template <bool OWN, bool PARTED, typename List, typename Count, typename Spring, typename Field, typename Table>
+template <bool OWN, bool PARTED, typename List, typename Count, typename Spring, typename Field,
+          typename Table>
 WARPWEAR_FN void carry_by(int slot, int slots, const List& list, const Count& counts, double base,
                           double offset, double cap, const Spring& alike, const Field& gap_in,
                           const Field& stiffness_in, const Field& parts_in, Table& trial)
@@ -91,9 +92,9 @@ WARPWEAR_FN void carry(int slot, int slots, const List& list, const Count& count
 {
     const auto& search = wp::index(springs.search, 0);
     const auto by = [&](auto own, auto parted, const auto& alike) {
-        carry_by<decltype(own)::value, decltype(parted)::value>(
-            slot, slots, list, counts, search.base, search.bracket.offset, springs.cap, alike, gap, stiffness,
-            parts, springs.trial);
+        carry_by<decltype(own)::value, decltype(parted)::value>(slot, slots, list, counts, search.base,
+                                                                search.bracket.offset, springs.cap, alike,
+                                                                gap, stiffness, parts, springs.trial);
     };
     const bool bends = springs.bends.knots.shape[0] > 0, own = stiffness.shape[0] > 0;
     const bool parted = parts.shape[0] > 0;

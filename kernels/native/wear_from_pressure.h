@@ -261,8 +261,8 @@ WARPWEAR_FN void wearing_pressures(int slot, int slots, const Bends& bends, cons
 // What wear takes off a cell at a K of its pressure, as a line over the pressure: a part of the gap, and a
 // compliance. It is the chord to a pressure on the other side of what is looked for: the last one where the
 // present one has gone past it, else half as far as before; in the end the tangent. What the
-// pressures that pass over a cell take off, `passing` by K of the step, is a part of the gap. Left is the most
-// by which the line before was off.
+// pressures that pass over a cell take off, `passing` by K of the step, is a part of the gap. Left is the
+// most by which the line before was off.
 template <typename Slides, typename Bends, typename Field, typename Table>
 WARPWEAR_FN void straighten(int slot, int slots, const Slides& slides, const Bends& bends,
                             const Field& pressure, const Field& last, const Field& far, const Field& passing,
@@ -283,7 +283,8 @@ WARPWEAR_FN void straighten(int slot, int slots, const Slides& slides, const Ben
             const Lanes before = row_of(last, row)[i], least = 1.0e-6 * p + 1.0e-6;
             const Lanes beyond = (p - before) * by > zero ? before : 0.5 * (p + row_of(far, row)[i]);
             const Lanes other = size_of(beyond - p) < least ? p + least : beyond;
-            const Lanes chord = (worn(other) - here) / (other - p), tangent = (worn(p + least) - here) / least;
+            const Lanes chord = (worn(other) - here) / (other - p),
+                        tangent = (worn(p + least) - here) / least;
             const Lanes slope = larger_of(chord, tangent);
             largest = larger_of(largest, p > zero ? size_of(by) : zero);
             row_of(yields, row)[i] = slope;

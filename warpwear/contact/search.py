@@ -21,10 +21,11 @@ NO_KNOTS: FloatArray = np.zeros((0, 3))
 NEAR = 64
 
 
-def bends_of(knots: FloatArray, executor: Executor) -> Arguments:
+def bends_of(knots: FloatArray, executor: Executor, *step: float) -> Arguments:
     """Make what kernels take of K over the pressure. knots: see `laws.archard.knots_of`."""
-    array = wp.array(knots, dtype=wp.float64, device=executor.device)
-    return arguments(Bends, executor.device, knots=array, step=3)
+    numbers: Any = (*step, 0.0, 0.0, 0.0)[:3]
+    arrays = (wp.array(values, dtype=wp.float64, device=executor.device) for values in (knots, numbers))
+    return arguments(Bends, **dict(zip(("knots", "step"), arrays, strict=True)))
 
 
 class LoadSearch:

@@ -45,7 +45,7 @@ def check(study: Content) -> None:
     _fretting(study)
     _pieces(study)
     _hardness(study)
-    _transition(study)
+    _over_pressure(study)
     _capacity(study)
     _tolerance(study)
     _stability(study)
@@ -259,8 +259,14 @@ def _hardness(study: Content) -> None:
             )
 
 
-def _transition(study: Content) -> None:
+def _over_pressure(study: Content) -> None:
     """Refuse a K over the pressure that programs do not follow."""
+    counter, disc = study.wear_laws
+    if study.study.model == "two-scale" and counter.over_pressure[0] and not counter.in_proportion_to(disc):
+        raise ValueError(
+            f"wear.law = '{counter.name}' with study.model = 'two-scale' keeps what counter-body and disc wear in "
+            "one proportion; allowed are coefficients of both bodies in one proportion"
+        )
     for body, law in zip(BODIES, study.wear_laws, strict=True):
         pressures, values = law.over_pressure
         named = f"wear.{body} = {getattr(study.wear, body).value:g} with wear.law = '{law.name}'"
