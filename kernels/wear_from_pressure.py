@@ -170,12 +170,10 @@ def wearing_pressures(
 
 @native_code.native_pass("straighten")
 def straighten(
-    slides: wp.array(dtype=Slide),
     bends: Bends,
     pressure: wp.array2d(dtype=Cells),
     last: wp.array2d(dtype=Cells),
     far: wp.array2d(dtype=Cells),
-    passing: wp.array2d(dtype=Cells),
     gap: wp.array2d(dtype=Cells),
     gap_out: wp.array2d(dtype=Cells),
     yields_out: wp.array2d(dtype=Cells),
@@ -183,6 +181,5 @@ def straighten(
 ):
     """Make a straight line over the pressure of what wear takes off each cell; say how far the last was off.
 
-    last: the pressures before, which become the present ones. passing: means over the way of means of those
-    that wear the counter-body; a row of them where no disc moves.
+    last: the pressures before, which become the present ones. far: where chords end.
     """

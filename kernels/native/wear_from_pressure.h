@@ -260,16 +260,13 @@ WARPWEAR_FN void wearing_pressures(int slot, int slots, const Bends& bends, cons
 
 // What wear takes off a cell at a K of its pressure, as a line over the pressure: a part of the gap, and a
 // compliance. It is the chord to a pressure on the other side of what is looked for: the last one where the
-// present one has gone past it, else half as far as before; in the end the tangent. What the
-// pressures that pass over a cell take off, `passing` by K of the step, is a part of the gap. Left is the
+// present one has gone past it, else half as far as before; or the tangent where that is steeper. Left is the
 // most by which the line before was off.
-template <typename Slides, typename Bends, typename Field, typename Table>
-WARPWEAR_FN void straighten(int slot, int slots, const Slides& slides, const Bends& bends,
-                            const Field& pressure, const Field& last, const Field& far, const Field& passing,
-                            const Field& gap, const Field& gap_out, const Field& yields, Table& off)
+template <typename Bends, typename Field, typename Table>
+WARPWEAR_FN void straighten(int slot, int slots, const Bends& bends, const Field& pressure, const Field& last,
+                            const Field& far, const Field& gap, const Field& gap_out, const Field& yields,
+                            Table& off)
 {
-    const auto& slide = wp::index(slides, 0);
-    const double k_passing = slide.window > 1 ? slide.k_counter : 0.0;
     const Bend bend = bend_of(bends);
     const double counter = bends.step.data[1], disc = bends.step.data[2];
     const auto worn = [&](Lanes p) { return p * (counter * bend.k_at(0, p) + disc * bend.k_at(1, p)); };
@@ -277,14 +274,12 @@ WARPWEAR_FN void straighten(int slot, int slots, const Slides& slides, const Ben
     Lanes largest = 0.0;
     for (int row = slot; row < gap.shape[0]; row += slots)
         for (int i = lane_of_slot(); i < gap.shape[1] * OF_VECTOR; i += width_of_slot()) {
-            const Lanes p = row_of(pressure, row)[i], here = worn(p);
-            const Lanes g = row_of(gap, row)[i] + k_passing * mean_of(passing, passing, row, slide.window)[i];
+            const Lanes p = row_of(pressure, row)[i], g = row_of(gap, row)[i], here = worn(p);
             const Lanes by = here - (row_of(gap_out, row)[i] - g) - row_of(yields, row)[i] * p;
             const Lanes before = row_of(last, row)[i], least = 1.0e-6 * p + 1.0e-6;
             const Lanes beyond = (p - before) * by > zero ? before : 0.5 * (p + row_of(far, row)[i]);
-            const Lanes other = size_of(beyond - p) < least ? p + least : beyond;
-            const Lanes chord = (worn(other) - here) / (other - p),
-                        tangent = (worn(p + least) - here) / least;
+            const Lanes end = size_of(beyond - p) < least ? p + least : beyond;
+            const Lanes chord = (worn(end) - here) / (end - p), tangent = (worn(p + least) - here) / least;
             const Lanes slope = larger_of(chord, tangent);
             largest = larger_of(largest, p > zero ? size_of(by) : zero);
             row_of(yields, row)[i] = slope;

@@ -10,7 +10,7 @@ import warp as wp
 from warpwear.contact.half_space.solver import HalfSpaceContact
 from warpwear.contact.search import bends_of
 from warpwear.engine.executor import Executor, Field
-from warpwear.engine.numbers import Mirror, Numbers
+from warpwear.engine.numbers import Mirror
 from warpwear.engine.program import launch_once
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
@@ -23,17 +23,15 @@ MOST_CONTACTS = 100
 class WearLines:
     """Solves contacts with what wear takes off each cell as a straight line over its pressure, drawn anew.
 
-    knots: of K over the pressure, see `laws.archard.knots_of`. slides: the step, in an array. moves: whether
-    the disc does, so that the counter-body wears by means of pressures that pass.
+    knots: of K over the pressure, see `laws.archard.knots_of`.
     """
 
-    def __init__(self, knots: FloatArray, executor: Executor, slides: Numbers, *, moves: bool = False) -> None:
-        self._executor, self._slides = executor, slides
+    def __init__(self, knots: FloatArray, executor: Executor) -> None:
+        self._executor = executor
         self._bends = bends_of(knots, executor)
         self._gap, self._yields, self._last, self._far = (executor.zeros() for _ in range(4))
         #: Pressures that wear counter-body and disc at the K of a step.
         self.counter, self.disc = executor.zeros(), executor.zeros()
-        self._passing = [executor.zeros(executor.grid.nx if moves else 1) for _ in range(2)]
         slots = executor.slots_of(executor.grid.nx)
         self._sums, self._off = (
             wp.zeros((lines, slots), dtype=wp.float64, device=executor.device) for lines in (2, 1)
@@ -45,18 +43,18 @@ class WearLines:
         solve: Callable[..., HalfSpaceContact],
         gap: Field,
         start: Field | None,
+        removals: tuple[float, float],
         *,
         certified: bool | None,
     ) -> HalfSpaceContact:
         """Solve a contact whose wear lies on its lines, as near as it is solved.
 
         solve: solves a contact of a gap, with `yields` and `certified`. start: pressures of the last contact,
-        where there are.
+        where there are. removals: K ΔL of counter-body and disc [mm³/N].
 
         Raises ConvergenceError where it, or the lines, do not converge.
         """
-        own = self._slides["k_counter"] * (self._slides["window"] == 1), self._slides["k_disc"]
-        self._executor.put(self._bends.step, [0.0, *own])
+        self._executor.put(self._bends.step, [0.0, *removals])
         if start is None:
             self._last.zero_()
         else:
@@ -84,13 +82,6 @@ class WearLines:
 
     def _draw(self, gap: Field, pressure: Field) -> float:
         """Draw lines through the present pressures; return by how much the last ones were off there [mm]."""
-        slides, passing = self._slides.array, self._passing[0]
-        if self._slides["window"] > 1:
-            self.press(pressure)
-            launch_once(self._executor, kernels.means, slides, self.counter, passing)
-            if self._slides["window"] < self._executor.grid.nx:
-                launch_once(self._executor, kernels.means, slides, *self._passing)
-                passing = self._passing[1]
-        fields: Any = pressure, self._last, self._far, passing, gap, self._gap, self._yields
-        launch_once(self._executor, kernels.straighten, slides, self._bends, *fields, self._off)
+        fields: Any = pressure, self._last, self._far, gap, self._gap, self._yields
+        launch_once(self._executor, kernels.straighten, self._bends, *fields, self._off)
         return float(np.max(self._mirror.read()[1]))

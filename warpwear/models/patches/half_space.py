@@ -117,7 +117,7 @@ class HalfSpacePatches(Model):
             Slide, executor.device, written=False, window=1, end_column=executor.vectors * LANES
         )
         #: Finds what wears cells whose K goes with their pressure; None where none does.
-        self._lines = WearLines(task.knots, executor, self._slides) if len(task.knots) else None
+        self._lines = WearLines(task.knots, executor) if len(task.knots) else None
         self._bare = wp.zeros((1, executor.grid.nx), dtype=wp.float64, device=executor.device)
         self._look = Program(executor)
         if self._film:
@@ -170,9 +170,8 @@ class HalfSpacePatches(Model):
         solve = partial(self._solver.solve, parts=self._parts, **loads)
         if self._lines is None:
             return solve(self.gap, compliance=removal, certified=certified)
-        self._slides.set(k_counter=removal)
         start = self._solver.pressure_field if self._solver.started else None
-        return self._lines.solve(solve, self.gap, start, certified=certified)
+        return self._lines.solve(solve, self.gap, start, (removal, 0.0), certified=certified)
 
     def _share(self, removal: float, *, certified: bool | None) -> HalfSpaceContact:
         """Solve the contact by loads that patches share through one approach. removal: as of `_press`.

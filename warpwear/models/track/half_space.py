@@ -140,7 +140,7 @@ class SlidingHalfSpace:
         self._sheds = self.pieces is not None and task.dust < 1.0
         self._length = PartLength(task, moves=moves, sheds=self._sheds)
         #: Finds what wears cells whose K goes with their pressure; None where none does.
-        self._lines = WearLines(task.knots, executor, self._slides, moves=moves) if len(task.knots) else None
+        self._lines = WearLines(task.knots, executor) if len(task.knots) else None
         #: Solves contacts without the wear of the step. It is a second solver: the first goes on as it was.
         self._static = None
         if task.static_area_every:
@@ -173,8 +173,7 @@ class SlidingHalfSpace:
         approach = residual = error = 0.0
         transforms = parts = done = 0
         of_film, of_shear = ["bare"] * (self.film is not None), ["rubbed"] * self.task.shears
-        of_lines = ["wearing_counter", "pressure_times_factor"] * (self._lines is not None)
-        pooled = dict.fromkeys((*OF_A_PART, *of_film, *of_shear, *of_lines), 0.0)
+        pooled = dict.fromkeys((*OF_A_PART, *of_film, *of_shear), 0.0)
         highest, removal, columns = 0.0, (0.0, 0.0), self.state.columns
         shears = self.task.wear_per_contact(before["distance"], increment)
         ratios = self.task.shear_ratios
@@ -285,8 +284,8 @@ class SlidingHalfSpace:
             self._half_space.solve, load=self.task.load, parts=self._parts, least_part=self._least_part
         )
         if self._lines is not None:
-            self._slides.set(k_counter=of_mean, k_disc=self._track_fraction * of_place)
-            return self._lines.solve(solve, self._gap, self._half_space.start, certified=certified)
+            start = self._half_space.start
+            return self._lines.solve(solve, self._gap, start, (own, of_place), certified=certified)
         return solve(
             self._gap,
             compliance=self._track_fraction * of_place + own,
@@ -342,9 +341,7 @@ class SlidingHalfSpace:
             pressed.slips, pressed.grown = self.fretting.slips, self.fretting.grown
         if self._lines is not None:
             pressed.on_counter, pressed.on_disc = self._lines.counter, self._lines.disc
-        program.launch(
-            wear_from_pressure.means, slides, self._lines.counter if self._lines else pressure, self._means
-        )
+        program.launch(wear_from_pressure.means, slides, pressure, self._means)
         tables = [arguments(OfRows, **self._of_rows), self._sums, self._maxima]
         program.launch(wear_from_pressure.wear, slides, self._layout, pressed, self._bodies, *tables)
         if self.film is not None:

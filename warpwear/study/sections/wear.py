@@ -31,6 +31,7 @@ CRITICAL = (
 BY_AREA = when("friction.law", "shear-strength")
 BY_COULOMB = ", or friction.law = 'coulomb', by which cells in contact wear unalike"
 no_energy = partial(excludes, of="energy", where=BY_AREA, why=BY_COULOMB.replace("or", "unless", 1))
+MEANS = " under a disc that moves, whose pressures wear the counter-body by their means"
 IN_ONE_PROPORTION = ", which keeps what counter-body and disc wear in one proportion"
 
 
@@ -113,7 +114,8 @@ class Wear(Section):
         + excludes("wear.distance_factor", "across", "radial", of="transition")
         + excludes("wear.particle", of="transition")
         + excludes("kinematics", "fretting", of="transition", why=", where cells slip by their own lengths")
-        + excludes("patches.coupling", "load", of="transition"),
+        + excludes("patches.coupling", "load", of="transition")
+        + excludes("contact.law", "half-space", of="transition", where=when("kinematics", "swept"), why=MEANS),
     )
     decay: Annotated[float, Quantity("1/mm")] | None = key(
         None,
