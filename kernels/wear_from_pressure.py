@@ -165,7 +165,7 @@ def wearing_pressures(
     disc_out: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
 ):
-    """Find the pressures that wear counter-body and disc at the K of a step, where K goes with the pressure."""
+    """Find the pressures that wear both bodies at the K of a step, where K goes with the pressure."""
 
 
 @native_code.native_pass("straighten")

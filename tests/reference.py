@@ -3,9 +3,8 @@
 Lengths in mm, pressures in MPa, loads in N, wear coefficients in mm²/N. Imports nothing from the package.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,29 +78,27 @@ def stretched(
     hardness: float,
     cell: float,
 ) -> Contact:
-    """Foundation whose cells yield by p (c + k(p)), k(p) linear in a table, found by halving alone."""
+    """Foundation whose cells yield by p (c + k(p)), k(p) linear in a table and constant beside it."""
+    at, k = (np.asarray(column) for column in lent)
+    slopes = np.concatenate([[0.0], np.diff(k) / np.diff(at), [0.0]])
+    rest = compliance + np.append(k[:1], k) - slopes * np.append(at[:1], at)  # k = rest + slope p
 
-    def halved(low: FloatArray, high: FloatArray, is_low: Callable[[FloatArray], Any]) -> FloatArray:
-        for _ in range(200):
-            middle = 0.5 * (low + high)
-            if np.all((middle == low) | (middle == high)):
-                break
-            below = is_low(middle)
-            low, high = np.where(below, middle, low), np.where(below, high, middle)
-        return low
-
-    def pressure(approach: FloatArray) -> FloatArray:
-        overlap, most = approach - gap, min(hardness, load / cell**2)
-        return halved(
-            np.zeros_like(gap),
-            np.full_like(gap, most),
-            lambda p: p * (compliance + np.interp(p, *lent)) < np.maximum(overlap, 0.0),
+    def pressure(approach: float) -> FloatArray:
+        """The root of slope p² + rest p = overlap, of the piece of the table that the overlap is of."""
+        overlap = np.maximum(approach - gap, 0.0)
+        piece = np.searchsorted(at * (compliance + k), overlap)
+        a, b = slopes[piece], rest[piece]
+        root = np.sqrt(np.maximum(b * b + 4.0 * a * overlap, 0.0))
+        p = np.where(
+            b >= 0.0, 2.0 * overlap / np.maximum(b + root, 1e-300), (root - b) / (2.0 * a + (a == 0.0))
         )
+        return np.minimum(p, hardness)
 
-    most = np.array(gap.max() + min(hardness, load / cell**2) * (compliance + lent[1].max()))
-    approach = halved(np.array(gap.min()), most, lambda level: pressure(level).sum() * cell**2 < load)
-    found = pressure(approach)
-    return Contact(float(approach), found, found >= hardness * (1.0 - 1e-12), float(found.sum() * cell**2 - load))
+    low, high = gap.min(), gap.max() + min(hardness, load / cell**2) * (compliance + k.max())
+    while low < (middle := 0.5 * (low + high)) < high:
+        low, high = (middle, high) if pressure(middle).sum() * cell**2 < load else (low, middle)
+    found = pressure(low)
+    return Contact(float(low), found, found >= hardness, float(found.sum() * cell**2 - load))
 
 
 @dataclass
@@ -132,8 +129,8 @@ def wear_run(
     """Archard wear of both bodies, Δw = K p ΔL each, the disc's ΔL times a factor (eqs 4.16 and 4.22).
 
     explicit: p of the gap before the step, so c = 1/k. implicit: p of the gap after it, so
-    c = 1/k + (K_counter + K_disc factor) ΔL. tolerance: of the bearing area, which c = 0 leaves. over_pressure:
-    pressures, and what K of counter and disc are multiplied by at a pressure of the cell.
+    c = 1/k + (K_counter + K_disc factor) ΔL. tolerance: of the bearing area, which c = 0 leaves.
+    over_pressure: pressures, and what K of counter and disc are multiplied by at a pressure of the cell.
     """
     run = Run(gap.copy(), np.zeros_like(gap), np.zeros_like(gap), np.zeros_like(gap))
     touched = np.zeros(gap.shape, dtype=bool)
@@ -144,7 +141,10 @@ def wear_run(
             at, *times = over_pressure
             of_step = np.array(depth_per_pressure)
             lent = at, np.add(*(k * t for k, t in zip(of_step * implicit, times, strict=True)))
-            contact = stretched(run.gap, 1.0 / stiffness, lent, load, hardness, cell)
+            if implicit or np.isfinite(stiffness):
+                contact = stretched(run.gap, 1.0 / stiffness, lent, load, hardness, cell)
+            else:
+                contact = bearing(run.gap, load, hardness, cell, tolerance)
             depth_per_pressure = tuple(
                 k * np.interp(contact.pressure, at, t) for k, t in zip(of_step, times, strict=True)
             )

@@ -4,8 +4,8 @@ import math
 
 import warp as wp
 
-from warpwear.kernels.contact import Bends
 from warpwear.kernels.cells import NO_INDEX, NONE, ONE, ZERO, WearMost, WearSum
+from warpwear.kernels.contact import Bends
 from warpwear.kernels.foresight import Trend, foreseen_step, learnt
 from warpwear.kernels.native_code import lane, most_of, sum_of, width
 from warpwear.kernels.newton import HALF, LOOKS

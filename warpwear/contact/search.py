@@ -33,8 +33,8 @@ class LoadSearch:
 
     stiffness: 1/c of every cell [N/mm³], one row for all or one a row of cells; None where each search has
     one for all. parts: of the hardness, that cells bear; None: all of it. tolerance: of a bearing area [N],
-    whose cells do not yield; None for springs. knots: of `Bends`, where K of a cell goes with its pressure. It
-    is made before anything is worn.
+    whose cells do not yield; None for springs. knots: of `Bends`, where K goes with the
+    pressure. It is made before anything is worn.
     """
 
     def __init__(

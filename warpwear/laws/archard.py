@@ -17,6 +17,8 @@ from warpwear.grid import FloatArray, Grid
 #: Both bodies, in the order in which they are numbered, and what sentences call them.
 BODIES = ("counter", "disc")
 CALLED = {"counter": "counter-body", "disc": "disc"}
+#: Pressures at most between which K is linear, as native/law.h has room for.
+MOST_KNOTS = 16
 Number = TypeVar("Number", float, FloatArray)
 
 

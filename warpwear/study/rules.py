@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator
 from itertools import pairwise
 
-from warpwear.laws.archard import BODIES, COEFFICIENTS
+from warpwear.laws.archard import BODIES, COEFFICIENTS, MOST_KNOTS, knots_of
 from warpwear.laws.elastic import LEAST_TORSION
 from warpwear.laws.friction import RUNNING_IN
 from warpwear.laws.pieces import Pieces
@@ -264,8 +264,8 @@ def _over_pressure(study: Content) -> None:
     counter, disc = study.wear_laws
     if study.study.model == "two-scale" and counter.over_pressure[0] and not counter.in_proportion_to(disc):
         raise ValueError(
-            f"wear.law = '{counter.name}' with study.model = 'two-scale' keeps what counter-body and disc wear in "
-            "one proportion; allowed are coefficients of both bodies in one proportion"
+            f"wear.law = '{counter.name}' with study.model = 'two-scale' needs coefficients of both bodies "
+            "in one proportion under every pressure; allowed are such"
         )
     for body, law in zip(BODIES, study.wear_laws, strict=True):
         pressures, values = law.over_pressure
@@ -274,10 +274,12 @@ def _over_pressure(study: Content) -> None:
             raise ValueError(f"{named} begins to change at {pressures[0]:g} MPa; allowed is 0 MPa or more")
         if values and values[0] == 0.0 < law.fastest:
             raise ValueError(f"{named} wears under some pressures alone; allowed is more than 0, or 0 at all")
+        if len(knots_of(study.wear_laws)) > MOST_KNOTS:
+            raise ValueError(f"{named} has K at too many pressures; allowed are {MOST_KNOTS} from 0 on")
         if law.rates().min() < 0.0:
             raise ValueError(
-                f"{named} makes pressures beyond {pressures[0]:g} MPa wear less than smaller ones; allowed is a "
-                "p K that does not fall: a K that falls less, or over a wider range of pressures"
+                f"{named} makes pressures beyond {pressures[0]:g} MPa wear less than smaller ones; "
+                "allowed is a p K that does not fall: a K that falls less, or over a wider range of pressures"
             )
 
 

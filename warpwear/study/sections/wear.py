@@ -115,7 +115,9 @@ class Wear(Section):
         + excludes("wear.particle", of="transition")
         + excludes("kinematics", "fretting", of="transition", why=", where cells slip by their own lengths")
         + excludes("patches.coupling", "load", of="transition")
-        + excludes("contact.law", "half-space", of="transition", where=when("kinematics", "swept"), why=MEANS),
+        + excludes(
+            "contact.law", "half-space", of="transition", where=when("kinematics", "swept"), why=MEANS
+        ),
     )
     decay: Annotated[float, Quantity("1/mm")] | None = key(
         None,
