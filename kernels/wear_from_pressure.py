@@ -171,6 +171,7 @@ def wearing_pressures(
 @native_code.native_pass("straighten")
 def straighten(
     bends: Bends,
+    keeps: wp.float64,
     pressure: wp.array2d(dtype=Cells),
     last: wp.array2d(dtype=Cells),
     far: wp.array2d(dtype=Cells),
@@ -181,5 +182,6 @@ def straighten(
 ):
     """Make a straight line over the pressure of what wear takes off each cell; say how far the last was off.
 
-    last: the pressures before, which become the present ones. far: where chords end.
+    last: the pressures before, which become the present ones. far: where chords end. keeps:
+    part of the last slope that the next has at least.
     """

@@ -260,12 +260,13 @@ WARPWEAR_FN void wearing_pressures(int slot, int slots, const Bends& bends, cons
 
 // What wear takes off a cell at a K of its pressure, as a line over the pressure: a part of the gap, and a
 // compliance. It is the chord to a pressure on the other side of what is looked for: the last one where the
-// present one has gone past it, else half as far as before; or the tangent where that is steeper. Left is the
+// present one has gone past it, else half as far as before; or the tangent where that is steeper; and no
+// less steep than `keeps` of the line before. Left is the
 // most by which the line before was off.
 template <typename Bends, typename Field, typename Table>
-WARPWEAR_FN void straighten(int slot, int slots, const Bends& bends, const Field& pressure, const Field& last,
-                            const Field& far, const Field& gap, const Field& gap_out, const Field& yields,
-                            Table& off)
+WARPWEAR_FN void straighten(int slot, int slots, const Bends& bends, double keeps, const Field& pressure,
+                            const Field& last, const Field& far, const Field& gap, const Field& gap_out,
+                            const Field& yields, Table& off)
 {
     const Bend bend = bend_of(bends);
     const double counter = bends.step.data[1], disc = bends.step.data[2];
@@ -280,7 +281,7 @@ WARPWEAR_FN void straighten(int slot, int slots, const Bends& bends, const Field
             const Lanes beyond = (p - before) * by > zero ? before : 0.5 * (p + row_of(far, row)[i]);
             const Lanes end = size_of(beyond - p) < least ? p + least : beyond;
             const Lanes chord = (worn(end) - here) / (end - p), tangent = (worn(p + least) - here) / least;
-            const Lanes slope = larger_of(chord, tangent);
+            const Lanes slope = larger_of(larger_of(chord, tangent), keeps * row_of(yields, row)[i]);
             largest = larger_of(largest, p > zero ? size_of(by) : zero);
             row_of(yields, row)[i] = slope;
             row_of(gap_out, row)[i] = g + (here - slope * p);

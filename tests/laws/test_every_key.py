@@ -53,8 +53,8 @@ TRANSITION = {
     "wear.law": "transition",
     "wear.severe_counter": "4e-3 mm^3/N/m",
     "wear.severe_disc": "4e-3 mm^3/N/m",
-    "wear.transition_pressure": "200 MPa",
-    "wear.transition_width": "300 MPa",
+    "wear.transition_pressure": "150 MPa",
+    "wear.transition_width": "100 MPa",
 }
 PIECES = {"wear.particle": "60 um", "wear.particle_thickness": "0.2 um", "wear.pending_start": "uniform"}
 RUNS_IN = {"friction.initial_ratio": 3.0, "friction.running_in": "20 mm"}
@@ -103,7 +103,7 @@ CASES = {
     "wear.initial_disc": Case("1e-4 mm^3/N/m", RUNNING_IN),
     "wear.severe_counter": Case("2e-3 mm^3/N/m", TRANSITION),
     "wear.severe_disc": Case("2e-3 mm^3/N/m", TRANSITION),
-    "wear.transition_pressure": Case("400 MPa", TRANSITION),
+    "wear.transition_pressure": Case("250 MPa", TRANSITION),
     "wear.transition_width": Case("50 MPa", TRANSITION),
     "wear.distance_factor": Case("radial"),
     "wear.particle": Case("100 um", PIECES, "v3-fine"),

@@ -137,29 +137,32 @@ def test_every_step_wears_what_its_pressure_says() -> None:
             before = after
 
 
-@pytest.mark.parametrize("width", ["200 MPa", "5 MPa"])
+@pytest.mark.parametrize("width", ["200 MPa", "5 MPa", "0.1 MPa"])
 def test_cells_wear_by_the_k_of_their_own_pressure(width: str) -> None:
     """Each step is the contact of cells whose compliance is K(p) ΔL, given to the solver as numbers."""
-    asked = study(**TRANSITION, wear__transition_width=width)
+    asked = study(**(TRANSITION | {"wear__transition_width": width}))
     grid, modulus, cap = asked.cells, asked.effective_modulus, asked.hardness
+    assert modulus is not None
+    pieces = []
     heights = np.random.default_rng(1).normal(0.0, 1e-3, grid.shape)
     with Executor(grid) as executor:
         model = at_rest(asked, heights, executor)
         before = gap_of(model, executor)
-        for increment in (0.003, 0.3, 3.0, 0.01):
+        for increment in (0.003, 0.03, 0.3, 3.0, 0.01):
             pressure = model.step(0, increment, with_pressure=True).pressure
             assert pressure is not None
+            pieces.append(np.histogram(pressure, [1e-9, *asked.wear_laws[0].over_pressure[0], math.inf])[0])
             after = gap_of(model, executor)
             lends = increment * sum(np.interp(pressure, *law.over_pressure) for law in asked.wear_laws)
             assert_allclose(after - before, lends * pressure, rtol=1e-12, atol=1e-16)
             solver = HalfSpace(executor, modulus=modulus, boundary="free", hardness=cap)
             mean = asked.contact.load / grid.area
             other = solver.solve(executor.field(before), mean_pressure=mean, yields=executor.field(lends))
-            assert_allclose(other.pressure, pressure, atol=1e-4 * cap)
+            within = 2.0 * other.allowed.max() * modulus / grid.cell  # what both may miss, on a cell alone
+            assert within < 2e-3 * cap
+            assert_allclose(other.pressure, pressure, atol=within)
             before = after
-        begin, end = asked.wear_laws[0].over_pressure[0]
-        numbers = np.histogram(pressure, [1e-9, begin, end, math.inf])[0]
-        assert numbers.min() > 3
+    assert np.max(pieces, axis=0).min() > 3  # mild, between and severe
 
 
 def test_patches_wear_by_the_k_of_their_cells(device: str) -> None:

@@ -17,7 +17,10 @@ from warpwear.grid import FloatArray
 from warpwear.kernels import wear_from_pressure as kernels
 
 #: Contacts of a step at most.
-MOST_CONTACTS = 100
+MOST_CONTACTS = 200
+#: The slope of a line keeps a part of the last one's, half at first, and more in each contact by what this
+#: leaves of the rest: else cells may go to and fro.
+FORGETS = 0.97
 
 
 class WearLines:
@@ -60,12 +63,15 @@ class WearLines:
         else:
             wp.copy(self._last, start)
         wp.copy(self._far, self._last)
-        self._draw(gap, self._last)
+        self._draw(gap, self._last, keeps=0.0)
         transforms = 0
-        for _ in range(MOST_CONTACTS):
+        for number in range(MOST_CONTACTS):
             contact = solve(self._gap, yields=self._yields, certified=certified)
             certified, transforms = contact.certificate is not None, transforms + contact.transforms
-            off, allowed = self._draw(gap, contact.pressure_field), float(contact.allowed.min())
+            off, allowed = (
+                self._draw(gap, contact.pressure_field, keeps=1.0 - 0.5 * FORGETS**number),
+                float(contact.allowed.min()),
+            )
             if off <= allowed:
                 return replace(contact, transforms=transforms)
         raise ConvergenceError(
@@ -80,8 +86,8 @@ class WearLines:
         counter, disc = self._mirror.read()[0].sum(axis=1).tolist()
         return {"wearing_counter": counter, "pressure_times_factor": disc}
 
-    def _draw(self, gap: Field, pressure: Field) -> float:
+    def _draw(self, gap: Field, pressure: Field, *, keeps: float) -> float:
         """Draw lines through the present pressures; return by how much the last ones were off there [mm]."""
         fields: Any = pressure, self._last, self._far, gap, self._gap, self._yields
-        launch_once(self._executor, kernels.straighten, self._bends, *fields, self._off)
+        launch_once(self._executor, kernels.straighten, self._bends, keeps, *fields, self._off)
         return float(np.max(self._mirror.read()[1]))
