@@ -274,13 +274,13 @@ def _over_pressure(study: Content) -> None:
             raise ValueError(f"{named} begins to change at {pressures[0]:g} MPa; allowed is 0 MPa or more")
         if values and values[0] == 0.0 < law.fastest:
             raise ValueError(f"{named} wears under some pressures alone; allowed is more than 0, or 0 at all")
-        if len(knots_of(study.wear_laws)) > MOST_KNOTS:
-            raise ValueError(f"{named} has K at too many pressures; allowed are {MOST_KNOTS} from 0 on")
         if law.rates().min() < 0.0:
             raise ValueError(
                 f"{named} makes pressures beyond {pressures[0]:g} MPa wear less than smaller ones; "
                 "allowed is a p K that does not fall: a K that falls less, or over a wider range of pressures"
             )
+    if len(knots_of(study.wear_laws)) > MOST_KNOTS:
+        raise ValueError(f"wear.law = '{counter.name}' has K at too many pressures; allowed are {MOST_KNOTS}")
 
 
 def without_unit(study: Content) -> Iterator[str]:
