@@ -31,6 +31,8 @@ CRITICAL = (
 BY_AREA = when("friction.law", "shear-strength")
 BY_COULOMB = ", or friction.law = 'coulomb', by which cells in contact wear unalike"
 no_energy = partial(excludes, of="energy", where=BY_AREA, why=BY_COULOMB.replace("or", "unless", 1))
+#: Laws by which K goes with the pressure of a cell.
+OF_PRESSURE = tuple(name for name, law in WEAR_LAWS.items() if law.over_pressure is not WearLaw.over_pressure)
 MEANS = " under a disc that moves, whose pressures wear the counter-body by their means"
 IN_ONE_PROPORTION = ", which keeps what counter-body and disc wear in one proportion"
 
@@ -111,13 +113,11 @@ class Wear(Section):
         + needs("wear.severe_disc", of="transition")
         + needs("wear.transition_pressure", of="transition")
         + needs("wear.transition_width", of="transition")
-        + excludes("wear.distance_factor", "across", "radial", of="transition")
-        + excludes("wear.particle", of="transition")
-        + excludes("kinematics", "fretting", of="transition", why=", where cells slip by their own lengths")
-        + excludes("patches.coupling", "load", of="transition")
-        + excludes(
-            "contact.law", "half-space", of="transition", where=when("kinematics", "swept"), why=MEANS
-        ),
+        + excludes("wear.distance_factor", "across", "radial", of=OF_PRESSURE)
+        + excludes("wear.particle", of=OF_PRESSURE)
+        + excludes("kinematics", "fretting", of=OF_PRESSURE, why=", where cells slip by their own lengths")
+        + excludes("patches.coupling", "load", of=OF_PRESSURE)
+        + excludes("contact.law", "half-space", of=OF_PRESSURE, where=when("kinematics", "swept"), why=MEANS),
     )
     decay: Annotated[float, Quantity("1/mm")] | None = key(
         None,
