@@ -23,9 +23,9 @@ NEAR = 64
 
 def bends_of(knots: FloatArray, executor: Executor, *step: float) -> Arguments:
     """Make what kernels take of K over the pressure. knots: see `laws.archard.knots_of`."""
-    numbers: Any = (*step, 0.0, 0.0, 0.0)[:3]
-    arrays = (wp.array(values, dtype=wp.float64, device=executor.device) for values in (knots, numbers))
-    return arguments(Bends, **dict(zip(("knots", "step"), arrays, strict=True)))
+    given: Any = {"knots": knots, "step": (*step, 0.0, 0.0, 0.0)[:3]}
+    arrays = {name: wp.array(one, dtype=wp.float64, device=executor.device) for name, one in given.items()}
+    return arguments(Bends, **arrays)
 
 
 class LoadSearch:

@@ -167,9 +167,10 @@ class HalfSpacePatches(Model):
 
     def _solve(self, removal: float, *, certified: bool | None, **loads: Any) -> HalfSpaceContact:
         """Solve the contact of the patches visited. removal: as of `_press`."""
-        solve = partial(self._solver.solve, parts=self._parts, **loads)
+        solve: Any = partial(self._solver.solve, parts=self._parts, **loads)
         if self._lines is None:
-            return solve(self.gap, compliance=removal, certified=certified)
+            contact: HalfSpaceContact = solve(self.gap, compliance=removal, certified=certified)
+            return contact
         start = self._solver.pressure_field if self._solver.started else None
         return self._lines.solve(solve, self.gap, start, (removal, 0.0), certified=certified)
 
