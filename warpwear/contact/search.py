@@ -23,8 +23,8 @@ NEAR = 64
 
 def bends_of(knots: FloatArray, executor: Executor, *step: float) -> Arguments:
     """Make what kernels take of K over the pressure. knots: see `laws.archard.knots_of`."""
-    given: Any = {"knots": knots, "step": (*step, 0.0, 0.0, 0.0)[:3]}
-    arrays = {name: wp.array(one, dtype=wp.float64, device=executor.device) for name, one in given.items()}
+    arrays: Any = {"knots": knots, "step": (*step, 0.0, 0.0, 0.0)[:3]}
+    arrays = {name: wp.array(one, dtype=wp.float64, device=executor.device) for name, one in arrays.items()}
     return arguments(Bends, **arrays)
 
 
