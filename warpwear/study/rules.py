@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from warpwear.grid import blocks_of_rows
+from warpwear.laws.archard import BODIES, COEFFICIENTS, MOST_KNOTS, knots_of
 from warpwear.laws.elastic import LEAST_TORSION
 from warpwear.laws.friction import RUNNING_IN
 from warpwear.laws.pieces import Pieces
@@ -49,6 +50,7 @@ def check(study: Content) -> None:
     _fretting(study)
     _pieces(study)
     _hardness(study)
+    _over_pressure(study)
     _capacity(study)
     _tolerance(study)
     _stability(study)
@@ -262,9 +264,33 @@ def _hardness(study: Content) -> None:
             )
 
 
+def _over_pressure(study: Content) -> None:
+    """Refuse a K over the pressure that programs do not follow."""
+    counter, disc = study.wear_laws
+    if study.study.model == "two-scale" and counter.over_pressure[0] and not counter.in_proportion_to(disc):
+        raise ValueError(
+            f"wear.law = '{counter.name}' with study.model = 'two-scale' needs coefficients of both bodies "
+            "in one proportion under every pressure; allowed are such"
+        )
+    for body, law in zip(BODIES, study.wear_laws, strict=True):
+        pressures, values = law.over_pressure
+        named = f"wear.{body} = {getattr(study.wear, body).value:g} with wear.law = '{law.name}'"
+        if pressures and pressures[0] < 0.0:
+            raise ValueError(f"{named} begins to change at {pressures[0]:g} MPa; allowed is 0 MPa or more")
+        if values and values[0] == 0.0 < law.fastest:
+            raise ValueError(f"{named} wears under some pressures alone; allowed is more than 0, or 0 at all")
+        if law.rates().min() < 0.0:
+            raise ValueError(
+                f"{named} makes pressures beyond {pressures[0]:g} MPa wear less than smaller ones; "
+                "allowed is a p K that does not fall: a K that falls less, or over a wider range of pressures"
+            )
+    if len(knots_of(study.wear_laws)) > MOST_KNOTS:
+        raise ValueError(f"wear.law = '{counter.name}' has K at too many pressures; allowed are {MOST_KNOTS}")
+
+
 def without_unit(study: Content) -> Iterator[str]:
     """Yield key and value of each wear coefficient that has no unit and is not 0."""
-    for name in ("counter", "disc", "initial_counter", "initial_disc"):
+    for name in sorted(COEFFICIENTS):
         coefficient = getattr(study.wear, name)
         if coefficient is not None and coefficient.dimensionless and coefficient.value > 0.0:
             yield f"wear.{name} = {coefficient.value:g}"
@@ -329,7 +355,7 @@ def unstable(study: Content) -> str | None:
     """Return the start of a sentence about explicit steps that are too large; None where they are not."""
     if study.stepping.scheme == "implicit":
         return None
-    counter, disc = (law.fastest for law in study.wear_laws)
+    counter, disc = (float(law.rates(study.hardness).max()) for law in study.wear_laws)
     slid, fraction = longest_step(study)
     limit = study.stable_increment(counter + fraction * disc)
     if slid < limit:

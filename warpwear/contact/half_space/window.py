@@ -208,6 +208,11 @@ class WindowedHalfSpace:
         self._bodies: npt.NDArray[np.bool_] | None = None
 
     @property
+    def start(self) -> Field | None:
+        """Return the pressures that the next solve starts from; None where that is nothing."""
+        return self._pressure if self._started else None
+
+    @property
     def columns(self) -> tuple[int, int]:
         """Return the first column that may have a pressure to start from, and the one after the last."""
         if self._window is None or not self._started:
