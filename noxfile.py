@@ -120,6 +120,31 @@ def minimum(session: nox.Session) -> None:
 
 
 @nox.session
+@nox.parametrize("which", ["lowest", "newest"])
+def versions(session: nox.Session, which: str) -> None:
+    """Run a study that `new` wrote with the lowest, or the newest, packages that pyproject.toml allows.
+
+    The lowest have wheels for the lowest Python; where that is not here there is nothing to run.
+    """
+    python: Path | None = Path(sys.executable)
+    if which == "lowest" and f"{sys.version_info.major}.{sys.version_info.minor}" != PYTHONS[0]:
+        python = dict(other_pythons(session)).get(PYTHONS[0])
+    if python is None:
+        session.skip(f"Python {PYTHONS[0]} is not here")
+    shutil.rmtree(ROOT / "build" / "lib", ignore_errors=True)  # what another install left would be packed
+    with session.chdir(folder := temporary(session)):
+        constraints = folder / "constraints.txt"
+        constraints.write_text("\n".join(oldest() if which == "lowest" else []), encoding="utf-8")
+        command = installed_in(session, folder / "own", python, ROOT, "--upgrade", "-c", str(constraints))
+        session.run(command, "new", "study.toml", "--like", "reciprocating", external=True)
+        short = ("--set", "grid.cell=20 um", "--set", "sliding.distance=0.3 mm")
+        session.run(command, "run", "study.toml", "--out", "run", *short, external=True)
+        for name in ("result.h5", "history.csv", "figures/cof.png"):
+            if not (folder / "run" / name).stat().st_size:
+                session.error(f"the run left no {name}")
+
+
+@nox.session
 def coverage(session: nox.Session) -> None:
     """Say which lines the quick tests run; kernels are not Python and are left out."""
     session.install("-e", ".[io,test]", "pytest-cov>=7")
@@ -165,10 +190,11 @@ def wheel(session: nox.Session) -> None:
             session.run(command, "plot", f"on-{version}", "--only", "cof", external=True)
 
 
-def installed_in(session: nox.Session, place: Path, python: Path, file: Path) -> str:
-    """Install a wheel into a new environment of a Python; return the path of its command."""
+def installed_in(session: nox.Session, place: Path, python: Path, file: Path, *options: str) -> str:
+    """Install a wheel or sources into a new environment of a Python; return the path of its command."""
     session.run(str(python), "-m", "venv", str(place), external=True)
-    session.run(str(place / "bin" / "python"), "-m", "pip", "install", "--quiet", str(file), external=True)
+    pip = (str(place / "bin" / "python"), "-m", "pip", "install", "--quiet")
+    session.run(*pip, *options, str(file), external=True)
     return str(place / "bin" / "warpwear")
 
 

@@ -12,7 +12,7 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import ABSENT, LANES, NONE, ONE, TILE_VECTORS, ZERO, Cells, TileSums
-from warpwear.kernels.contact import Law, pressure_of
+from warpwear.kernels.contact import Bends, Law, bent_pressure_of, pressure_of
 from warpwear.kernels.native_code import most_of, sum_of
 from warpwear.kernels.newton import HALF, HOPELESS, LOOKS, STUCK, SURE, Bracket, bracket_at, next_trial
 from warpwear.kernels.tiles import SAMPLE, SAMPLED, Listing, Tiles, kept_of, limit_of, list_from, reached
@@ -64,6 +64,7 @@ class Springs:
     searching: wp.array(dtype=wp.int32)  # flag: a pass is needed
     listing: wp.array(dtype=wp.int32)  # flag: a list of tiles is needed, before any pass
     trial: wp.array2d(dtype=wp.float64)  # what a pass finds, a column a slot
+    bends: Bends  # of cells whose K goes with their pressure
     near: wp.array2d(dtype=Cells)  # gaps inside the bracket of a bearing area, a line a slot, or none [mm]
 
 
@@ -297,7 +298,10 @@ def pressures_at(
         own = law  # of a cell that bears a part of the cap, also where it is tied with the approach
         own.cap = law.cap * part[j]
         own.tie_pressure = law.tie_pressure * part[j]
-        p[j] = pressure_of(own, g[j], s[j])
+        if springs.bends.knots.shape[0] > 0:
+            p[j] = bent_pressure_of(own, g[j], springs.bends)
+        else:
+            p[j] = pressure_of(own, g[j], s[j])
     return p
 
 

@@ -38,6 +38,7 @@ class WearSum(IntEnum):
     CAPPED = 3
     TOUCHED = 4  # this and the next: of the whole field, not of the step
     WORN = 5  # by both bodies [mm]
+    WEARING = 6  # pressure times K over that of the step, where it differs [MPa]
 
 
 class WearMost(IntEnum):
@@ -61,6 +62,7 @@ class TrackSum(IntEnum):
     PRESSURE_TIMES_FACTOR = 4
     BARE = 5
     RUBBED = 6  # cells, each by the part of the step that it was in contact
+    WEARING_COUNTER = 7  # pressure times K of the counter-body over that of the step, where it differs [MPa]
 
 
 class TrackMost(IntEnum):

@@ -23,9 +23,22 @@ class Law:
     tie_pressure: wp.float64  # of cells tied with the approach [MPa]
 
 
+@wp.struct
+class Bends:
+    """Tells how K of a cell goes with its pressure; without knots it does not."""
+
+    knots: wp.array2d(dtype=wp.float64)  # rows of a pressure, and K of counter and disc over that of the step
+    step: wp.array(dtype=wp.float64)  # compliance that is not wear, and what K of both adds to it [mm³/N]
+
+
 @wp.func_native("return pressure_by(law, gap, stiffness);")
 def pressure_of(law: Law, gap: wp.float64, stiffness: wp.float64) -> wp.float64:
     """Return a capped foundation's pressure; cells tied with the approach (within ± tie_width) share one."""
+
+
+@wp.func_native("return pressure_by(law, gap, bend_of(bends));")
+def bent_pressure_of(law: Law, gap: wp.float64, bends: Bends) -> wp.float64:
+    """Return the pressure of a cell whose K goes with it, likewise."""
 
 
 @wp.func

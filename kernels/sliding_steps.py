@@ -90,6 +90,10 @@ def begin_step(springs: Springs, steps: Steps):
     """Begin the search of a step, and tell its passes what they need."""
     c = steps.course[0]
     slide = steps.plan[c.step]
+    lends = wp.where(slide.compliance > slide.own, ONE, ZERO)  # implicit wear does
+    springs.bends.step[0] = slide.own
+    springs.bends.step[1] = lends * slide.k_counter
+    springs.bends.step[2] = lends * slide.k_disc
     steps.slides[0] = with_columns(slide, c, steps)
     scatter = scatter_of(steps.changes)
     lists = springs.lists[0]

@@ -11,6 +11,7 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import CellProperties, Cells, Layout
+from warpwear.kernels.contact import Bends
 from warpwear.kernels.running_in.sources import Sources
 from warpwear.kernels.sliding import Bodies, OfRows, Slide
 
@@ -28,6 +29,8 @@ class Pressed:
     grown: wp.array2d(dtype=Cells)  # by how much they did in the last jump [mm]
     rubbed: wp.array2d(dtype=Cells)  # part of the step in contact, and its means; no rows without shear
     rubbed_means: wp.array2d(dtype=Cells)
+    on_counter: wp.array2d(dtype=Cells)  # by which bodies wear at K of the step; no rows where that is the
+    on_disc: wp.array2d(dtype=Cells)  # pressure itself [MPa]
     cells: CellProperties
     cap: wp.float64  # largest pressure [MPa]
 
@@ -104,3 +107,33 @@ def yields(
     yields_out: wp.array2d(dtype=Cells),
 ):
     """Return the compliance that a jump lends cells by their slips at its end [mm/MPa]."""
+
+
+@native_code.native_pass("wearing_pressures")
+def wearing_pressures(
+    bends: Bends,
+    pressure: wp.array2d(dtype=Cells),
+    counter_out: wp.array2d(dtype=Cells),
+    disc_out: wp.array2d(dtype=Cells),
+    sums_out: wp.array2d(dtype=wp.float64),
+):
+    """Find the pressures that wear both bodies at the K of a step, where K goes with the pressure."""
+
+
+@native_code.native_pass("straighten")
+def straighten(
+    bends: Bends,
+    keeps: wp.float64,
+    pressure: wp.array2d(dtype=Cells),
+    last: wp.array2d(dtype=Cells),
+    far: wp.array2d(dtype=Cells),
+    gap: wp.array2d(dtype=Cells),
+    gap_out: wp.array2d(dtype=Cells),
+    yields_out: wp.array2d(dtype=Cells),
+    off_out: wp.array2d(dtype=wp.float64),
+):
+    """Make a straight line over the pressure of what wear takes off each cell; say how far the last was off.
+
+    last: the pressures before, which become the present ones. far: where chords end. keeps:
+    part of the last slope that the next has at least.
+    """

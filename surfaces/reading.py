@@ -1,6 +1,11 @@
 """Height maps in mm: what a file holds, in the units that it states or that are given."""
 
 import hashlib
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -24,6 +29,10 @@ SMALLEST_PIXEL = 1e-7  # mm: no instrument for roughness goes below
 LARGEST_PIXEL = 1.0  # mm: nor beyond
 FARTHEST = 1.0e4  # mm: no height is beyond it
 PIXELS_ALLOWED = "allowed is one length or one per axis, from 0.1 nm to 1 mm"
+
+
+#: Path of a file -> digests of what was read of it, for who asked with `noted`.
+_NOTED: ContextVar[dict[str, set[str]] | None] = ContextVar("noted", default=None)
 
 
 class HoldsAProfile(InputError):
@@ -74,10 +83,15 @@ def read(
     pair = None if pixel is None else _pixel_pair(pixel)
     if height_unit is not None and _millimetres(height_unit) is None:
         raise InputError(f"disc.height_unit is {height_unit!r}: allowed is one of {UNITS}")
-    digest = digest_of(path)
-    raw = formats.read_raw(formats.Source(path, pixel=pair, array=array))
+    with copied(path) as (copy, digest):
+        try:
+            raw = formats.read_raw(formats.Source(copy, pixel=pair, array=array))
+        except InputError as error:
+            raise InputError(str(error).replace(str(copy), str(path))) from error
     if digest_of(path) != digest:
         raise InputError(f"disc.surface '{path}' changed while it was read")
+    if (all_read := _NOTED.get()) is not None:
+        all_read.setdefault(str(path), set()).add(digest)
     raw = _squeezed(raw)
     axes = 1 if profile else 2
     if raw.heights.ndim == 1 < axes:
@@ -110,13 +124,38 @@ def read(
     )
 
 
-def digest_of(path: str | Path) -> str:
-    """Return the SHA-256 of a file as hexadecimal text. Raises InputError, naming ``disc.surface``."""
+@contextmanager
+def noted(files: dict[str, set[str]]) -> Iterator[None]:
+    """Add to files, by its path, the digest of what is read of each meanwhile."""
+    token = _NOTED.set(files)
+    try:
+        yield
+    finally:
+        _NOTED.reset(token)
+
+
+@contextmanager
+def copied(path: Path, *, key: str = "disc.surface") -> Iterator[tuple[Path, str]]:
+    """Copy a file for as long as it is read, and give the digest of the copy: nobody exchanges that.
+
+    Raises InputError, naming the key.
+    """
+    with tempfile.TemporaryDirectory(prefix="warpwear-") as folder:
+        copy = Path(folder) / path.name
+        try:
+            shutil.copyfile(path, copy)
+        except OSError as error:
+            raise InputError(f"{key} '{path}' cannot be read: {error.strerror}") from error
+        yield copy, digest_of(copy)
+
+
+def digest_of(path: str | Path, *, key: str = "disc.surface") -> str:
+    """Return the SHA-256 of a file as hexadecimal text. Raises InputError, naming the key."""
     try:
         with Path(path).open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:
-        raise InputError(f"disc.surface '{path}' cannot be read: {error.strerror}") from error
+        raise InputError(f"{key} '{path}' cannot be read: {error.strerror}") from error
 
 
 def _millimetres(unit: str | None) -> float | None:

@@ -21,6 +21,7 @@ import numpy.typing as npt
 from warpwear.grid import FloatArray
 
 COMMENTS = ("#", "%", "//")
+COMMENT = re.compile(r"\s*(?!#n/a|#div/0!)(?:#|%|//)", re.I)  # their start, but no word of a spreadsheet
 SEPARATORS = ("\t", ";", ",", None)  # in the order in which they are tried; None is any run of blanks
 HEADER_LINES = 2000  # among which the first row of numbers must be
 CONTROL = bytes([*range(1, 9), *range(14, 32)])  # bytes that no text has
@@ -106,7 +107,7 @@ def table_of(lines: list[str], *, words: bool = False) -> Table:
     body = lines[start:]
     if words:
         body = body[: len(body) - _below(body, separator)]
-    is_row = [bool(bare := line.strip()) and not bare.startswith(COMMENTS) for line in body]
+    is_row = [bool(bare := line.strip()) and not COMMENT.match(bare) for line in body]
     rows = list(compress(body, is_row))
     places = np.flatnonzero(is_row) + start + 1
     header = [line for line in lines[:start] if line.strip(" \t;,")]
@@ -178,7 +179,7 @@ def _refuse_zeros(raw: bytes) -> None:
 def _first_row(lines: list[str], *, words: bool) -> tuple[int, str | None]:
     """Return the index of the line where the rows of numbers begin, and their separator."""
     for index, line in enumerate(lines[:HEADER_LINES]):
-        if not line.strip() or line.lstrip().startswith(COMMENTS):
+        if not line.strip() or COMMENT.match(line):
             continue
         following = next((other for other in lines[index + 1 : index + 100] if other.strip()), "")
         count = _numbers_between_any(line)
@@ -186,10 +187,10 @@ def _first_row(lines: list[str], *, words: bool) -> tuple[int, str | None]:
             continue
         separator, width = _first_split(line, words=words)
         if width and (count or not following or len(split(following, separator)) == width):
-            while not words and index and _is_missing(split(lines[index - 1], separator), width):
+            while index and _is_missing(split(lines[index - 1], separator), width, words=words):
                 index -= 1
             return index, separator
-        if count > 1 and not width:
+        if count > 1 and not width and not any(_are_values(split(line, sign)) for sign in SEPARATORS):
             raise ValueError(f"mixed separators: line {index + 1} has different ones between its numbers")
     beginning = "\n".join(lines)[:4000]
     if sum(not (c.isprintable() or c in "\n\t\f") for c in beginning) > MOST_UNPRINTABLE:
@@ -228,9 +229,19 @@ def _is_row(fields: list[str], *, words: bool) -> bool:
     return numbers > 1 and values + others == len(fields)
 
 
-def _is_missing(fields: list[str], width: int) -> bool:
-    """Return whether all of `width` fields are words for missing values, and no line of dashes."""
-    return len(fields) == width and all(MISSING.fullmatch(field) and field.strip("-–") for field in fields)
+def _is_missing(fields: list[str], width: int, *, words: bool) -> bool:
+    """Return whether all of `width` fields are words for missing values, and no line of dashes.
+
+    words: in records, where a row may miss some values, a number among them is none of a header.
+    """
+    no_dashes = [bool(field.strip("-–")) for field in fields]
+    if words:
+        return len(fields) == width and any(no_dashes) and _are_values(fields)
+    return len(fields) == width and all(no_dashes) and all(map(MISSING.fullmatch, fields))
+
+
+def _are_values(fields: list[str]) -> bool:
+    return len(fields) > 1 and all(map(_is_value, fields))
 
 
 def _is_value(field: str) -> bool:

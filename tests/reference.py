@@ -70,6 +70,37 @@ def foundation(
     return Contact(float(low + offset), found, found >= hardness, residual)
 
 
+def stretched(
+    gap: FloatArray,
+    compliance: float,
+    lent: tuple[FloatArray, FloatArray],
+    load: float,
+    hardness: float,
+    cell: float,
+) -> Contact:
+    """Foundation whose cells yield by p (c + k(p)), k(p) linear in a table and constant beside it."""
+    at, k = (np.asarray(column) for column in lent)
+    slopes = np.concatenate([[0.0], np.diff(k) / np.diff(at), [0.0]])
+    rest = compliance + np.append(k[:1], k) - slopes * np.append(at[:1], at)  # k = rest + slope p
+
+    def pressure(approach: float) -> FloatArray:
+        """The root of slope p² + rest p = overlap, of the piece of the table that the overlap is of."""
+        overlap = np.maximum(approach - gap, 0.0)
+        piece = np.searchsorted(at * (compliance + k), overlap)
+        a, b = slopes[piece], rest[piece]
+        root = np.sqrt(np.maximum(b * b + 4.0 * a * overlap, 0.0))
+        p = np.where(
+            b >= 0.0, 2.0 * overlap / np.maximum(b + root, 1e-300), (root - b) / (2.0 * a + (a == 0.0))
+        )
+        return np.minimum(p, hardness)
+
+    low, high = gap.min(), gap.max() + min(hardness, load / cell**2) * (compliance + k.max())
+    while low < (middle := 0.5 * (low + high)) < high:
+        low, high = (middle, high) if pressure(middle).sum() * cell**2 < load else (low, middle)
+    found = pressure(low)
+    return Contact(float(low), found, found >= hardness, float(found.sum() * cell**2 - load))
+
+
 @dataclass
 class Run:
     """A worn contact: fields, the pressure of the last step, and one value a step of every quantity."""
@@ -93,18 +124,31 @@ def wear_run(
     stiffness: float = np.inf,
     factor: float | FloatArray = 1.0,
     tolerance: float = 0.0,
+    over_pressure: tuple[FloatArray, FloatArray, FloatArray] | None = None,
 ) -> Run:
     """Archard wear of both bodies, Δw = K p ΔL each, the disc's ΔL times a factor (eqs 4.16 and 4.22).
 
     explicit: p of the gap before the step, so c = 1/k. implicit: p of the gap after it, so
     c = 1/k + (K_counter + K_disc factor) ΔL. tolerance: of the bearing area, which c = 0 leaves.
+    over_pressure: pressures, and what K of counter and disc are multiplied by at a pressure of the cell.
     """
     run = Run(gap.copy(), np.zeros_like(gap), np.zeros_like(gap), np.zeros_like(gap))
     touched = np.zeros(gap.shape, dtype=bool)
     for increment in increments:
         depth_per_pressure = wear[0] * increment, wear[1] * factor * increment
         c = 1.0 / stiffness + (sum(depth_per_pressure) if implicit else 0.0)
-        if np.any(c):
+        if over_pressure is not None:
+            at, *times = over_pressure
+            of_step = np.array(depth_per_pressure)
+            lent = at, np.add(*(k * t for k, t in zip(of_step * implicit, times, strict=True)))
+            if implicit or np.isfinite(stiffness):
+                contact = stretched(run.gap, 1.0 / stiffness, lent, load, hardness, cell)
+            else:
+                contact = bearing(run.gap, load, hardness, cell, tolerance)
+            depth_per_pressure = tuple(
+                k * np.interp(contact.pressure, at, t) for k, t in zip(of_step, times, strict=True)
+            )
+        elif np.any(c):
             contact = foundation(run.gap, c, load, hardness, cell)
         else:
             contact = bearing(run.gap, load, hardness, cell, tolerance)

@@ -37,7 +37,7 @@ class Request(IntEnum):
     ANEW = 2  # 1 where it starts from nothing
     ROUGH = 3  # 1 where single precision may do
     CERTIFIED = 4  # 1 where its pressure is to be certified
-    RENEWED = 5  # 1 where it goes on from a pressure that could not be certified; the host writes 0
+    RENEWED = 5  # 1 where it follows one whose pressure could not be certified, or did not balance
 
 
 class Flag(IntEnum):
@@ -166,7 +166,7 @@ class Numbers:
     moved: wp.int32  # whether this was an iteration
     iteration: wp.int32
     transforms: wp.int32  # pairs
-    before: wp.int32  # iterations of searches whose pressures could not be certified
+    before: wp.int32  # iterations of searches whose pressures could not be certified, or did not balance
     transforms_before: wp.int32
     renewals: wp.int32
     status: wp.int32

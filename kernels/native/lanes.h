@@ -94,6 +94,7 @@ WARPWEAR_FN Lanes root_of(Lanes v)
     for (int j = 0; j < LANES; ++j) v[j] = wp::sqrt(v[j]);
     return v;
 }
+WARPWEAR_FN double root_of(double v) { return wp::sqrt(v); }
 template <typename T> WARPWEAR_FN void fetch(const T* place) { __builtin_prefetch(place, 1); }
 #endif
 

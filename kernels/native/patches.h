@@ -71,10 +71,21 @@ WARPWEAR_FN void give_nothing(Curves& curves, int patch, double base, double off
     wp::index(curves.answer, 2, patch) = (wp::index(curves.lowest, patch) - base) - offset;
 }
 
+// Do something with what bears the cells in a step: their stiffness, or the `Bend` of their K.
+template <typename Steps, typename Visit>
+WARPWEAR_FN void on_springs_of(const Steps& steps, const Visit& visit)
+{
+    const auto& now = wp::index(steps.now, 0);
+    const auto& bends = steps.bends;
+    if (bends.knots.shape[0] == 0) return visit(Lanes(now.stiffness), Lanes(now.stiffness_next));
+    const Bend bend(bends.knots, bends.step.data[0], bends.step.data[1] * now.removal, 0.0);
+    visit(bend, bend); // such steps do not look ahead
+}
+
 // What the cells of a patch carry at its trial approach.
-template <typename Steps, typename Curves, typename Surfaces>
-WARPWEAR_FN void carry_patch(int patch, int slots, const Steps& steps, Curves& curves,
-                             const Surfaces& surfaces)
+template <typename Spring, typename Steps, typename Curves, typename Surfaces>
+WARPWEAR_FN void carry_on(int patch, const Spring& spring, const Steps& steps, Curves& curves,
+                          const Surfaces& surfaces)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(off)
@@ -100,10 +111,10 @@ WARPWEAR_FN void carry_patch(int patch, int slots, const Steps& steps, Curves& c
         const int i = line * of_line + place;
         const Lanes most_here = cap_ratio ? Lanes(cap * cap_ratio[i]) : Lanes(cap);
         const Lanes overlap = (base - Lanes(gap[i])) + offset;
-        const Lanes q = on_spring(overlap, Lanes(stiffness)), p = clipped(q, most_here);
+        const Lanes q = on_spring(overlap, spring), p = clipped(q, most_here);
         pressure += p;
-        between += p > zero && q < most_here ? slope_on_spring(overlap, Lanes(stiffness)) : zero;
-        const Lanes near = to_bound(q, most_here);
+        between += p > zero && q < most_here ? slope_on_spring(overlap, spring) : zero;
+        const Lanes near = to_bound(q, most_here, spring);
         nearest = nearest < near ? nearest : near;
     });
     leave_each(
@@ -113,23 +124,32 @@ WARPWEAR_FN void carry_patch(int patch, int slots, const Steps& steps, Curves& c
     give_answer(curves.answer, patch, surfaces.trial, surfaces.cells_of_patch, stiffness);
 }
 
+template <typename Steps, typename Curves, typename Surfaces>
+WARPWEAR_FN void carry_patch(int patch, int, const Steps& steps, Curves& curves, const Surfaces& surfaces)
+{
+    on_springs_of(steps,
+                  [&](const auto& spring, const auto&) { carry_on(patch, spring, steps, curves, surfaces); });
+}
+
 // Lay the pressures of a patch at its solved approach, and what both bodies have lost there.
 template <typename Steps, typename Curves, typename Surfaces, typename Field>
 WARPWEAR_FN void press_patch(int patch, int slots, const Steps& steps, const Curves& curves,
                              const Surfaces& surfaces, Field& pressure_out)
 {
-    const double cap = steps.load.hardness, stiffness = wp::index(steps.now, 0).stiffness;
+    const double cap = steps.load.hardness;
     const double base = wp::index(curves.base, patch), offset = wp::index(curves.offset, patch);
     const bool touches = (base - wp::index(curves.lowest, patch)) + offset > 0.0;
     const Stored* const gap = row_of(surfaces.gap, patch);
     const Stored* const cap_ratio = row_or_none(surfaces.cells.cap_ratio, patch);
     Stored* const pressure = row_of(pressure_out, patch);
     const Lanes zero = 0.0;
-    for (int i = lane_of_slot(); i < surfaces.gap.shape[1] * OF_VECTOR; i += width_of_slot()) {
-        const Lanes most_here = cap_ratio ? Lanes(cap * cap_ratio[i]) : Lanes(cap);
-        const Lanes p = clipped(on_spring((base - Lanes(gap[i])) + offset, Lanes(stiffness)), most_here);
-        pressure[i] = touches ? p : zero;
-    }
+    on_springs_of(steps, [&](const auto& spring, const auto&) {
+        for (int i = lane_of_slot(); i < surfaces.gap.shape[1] * OF_VECTOR; i += width_of_slot()) {
+            const Lanes most_here = cap_ratio ? Lanes(cap * cap_ratio[i]) : Lanes(cap);
+            const Lanes p = clipped(on_spring((base - Lanes(gap[i])) + offset, spring), most_here);
+            pressure[i] = touches ? p : zero;
+        }
+    });
 }
 
 template <typename Surfaces, typename Field>
@@ -208,13 +228,15 @@ WARPWEAR_FN void wear_patch(int patch, int slots, const Steps& steps, Curves& cu
         if (!is_near) beside = wp::min(beside, -next * by.stiffness_next);
         return is_near;
     };
-    visit_patch(surfaces, patch, reaches, [&](int line, int place) {
-        const int i = line * of_line + place;
-        fetch((const double*)(gap + i + 16)); // a fifth of the time, where fields do not fit the cache
-        fetch((const double*)(unworn + i + 16));
-        const Lanes most_here = cap_ratio ? Lanes(by.cap * cap_ratio[i]) : cap;
-        Counts touched;
-        gap[i] = wear_cell(sums, by, gap[i], unworn[i], most_here, touched);
+    on_springs_of(steps, [&](const auto& spring, const auto& next) {
+        visit_patch(surfaces, patch, reaches, [&](int line, int place) {
+            const int i = line * of_line + place;
+            fetch((const double*)(gap + i + 16)); // a fifth of the time, where fields do not fit the cache
+            fetch((const double*)(unworn + i + 16));
+            const Lanes most_here = cap_ratio ? Lanes(by.cap * cap_ratio[i]) : cap;
+            Counts touched;
+            gap[i] = wear_cell(sums, by, spring, next, gap[i], unworn[i], most_here, touched);
+        });
     });
     const Extents extents = extents_of(patch, surfaces, by, now, was_reached);
     leave_wear(books, patch, sums, extents, by.stiffness_next, 0.0, 0.0, beside);

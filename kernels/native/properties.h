@@ -34,6 +34,11 @@ struct CellRow {
     }
 };
 
+// What bears a cell: its own stiffness, or what all have alike.
+template <bool OWN> WARPWEAR_FN Lanes spring_at(const Stored* own, int i, Lanes alike)
+{ return OWN ? own_or(own, i, alike) : alike; }
+template <bool> WARPWEAR_FN const Bend& spring_at(const Stored*, int, const Bend& alike) { return alike; }
+
 // A number of each body.
 struct PerBody {
     Lanes counter, disc;
@@ -51,9 +56,15 @@ struct WearOfStep {
     }
 };
 
+// The pressure of a cell over which both bodies wear by K of the step: its own, or where K goes with it, that
+// times K over that of the step.
+WARPWEAR_FN PerBody wearing_pressure(Lanes, Lanes p) { return {p, p}; }
+WARPWEAR_FN PerBody wearing_pressure(const Bend& bend, Lanes p)
+{ return {bend.k_at(0, p) * p, bend.k_at(1, p) * p}; }
+
 // The depths that a step wears off both bodies of cells [mm]: K ΔL p, and what their shear wears. pressure:
-// as each body sees it. sheared: part of the step in contact times the shear ratio. OWN: whether cells have a
-// K each; SHEARS: whether shear wears. Nothing of it is fused with what it is added to.
+// that which wears each body, as it sees it. sheared: part of the step in contact times the shear ratio. OWN:
+// whether cells have a K each; SHEARS: whether shear wears. Nothing of it is fused with what it is added to.
 template <bool OWN, bool SHEARS>
 WARPWEAR_FN PerBody removal_of(const WearOfStep& step, const CellRow& cells, int i, const PerBody& pressure,
                                const PerBody& sheared)

@@ -181,13 +181,13 @@ WARPWEAR_FN void total_rows(int row, int under, bool presses, const OfTiles& of_
 // it lifts the approach, so cells that stand out less than that were in contact for a part of the step, and
 // bear nothing at its end. Bounds and sums of the tiles and rows are made anew; tiles that
 // do not touch stay as they are, where their lowest gaps are known. Each sum grows lane by lane, in the order
-// of the cells. OWN: cells have a K each; RARE: they have more of their own, shear, keep their dents, or
-// belong to a ball that does not wear.
-template <bool OWN, bool RARE, typename List, typename Count, typename Slides, typename Springs,
-          typename Properties, typename Bodies, typename OfTiles, typename Tables>
-WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& counts, const Slides& slides,
-                         const Springs& springs, const Properties& cells, const Bodies& bodies,
-                         const OfTiles& of_tiles, Tables& tables)
+// of the cells. alike: stiffness, or `Bend`, of all. OWN: cells have a K each; RARE: they have more of their
+// own, shear, keep their dents, or belong to a ball that does not wear.
+template <bool OWN, bool RARE, typename Spring, typename List, typename Count, typename Slides,
+          typename Springs, typename Properties, typename Bodies, typename OfTiles, typename Tables>
+WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& list, const Count& counts,
+                         const Slides& slides, const Springs& springs, const Properties& cells,
+                         const Bodies& bodies, const OfTiles& of_tiles, Tables& tables)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(off)
@@ -197,7 +197,6 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
     const auto& law = wp::index(springs.law, 0);
     const double base = law.base, offset = law.offset, cap = law.cap, tie_width = law.tie_width;
     const double tie_pressure = law.tie_pressure, full_depth = step.full_depth, reference = step.reference;
-    const Lanes stiffness_of_all = wp::index(springs.search, 0).stiffness;
     const bool keeps_reached = RARE && bodies.reached.shape[0] == bodies.gap.shape[0];
     const bool presses = RARE && full_depth < NO_LIMIT, is_known = of_tiles.gap.shape[0] > 0;
     const double lift = step.shear_counter + step.shear_disc;
@@ -232,10 +231,10 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
             Lanes was_touched[OF_TILE / TEAM];
             for (int i = first + lane_of_team(); i < last; i += TEAM) {
                 const Lanes overlap = (base - gap[i]) + offset;
-                const Lanes stiffness = RARE ? own_or(own.stiffness, i, stiffness_of_all) : stiffness_of_all;
+                const auto& spring = spring_at<RARE>(own.stiffness, i, alike);
                 const Lanes cap_ratio = RARE ? own_or(own.cap_ratio, i, one) : one,
                             cap_here = cap * cap_ratio;
-                Lanes p = clipped(on_spring(overlap - tie_width, stiffness), cap_here);
+                Lanes p = clipped(on_spring(overlap - tie_width, spring), cap_here);
                 p = size_of(overlap) > tie_width ? p : tie_pressure * cap_ratio;
                 Lanes d = disc[i];
                 if (presses) {
@@ -253,7 +252,8 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
                     rubs = tau * (p > zero ? one : part_of_step);
                     sums.of(TrackSum::RUBBED) += rubs;
                 }
-                const PerBody lost = removal_of<OWN, RARE>(wear, own, i, {p, p}, {rubs, rubs});
+                const PerBody wearing = wearing_pressure(alike, p);
+                const PerBody lost = removal_of<OWN, RARE>(wear, own, i, wearing, {rubs, rubs});
                 const Lanes s = counter[i] + lost.counter, a = wear_counter[i] + lost.counter;
                 const Lanes b = wear_disc[i] + lost.disc;
                 d -= lost.disc;
@@ -264,7 +264,9 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
                 wear_counter[i] = a;
                 wear_disc[i] = b;
                 sums.of(TrackSum::PRESSURE) += p;
-                sums.of(TrackSum::PRESSURE_TIMES_FACTOR) += OWN ? p * own_or(own.k_disc, i, one) : p;
+                sums.of(TrackSum::PRESSURE_TIMES_FACTOR) +=
+                    OWN ? wearing.disc * own_or(own.k_disc, i, one) : wearing.disc;
+                if (!is_straight(alike)) sums.of(TrackSum::WEARING_COUNTER) += wearing.counter;
                 highest = larger_of(highest, p);
                 const Lanes from_reference = p > zero ? p - reference : zero;
                 sums.of(TrackSum::DEVIATION_SQUARED) += from_reference * from_reference;
@@ -326,17 +328,19 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
                             const Springs& springs, const Properties& cells, const Bodies& bodies,
                             const OfTiles& of_tiles, Tables& tables)
 {
-    const auto by = [&](auto own, auto rare) {
-        wear_by<decltype(own)::value, decltype(rare)::value>(slot, slots, list, counts, slides, springs,
-                                                             cells, bodies, of_tiles, tables);
+    const auto by = [&](auto own, auto rare, const auto& alike) {
+        wear_by<decltype(own)::value, decltype(rare)::value>(slot, slots, alike, list, counts, slides,
+                                                             springs, cells, bodies, of_tiles, tables);
     };
+    const Lanes alike = wp::index(springs.search, 0).stiffness;
     const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
     const auto& step = wp::index(slides, 0);
     const bool rare = keeps_reached || step.full_depth < NO_LIMIT || step.shear_counter > 0.0 ||
                       step.shear_disc > 0.0 || cells.stiffness.shape[0] > 0 || cells.cap_ratio.shape[0] > 0 ||
                       cells.material.shape[0] > 0;
     const bool own = cells.k_counter.shape[0] > 0 || cells.k_disc.shape[0] > 0;
-    if (rare) by(Is<true>(), Is<true>());
-    if (!rare && own) by(Is<true>(), Is<false>());
-    if (!rare && !own) by(Is<false>(), Is<false>());
+    if (springs.bends.knots.shape[0] > 0) return by(Is<true>(), Is<true>(), bend_of(springs.bends));
+    if (rare) by(Is<true>(), Is<true>(), alike);
+    if (!rare && own) by(Is<true>(), Is<false>(), alike);
+    if (!rare && !own) by(Is<false>(), Is<false>(), alike);
 }

@@ -2,7 +2,7 @@
 // Cells of a list of tiles: how they are visited, what they carry at an approach, and what lies below a
 // level.
 
-#include "law.h"
+#include "properties.h"
 
 #if defined(__CUDA_ARCH__)
 static const int AT_ONCE =
@@ -39,10 +39,11 @@ WARPWEAR_FN void visit_listed(const int* tiles, int listed, int of_row, const Vi
 
 // What cells carry at an approach base + offset: the sum of the pressures, of the stiffnesses of the cells
 // that are neither open nor capped, and how near one is to changing that [MPa]. OWN: whether cells have a
-// stiffness of their own; PARTED: whether they have a part of the cap.
-template <bool OWN, bool PARTED, typename List, typename Count, typename Field, typename Table>
+// stiffness of their own; PARTED: whether they have a part of the cap. alike: stiffness, or `Bend`, of all.
+template <bool OWN, bool PARTED, typename List, typename Count, typename Spring, typename Field,
+          typename Table>
 WARPWEAR_FN void carry_by(int slot, int slots, const List& list, const Count& counts, double base,
-                          double offset, double cap, double stiffness, const Field& gap_in,
+                          double offset, double cap, const Spring& alike, const Field& gap_in,
                           const Field& stiffness_in, const Field& parts_in, Table& trial)
 {
 #if !defined(__CUDA_ARCH__)
@@ -64,13 +65,13 @@ WARPWEAR_FN void carry_by(int slot, int slots, const List& list, const Count& co
 #pragma unroll
             for (int j = 0; j < AT_ONCE; ++j) {
                 if (AT_ONCE > 1 && at[j] < 0) continue;
-                const Lanes s = OWN ? Lanes(own[at[j]]) : Lanes(stiffness);
+                const auto& s = spring_at<OWN>(own, at[j], alike);
                 const Lanes most_here = PARTED ? Lanes(cap * parts[at[j]]) : Lanes(cap);
                 const Lanes overlap = (base - g[j]) + offset;
                 const Lanes q = on_spring(overlap, s), p = clipped(q, most_here);
                 pressure += p;
-                slope += p > zero && q < most_here ? s * slope_on_spring(overlap, s) : zero;
-                const Lanes near = to_bound(q, most_here);
+                slope += p > zero && q < most_here ? stiffness_of(s) * slope_on_spring(overlap, s) : zero;
+                const Lanes near = to_bound(q, most_here, s);
                 nearest = nearest < near ? nearest : near;
             }
         });
@@ -90,16 +91,20 @@ WARPWEAR_FN void carry(int slot, int slots, const List& list, const Count& count
                        const Field& gap, const Field& stiffness, const Field& parts)
 {
     const auto& search = wp::index(springs.search, 0);
-    const auto by = [&](auto own, auto parted) {
-        carry_by<decltype(own)::value, decltype(parted)::value>(
-            slot, slots, list, counts, search.base, search.bracket.offset, springs.cap, search.stiffness, gap,
-            stiffness, parts, springs.trial);
+    const auto by = [&](auto own, auto parted, const auto& alike) {
+        carry_by<decltype(own)::value, decltype(parted)::value>(slot, slots, list, counts, search.base,
+                                                                search.bracket.offset, springs.cap, alike,
+                                                                gap, stiffness, parts, springs.trial);
     };
-    const bool own = stiffness.shape[0] > 0, parted = parts.shape[0] > 0;
-    if (!own && !parted) by(Is<false>(), Is<false>());
-    if (own && !parted) by(Is<true>(), Is<false>());
-    if (!own && parted) by(Is<false>(), Is<true>());
-    if (own && parted) by(Is<true>(), Is<true>());
+    const bool bends = springs.bends.knots.shape[0] > 0, own = stiffness.shape[0] > 0;
+    const bool parted = parts.shape[0] > 0;
+    const Lanes alike = search.stiffness;
+    if (bends && !parted) return by(Is<false>(), Is<false>(), bend_of(springs.bends));
+    if (bends) return by(Is<false>(), Is<true>(), bend_of(springs.bends));
+    if (!own && !parted) by(Is<false>(), Is<false>(), alike);
+    if (own && !parted) by(Is<true>(), Is<false>(), alike);
+    if (!own && parted) by(Is<false>(), Is<true>(), alike);
+    if (own && parted) by(Is<true>(), Is<true>(), alike);
 }
 
 // Up to where the cells inside the bracket of a bearing area are looked at: as far as all tiles are listed,

@@ -16,19 +16,22 @@ struct WearSums : Sums<WearSum> {
     Lanes highest = 0.0, deepest = 0.0, pressure_next = 0.0, between_next = 0.0, nearest_next = ABSENT;
 };
 
-// Wear a cell with a cap of its own and add it to the sums; return its gap. touches: whether it ever did.
-WARPWEAR_FN Lanes wear_cell(WearSums& sums, const WearBy& by, Lanes g, Lanes unworn, Lanes cap,
-                            Counts& touches)
+// Wear a cell with a cap of its own and add it to the sums; return its gap. spring, next: stiffness, or
+// `Bend`, of this step and the next. touches: whether it ever did.
+template <typename Spring>
+WARPWEAR_FN Lanes wear_cell(WearSums& sums, const WearBy& by, const Spring& spring, const Spring& next_spring,
+                            Lanes g, Lanes unworn, Lanes cap, Counts& touches)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(fast)
 #endif
     const Lanes zero = 0.0;
     const Counts no = 0, yes = 1;
-    const Lanes stiffness = by.stiffness, stiffness_next = by.stiffness_next;
-    Lanes p = clipped(on_spring((by.base - g) + (by.offset - by.tie_width), stiffness), cap);
+    Lanes p = clipped(on_spring((by.base - g) + (by.offset - by.tie_width), spring), cap);
     if (by.tie_width > 0.0) p = size_of((by.base - g) + by.offset) > by.tie_width ? p : by.tie_pressure;
-    g += removal_of(by.wear_per_pressure, p);
+    const Lanes wearing = wearing_pressure(spring, p).counter;
+    g += removal_of(by.wear_per_pressure, wearing);
+    if (!is_straight(spring)) sums.of(WearSum::WEARING) += wearing;
     sums.of(WearSum::PRESSURE) += p;
     sums.highest = sums.highest > p ? sums.highest : p;
     const Lanes d = p > zero ? p - by.reference : zero;
@@ -42,11 +45,11 @@ WARPWEAR_FN Lanes wear_cell(WearSums& sums, const WearBy& by, Lanes g, Lanes unw
     sums.of(WearSum::WORN) += w;
     sums.deepest = sums.deepest > w ? sums.deepest : w;
 
-    const Lanes next = (by.base_next - g) + by.offset_next, r = on_spring(next, stiffness_next);
+    const Lanes next = (by.base_next - g) + by.offset_next, r = on_spring(next, next_spring);
     const Lanes cap_next = by.cap, q = clipped(r, cap_next);
     sums.pressure_next += q;
-    sums.between_next += r == q ? slope_on_spring(next, stiffness_next) : zero;
-    const Lanes near = to_bound(r, cap_next);
+    sums.between_next += r == q ? slope_on_spring(next, next_spring) : zero;
+    const Lanes near = to_bound(r, cap_next, next_spring);
     sums.nearest_next = sums.nearest_next < near ? sums.nearest_next : near;
     return g;
 }
@@ -138,7 +141,7 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
                        step.stiffness_next};
     const int of_row = gap_out.shape[1] * OF_VECTOR;
     const bool first_thread = lane_of_slot() == 0;
-    const Lanes cap = by.cap;
+    const Lanes cap = by.cap, stiffness = by.stiffness, stiffness_next = by.stiffness_next;
 #if !defined(__CUDA_ARCH__)
     if (wp::index(counts, slot) == 0) { // most rows of an early contact
         leave_wear(tables, slot, WearSums(), Extents(), 0.0, wp::index(rest, slot)[0],
@@ -176,7 +179,7 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
             for (int j = 0; j < AT_ONCE; ++j) {
                 if (AT_ONCE > 1 && at[j] < 0) continue;
                 Counts touches;
-                const Lanes after = wear_cell(sums, by, g[j], u[j], cap, touches);
+                const Lanes after = wear_cell(sums, by, stiffness, stiffness_next, g[j], u[j], cap, touches);
 #if !defined(__CUDA_ARCH__)
                 gap[at[j]] = after;
 #else

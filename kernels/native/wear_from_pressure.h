@@ -136,10 +136,13 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
         const int under = has_disc ? under_row(row, slide.shift, bodies.disc.shape[0]) : 0;
         const Stored *const p_of = row_of(pressed.pressure, row), *const target =
                                                                       row_of(pressed.gradient, row);
-        const Stored* const passing = mean_of(pressed.pressure, pressed.means, row, slide.window);
+        const bool bends = pressed.on_counter.shape[0] > 0; // K goes with the pressure
+        const Stored* const passing =
+            mean_of(bends ? pressed.on_counter : pressed.pressure, pressed.means, row, slide.window);
         const bool turned = slide.counter_moves == 1;
+        const Stored* const own_disc = bends ? row_of(pressed.on_disc, row) : p_of;
         const Stored *const over_counter = turned ? p_of : passing, *const over_disc =
-                                                                        turned ? passing : p_of;
+                                                                        turned ? passing : own_disc;
         Stored* const slip = slips ? row_of(pressed.slips, row) : nullptr;
         Stored* const grown = slips ? row_of(pressed.grown, row) : nullptr;
         const CellRow own(pressed.cells, row);
@@ -239,4 +242,56 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
     leave_lines(maxima, slot, 0,
                 {most(highest), most(deepest_counter), most(deepest_disc), first_row, last_row, most(first),
                  most(last)});
+}
+
+// The pressures that wear counter-body and disc at their K of a step, where that goes with the pressure; and
+// their sums.
+template <typename Bends, typename Field, typename Table>
+WARPWEAR_FN void wearing_pressures(int slot, int slots, const Bends& bends, const Field& pressure,
+                                   const Field& counter, const Field& disc, Table& sums)
+{
+    const Bend bend = bend_of(bends);
+    Lanes of_counter = 0.0, of_disc = 0.0;
+    for (int row = slot; row < pressure.shape[0]; row += slots)
+        for (int i = lane_of_slot(); i < pressure.shape[1] * OF_VECTOR; i += width_of_slot()) {
+            const Lanes p = row_of(pressure, row)[i], a = bend.k_at(0, p) * p, b = bend.k_at(1, p) * p;
+            row_of(counter, row)[i] = a;
+            row_of(disc, row)[i] = b;
+            of_counter += a;
+            of_disc += b;
+        }
+    leave_lines(sums, slot, 2, {total(of_counter), total(of_disc)});
+}
+
+// What wear takes off a cell at a K of its pressure, as a line over the pressure: a part of the gap, and a
+// compliance. It is the chord to a pressure on the other side of what is looked for: the last one where the
+// present one has gone past it, else half as far as before; or the tangent where that is steeper; and no
+// less steep than `keeps` of the line before. Left is the
+// most by which the line before was off.
+template <typename Bends, typename Field, typename Table>
+WARPWEAR_FN void straighten(int slot, int slots, const Bends& bends, double keeps, const Field& pressure,
+                            const Field& last, const Field& far, const Field& gap, const Field& gap_out,
+                            const Field& yields, Table& off)
+{
+    const Bend bend = bend_of(bends);
+    const double counter = bends.step.data[1], disc = bends.step.data[2];
+    const auto worn = [&](Lanes p) { return p * (counter * bend.k_at(0, p) + disc * bend.k_at(1, p)); };
+    const Lanes zero = 0.0;
+    Lanes largest = 0.0;
+    for (int row = slot; row < gap.shape[0]; row += slots)
+        for (int i = lane_of_slot(); i < gap.shape[1] * OF_VECTOR; i += width_of_slot()) {
+            const Lanes p = row_of(pressure, row)[i], g = row_of(gap, row)[i], here = worn(p);
+            const Lanes by = here - (row_of(gap_out, row)[i] - g) - row_of(yields, row)[i] * p;
+            const Lanes before = row_of(last, row)[i], least = 1.0e-6 * p + 1.0e-6;
+            const Lanes beyond = (p - before) * by > zero ? before : 0.5 * (p + row_of(far, row)[i]);
+            const Lanes end = size_of(beyond - p) < least ? p + least : beyond;
+            const Lanes chord = (worn(end) - here) / (end - p), tangent = (worn(p + least) - here) / least;
+            const Lanes slope = larger_of(larger_of(chord, tangent), keeps * row_of(yields, row)[i]);
+            largest = larger_of(largest, p > zero ? size_of(by) : zero);
+            row_of(yields, row)[i] = slope;
+            row_of(gap_out, row)[i] = g + (here - slope * p);
+            row_of(last, row)[i] = p;
+            row_of(far, row)[i] = beyond;
+        }
+    leave_most(off, 0, slot, most(largest));
 }

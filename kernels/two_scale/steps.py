@@ -5,6 +5,7 @@ import math
 import warp as wp
 
 from warpwear.kernels.cells import NO_INDEX, NONE, ONE, ZERO, WearMost, WearSum
+from warpwear.kernels.contact import Bends
 from warpwear.kernels.foresight import Trend, foreseen_step, learnt
 from warpwear.kernels.native_code import lane, most_of, sum_of, width
 from warpwear.kernels.newton import HALF, LOOKS
@@ -60,6 +61,8 @@ class Steps:
     looks_ahead: wp.int32  # whether the pass that wears evaluates for the next step as well
     #: Largest extents of what may be touched before the host is asked, by `kernels.cells.EXTENTS`.
     within: wp.vec4d
+    #: Of a step: compliance of cells that is not wear, and 1 where wear lends one.
+    bends: Bends
     plan: wp.array2d(dtype=wp.float64)  # a row a step: K ΔL of both bodies, 1/c of the cells, 1/K_N
     now: wp.array(dtype=Now)  # one
     memory: wp.array(dtype=Memory)  # one

@@ -192,6 +192,17 @@ def test_help_is_quick_and_speaks_of_today(command: tuple[str, ...], helps: dict
         assert old not in told
 
 
+@pytest.mark.parametrize("command", every_command(commands), ids=" ".join)
+def test_no_two_options_write_one_parameter(command: tuple[str, ...]) -> None:
+    """Which of them a value is from differs between click's versions."""
+    found: click.Command = commands
+    for name in command:
+        assert isinstance(found, click.Group)
+        found = found.commands[name]
+    names = [parameter.name for parameter in found.params]
+    assert len(set(names)) == len(names)
+
+
 def test_help_names_what_a_run_writes(
     ran: tuple[Path, subprocess.CompletedProcess[str]], helps: dict[str, str]
 ) -> None:

@@ -222,6 +222,19 @@ RUNS: dict[str, dict[str, object]] = {
     "implicit": {"stepping.scheme": "implicit", "contact.hardness": "inf MPa"},
     "implicit springs": {"stepping.scheme": "implicit", "contact.stiffness": "5e5 N/mm^3"},
 }
+TRANSITION = {
+    "wear.law": "transition",
+    "wear.severe_counter": "9.4e-3 mm^3/N/m",
+    "wear.severe_disc": "2.54e-3 mm^3/N/m",
+    "wear.transition_pressure": "300 MPa",
+    "wear.transition_width": "100 MPa",
+    "stepping.force": True,
+}
+RUNS |= {f"{kind}, K of the pressure": changes | TRANSITION for kind, changes in RUNS.items()}
+#: Where the transition begins and ends, and what K of counter-body and disc are multiplied by.
+OVER_PRESSURE = np.array([[250.0, 350.0], [1.0, 10.0], [1.0, 2.0]])
+WORN = [(kind, factor) for kind in RUNS for factor in ("none", "across", "radial")]
+WORN = [(kind, factor) for kind, factor in WORN if "pressure" not in kind or factor == "none"]
 GROWING = {"stepping.first": "3 um", "stepping.growth": 1.2, "stepping.largest": "3 mm"}
 
 
@@ -251,11 +264,11 @@ def worn_as_expected(kind: str, factor: str, shape: tuple[int, int]) -> referenc
         stiffness=this.contact.stiffness,
         factor=1.0 if factor == "none" else np.sqrt(1.0 - d2 / 9.0),
         tolerance=this.load_tolerance,
+        over_pressure=tuple(OVER_PRESSURE) if this.wear.law == "transition" else None,
     )
 
 
-@pytest.mark.parametrize("factor", ["none", "across", "radial"])
-@pytest.mark.parametrize("kind", RUNS)
+@pytest.mark.parametrize(("kind", "factor"), WORN)
 @pytest.mark.parametrize("shape", [(64, 64), (61, 75)], ids=str)
 def test_worn_run_equals_reference(
     kind: str, factor: str, shape: tuple[int, int], device: str, threads: int
@@ -263,6 +276,7 @@ def test_worn_run_equals_reference(
     """40 steps: areas identical, volumes to 1e-12, fields to 1e-10."""
     this, grid, heights = worn_study(kind, factor), Grid(*shape, CELL), rough(shape, 3)
     increments, expected = increments_of(this), worn_as_expected(kind, factor, shape)
+    bent = this.wear.law == "transition"
     with Executor(grid, device=device, threads=threads) as executor:
         model = model_at_rest(this.contact_task, heights.copy(), executor)
         steps = list(model.steps((d, True) for d in increments.tolist()))
@@ -273,10 +287,12 @@ def test_worn_run_equals_reference(
         if name.startswith(("area", "patch")):
             assert_allclose(history[name], values, rtol=1e-13, err_msg=name)
         elif name.startswith(("wear", "pressure_m")):
-            assert_allclose(history[name], values, rtol=1e-12, err_msg=name)
+            # Volumes that are not K F L feel what is left of the load, 1e-12 of it, on the cells between.
+            assert_allclose(history[name], values, rtol=1e-11 if bent else 1e-12, err_msg=name)
     assert_allclose(history["pressure_std"], expected.history["pressure_std"], rtol=1e-9, atol=1e-7)
-    if kind != "explicit cells":  # its approach may lie anywhere between two gaps
-        assert_allclose(history["approach"], expected.history["approach"], rtol=1e-12)
+    if not kind.startswith("explicit cells"):  # its approach may lie anywhere between two gaps
+        expected_approach = expected.history["approach"]
+        assert_allclose(history["approach"], expected_approach, rtol=1e-10 if bent else 1e-12)
     for name, values in fields.items():
         worn = getattr(expected, name)
         assert_array_equal(values > 0.0, worn > 0.0, err_msg=name)
@@ -288,7 +304,7 @@ def test_worn_run_equals_reference(
 @pytest.mark.parametrize("kind", RUNS)
 def test_threads_do_not_change_a_bit(kind: str, device: str, two_threads: int) -> None:
     """Once more, and with two threads: bit-identical fields and history."""
-    changes = RUNS[kind] | {"wear.distance_factor": "radial"}
+    changes = RUNS[kind] | {"wear.distance_factor": "none" if "pressure" in kind else "radial"}
     this = study(**(changes if "stepping.increment" in changes else changes | GROWING))
     outcomes = []
     for count in (1, two_threads):

@@ -11,11 +11,12 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy import fft
 
 from warpwear.contact.half_space import window as half_space_window
-from warpwear.contact.half_space.solver import HalfSpace
+from warpwear.contact.half_space.solver import HalfSpace, HalfSpaceContact
 from warpwear.contact.half_space.window import Window, WindowedHalfSpace
 from warpwear.engine.executor import Executor
-from warpwear.errors import InputError
+from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid
+from warpwear.kernels.cells import PADDING
 
 #: On a GPU the transforms need their library.
 pytestmark = pytest.mark.transforms
@@ -112,11 +113,92 @@ def test_a_window_goes_before_the_next_takes_its_memory(monkeypatch: pytest.Monk
     assert len(made) >= 2
 
 
-def test_a_load_that_no_window_carries_is_refused() -> None:
+def pin(radius: float) -> FloatArray:
+    """Gap under a pin of a radius [mm], beyond which there is no body; its first cell lies at its rim."""
+    inside = np.hypot.outer(GRID.x, GRID.y) < radius
+    return np.where(inside, np.random.default_rng(2).normal(0.0, 1e-4, GRID.shape), PADDING)
+
+
+#: Gap; loads one after another, over what all cells that have a body carry at the hardness.
+LOADS: dict[str, tuple[FloatArray, list[float]]] = {
+    "ball": (ball(), [1e-9, 0.4, 1e-3, 0.2]),
+    "rough": (ball(rough=1e-3), [1e-3, 0.3, 0.95]),
+    "pin": (pin(0.2), [0.3, 0.9, 0.01, 0.9999]),
+    "small pin": (pin(0.04), [0.5, 1.0]),
+    "all of it": (ball() * 1e-3, [1e-6, 1.0]),
+}
+
+
+@pytest.mark.parametrize("boundary", ["free", "line", "periodic"])
+@pytest.mark.parametrize("case", LOADS)
+def test_a_window_carries_loads_that_grow(case: str, boundary: str, device: str) -> None:
+    gap, parts = LOADS[case]
+    most = 600.0 * np.count_nonzero(gap < PADDING) * GRID.cell_area
+    law = {"modulus": MODULUS, "boundary": boundary, "hardness": 600.0, "tolerance": 1e-8}
+    with Executor(GRID, device=device) as executor:
+        field, solver, whole = (
+            executor.field(gap),
+            WindowedHalfSpace(executor, **law),
+            HalfSpace(executor, **law),
+        )
+        for load in (part * most for part in parts):
+            whole.forget()
+            expected = whole.solve(field, mean_pressure=load / GRID.area)
+            found = solver.solve(field, load=load)
+            assert found.approach == pytest.approx(expected.approach, rel=1e-6)
+            assert_allclose(found.pressure, expected.pressure, atol=1e-4 * expected.pressure.max())
+            assert found.mean_pressure == pytest.approx(load / GRID.area, rel=2e-12)
+
+
+@pytest.mark.parametrize("boundary", ["free", "line", "periodic"])
+def test_a_pressure_far_below_the_load_is_a_start(boundary: str, device: str) -> None:
+    """No shift of what it leads to reaches the load: the search then begins anew, and is certified."""
+    grid, law = Grid(64, 60, 0.01), {"modulus": MODULUS, "boundary": boundary, "hardness": 600.0}
+    gap = np.add.outer(grid.x**2, grid.y**2) / 6.0 + np.random.default_rng(1).normal(0.0, 5e-3, grid.shape)
+    with Executor(grid, device=device) as executor:
+        field, solver = executor.field(gap), HalfSpace(executor, **law)
+        expected = HalfSpace(executor, **law).solve(field, mean_pressure=0.99 * 600.0)
+        solver.solve(field, mean_pressure=1e-6 * 600.0)
+        contact = solver.solve(field, mean_pressure=0.99 * 600.0)
+        assert contact.approach == pytest.approx(expected.approach, rel=1e-9)
+        assert contact.certificate is not None
+        assert contact.transforms > expected.transforms  # those of the search before count
+
+
+def test_a_window_without_a_contact_grows(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked: list[Grid] = []
+
+    class Picky(HalfSpace):
+        def solve(self, *fields: Any, **options: Any) -> HalfSpaceContact:
+            looked.append(self._executor.grid)
+            if self._executor.grid.cells < 0.5 * GRID.cells:
+                raise ConvergenceError("it does not converge on few cells")
+            return super().solve(*fields, **options)
+
+    monkeypatch.setattr(half_space_window, "HalfSpace", Picky)
     with Executor(GRID) as executor:
-        solver = WindowedHalfSpace(executor, modulus=MODULUS, boundary="free", hardness=1.0)
-        with pytest.raises(InputError, match="at most the hardness, 1 MPa"):
-            solver.solve(executor.field(ball()), load=LOAD)
+        solver = WindowedHalfSpace(executor, modulus=MODULUS, boundary="free")
+        found = solver.solve(executor.field(ball()), load=LOAD)
+        whole = HalfSpace(executor, modulus=MODULUS, boundary="free")
+        assert found.approach == pytest.approx(
+            whole.solve(executor.field(ball()), mean_pressure=LOAD / GRID.area).approach, rel=1e-5
+        )
+    cells = [grid.cells for grid in looked]
+    assert cells == sorted(set(cells))
+    assert len(cells) > 1
+
+
+@pytest.mark.parametrize("gap", [ball(), pin(0.2), pin(0.04)], ids=["all cells", "pin", "small pin"])
+def test_a_load_that_no_window_carries_is_refused(gap: FloatArray) -> None:
+    cells = np.count_nonzero(gap < PADDING)
+    most = 1.5 * cells * GRID.cell_area
+    with Executor(GRID) as executor:
+        for boundary in ("free", "line", "periodic"):
+            solver = WindowedHalfSpace(executor, modulus=MODULUS, boundary=boundary, hardness=1.5)
+            solver.solve(executor.field(gap), load=most)
+            sentence = rf"a load of \S+ N is not possible: .* carry {most:.6g} N at the hardness, 1\.5 MPa\."
+            with pytest.raises(InputError, match=sentence):
+                solver.solve(executor.field(gap), load=1.00001 * most)
 
 
 def test_windows_lie_on_whole_vectors_and_hold_what_they_are_made_for() -> None:

@@ -49,6 +49,13 @@ RUNNING_IN = {
     "wear.initial_counter": "4e-3 mm^3/N/m",
     "wear.initial_disc": "4e-3 mm^3/N/m",
 }
+TRANSITION = {
+    "wear.law": "transition",
+    "wear.severe_counter": "8e-3 mm^3/N/m",
+    "wear.severe_disc": "8e-3 mm^3/N/m",
+    "wear.transition_pressure": "150 MPa",
+    "wear.transition_width": "40 MPa",
+}
 PIECES = {"wear.particle": "60 um", "wear.particle_thickness": "0.2 um", "wear.pending_start": "uniform"}
 RUNS_IN = {"friction.initial_ratio": 3.0, "friction.running_in": "20 mm"}
 FILM = {
@@ -94,6 +101,10 @@ CASES = {
     "wear.running_in": Case("5 mm", RUNNING_IN),
     "wear.initial_counter": Case("1e-4 mm^3/N/m", RUNNING_IN),
     "wear.initial_disc": Case("1e-4 mm^3/N/m", RUNNING_IN),
+    "wear.severe_counter": Case("2e-3 mm^3/N/m", TRANSITION),
+    "wear.severe_disc": Case("2e-3 mm^3/N/m", TRANSITION),
+    "wear.transition_pressure": Case("250 MPa", TRANSITION),
+    "wear.transition_width": Case("90 MPa", TRANSITION),
     "wear.distance_factor": Case("radial"),
     "wear.particle": Case("100 um", PIECES, "v3-fine"),
     "wear.particle_thickness": Case("0.5 um", PIECES, "v3-fine"),

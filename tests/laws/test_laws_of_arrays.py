@@ -11,6 +11,8 @@ from warpwear.study.sections.wear import Wear
 
 #: Numbers of keys of [wear], three of each, K in mm²/N.
 NUMBERS = {"counter": [1e-6, 2e-6, 0.0], "initial_counter": [4e-6, 2e-6, 1e-6]}
+NUMBERS |= {"severe_counter": [9e-6, 2e-6, 1e-6], "transition_pressure": [300.0, 500.0, 700.0]}
+NUMBERS |= {"transition_width": [100.0, 10.0, 1.0]}
 NUMBERS |= {"decay": [0.02, 1e-4, 3.0], "running_in": [20.0, 1e3, 0.1]}
 STARTS = np.array([0.0, 3.0, 80.0])
 
@@ -49,6 +51,16 @@ def test_a_friction_law_of_arrays() -> None:
         (
             {"law": "running-in", "running_in": "20 mm", "initial_disc": "4e-3 mm^3/N/m"},
             "L0 = 20 mm and K0 = 0.001 and 0.004 mm³/(N·m)",
+        ),
+        (
+            {
+                "law": "transition",
+                "severe_counter": "9e-3 mm^3/N/m",
+                "severe_disc": "4e-3 mm^3/N/m",
+                "transition_pressure": "300 MPa",
+                "transition_width": "100 MPa",
+            },
+            "of severe wear over 100 MPa about a pressure of the cell of 300 MPa",
         ),
     ],
 )

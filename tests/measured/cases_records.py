@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from warpwear.grid import FloatArray
+
 #: Rows of each step of a record.
 ROWS = 40
 
@@ -131,3 +133,18 @@ RECORDS: dict[str, tuple[Callable[[], str | bytes], dict[str, Any]]] = {
 def written(content: str | bytes) -> bytes:
     """Return what a file of the record holds."""
     return content if isinstance(content, bytes) else content.encode()
+
+
+def raw(
+    *, cycles: float = 12, samples: int = 600, noise: float = 0.0, offset: float = 0.5, start: float = 0.0
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Passes slid, friction force, normal force, position: 30 mm, 8 N, μ = 0.3 + 0.01 passes."""
+    rng = np.random.default_rng(3)
+    passes = start + np.arange(round(2 * cycles * samples)) / samples
+    part = np.where(passes % 2 < 1, passes % 1, 1 - passes % 1)
+    direction = np.where(passes % 2 < 1, 1.0, -1.0)
+    sliding = np.clip(np.minimum(part, 1 - part) / 0.05, 0, 1)  # friction builds up again after a turn
+    normal = 8 + 0.2 * np.sin(7 * passes)
+    friction = direction * (0.3 + 0.01 * passes) * normal * sliding + offset
+    position = 30 * part + rng.normal(0.0, noise, passes.size)
+    return passes, friction + rng.normal(0.0, 0.05, passes.size), normal, position

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases_records import raw
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
@@ -165,21 +166,6 @@ def test_columns_are_picked_by_name_number_and_with_a_unit(tmp_path: Path) -> No
     for picks in ("s", "s [m],nothing", "s [m],ratio,3", "0,1"):
         with pytest.raises(InputError, match="two columns"):
             read(tmp_path, odd, columns=picks)
-
-
-def raw(
-    *, cycles: float = 12, samples: int = 600, noise: float = 0.0, offset: float = 0.5, start: float = 0.0
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Passes slid, friction force, normal force, position: 30 mm, 8 N, μ = 0.3 + 0.01 passes."""
-    rng = np.random.default_rng(3)
-    passes = start + np.arange(round(2 * cycles * samples)) / samples
-    part = np.where(passes % 2 < 1, passes % 1, 1 - passes % 1)
-    direction = np.where(passes % 2 < 1, 1.0, -1.0)
-    sliding = np.clip(np.minimum(part, 1 - part) / 0.05, 0, 1)  # friction builds up again after a turn
-    normal = 8 + 0.2 * np.sin(7 * passes)
-    friction = direction * (0.3 + 0.01 * passes) * normal * sliding + offset
-    position = 30 * part + rng.normal(0.0, noise, passes.size)
-    return passes, friction + rng.normal(0.0, 0.05, passes.size), normal, position
 
 
 def write_raw(

@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import warpwear
 from warpwear import InputError, Study
+from warpwear.contact.half_space.solver import HalfSpace
 from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
@@ -23,6 +24,15 @@ from warpwear.study.text import to_marked_toml
 pytestmark = pytest.mark.transforms
 
 LAW = {"contact.law": "half-space", "output.snapshots": []}
+TRANSITION = {
+    "wear__law": "transition",
+    "wear__severe_counter": "9.4e-3 mm^3/N/m",
+    "wear__severe_disc": "12.7e-3 mm^3/N/m",
+    "wear__transition_pressure": "300 MPa",
+    "wear__transition_width": "200 MPa",
+    "grid__cell": "10 um",
+}
+PATCHES = {"study.model": "two-scale", "patches.macro_cell": "50 um"}
 RUNNING_IN = {
     "wear.law": "running-in",
     "wear.running_in": "1 mm",
@@ -125,6 +135,46 @@ def test_every_step_wears_what_its_pressure_says() -> None:
             assert mean == pytest.approx(removal * 8.0 / grid.area, rel=1e-12)
             assert_allclose(after - before, removal * step.pressure, atol=1e-16)
             before = after
+
+
+@pytest.mark.parametrize("width", ["200 MPa", "5 MPa", "0.1 MPa"])
+def test_cells_wear_by_the_k_of_their_own_pressure(width: str) -> None:
+    """Each step is the contact of cells whose compliance is K(p) ΔL, given to the solver as numbers."""
+    asked = study(**(TRANSITION | {"wear__transition_width": width}))
+    grid, modulus, cap = asked.cells, asked.effective_modulus, asked.hardness
+    assert modulus is not None
+    pieces = []
+    heights = np.random.default_rng(1).normal(0.0, 1e-3, grid.shape)
+    with Executor(grid) as executor:
+        model = at_rest(asked, heights, executor)
+        before = gap_of(model, executor)
+        for increment in (0.003, 0.03, 0.3, 3.0, 0.01):
+            pressure = model.step(0, increment, with_pressure=True).pressure
+            assert pressure is not None
+            pieces.append(np.histogram(pressure, [1e-9, *asked.wear_laws[0].over_pressure[0], math.inf])[0])
+            after = gap_of(model, executor)
+            lends = increment * sum(np.interp(pressure, *law.over_pressure) for law in asked.wear_laws)
+            assert_allclose(after - before, lends * pressure, rtol=1e-12, atol=1e-16)
+            solver = HalfSpace(executor, modulus=modulus, boundary="free", hardness=cap)
+            mean = asked.contact.load / grid.area
+            other = solver.solve(executor.field(before), mean_pressure=mean, yields=executor.field(lends))
+            within = 2.0 * other.allowed.max() * modulus / grid.cell  # what both may miss, on a cell alone
+            assert within < 2e-3 * cap
+            assert_allclose(other.pressure, pressure, atol=within)
+            before = after
+    assert np.max(pieces, axis=0).min() > 3  # mild, between and severe
+
+
+def test_patches_wear_by_the_k_of_their_cells(device: str) -> None:
+    longest = {"stepping.increment": "0.3 mm", "sliding.distance": "0.3 mm", "output.snapshots": ["0.3 mm"]}
+    asked = study(**TRANSITION).replace(PATCHES | longest)
+    with warpwear.run(asked, device=device, plots=False) as result:
+        last = result.snapshot(-1)
+        for body, law in zip(("counter", "disc"), asked.wear_laws, strict=True):
+            expected = np.interp(last.pressure, *law.over_pressure) * last.pressure * 0.3
+            assert_allclose(getattr(last, f"wear_{body}"), expected, rtol=1e-12, atol=1e-18)
+        begin, end = asked.wear_laws[0].over_pressure[0]
+        assert np.histogram(last.pressure, [1e-9, begin, end, math.inf])[0].min() > 3
 
 
 def test_bodies_without_compliance_wear_as_on_the_capped_foundation() -> None:

@@ -22,10 +22,20 @@ from warpwear.models.track.tiles import SlidingTiles
 
 SHAPE, ROWS, CELL = (31, 299), 44, 0.005
 STEPS = 25
+TRANSITION = {
+    "wear.law": "transition",
+    "wear.severe_counter": "9.4e-3 mm^3/N/m",
+    "wear.severe_disc": "2.54e-3 mm^3/N/m",
+    "wear.transition_pressure": "550 MPa",
+    "wear.transition_width": "200 MPa",
+}
 LAWS = {
     "implicit": {"stepping.scheme": "implicit"},
     "implicit, no cap": {"stepping.scheme": "implicit", "contact.hardness": "inf MPa"},
     "explicit": {"stepping.scheme": "explicit", "contact.stiffness": "2e5 N/mm^3"},
+    "implicit, K of the pressure": TRANSITION | {"stepping.scheme": "implicit"},
+    "springs, K of the pressure": TRANSITION
+    | {"stepping.scheme": "implicit", "contact.stiffness": "2e5 N/mm^3"},
     "bearing area": {"stepping.scheme": "explicit", "stepping.load_tolerance": "0.00738 N"},
 }
 
@@ -72,7 +82,13 @@ class Plain:
         removal = [law.wear_per_pressure(0.0, increment) for law in study.wear_laws]
         c = 1.0 / study.stiffness + (sum(removal) if study.stepping.scheme == "implicit" else 0.0)
         gap = self.counter - self.disc[beneath]
-        if c > 0.0:
+        if study.wear.law == "transition":
+            at = study.wear_laws[0].over_pressure[0]
+            lent = np.sum([increment * np.array(law.over_pressure[1]) for law in study.wear_laws], axis=0)
+            contact = reference.stretched(gap, 1.0 / study.stiffness, (at, lent), load, hardness, CELL)
+            removal = [increment * np.interp(contact.pressure, *law.over_pressure) for law in study.wear_laws]
+            c = 1.0 / study.stiffness + np.interp(hardness, at, lent)
+        elif c > 0.0:
             contact = reference.foundation(gap, c, load, hardness, CELL)
         else:
             contact = reference.bearing(gap, load, hardness, CELL, study.load_tolerance)
@@ -169,7 +185,9 @@ def compare(
             found = contact.step(shift, increment)
             assert found.row["cells_in_contact"] == cells
             if law != "bearing area":  # of which any approach up to the next cell will do
-                assert found.row["approach"] == pytest.approx(approach, rel=1e-12, abs=1e-15)
+                # A line ends at the load, a bend within 1e-12 of it, which few cells may bear.
+                within = 1e-12 if "pressure" not in law else 1e-10
+                assert found.row["approach"] == pytest.approx(approach, rel=within, abs=1e-15)
             for name, value in row.items():
                 assert found.row[name] == pytest.approx(value, rel=1e-11), name
         for name, field in fields_of(contact, executor).items():

@@ -201,6 +201,18 @@ def test_sentences_are_all_reached() -> None:
             assert "{" not in sentence
 
 
+@pytest.mark.parametrize(("hardness", "is_told"), [("590 MPa", True), ("320 MPa", False), ("inf MPa", False)])
+def test_limits_say_that_cells_at_a_hardness_wear_severely(hardness: str, is_told: bool) -> None:
+    """A transition from 250 to 350 MPa ends below the first hardness alone."""
+    transition = {"law": "transition", "transition_pressure": "300 MPa", "transition_width": "100 MPa"}
+    transition |= {"severe_counter": "9e-3 mm^3/N/m", "severe_disc": "9e-3 mm^3/N/m"}
+    changes = {f"wear.{key}": value for key, value in transition.items()}
+    study = Study.load("v1").replace({**changes, "stepping.scheme": "implicit", "contact.hardness": hardness})
+    told = " ".join(limits_of(study))
+    assert ("cells at the hardness always wear severely" in told) == is_told
+    assert "K follows the pressure of each cell" in told
+
+
 def test_limits_follow_the_run() -> None:
     def said(kind: str) -> str:
         return " ".join(limits_of(study_of(kind)))

@@ -33,7 +33,7 @@ BAD = [
     ({"wera": {"counter": "1 mm"}}, r"'wera' is no key .*did you mean 'wear'"),
     (
         {"contact.load": "9 kN"},
-        r"contact\.load = 9000 N is more than the domain under the counter-body carries .*13\d\d N",
+        r"contact\.load = 9000 N is more than the domain under the counter-body carries .*1327\.5 N",
     ),
     ({"contact.hardness": "nan MPa"}, r"contact\.hardness = 'nan MPa'"),
     ({"contact.hardness": "inf MPa", "stepping.scheme": "explicit"}, r"contact\.hardness = inf MPa needs"),
@@ -55,7 +55,7 @@ BAD = [
     ),
     (
         {"counter.radius": "2 um"},
-        r"^contact\.load = 8 N is more than .* carries .*\(0\.007414 N\); .* a larger counter-body",
+        r"^contact\.load = 8 N is more than .* carries .*\(0\.00708 N\); .* a larger counter-body",
     ),
     (
         {"friction.coefficient": "0,55"},
@@ -105,7 +105,7 @@ BAD = [
     ({"friction.initial_ratio": 2.0}, r"^friction\.initial_ratio = 2 needs friction\.running_in"),
     ({"wear.counter": 10**400}, r"wear\.counter = 1000.*: is too large"),
     ({"sliding.passes": 10**400}, r"sliding\.passes = 1000"),
-    ({"counter.radius": "1 mm", "grid.extent": "4 mm", "contact.hardness": "1 MPa"}, r"carries .*3\.142 N"),
+    ({"counter.radius": "1 mm", "grid.extent": "4 mm", "contact.hardness": "1 MPa"}, r"carries .*3\.14168 N"),
     ({"stepping.increment": "1 nm"}, r"sliding\.distance = 2400 mm takes 2\.4e\+09 steps; .*1,000,000"),
     ({"stepping.largest": "1 nm", "stepping.first": "0.1 nm"}, r"takes 2\.4e\+09 steps"),
     ({"stepping.first": "3 um", "stepping.largest": "1 um"}, r"stepping\.first = 0\.003 mm must not exceed"),

@@ -72,7 +72,7 @@ def test_a_run_on_another_surface_under_this_name_is_made_again(surface: Path, t
     assert again.ends == right.ends
     assert not again.was_there
     with Result.open(runs / plan.points[0].run) as result:
-        assert result.record["surface"]["sha256"] == plan.points[0].surface
+        assert result.record["surface"]["sha256"] == plan.points[0].files["disc.surface"]
 
 
 def test_a_finished_run_is_not_that_of_a_file_that_changed(surface: Path, tmp_path: Path) -> None:

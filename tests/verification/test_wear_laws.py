@@ -1,12 +1,14 @@
 """Wear laws beside Archard's: exact in volume at any step, and the running-in of an unresolved roughness."""
 
 import math
+import re
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from thesis import K_COUNTER, K_DISC, F, smooth
+from thesis import K_COUNTER, K_DISC, F, K, smooth
 
 from warpwear import InputError, Study, run
 from warpwear.laws.archard import WEAR_LAWS, WearLaw
@@ -55,6 +57,80 @@ def test_no_law_wears_faster_than_it_says(law: type[WearLaw]) -> None:
         body = law(*numbers.tolist())
         for start in (0.0, 0.1, 1.0, 10.0, 100.0):
             assert body.wear_per_pressure(start, 0.01) <= 0.01 * body.fastest * (1.0 + 1e-9)
+
+
+TRANSITION = {
+    "wear.law": "transition",
+    "wear.severe_counter": "9.4e-3 mm^3/N/m",
+    "wear.severe_disc": "12.7e-3 mm^3/N/m",
+    "wear.transition_pressure": "8 MPa",
+    "wear.transition_width": "4 MPa",
+    "grid.extent": "1 mm",
+    "grid.cell": "50 um",
+    "counter.radius": "inf mm",
+    "stepping.increment": "1 mm",
+    "sliding.distance": "10 mm",
+}
+ELASTIC = {
+    f"{body}.{key}": value
+    for body in ("counter", "disc")
+    for key, value in (("young", "210 GPa"), ("poisson", 0.3))
+}
+HALF_SPACE = ELASTIC | {
+    "contact.law": "half-space",
+    "contact.boundary": "periodic",
+    "contact.hardness": "1 GPa",
+}
+PATCHES = {"study.model": "two-scale", "patches.macro_cell": "500 um", "patches.bulk": "none"}
+PATCHES |= {"contact.hardness": "1 GPa"}
+HOSTS = {
+    "springs": {"contact.stiffness": "1e5 N/mm^3"},
+    "explicit": {"contact.stiffness": "1e2 N/mm^3", "stepping.scheme": "explicit"},
+    "wear alone": {},
+    "capped": {"contact.hardness": "20 MPa"},
+    "half-space": HALF_SPACE,
+    "patches": PATCHES,
+    "patches on half-spaces": PATCHES | HALF_SPACE,
+}
+
+
+@pytest.mark.parametrize("host", HOSTS)
+@pytest.mark.parametrize("load", [3.0, 7.0, 8.0, 9.5, 13.0])
+def test_a_flat_wears_by_the_k_of_its_pressure(host: str, load: float, device: str) -> None:
+    """On 1 mm² the load is the pressure: below the transition, in it and beyond it V = K(F) F L."""
+    study = smooth().replace(TRANSITION | HOSTS[host] | {"contact.load": f"{load} N"})
+    history = run(study, device=device, plots=False).history
+    severe = min(max((load - 6.0) / 4.0, 0.0), 1.0)
+    for name, coefficient in (("counter", K_COUNTER), ("disc", K_DISC)):
+        expected = coefficient * (1.0 + 9.0 * severe) * load * history["distance"]
+        assert_allclose(history[f"wear_volume_{name}"], expected, rtol=1e-10)
+        assert_allclose(history[f"archard_volume_{name}"], expected, rtol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"wear.transition_width": "20 MPa"}, "begins to change at -2 MPa"),
+        ({"wear.severe_disc": "1e-4 mm^3/N/m"}, "makes pressures beyond 6 MPa wear less than smaller ones"),
+        ({"wear.disc": "0 mm^3/N/m"}, "wears under some pressures alone"),
+        ({"wear.transition_width": None}, "needs wear.transition_width"),
+        (
+            {"wear.distance_factor": "radial", "counter.radius": "3 mm"},
+            "does not go with wear.distance_factor",
+        ),
+        (PATCHES | {"wear.severe_disc": "9e-3 mm^3/N/m"}, "in one proportion"),
+        (HALF_SPACE | {"sliding.stroke": "5 mm"}, "does not go with contact.law = 'half-space' under a disc"),
+        (
+            {"stepping.scheme": "explicit", "contact.stiffness": "1e4 N/mm^3"},
+            # (p K)' is largest at the end of the transition: 10 + 9/4 × 10 times K of mild wear.
+            f"explicit stability limit 2/(k K) = {2.0 / (1e4 * 32.5 * K):.3g} mm",
+        ),
+    ],
+    ids=str,
+)
+def test_a_transition_that_is_not_followed_is_refused(changes: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=re.escape(words)):
+        smooth().replace(TRANSITION | {"stepping.increment": "5 mm"} | changes)
 
 
 CURVE = Logistic(middle=0.010, scale=0.002)

@@ -27,7 +27,7 @@ from warpwear.version import __version__
     show_default=True,
     help="Figures to draw: what goes into a paper, or all; `warpwear plot` draws them later.",
 )
-@click.option("--no-plots", "plots", flag_value="none", help="Draw no figures, as --plots none.")
+@click.option("--no-plots", is_flag=True, help="Draw no figures, as --plots none.")
 @click.option("--notes", is_flag=True, help="Tell all notes here, not the three heaviest alone.")
 @click.option("--overwrite", is_flag=True, help="Replace the run that the folder holds.")
 @click.option("--resume", is_flag=True, help="Go on from the checkpoint in the folder.")
@@ -38,6 +38,7 @@ def run(
     changes: tuple[str, ...],
     out: Path | None,
     plots: str,
+    no_plots: bool,
     notes: bool,
     **options: Any,
 ) -> None:
@@ -68,7 +69,7 @@ def run(
         with runner.Progress(loaded.study.name, all_notes=notes) as progress:
             run_options = runner.RunOptions(
                 out=folder,
-                plots=plots,
+                plots="none" if no_plots else plots,
                 progress=progress,
                 import_seconds=0.0 if started is None else time.perf_counter() - started,
                 **options,

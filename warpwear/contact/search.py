@@ -2,17 +2,30 @@
 
 from typing import Any
 
+import numpy as np
+import warp as wp
+
 from warpwear.contact.balance import TOLERANCE, Balance
-from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.program import Program, launch_once
 from warpwear.engine.tiles import TileList
 from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray
 from warpwear.kernels import balance, bearing
+from warpwear.kernels.contact import Bends
 from warpwear.kernels.newton import STUCK
 
+#: Of cells whose K is the same at every pressure.
+NO_KNOTS: FloatArray = np.zeros((0, 3))
 #: Vectors for the gaps that a slot gathers inside the bracket of a bearing area.
 NEAR = 64
+
+
+def bends_of(knots: FloatArray, executor: Executor, *step: float) -> Arguments:
+    """Make what kernels take of K over the pressure. knots: see `laws.archard.knots_of`."""
+    arrays: Any = {"knots": knots, "step": (*step, 0.0, 0.0, 0.0)[:3]}
+    arrays = {name: wp.array(one, dtype=wp.float64, device=executor.device) for name, one in arrays.items()}
+    return arguments(Bends, **arrays)
 
 
 class LoadSearch:
@@ -20,7 +33,8 @@ class LoadSearch:
 
     stiffness: 1/c of every cell [N/mm³], one row for all or one a row of cells; None where each search has
     one for all. parts: of the hardness, that cells bear; None: all of it. tolerance: of a bearing area [N],
-    whose cells do not yield; None for springs. It is made before anything is worn.
+    whose cells do not yield; None for springs. knots: of `Bends`, where K goes with the
+    pressure. It is made before anything is worn.
     """
 
     def __init__(
@@ -34,6 +48,7 @@ class LoadSearch:
         stiffness: Field | None = None,
         parts: Field | None = None,
         tolerance: float | None = None,
+        knots: FloatArray = NO_KNOTS,
     ) -> None:
         device = executor.device
         self.is_rigid = tolerance is not None
@@ -53,6 +68,7 @@ class LoadSearch:
             listing=tiles.listing,
             trial=(5, slots),
             near=(slots if gathers else 0, NEAR),
+            bends=bends_of(knots, executor),
         )
         #: What the pressures follow from, when a search has ended.
         self.law: Field = self.springs.law

@@ -196,7 +196,8 @@ class Ledger:
             "wear_depth_counter": most["wear_counter"],
             "wear_depth_disc": most["wear_disc"],
             "cells_in_contact": count,
-            "archard_volume_counter": removal[0] * load,
+            "archard_volume_counter": removal[0]
+            * (total["wearing_counter"] * area if "wearing_counter" in total else load),
             "archard_volume_disc": removal[1] * total.get("pressure_times_factor", total["pressure"]) * area,
             "evaluations": 1.0 * balance.evaluations,
         }

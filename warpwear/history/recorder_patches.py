@@ -105,6 +105,8 @@ class PatchLedger(Ledger):
         for. Raises ConvergenceError where the pressures do not add up to the load.
         """
         total, most = (divided(both, self._fractions) for both in (worn.total, worn.most))
+        if len(self._task.knots):
+            total["wearing_counter"] = total["pressure_times_factor"] = total["wearing"]
         load, approach = self._task.load, sum(worn.approach)
         residual = checked_residual(total["pressure"] * self._of_cell - load, load, approach=approach)
         self.book.enter(load_share=worn.loads, area_patch=worn.areas)

@@ -245,7 +245,7 @@ def _course(study: Study, experiment: Experiment | str | Path, columns: str | No
             f"{name} has {inside.sum()} points from 0 to {study.sliding.total:g} mm, which the study slides: "
             f"at least {FEWEST} are needed"
         )
-    notes = list(experiment.notes) + list(experiment.warnings)
+    notes = [*experiment.warnings, *experiment.notes]
     if not inside.all():
         total = study.sliding.total
         notes.append(f"Points beyond the {total:g} mm of the study, left out: {(~inside).sum()}.")

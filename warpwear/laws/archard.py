@@ -17,6 +17,8 @@ from warpwear.grid import FloatArray, Grid
 #: Both bodies, in the order in which they are numbered, and what sentences call them.
 BODIES = ("counter", "disc")
 CALLED = {"counter": "counter-body", "disc": "disc"}
+#: Pressures at most between which K is linear, as native/law.h has room for.
+MOST_KNOTS = 16
 Number = TypeVar("Number", float, FloatArray)
 
 
@@ -59,9 +61,30 @@ class WearLaw(Scales):
         return tuple(getattr(self, name) for name, key in self.keys.items() if "{body}" in key)
 
     @property
+    def over_pressure(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Return pressures of a cell [MPa] from low to high, and K at them; nothing where none changes K.
+
+        K is linear between them and constant beyond. Programs take it over `steady`, K where nothing presses.
+        """
+        return (), ()
+
+    @property
     def fastest(self) -> float:
-        """Return the largest K at any distance [mm²/N]."""
-        return max(self.coefficients)
+        """Return the largest K at any distance and pressure [mm²/N]."""
+        return max(self.over_pressure[1] or self.coefficients)
+
+    def rates(self, most: float = math.inf) -> FloatArray:
+        """Return d(p K)/dp [mm²/N] at the ends of the pieces of K, up to a pressure [MPa].
+
+        It lies between them elsewhere. The largest limits explicit steps; implicit ones need all above 0.
+        """
+        pressures, values = (np.array(column) for column in self.over_pressure)
+        if not pressures.size:
+            return np.array([self.fastest])
+        ends = np.minimum(pressures, most)
+        bends = np.diff(values) / np.diff(pressures) * (pressures[:-1] < most)
+        at_ends = np.interp(ends, pressures, values)
+        return np.concatenate([at_ends, at_ends[:-1] + ends[:-1] * bends, at_ends[1:] + ends[1:] * bends])
 
     def in_proportion_to(self, other: "WearLaw") -> bool:
         """Tell whether this K and the `other` are in one proportion at every distance."""
@@ -170,8 +193,39 @@ class EnergyLaw(WearLaw):
         return self.shear * (increment + more)
 
 
+@dataclass(frozen=True)
+class TransitionLaw(WearLaw):
+    """K passes from mild wear to severe with the pressure of a cell, linearly over a width."""
+
+    name = "transition"
+    keys = WearLaw.keys | {
+        "severe": "severe_{body}",
+        "middle": "transition_pressure",
+        "width": "transition_width",
+    }
+    formula = "K(p)"
+    sentence = (
+        "K of mild wear, which passes linearly to {severe_counter:.3g} and {severe_disc:.3g} mm³/(N·m) of "
+        "severe wear over {transition_width:.4g} MPa about a pressure of the cell of "
+        "{transition_pressure:.4g} MPa"
+    )
+
+    severe: float  # K above the transition [mm²/N]
+    middle: float  # pressure in the middle of it [MPa]
+    width: float  # from its beginning to its end [MPa]
+
+    @property
+    def over_pressure(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Return the ends of the transition; see `WearLaw`."""
+        half = 0.5 * self.width
+        return (self.middle - half, self.middle + half), (self.steady, self.severe)
+
+
 #: Value of `wear.law` -> law.
-WEAR_LAWS = {law.name: law for law in (WearLaw, ExponentialLaw, RunningInLaw, BearingCurveLaw, EnergyLaw)}
+WEAR_LAWS: dict[str, type[WearLaw]] = {
+    law.name: law
+    for law in (WearLaw, ExponentialLaw, RunningInLaw, BearingCurveLaw, EnergyLaw, TransitionLaw)
+}
 #: Keys of [wear] that are numbers of a law, and those of them that are a K.
 KEYS = {key.format(body=body) for law in WEAR_LAWS.values() for key in law.keys.values() for body in BODIES}
 COEFFICIENTS = {key for key in KEYS if key.endswith(BODIES)}
@@ -185,6 +239,20 @@ def said(laws: tuple[WearLaw, WearLaw]) -> str:
         for name, key in law.keys.items()
     }
     return laws[0].sentence.format(**numbers)
+
+
+def knots_of(laws: tuple[WearLaw, WearLaw]) -> FloatArray:
+    """Return rows of a pressure [MPa], and K of counter-body and disc at it over `steady`, from 0 up.
+
+    K is linear between rows, and constant beyond the last; there is none where no pressure changes it. A body
+    that does not wear has the other's.
+    """
+    wearing = [law for law in laws if law.wears]
+    tables = [law.over_pressure for law in (wearing if len(wearing) == len(laws) else 2 * wearing)]
+    pressures = sorted({0.0}.union(*(at for at, _ in tables)))
+    if len(pressures) == 1:
+        return np.zeros((0, 3))
+    return np.column_stack([pressures, *(np.interp(pressures, at, k) / k[0] for at, k in tables)])
 
 
 def wear_in_steps(

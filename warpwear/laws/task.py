@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 from typing import Literal, Protocol
 
 from warpwear.grid import FloatArray
-from warpwear.laws.archard import WearLaw
+from warpwear.laws.archard import WearLaw, knots_of
 from warpwear.laws.elastic import Hertz
 from warpwear.laws.film import Film
 from warpwear.laws.fretting import Fretting
@@ -98,6 +98,11 @@ class ContactTask:
         return counter, disc
 
     @property
+    def knots(self) -> FloatArray:
+        """Return how K of a cell goes with its pressure, see `archard.knots_of`."""
+        return knots_of(self.wear)
+
+    @property
     def shears(self) -> bool:
         """Tell whether cells in contact wear by their shear, whatever their pressure."""
         return sum(self.wear_per_contact(0.0, 1.0)) > 0.0
@@ -107,7 +112,7 @@ class ContactTask:
         """Tell whether, at rest, every cell has the same law: one stiffness, and wear in one proportion."""
         counter, disc = self.wear
         alike = self.distance_factor == "none" and self.film is None and not self.shears
-        return alike and counter.in_proportion_to(disc)
+        return alike and counter.in_proportion_to(disc) and not len(self.knots)
 
     @property
     def scales(self) -> bool:

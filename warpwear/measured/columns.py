@@ -5,6 +5,8 @@ import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.record import Record, is_unit
@@ -121,7 +123,7 @@ def _different(record: Record, indices: list[int]) -> list[int]:
         values: FloatArray = record.columns(indices)
     except InputError:
         return indices
-    same = [bool((values[:, 0] == values[:, k]).all()) for k in range(len(indices))]
+    same = [np.array_equal(values[:, 0], values[:, k], equal_nan=True) for k in range(len(indices))]
     return [index for index, equal in zip(indices, same, strict=True) if not equal or index == indices[0]]
 
 

@@ -22,6 +22,8 @@ NEGATIVE_SHARE = 0.1
 RUN = 2.5
 #: Share of the whole distance that may be covered twice.
 OVERLAP = 0.05
+#: Share of the rows with gaps beyond which they are warned of.
+MANY_GAPS = 0.1
 #: A gap between two points is longer than this share of the range that is looked at ...
 GAP = 0.05
 #: ... and longer than this many times the mean distance between points.
@@ -57,14 +59,14 @@ def experiment_of(rows: Rows, motion: Motion) -> Experiment:
     if "position" in rows.table and forces:
         taken.add("position")
     else:
-        rows, left_out = moving(rows)
+        all_rows, (rows, left_out) = rows, moving(rows)
         strokes = forces and alternates(rows)
         if forces and not strokes:
             one_sign(path, rows.table["friction force"])
         what = "friction force" if forces else "coefficient of friction"
-        try:
-            distance, role, origin = sliding_distance(rows, motion, what=what)
-            rows = replace(rows, table={**rows.table, "distance": distance})
+        try:  # rows at rest count in time, and the distance stands still there
+            distance, role, origin = sliding_distance(all_rows, motion, what=what)
+            rows, _ = moving(replace(all_rows, table={**all_rows.table, "distance": distance}))
             taken |= {role, "distance"}
             notes += left_out
         except InputError:
@@ -72,7 +74,7 @@ def experiment_of(rows: Rows, motion: Motion) -> Experiment:
                 raise
     table = {role: values for role, values in rows.table.items() if role in taken}
     columns = {role: rows.chosen[role] for role in rows.chosen if role in taken}
-    table, left_out = _without_gaps(path, {**table, "step": rows.step.astype(np.float64)})
+    table, left_out, many = _without_gaps(path, {**table, "step": rows.step.astype(np.float64)})
     step = table.pop("step").astype(np.intp)
     if forces:
         course = from_forces(path, table, step=step, stroke=motion.stroke, load=motion.load)
@@ -81,7 +83,6 @@ def experiment_of(rows: Rows, motion: Motion) -> Experiment:
     titles = ", ".join(f"{role} from {column.title!r}" for role, column in columns.items())
     notes = [
         *rows.notes,
-        *left_out,
         f"Columns: {titles}.",
         *([origin] if origin else []),
         *notes,
@@ -90,7 +91,7 @@ def experiment_of(rows: Rows, motion: Motion) -> Experiment:
     if rows.format != PLAIN.name:
         notes.insert(0, f"Format: {rows.format}" + (f", {len(steps)} steps." if len(steps) > 1 else "."))
     notes += check_cof(path, course.distance, course.cof)
-    return replace(course, notes=tuple(notes), warnings=(*warnings, *course.warnings))
+    return replace(course, notes=(*left_out, *notes), warnings=(*many, *warnings, *course.warnings))
 
 
 def _signed(rows: Rows) -> bool:
@@ -103,15 +104,25 @@ def _signed(rows: Rows) -> bool:
     return (turning and "position" in rows.table) or ("position" not in rows.table and alternates(rows))
 
 
-def _without_gaps(path: Path, table: dict[str, FloatArray]) -> tuple[dict[str, FloatArray], list[str]]:
-    """Return the rows with all values, and a note on the others."""
+def _without_gaps(
+    path: Path, table: dict[str, FloatArray]
+) -> tuple[dict[str, FloatArray], list[str], list[str]]:
+    """Return the rows with all values, a note on the others, and a warning where these are many.
+
+    Those of a record with positions stay, where they are NaN.
+    """
     rows = next(iter(table.values())).size
-    whole = np.all([np.isfinite(values) for values in table.values()], axis=0)
+    whole = np.isfinite(list(table.values())).all(axis=0)
     count = int(whole.sum())
     if count < 2:
         raise InputError(f"{path} has rows with all values: {count}; two or more are expected")
-    notes = [] if count == rows else [f"Rows with gaps, left out: {rows - count} of {rows}."]
-    return {role: values[whole] for role, values in table.items()}, notes
+    out = rows - count
+    notes = [f"Rows with gaps, left out: {out} of {rows}."] * (out > 0)
+    share = f"{out} of {rows} rows ({out / rows:.0%}) have gaps and were left out"
+    many = [f"Warning: {share}: what happened in them is not known."] * (out > MANY_GAPS * rows)
+    if "position" not in table:  # whose turns are found among rows of even sampling
+        table = {role: values[whole] for role, values in table.items()}
+    return table, notes, many
 
 
 def _in_order(path: Path, distance: FloatArray, cof: FloatArray) -> Experiment:

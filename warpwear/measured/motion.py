@@ -1,6 +1,6 @@
 """Find how far a record slid: by its distance, its laps, its speeds, its turns, its cycles or its time."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -50,6 +50,7 @@ def moving(rows: Rows) -> tuple[Rows, list[str]]:
 def sliding_distance(rows: Rows, motion: Motion, *, what: str) -> tuple[FloatArray, str, str]:
     """Return the distance slid [mm], shape (rows,), the role of the column it is from, and how it was made.
 
+    It is NaN in rows with a gap in what it is made of, and goes on behind them as if they were not there.
     what: the record has, for sentences. Raises InputError where the record does not say how far it slid.
     """
     table, path, stroke, speed = rows.table, rows.path, motion.stroke, motion.speed
@@ -63,7 +64,7 @@ def sliding_distance(rows: Rows, motion: Motion, *, what: str) -> tuple[FloatArr
     for role, factor in rates.items():
         if role in table and "time" in table and factor is not None:
             way = "" if role == "speed" else ", times 2π radius"
-            along = _integral(np.abs(table[role]) * factor, table["time"])
+            along = _over_gaps(_integral, np.abs(table[role]) * factor, table["time"])
             return along, role, f"Distance is the integral of the {role} over time{way}."
     if "cycle" in table and stroke is not None:
         note = f"Distance is cycle times two strokes of {stroke:g} mm."
@@ -98,12 +99,13 @@ def sliding_distance(rows: Rows, motion: Motion, *, what: str) -> tuple[FloatArr
 
 def _without_slips(distance: FloatArray, time: FloatArray | None) -> tuple[FloatArray, str]:
     """Return a distance [mm] that stands still where a counter slips back while time goes on; a note."""
-    falls = np.diff(distance)[np.diff(distance) < 0.0]
-    goes_on = time is not None and bool(np.all(np.diff(time) >= 0.0))
-    if not (goes_on and 0 < falls.size <= SLIPS * distance.size and -falls.sum() <= SLIPS * np.ptp(distance)):
+    known = distance[np.isfinite(distance)]
+    falls = np.diff(known)[np.diff(known) < 0.0]
+    goes_on = time is not None and bool(np.all(np.diff(time[np.isfinite(time)]) >= 0.0))
+    if not (goes_on and 0 < falls.size <= SLIPS * known.size and -falls.sum() <= SLIPS * np.ptp(known)):
         return distance, ""
     note = f"The distance falls back at {falls.size} rows while time goes on: it is taken to stand still."
-    return np.maximum.accumulate(distance), note
+    return _over_gaps(np.maximum.accumulate, distance), note
 
 
 def doubts(rows: Rows, radius: float | Sequence[float] | None) -> tuple[str, ...]:
@@ -111,8 +113,7 @@ def doubts(rows: Rows, radius: float | Sequence[float] | None) -> tuple[str, ...
     track = _radius(rows, radius)
     if track is None or not {"distance", "laps"} <= rows.table.keys():
         return ()
-    by_laps = _by_laps(rows.table["laps"], track, rows)[0]
-    ends = [float(np.nanmax(values) - np.nanmin(values)) for values in (rows.table["distance"], by_laps)]
+    ends = spans(rows.table["distance"], _by_laps(rows.table["laps"], track, rows)[0])
     if abs(ends[0] - ends[1]) <= OTHER_DISTANCE * ends[1]:
         return ()
     return (
@@ -137,13 +138,32 @@ def _radius(rows: Rows, radius: float | Sequence[float] | None) -> FloatArray | 
 
 def _by_laps(laps: FloatArray, track: FloatArray, rows: Rows) -> tuple[FloatArray, str, str]:
     """Return the distance by laps [mm], counted from the first row where many went before."""
-    first = laps[np.isfinite(laps)][:1]
-    before = float(first[0]) if first.size and first[0] > BEFORE else 0.0
-    turns = np.diff(laps, prepend=laps[0] - max(float(first[0]) - before, 0.0) if first.size else 0.0)
+    first = float(np.append(laps[np.isfinite(laps + track)], 0.0)[0])
+    before = first if first > BEFORE else 0.0
+
+    def along(laps: FloatArray, track: FloatArray) -> FloatArray:
+        turns = np.diff(laps, prepend=first - max(first - before, 0.0))
+        return 2.0 * np.pi * np.cumsum(turns * track)
+
     note = "Distance is laps times 2π radius."
     if before:
         note += f" It is counted from the first row, at '{rows.chosen['laps'].title}' {before:g}."
-    return 2.0 * np.pi * np.cumsum(turns * track), "laps", note
+    return _over_gaps(along, laps, track), "laps", note
+
+
+def spans(*columns: FloatArray) -> list[float]:
+    """Return how far columns go from least to most, over the rows in which none has a gap."""
+    known = np.array(columns)[:, np.isfinite(columns).all(axis=0)]
+    return [float(np.ptp(values)) if values.size else 0.0 for values in known]
+
+
+def _over_gaps(along: Callable[..., FloatArray], *columns: FloatArray) -> FloatArray:
+    """Return a sum along the rows in which no column has a gap, NaN in the others, which would end it."""
+    whole = np.isfinite(columns).all(axis=0)
+    distance = np.full(whole.size, np.nan)
+    if whole.any():
+        distance[whole] = along(*(values[whole] for values in columns))
+    return distance
 
 
 def _integral(speed: FloatArray, time: FloatArray) -> FloatArray:

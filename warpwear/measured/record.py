@@ -16,12 +16,12 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.surfaces.text import COMMENTS, SEPARATORS, NoTable, Table, lines_of, split, table_of
+from warpwear.surfaces.text import COMMENTS, MISSING, SEPARATORS, NoTable, Table, lines_of, split, table_of
 
 #: Lines at the start of a file among which a make's words are looked for.
 HEAD = 80
-#: A line that begins with a number or a time of day, behind separators.
-_NUMERIC = re.compile(r"[\s;,]*\"?[-+]?(?:\d|[.,]\d)")
+#: A line that begins with a number, a word for none or a time of day, behind separators.
+_NUMERIC = re.compile(rf"[\s;,]*\"?(?:[-+]?(?:\d|[.,]\d)|(?!-)(?:{MISSING.pattern[1:]})\"?\s*[;,\t])", re.I)
 #: Name of a column behind the others that a file may leave empty altogether.
 _REMARK = "comment"
 #: What stands for a unit in the header of a record, in small letters, µ as u.

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeAlias
@@ -14,6 +15,7 @@ from warpwear.measured.columns import Column, choose
 from warpwear.measured.record import Record, read_record
 
 Indices: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.intp]]"
+Mask: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]"
 #: A file, a folder of files of one record, or several files of one.
 Paths: TypeAlias = str | Path | Sequence[str | Path]
 #: Roles that go on where a machine begins to count anew at a step.
@@ -108,38 +110,47 @@ def _rows_of(path: Path, columns: str | None) -> Rows:
     numbered = chosen.pop("step", None)
     values = record.columns([column.index for column in chosen.values()])
     table = {role: column.factor * values[:, place] for place, (role, column) in enumerate(chosen.items())}
-    step, names = _steps(record, numbered)
+    step, names, known = _steps(record, numbered)
+    table = {role: np.where(known, column, np.nan) for role, column in table.items()}
     if "load" in table and "normal force" not in table:  # what was set, where nothing was measured
         table["normal force"], chosen["normal force"] = table.pop("load"), chosen.pop("load")
     rows = Rows(path, record.format.name, table, chosen, step, names, record.notes)
     return _continued(replace(rows, warnings=_contradictions(rows)))
 
 
-def _steps(record: Record, numbered: Column | None) -> tuple[Indices, tuple[str, ...]]:
-    """Return the step of each row, from 0, and their names: of the lines between, or of a column."""
+def _steps(record: Record, numbered: Column | None) -> tuple[Indices, tuple[str, ...], Mask]:
+    """Return the step of each row, from 0, and their names: of the lines between, or of a column.
+
+    The third says which rows have a step: one without a number may belong to the step before or behind it,
+    unless a machine writes the number in few rows, where a step begins.
+    """
     labels: list[str] = list(record.steps)
-    if not any(labels) and numbered is not None:
-        try:
-            labels = [f"{value:g}" for value in record.columns([numbered.index])[:, 0]]
-        except InputError:  # of words
-            labels = []
     count = len(record.table.rows)
-    if not labels:
-        return np.zeros(count, dtype=np.intp), ("",)
+    known = np.ones(count, dtype=np.bool_)
+    if not any(labels) and numbered is not None:
+        with suppress(InputError):  # of words
+            numbers = record.columns([numbered.index])[:, 0]
+            if np.isfinite(numbers).any():
+                known = np.isfinite(numbers)
+                last = np.maximum.accumulate(np.where(known, np.arange(count), np.argmax(known)))
+                labels = [f"{value:g}" for value in numbers[last]]
+                known |= known.mean() < 0.5
+    if not any(labels):
+        return np.zeros(count, dtype=np.intp), ("",), known
     starts = [0, *(i for i in range(1, count) if labels[i] != labels[i - 1])]
     step = np.zeros(count, dtype=np.intp)
     step[starts[1:]] = 1
-    return np.cumsum(step), tuple(labels[start] for start in starts)
+    return np.cumsum(step), tuple(labels[start] for start in starts), known
 
 
 def _continued(rows: Rows) -> Rows:
     """Let what a machine counts from zero in each step go on from the end of the step before."""
-    starts = np.flatnonzero(np.diff(rows.step)) + 1
     table, notes = dict(rows.table), list(rows.notes)
     for role in COUNTED:
-        values = table.get(role)
-        if values is None or not starts.size:
+        if role not in table:
             continue
+        known = np.isfinite(table[role])  # a gap where a step begins does not hide that it counts anew
+        values, starts = table[role][known], np.flatnonzero(np.diff(rows.step[known])) + 1
         again = starts[values[starts] < values[starts - 1]]
         if again.size:
             steps = np.diff(values)
@@ -148,7 +159,8 @@ def _continued(rows: Rows) -> Rows:
             for start in again:
                 begin = 0.0 if values[start] > 0.0 else usual
                 shift[start] = values[start - 1] + begin
-            table[role] = values + np.cumsum(shift)
+            table[role] = table[role].copy()
+            table[role][known] = values + np.cumsum(shift)
             notes.append(f"The {role} begins anew with steps, and goes on here.")
     return replace(rows, table=table, notes=tuple(dict.fromkeys(notes)))
 
@@ -157,10 +169,9 @@ def _contradictions(rows: Rows) -> tuple[str, ...]:
     """Say where a column of coefficients is not the ratio of the forces beside it."""
     if not {"cof", "friction force", "normal force"} <= rows.table.keys():
         return ()
-    cof, friction, normal = (np.abs(rows.table[role]) for role in ("cof", "friction force", "normal force"))
-    pressed = normal > 0.5 * np.nanmedian(normal)
-    pressed &= np.isfinite(cof) & np.isfinite(friction)
-    if not pressed.any():
+    values = np.abs([rows.table[role] for role in ("cof", "friction force", "normal force")])
+    cof, friction, normal = values[:, np.isfinite(values).all(axis=0)]
+    if not (pressed := normal > 0.5 * np.median(normal) if normal.size else normal > 0.0).any():
         return ()
     ratio = friction[pressed] / normal[pressed]
     middle = float(np.median(ratio))

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import TypeAlias
 
@@ -11,6 +12,7 @@ import numpy as np
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.experiment import Experiment
+from warpwear.measured.rows import Mask
 from warpwear.measured.rows import Rows as Record
 
 Rows: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.intp]]"
@@ -50,12 +52,14 @@ def from_forces(
 ) -> Experiment:
     """Return the course of friction from 'friction force' and 'normal force' [N] over 'position' [mm].
 
-    table: role -> values, all of shape (rows,); step: number of each row's step, shape (rows,); stroke:
-    length of a pass [mm], None to find it; load: normal load [N], for a record without a normal force and to
-    compare with. A cycle is a pass and the one back. With F̄x and F̄z the means of a pass without the outer
-    tenth of the stroke at both ends, its coefficient is |F̄x(forth) − F̄x(back)| / (F̄z(forth) + F̄z(back)): an
-    offset of the force, half the sum of the directions, drops out and is told. The distance is the number of
-    passes times the stroke, given or from the turning points; noise of the position does not add up.
+    table: role -> values, all of shape (rows,), NaN for gaps where it has positions; step: number of each
+    row's step, shape (rows,); stroke: length of a pass [mm], None to find it; load: normal load [N], for a
+    record without a normal force and to compare with.
+
+    A cycle is a pass and the one back. With F̄x and F̄z the means of a pass without the outer tenth of the
+    stroke at both ends, its coefficient is |F̄x(forth) − F̄x(back)| / (F̄z(forth) + F̄z(back)): an offset of
+    the force, half the sum of the directions, drops out and is told. The distance is the number of passes
+    times the stroke, given or from the turning points; noise of the position does not add up.
     Without a position the steps are passes where the force changes its sign from step to step, and 'distance'
     serves where it keeps it. Raises InputError for a record that says too little.
     """
@@ -80,7 +84,7 @@ def _normal(
         note = f"The normal force is not in the record: {load:g} N."
         return np.full_like(table["friction force"], load), [note], ()
     normal = table["normal force"]
-    middle = float(np.median(normal))
+    middle = float(np.nanmedian(normal))
     if middle == 0.0:
         raise InputError(f"{path}: the normal force is 0 N for half the record or more; a load is expected")
     notes = []
@@ -136,6 +140,8 @@ def _by_cycles(
     path: Path, position: FloatArray, friction: FloatArray, normal: FloatArray, stroke: float | None
 ) -> Experiment:
     """Return the course cycle by cycle, of the passes forth and back between the turning points."""
+    known = np.isfinite(position)
+    position = np.interp(np.arange(known.size), np.flatnonzero(known), position[known])
     turns, smooth = turning_points(position)
     if turns.size < LEAST_TURNS:
         raise InputError(f"{path}: the position turns {turns.size} times: two whole cycles are expected")
@@ -147,8 +153,21 @@ def _by_cycles(
     inside = np.abs(position - middle) <= (0.5 - CUT) * measured
     start = abs(float(smooth[turns[0]] - smooth[0]))
     source = "as given" if stroke is not None else "from its turning points"
-    passes = _Passes(turns, inside, used, min(start, used), source)
+    passes = _Passes(_with_lost(turns, known), inside & known, used, min(start, used), source)
     return _of_passes(path, friction, normal, passes)
+
+
+def _with_lost(turns: Rows, known: Mask) -> Rows:
+    """Return the turns with those that lie in gaps of the position: passes last as long as the median one.
+
+    known: the rows with a position, shape (rows,). Turns alternate between the ends, so that two are lost.
+    """
+    lengths = np.diff(turns)
+    pairs = np.rint(0.5 * (lengths / np.median(lengths) - 1.0)).astype(np.intp)
+    pairs[[known[a:b].all() for a, b in pairwise(turns)]] = 0  # it stood there
+    ends = zip(pairwise(turns), pairs, strict=True)
+    parts = [np.linspace(*between, 1 + 2 * lost, endpoint=False) for between, lost in ends]
+    return np.rint(np.append(np.concatenate(parts), turns[-1])).astype(np.intp)
 
 
 def alternates(rows: Record) -> bool:
@@ -157,11 +176,12 @@ def alternates(rows: Record) -> bool:
 
 
 def _alternating(friction: FloatArray, step: Rows) -> bool:
-    count = int(step[-1]) + 1 if step.size else 0
-    if count < LEAST_TURNS - 1:
+    known = np.isfinite(friction)
+    steps, which = np.unique(step[known], return_inverse=True)
+    if steps.size < LEAST_TURNS - 1:
         return False
-    sums = np.bincount(step, weights=np.nan_to_num(friction), minlength=count)
-    return bool((sums[1:] * sums[:-1] < 0.0).mean() >= ALTERNATING)
+    sums = np.bincount(which, weights=friction[known]) * (-1.0) ** steps  # a step of gaps alone turns, too
+    return bool((sums[1:] * sums[:-1] > 0.0).mean() >= ALTERNATING)
 
 
 def _by_strokes(
@@ -172,15 +192,15 @@ def _by_strokes(
     stroke: float | None,
 ) -> Experiment:
     """Return the course of a record whose steps are passes forth and back, cycle by cycle."""
-    turns = np.flatnonzero(np.diff(step, prepend=-1, append=step[-1] + 1))
-    count = np.diff(turns)
+    turns = np.searchsorted(step, np.arange(step[-1] + 2))  # a step of gaps alone has no rows
+    count, seen = np.diff(turns), step[-1] - step[0] + 1
     place = (np.arange(step.size) - np.repeat(turns[:-1], count) + 0.5) / np.repeat(count, count)
     inside = np.abs(place - 0.5) <= 0.5 - CUT
     source = "as given" if stroke is not None else "of its steps"
     if stroke is None and "distance" not in table:
         raise InputError(f"{path} has a stroke a step and not its length: --stroke '10 mm' is needed")
     if stroke is None:
-        stroke = float((table["distance"][-1] - table["distance"][0]) / (count.size - count.size / step.size))
+        stroke = float((table["distance"][-1] - table["distance"][0]) / (seen - seen / step.size))
     return _of_passes(path, table["friction force"], normal, _Passes(turns, inside, stroke, 0.0, source))
 
 
@@ -189,7 +209,7 @@ class _Passes:
     """Passes forth and back lie between rows at which the sliding turns."""
 
     turns: Rows  # shape (passes + 1,)
-    inside: "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]"  # rows away from the ends, shape (rows,)
+    inside: Mask  # rows away from the ends, shape (rows,)
     stroke: float  # length of a pass [mm]
     start: float  # distance slid before the first turn [mm]
     source: str  # of the stroke, for a sentence
@@ -201,17 +221,20 @@ def _of_passes(path: Path, friction: FloatArray, normal: FloatArray, passes: _Pa
     inside[: turns[0]] = inside[turns[-1] :] = False
     between = int(turns[-1] - turns[0])
     notes = [f"Samples within a tenth of the stroke of its ends, cut: {between - inside.sum()} of {between}."]
-    forces, loads = (_pass_means(path, values, inside, turns) for values in (friction, normal))
+    sampled = inside & np.isfinite(friction) & np.isfinite(normal)
+    forces, loads = (_pass_means(path, values, sampled, turns) for values in (friction, normal))
     pairs = forces.size // 2
     forth, back = (forces[start : 2 * pairs : 2] for start in (0, 1))
     pressing = 0.5 * (loads[0 : 2 * pairs : 2] + loads[1 : 2 * pairs : 2])
     half = 0.5 * np.abs(forth - back)
-    # A pass and the mean of its neighbours: a friction that changes steadily makes no offset.
-    offset = float(np.median(0.5 * forces[1:-1] + 0.25 * (forces[:-2] + forces[2:])))
-    loaded = pressing > UNLOADED * np.median(pressing)
+    empty = np.isnan(half)
+    loaded = ~empty if empty.all() else pressing > UNLOADED * np.median(pressing[~empty])
     if loaded.sum() < 2:
         raise InputError(f"{path} has whole cycles under load: {loaded.sum()}; two or more are expected")
-    typical = float(np.median(half[loaded]))
+    # A pass and the mean of its neighbours: a friction that changes steadily makes no offset.
+    middles = 0.5 * forces[1:-1] + 0.25 * (forces[:-2] + forces[2:])
+    middles = middles if np.isfinite(middles).any() else 0.5 * (forth + back)
+    offset, typical = float(np.nanmedian(middles)), float(np.median(half[loaded]))
     if typical <= RECTIFIED * abs(offset):
         raise InputError(
             f"{path}: the friction force does not change its sign with the direction: it was recorded "
@@ -219,8 +242,10 @@ def _of_passes(path: Path, friction: FloatArray, normal: FloatArray, passes: _Pa
             "is expected"
         )
     distance = passes.start + used * (1.0 + 2.0 * np.arange(pairs, dtype=np.float64))
-    if not loaded.all():
-        notes.append(f"Cycles with less than half of the median normal force, left out: {(~loaded).sum()}.")
+    if empty.any():
+        notes.append(f"Cycles with gaps through a whole pass, left out: {empty.sum()}.")
+    if (unloaded := ~loaded & ~empty).any():
+        notes.append(f"Cycles with less than half of the median normal force, left out: {unloaded.sum()}.")
     notes.append(f"{pairs} cycles; the distance is passes times the stroke, {used:.4g} mm ({passes.source}).")
     notes.append(
         f"Half the difference of the directions is the friction; their offset is {offset:.3g} N, "
@@ -230,19 +255,17 @@ def _of_passes(path: Path, friction: FloatArray, normal: FloatArray, passes: _Pa
     return Experiment(path.stem, distance[loaded], half[loaded] / pressing[loaded], tuple(notes), cycles)
 
 
-def _pass_means(
-    path: Path, values: FloatArray, inside: "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]", turns: Rows
-) -> FloatArray:
-    """Return the mean of the samples inside every pass from turn to turn, shape (passes,).
+def _pass_means(path: Path, values: FloatArray, inside: Mask, turns: Rows) -> FloatArray:
+    """Return the mean of the samples inside every pass from turn to turn, shape (passes,), NaN without one.
 
     inside: which samples count, shape (rows,); what lies before the first turn and after the last does not.
     """
     passes, count = np.searchsorted(turns, np.flatnonzero(inside), side="right") - 1, turns.size - 1
     number = np.bincount(passes, minlength=count)
-    if number.min() == 0:
+    if np.median(number) == 0.0 or (number > 0).sum() < LEAST_TURNS - 1:
         raise InputError(f"{path}: a pass has no sample between its ends; a higher sampling rate is expected")
     sums: FloatArray = np.bincount(passes, weights=values[inside], minlength=count).astype(np.float64)
-    return sums / number
+    return np.where(number > 0, sums / np.maximum(number, 1), np.nan)
 
 
 def turning_points(position: FloatArray) -> tuple[Rows, FloatArray]:

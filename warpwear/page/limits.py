@@ -33,6 +33,11 @@ CONDITIONS: dict[str, Callable[[Study], bool]] = {
     "friction not fitted": lambda study: study.friction.fitted is None,
     "empirical friction": lambda study: bool(study.friction.law_with().said),
     "wear in pieces": lambda study: study.wear.sheds,
+    "wear by pressure": lambda study: any(law.over_pressure[0] for law in study.wear_laws),
+    "severe at the hardness": lambda study: (
+        study.wear.law == "transition"
+        and math.inf > study.hardness >= study.wear_laws[0].over_pressure[0][-1]
+    ),
     # of what another value of an assumption would change alone
     "energy law": lambda study: study.wear.law == "energy",
     "junctions grow": lambda study: bool(study.friction.junction_growth),

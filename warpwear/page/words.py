@@ -184,10 +184,9 @@ def checks_of(study: Study, s: dict[str, Any]) -> Lines:
     balance = max(allowed, TOLERANCE * max(b.load for b in study.blocks))
     residual = s["load_residual_N"]["largest"]
     rows = [("load carried − load asked for, largest of a step", residual, balance, " N")]
+    expected = "Σ K(p) p ΔL of its cells" if study.wear_laws[0].over_pressure[0] else "Archard's K F L"
     for body, value in s["conservation_relative"].items():
-        rows.append(
-            (f"worn volume of the {CALLED[body]} over Archard's K F L, less 1", abs(value), CONSERVED, "")
-        )
+        rows.append((f"worn volume of the {CALLED[body]} over {expected}, less 1", abs(value), CONSERVED, ""))
     if parts := s.get("track", {}).get("parts"):
         error = parts["estimated_error_at_most"]
         rows.append(("error of the area by the length of steps, estimated", error, STEPS, ""))

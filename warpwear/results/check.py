@@ -132,6 +132,8 @@ def _check_record(record: Any) -> None:
     for name, kind in RECORD.items():
         if not isinstance(record.get(name), kind):
             raise ValueError(f"the {name} of its record is {record.get(name)!r:.40}")
+    if not isinstance(record.get("files", {}), dict):
+        raise ValueError(f"the files of its record are {record['files']!r:.40}")
     notes = record.get("notes", [])  # which results of earlier versions lack
     if not isinstance(notes, list) or not all(isinstance(note, str) for note in record["warnings"] + notes):
         raise ValueError("a warning or a note of its record is no text")

@@ -1,5 +1,7 @@
 """Runs of one study side by side: bands over those that differ in a seed, and how groups are called."""
 
+import hashlib
+import json
 import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
@@ -8,6 +10,9 @@ import numpy as np
 
 from warpwear.grid import FloatArray
 from warpwear.laws.archard import BODIES
+from warpwear.results.file import ResultFile
+from warpwear.study.keys import files_of
+from warpwear.study.loading import insert
 from warpwear.study.study import Study
 
 #: Percentiles between which a band lies, and how they are found: rank p (n + 1) of n runs (Weibull), so that
@@ -20,6 +25,8 @@ NO_MATTER: dict[str, tuple[str, ...] | None] = {
     "run": None,
     "assumed": None,
 }
+#: Number of what a stored run holds; it rises when the same study gives other numbers.
+RESULT_FORMAT = 1
 #: Letters of a label that a figure's legend shows.
 LONGEST = 60
 
@@ -31,6 +38,33 @@ def that_matter(study: Study) -> dict[str, Any]:
         for key in keys or [*sections.get(section, ())]:
             sections.get(section, {}).pop(key, None)
     return sections
+
+
+def name_of(study: Study, *, device: str, files: Mapping[str, str]) -> str:
+    """SHA-256 of all that decides the numbers of a run, as hexadecimal text.
+
+    That is the resolved study without its names, what its files hold (not where they lie), the kind of device
+    and `RESULT_FORMAT`. files: digests of these, by the keys that name them.
+    """
+    sections = that_matter(study)
+    for key, digest in files.items():
+        insert(sections, key, digest)
+    about = {"study": sections, "device": device.partition(":")[0], "format": RESULT_FORMAT}
+    return hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()
+
+
+def digests_in(result: ResultFile) -> dict[str, str]:
+    """Map keys of a result's study to the SHA-256 of what their files held, as far as it carries that."""
+    record, digests = result.record, dict[str, str]()
+    surface = record.get("surface", {})
+    for key in files_of(result.study):
+        # Results of earlier versions have it where they tell of the bodies.
+        of_body = surface.get("counter") if key.startswith("counter.") else surface
+        earlier = of_body.get("sha256") if isinstance(of_body, dict) else None
+        digest = record.get("files", {}).get(key, earlier)
+        if isinstance(digest, str):
+            digests[key] = digest
+    return digests
 
 
 def short_names(keys: Sequence[str]) -> dict[str, str]:

@@ -85,6 +85,7 @@ class Checkpoints:
             "device": device,
             "surface": checksum(heights),
             "counter": _of_counter(order),
+            "files": order.files(),
         }
         self._every = order.study.run.checkpoint
         self._last = time.monotonic()
@@ -143,7 +144,7 @@ class StoredCheckpoint:
             self._about = {
                 name: about[name] for name in (*OF_THE_RUN, "version", "study", "device", "surface", "kinds")
             }
-            self._about["counter"] = about.get("counter")
+            self._about |= {name: about.get(name) for name in ("counter", "files")}
             self._order = RunOrder(Study.stored(about["study"]))
             self._rows = Rows(map(str, file["rows"].attrs["columns"]), file["rows"][()])
             if not isinstance(self._about["device"], str):
@@ -190,6 +191,14 @@ class StoredCheckpoint:
             raise InputError(
                 f"device = {device} cannot go on with {self._path}, which was made on "
                 f"{self._about['device']}; give that one."
+            )
+
+    def refuse_other_files(self, files: Mapping[str, str]) -> None:
+        """Raises InputError where files are not what they were. files: their digests by keys."""
+        if self._about["files"] not in (None, files):  # which checkpoints of earlier versions lack
+            raise InputError(
+                f"{self._path} cannot go on: a file that {' or '.join(files)} names is not what it was when "
+                f"the run began; {RESUME_IT} with the file as it was, or {OVERWRITE_IT}."
             )
 
     def heights_for(self, new: FloatArray) -> FloatArray:

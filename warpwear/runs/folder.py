@@ -13,11 +13,13 @@ from warpwear.errors import OTHER_FOLDER, OVERWRITE_IT, RESUME_IT, InputError
 from warpwear.result import Result
 from warpwear.results import file as results
 from warpwear.results import manifest
+from warpwear.results.ensemble import digests_in
 from warpwear.results.file import FILE_NAME, SURFACE_FILE
 from warpwear.results.folder import LOCK, check_writable, held, refuse_if_held
 from warpwear.results.formats.metadata import NAME as METADATA
 from warpwear.runs import checkpoint
 from warpwear.runs.order import RunOrder
+from warpwear.study.keys import files_of
 from warpwear.surfaces.reading import digest_of
 
 table = lazy.module("warpwear.figures.of_run.table")
@@ -95,18 +97,23 @@ def is_finished(folder: Path, order: RunOrder) -> bool:
             raise InputError(
                 f"out = {folder} holds a run of another study ({', '.join(changed)}); {OTHER_FOLDER}."
             )
-        record = result.record["surface"]
-        files = {order.study.disc.file: record, order.study.counter.surface: record.get("counter", {})}
-        for surface, of_file in files.items():
-            digest = of_file.get("sha256")
-            if digest and surface and Path(surface).is_file() and digest_of(surface) != digest:
-                raise InputError(f"out = {folder} holds a run on what {surface} was before; {OTHER_FOLDER}.")
+        digests = digests_in(result)
+    for key, path in files_of(order.study).items():
+        if key in digests and Path(path).is_file() and digest_of(path) != digests[key]:
+            raise InputError(f"out = {folder} holds a run on what {path} was before; {OTHER_FOLDER}.")
     if finished and order.heights:
         order.heights.refuse_others(folder)
-    if finished and (left := _work_folders(folder)):  # killed when all was in place
+    if finished:
+        tidy(folder)
+    return finished
+
+
+def tidy(folder: Path) -> None:
+    """Remove what a run leaves in its folder that was killed when its result was in place."""
+    if (left := _work_folders(folder)) or checkpoint.holds_checkpoint(folder):
         with held(folder):
             _clean(folder, left)
-    return finished
+            (folder / checkpoint.FILE_NAME).unlink(missing_ok=True)
 
 
 @contextmanager

@@ -106,6 +106,7 @@ class StepLoop:
 
     def _restore(self, stored: StoredCheckpoint) -> None:
         assert self._writer is not None
+        stored.refuse_other_files(self._order.files())
         with stored.reading():
             then = stored.read()
             state.restore(self._jumps or self._model, then.arrays, then.numbers)
@@ -148,6 +149,7 @@ class StepLoop:
         LOG.info("%s %d steps in %.1f s", how, len(self._rows), self._elapsed)
         record = {
             "surface": self._surface_record,
+            "files": self._order.files(),
             "warnings": self.warnings,
             "notes": self._order.notes,
             "elapsed_s": self._elapsed,

@@ -2,8 +2,8 @@
 
 import tomllib
 from bisect import bisect_left
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,11 +20,12 @@ from warpwear.laws.friction import friction_energy
 from warpwear.laws.passes import Block
 from warpwear.laws.track import WHOLE, Track
 from warpwear.models.model import Model
+from warpwear.results.file import SURFACE_FILE
 from warpwear.runs.arrangements import Maker, Parts, Record, arrangement_of
 from warpwear.runs.array_surface import ArraySurface, take_surface
 from warpwear.runs.invariants import Invariants
 from warpwear.runs.plan import Planned, plan_of
-from warpwear.study.keys import dotted
+from warpwear.study.keys import dotted, files_of
 from warpwear.study.rules_track import too_small
 from warpwear.study.study import Study
 from warpwear.study.surface import counter_surface, form_of, surface_in
@@ -32,6 +33,7 @@ from warpwear.surfaces.base import BoolArray, Surface
 from warpwear.surfaces.form import Form
 from warpwear.surfaces.made.synthetic import Periodic
 from warpwear.surfaces.measured import Measured
+from warpwear.surfaces.reading import digest_of, noted
 from warpwear.surfaces.roughness import roughness
 
 #: Rows of a track whose roughness is recorded.
@@ -51,10 +53,15 @@ class PreparedModel(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RunOrder:
-    """A study that is to be run. What follows from it is made where it is first needed, and then stays."""
+    """A study that is to be run. What follows from it is made where it is first needed, and then stays.
+
+    planned: digests of files by the keys that name them, where a run on others is not wanted.
+    """
 
     study: Study
     heights: ArraySurface | None = None  # instead of the disc's own
+    planned: Mapping[str, str] = field(default_factory=dict)
+    _read: dict[str, set[str]] = field(default_factory=dict)  # path -> digests
 
     @cached_property
     def toml(self) -> str:
@@ -105,12 +112,14 @@ class RunOrder:
         problem = too_small(self.study) if self.study.checks.strict else None
         if problem is not None:
             raise InputError(f"{problem}.")
-        return self.heights.surface if self.heights else surface_in(self.study)
+        with noted(self._read):
+            return self.heights.surface if self.heights else surface_in(self.study)
 
     @cached_property
     def counter(self) -> Measured | None:
         """What was measured of the counter-body. Raises InputError as `counter_surface` does."""
-        return counter_surface(self.study)
+        with noted(self._read):
+            return counter_surface(self.study)
 
     @cached_property
     def form(self) -> Form:
@@ -170,7 +179,34 @@ class RunOrder:
         heights, record: of the disc as it was.
         """
         task = replace(self.study.parts[block.number - 1].contact_task, form=self.form)
-        return self.arrangement.model(Parts(self.study, task, block, heights, executor, record))
+        with noted(self._read):
+            model = self.arrangement.model(Parts(self.study, task, block, heights, executor, record))
+        self.files()  # before a step is made on another
+        return model
+
+    def save_heights(self, folder: Path) -> None:
+        """Write heights that were given as an array into a folder, the file that the study names."""
+        if self.heights:
+            self.heights.save(folder)
+            self._read[str(self.study.disc.surface)] = {digest_of(folder / SURFACE_FILE)}
+
+    def files(self) -> dict[str, str]:
+        """Map keys to the SHA-256 of what was read of the files that they name, as far as they were read.
+
+        Raises InputError for a file that was exchanged meanwhile, or is not the planned one.
+        """
+        digests = dict[str, str]()
+        for key, path in files_of(self.study).items():
+            read, planned = self._read.get(str(Path(path)), set()), self.planned.get(key)
+            if planned and read != {planned}:
+                raise InputError(
+                    f"{key} '{path}' is not the file any more that the sweep was planned with; start the "
+                    "sweep again"
+                )
+            if len(read) > 1:
+                raise InputError(f"{key} '{path}' changed while the run read it; run it again")
+            digests.update((key, digest) for digest in read)
+        return digests
 
     def history_of(self, rows: Rows, *, finished: bool) -> dict[str, FloatArray]:
         """Make the history of its rows, with the coefficient of friction and its energy."""
@@ -190,13 +226,17 @@ class RunOrder:
 
 
 def order_of(
-    study: Study | str | Path, surface: ArrayLike | Surface | None, folder: Path | None = None
+    study: Study | str | Path,
+    surface: ArrayLike | Surface | None,
+    folder: Path | None = None,
+    *,
+    planned: Mapping[str, str] | None = None,
 ) -> RunOrder:
     """Take what `run` gets as an order. folder: where the heights are to lie. Raises InputError."""
     if not isinstance(study, Study):
         study = Study.load(study)
     if surface is None:
-        return RunOrder(study)
+        return RunOrder(study, planned=planned or {})
     heights = take_surface(study, surface, folder)
     return RunOrder(heights.study, heights)
 

@@ -1,9 +1,9 @@
 """Run a study, whole or step by step: first what can fail at once, then the steps, then what they leave."""
 
 import logging
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 from uuid import uuid4
@@ -136,6 +136,8 @@ class RunOptions:
     #: Whether the folder gets its tables and the end's fields: otherwise log and sealed result alone, with
     #: the snapshots for which the study names distances.
     whole: bool = True
+    #: Digests of files by the keys that name them: a run on others is refused.
+    files: Mapping[str, str] = field(default_factory=dict)
     #: What imports took before the run [s].
     import_seconds: float = 0.0
 
@@ -156,7 +158,7 @@ class RunOptions:
 def run_study(study: Study | str | Path, options: RunOptions) -> Result:
     """Run a study and return its result, which knows the seconds of its phases; raises what `run` does."""
     options.check()
-    order = order_of(study, options.surface, options.out)
+    order = order_of(study, options.surface, options.out, planned=options.files)
     shared = options.progress if isinstance(options.progress, Progress) else None
     progress = shared or Progress(order.study.study.name, quiet=not options.progress)
     clock = Clock(import_seconds=options.import_seconds, entered=progress.phase)
@@ -237,8 +239,8 @@ def _writer_of(
     file: h5py.File, order: RunOrder, options: RunOptions, executor: Executor, work: Path | None
 ) -> ResultWriter:
     """The writer of the result's file, with the heights that were given beside it."""
-    if work and order.heights:
-        order.heights.save(work)
+    if work:
+        order.save_heights(work)
     study = order.study
     snapshots = options.whole or study.output.snapshots not in ("auto", ())
     device, threads = str(executor.device), executor.threads

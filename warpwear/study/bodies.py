@@ -72,7 +72,7 @@ class MeasuredBody(Section):
 
     FROM_A_FILE: ClassVar[tuple[Rule, ...]] = ()
 
-    surface: str | None = file_key(None, "file of a measured surface, relative to the study")
+    surface: str | None = file_key(None, "file of a measured surface, relative to the study", is_file=True)
     extend: Literal["refuse", "mirror", "periodic"] = file_key(
         "refuse", "when the file is smaller than the domain"
     )
@@ -215,6 +215,7 @@ class Synthetic(Section):
     like: str | None = like_key(
         None,
         "file of a profile, relative to the study: the surface gets its spectrum and heights",
+        is_file=True,
         one_of="profile",
         must_be_said=True,
     )
@@ -269,16 +270,9 @@ class Disc(MeasuredBody, Body):
     surface: str | None = key(
         None,
         "file of a measured surface, relative to the study",
+        is_file=True,
         applies=ROUGH,
         one_of="surface",
         must_be_said=True,
     )
     synthetic: Synthetic | None = key(None, "a synthetic surface instead", applies=ROUGH, one_of="surface")
-
-    @property
-    def file(self) -> str | None:
-        """The file that its surface is from, or like: None of one that is made by keys alone."""
-        synthetic = self.synthetic
-        if synthetic is None:
-            return self.surface
-        return synthetic.like if synthetic.kind == "profile" else None

@@ -174,6 +174,8 @@ class Declared:
     one_of: str = ""
     #: Whether the thing that the key says must be said, by this one or by another.
     must_be_said: bool = False
+    #: Whether it names a file, relative to the study, which `surfaces.reading.read` reads.
+    is_file: bool = False
     #: What pydantic knows of the key; set by `declarations`.
     field: FieldInfo = NO_FIELD
 
@@ -254,6 +256,13 @@ def declarations(model: type[BaseModel], prefix: str = "") -> Mapping[str, Decla
             for below, of_key in declarations(section, f"{prefix}{name}.").items():
                 keys[below] = replace(of_key, applies=(*declared.applies, *of_key.applies))
     return MappingProxyType(keys)
+
+
+def files_of(study: BaseModel) -> dict[str, str]:
+    """Map the keys by which a study names files that it uses to the paths of these."""
+    named = {name: key for name, key in declarations(type(study)).items() if key.is_file}
+    paths = {name: attribute_of(study, name) for name, key in named.items() if not key.why_not(study)}
+    return {name: path for name, path in paths.items() if path}
 
 
 def inapplicable(study: BaseModel) -> dict[str, str]:

@@ -11,7 +11,7 @@ from typing import Any
 from warpwear.errors import InputError, explained
 from warpwear.study.bodies import CONSTANTS
 from warpwear.study.content import Content
-from warpwear.study.keys import alternatives_of, no_such_key, value_of
+from warpwear.study.keys import alternatives_of, declarations, no_such_key, value_of
 from warpwear.study.motion import LENGTHS
 
 
@@ -94,7 +94,7 @@ def _no_such_study(name: str) -> str:
 
 
 #: Keys that name a file, relative to the study's.
-FILES = ("disc.surface", "disc.synthetic.like", "counter.surface")
+FILES = tuple(name for name, key in declarations(Content).items() if key.is_file)
 MACRO_CELL = "10 um"
 
 

@@ -5,6 +5,10 @@ import re
 from collections.abc import Iterator
 from itertools import pairwise
 
+import numpy as np
+
+from warpwear.grid import blocks_of_rows
+from warpwear.laws.archard import BODIES, COEFFICIENTS, MOST_KNOTS, knots_of
 from warpwear.laws.elastic import LEAST_TORSION
 from warpwear.laws.friction import RUNNING_IN
 from warpwear.laws.pieces import Pieces
@@ -23,6 +27,8 @@ MOST_JUMP = 1000
 CELLS, LARGEST = 4.0, 0.25
 #: Fewest cells across sliding of a domain that the contact does not go on beyond.
 FEWEST_ACROSS = 4
+#: By what a load may exceed what all cells carry, relatively: rounding does so.
+ROUNDING = 1.0e-12
 #: What is allowed instead of a contact that ends across.
 A_LINE = "a line contact, contact.boundary = 'line' (contact.law = 'local': a cylinder)"
 
@@ -44,6 +50,7 @@ def check(study: Content) -> None:
     _fretting(study)
     _pieces(study)
     _hardness(study)
+    _over_pressure(study)
     _capacity(study)
     _tolerance(study)
     _stability(study)
@@ -257,22 +264,54 @@ def _hardness(study: Content) -> None:
             )
 
 
+def _over_pressure(study: Content) -> None:
+    """Refuse a K over the pressure that programs do not follow."""
+    counter, disc = study.wear_laws
+    if study.study.model == "two-scale" and counter.over_pressure[0] and not counter.in_proportion_to(disc):
+        raise ValueError(
+            f"wear.law = '{counter.name}' with study.model = 'two-scale' needs coefficients of both bodies "
+            "in one proportion under every pressure; allowed are such"
+        )
+    for body, law in zip(BODIES, study.wear_laws, strict=True):
+        pressures, values = law.over_pressure
+        named = f"wear.{body} = {getattr(study.wear, body).value:g} with wear.law = '{law.name}'"
+        if pressures and pressures[0] < 0.0:
+            raise ValueError(f"{named} begins to change at {pressures[0]:g} MPa; allowed is 0 MPa or more")
+        if values and values[0] == 0.0 < law.fastest:
+            raise ValueError(f"{named} wears under some pressures alone; allowed is more than 0, or 0 at all")
+        if law.rates().min() < 0.0:
+            raise ValueError(
+                f"{named} makes pressures beyond {pressures[0]:g} MPa wear less than smaller ones; "
+                "allowed is a p K that does not fall: a K that falls less, or over a wider range of pressures"
+            )
+    if len(knots_of(study.wear_laws)) > MOST_KNOTS:
+        raise ValueError(f"wear.law = '{counter.name}' has K at too many pressures; allowed are {MOST_KNOTS}")
+
+
 def without_unit(study: Content) -> Iterator[str]:
     """Yield key and value of each wear coefficient that has no unit and is not 0."""
-    for name in ("counter", "disc", "initial_counter", "initial_disc"):
+    for name in sorted(COEFFICIENTS):
         coefficient = getattr(study.wear, name)
         if coefficient is not None and coefficient.dimensionless and coefficient.value > 0.0:
             yield f"wear.{name} = {coefficient.value:g}"
 
 
 def _capacity(study: Content) -> None:
-    under_counter = math.pi * study.counter.form.reach**2
-    carried = min(study.caps) * min(study.cells.area, under_counter)  # all cells may become bare
-    if carried < study.contact.load:
+    load, cells, form = study.contact.load, study.cells, study.counter.form
+    least = min(study.caps)  # all cells may become bare
+    inside = max(min(form.reach, 0.5 * cells.cell * min(cells.shape)) - cells.cell, 0.0)
+    if load <= least * math.pi * inside**2:  # of a circle that lies in cells with a body: they carry it
+        return
+    present = cells.cells
+    if form.reach < 0.5 * cells.cell * math.hypot(*cells.shape):
+        blocks = blocks_of_rows(cells.nx, values=cells.ny)
+        present = sum(int(np.isfinite(form.heights(cells.x[at], cells.y)).sum()) for at in blocks)
+    carried = least * present * cells.cell_area
+    if carried * (1.0 + ROUNDING) < load:
         of_length = f" ({study.loads})" if study.is_line else ""
         raise ValueError(
-            f"contact.load = {study.contact.load:g} N{of_length} is more than the domain under the "
-            f"counter-body carries at this hardness ({carried:.4g} N{_of_sheared(study)}); allowed are "
+            f"contact.load = {load:g} N{of_length} is more than the domain under the "
+            f"counter-body carries at this hardness ({carried:.6g} N{_of_sheared(study)}); allowed are "
             "smaller loads, a larger counter-body, grid.extent or contact.hardness"
         )
 
@@ -316,7 +355,7 @@ def unstable(study: Content) -> str | None:
     """Return the start of a sentence about explicit steps that are too large; None where they are not."""
     if study.stepping.scheme == "implicit":
         return None
-    counter, disc = (law.fastest for law in study.wear_laws)
+    counter, disc = (float(law.rates(study.hardness).max()) for law in study.wear_laws)
     slid, fraction = longest_step(study)
     limit = study.stable_increment(counter + fraction * disc)
     if slid < limit:

@@ -1,9 +1,7 @@
 """The runs of a sweep: the study of each, and the name that finds it again wherever it was computed."""
 
-import hashlib
-import json
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -11,13 +9,12 @@ from typing import Any
 import numpy as np
 
 from warpwear.errors import InputError
-from warpwear.results.ensemble import that_matter
+from warpwear.results.ensemble import name_of
+from warpwear.study.keys import files_of
 from warpwear.study.study import Study
 from warpwear.surfaces.reading import digest_of, read
 from warpwear.sweeps.run_one import Task
 
-#: Number of what a stored run holds; it rises when the same study gives other numbers.
-RESULT_FORMAT = 1
 #: Key that takes parts of a measured disc instead of values, and what says where they lie.
 CROP, POSITIONS = "disc.crop", {"positions", "seed"}
 
@@ -31,7 +28,7 @@ class Point:
     study: Study | None
     run: str  # name of its folder; empty without a study
     problem: str = ""
-    surface: str | None = None  # SHA-256 of the file of its surface
+    files: dict[str, str] = field(default_factory=dict)  # key that names a file -> SHA-256 of that
 
 
 def points_of(study: Study, values: Iterable[Mapping[str, Any]], *, device: str) -> list[Point]:
@@ -47,38 +44,21 @@ def points_of(study: Study, values: Iterable[Mapping[str, Any]], *, device: str)
 
 
 def _point(
-    number: int, study: Study, values: dict[str, Any], device: str, digest: Callable[[str], str]
+    number: int, study: Study, values: dict[str, Any], device: str, digest: Callable[..., str]
 ) -> Point:
     try:
         varied = study.replace(values)
     except InputError as error:
         return Point(number, values, None, "", str(error))
-    surface = None if varied.disc.file is None else digest(varied.disc.file)
-    return Point(number, values, varied, name_of(varied, device=device, surface=surface), surface=surface)
-
-
-def name_of(study: Study, *, device: str, surface: str | None) -> str:
-    """SHA-256 of all that decides the numbers of a run, as hexadecimal text.
-
-    That is the resolved study without its names, what its surface file holds (not where it lies), the kind
-    of device and `RESULT_FORMAT`. surface: digest of that file.
-    """
-    sections = that_matter(study)
-    if surface is not None and study.disc.synthetic is not None:
-        sections["disc"]["synthetic"]["like"] = surface
-    elif surface is not None:
-        sections["disc"]["surface"] = surface
-    if study.counter.shape == "measured" and study.counter.surface is not None:
-        sections["counter"]["surface"] = digest_of(study.counter.surface)
-    about = {"study": sections, "device": device.partition(":")[0], "format": RESULT_FORMAT}
-    return hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()
+    files = {key: digest(path, key=key) for key, path in files_of(varied).items()}
+    return Point(number, values, varied, name_of(varied, device=device, files=files), files=files)
 
 
 def task_of(point: Point, runs: Path, *, device: str, threads: int | None = None) -> Task:
     """What a worker is asked for a run. runs: the folder of all of them."""
     assert point.study is not None
     folder = str((runs / point.run).resolve())
-    return Task(point.study.to_toml(), folder, device, threads, surface=point.surface)
+    return Task(point.study.to_toml(), folder, device, threads, point.files)
 
 
 def with_positions(study: Study, vary: Mapping[str, Any]) -> dict[str, Any]:

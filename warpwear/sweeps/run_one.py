@@ -3,6 +3,7 @@
 import os
 import time
 import warnings
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -14,8 +15,10 @@ from warpwear.errors import ConvergenceError, InputError, InvariantError, StudyW
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import columns_of
 from warpwear.result import Result
-from warpwear.results.file import FILE_NAME
+from warpwear.results.ensemble import digests_in, name_of
+from warpwear.results.file import FILE_NAME, check_seal, is_one
 from warpwear.results.track import course
+from warpwear.runs import folder as run_folder
 from warpwear.runs.checkpoint import holds_checkpoint
 from warpwear.runs.run import RunOptions, run_study
 from warpwear.study.study import Study
@@ -30,16 +33,16 @@ POINTS = 500
 
 @dataclass(frozen=True)
 class Task:
-    """What a worker is asked for: the study as text, its folder, where to compute it, and on which surface.
+    """What a worker is asked for: the study as text, its folder, where to compute it, and on which files.
 
-    surface: SHA-256 of the file of the surface.
+    files: SHA-256 of each file that the study uses, by the key that names it.
     """
 
     study: str
     folder: str
     device: str = "cpu"
     threads: int | None = None
-    surface: str | None = None
+    files: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -60,21 +63,9 @@ def run_one(task: Task) -> Row:
         study = Study.stored(task.study)
         folder.mkdir(parents=True, exist_ok=True)
         with filelock.FileLock(f"{folder}{LOCK}"):  # waits for another sweep that makes the same run
-            was_there = is_there(folder) and not holds_checkpoint(folder)
-            try:
-                row = _row_of_run(task, study, resume=True)
-            except InputError:
-                row = None
-                if not was_there:
-                    raise
-            if row is None and was_there:  # damaged, or of another surface under this name
-                was_there, row = False, _row_of_run(task, study, resume=False)
-            if row is None:
-                (folder / FILE_NAME).unlink()
-                raise InputError(
-                    f"disc.surface '{study.disc.file}' is not the file any more that the sweep was "
-                    "planned with; start the sweep again"
-                )
+            row = _found(task, study)
+            was_there = row is not None
+            row = row or _made(task, study)
         return replace(
             row, was_there=was_there, seconds=row.seconds if was_there else time.perf_counter() - start
         )
@@ -83,16 +74,47 @@ def run_one(task: Task) -> Row:
         return Row(f"failed: {why}", time.perf_counter() - start)
 
 
-def _row_of_run(task: Task, study: Study, *, resume: bool) -> Row | None:
-    """Make a run, or find it; None where its surface is not that of the task."""
-    where: Any = {"out": Path(task.folder), "device": task.device, "threads": task.threads}
+def _found(task: Task, study: Study) -> Row | None:
+    """Read the finished run that is asked for by what it carries itself; None where the folder holds none.
+
+    Raises OSError or InputError for a whole one that cannot be read here and now: others may.
+    """
+    folder = Path(task.folder)
+    if not is_there(folder):
+        return None
+    (folder / FILE_NAME).open("rb").close()
+    try:
+        stored = Result.open(folder)
+    except InputError:
+        if _is_whole(folder / FILE_NAME):
+            raise
+        return None
+    with stored as result:
+        own = name_of(result.study, device=result.attributes["device"], files=digests_in(result))
+        if not result.finished or own != name_of(study, device=task.device, files=task.files):
+            return None
+        row = row_of(result)
+    with suppress(InputError):  # another run is at work there
+        run_folder.tidy(folder)
+    return row
+
+
+def _is_whole(path: Path) -> bool:
+    """Whether a result is what was written, though it may not be understood."""
+    with suppress(InputError):
+        check_seal(path)
+        return is_one(path)
+    return False
+
+
+def _made(task: Task, study: Study) -> Row:
+    """Make a run or go on with it, in the place of one that is damaged or not what its folder is called."""
+    folder = Path(task.folder)
+    resume = holds_checkpoint(folder) or not is_there(folder)
+    where: Any = {"out": folder, "device": task.device, "threads": task.threads, "files": task.files}
     options = RunOptions(resume=resume, overwrite=not resume, whole=False, **where)
     # What misleads stands in the summary of each run: a thousand of them need not say it on the screen.
-    quiet = warnings.catch_warnings(action="ignore", category=StudyWarning)
-    with quiet, run_study(study, options) as result:
-        is_read = study.study.model != "macro" and task.surface is not None
-        if is_read and result.record["surface"].get("sha256") != task.surface:
-            return None
+    with warnings.catch_warnings(action="ignore", category=StudyWarning), run_study(study, options) as result:
         return row_of(result)
 
 

@@ -91,8 +91,9 @@ WARPWEAR_FN void make_listed(int slot, int slots, const List& list, const Count&
                              const Sources& sources, const Properties& cells)
 {
     const auto& slide = wp::index(slides, 0);
-    const int of_row = cells.material.shape[1] * OF_VECTOR;
-    for (int row = slot; row < cells.material.shape[0]; row += slots)
+    const auto& any = cells.material.shape[0] > 0 ? cells.material : cells.stiffness;
+    const int of_row = any.shape[1] * OF_VECTOR;
+    for (int row = slot; row < any.shape[0]; row += slots)
         for (int n = team_of_slot(); n < wp::index(counts, row); n += teams_of_slot())
             make_cells(slide, sources, cells, row, row_beneath(row, slide, sources),
                        span_of_tile(wp::index(list, row, n), of_row));

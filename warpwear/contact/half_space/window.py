@@ -13,17 +13,20 @@ from functools import partial
 from typing import Any, ClassVar, Self
 
 import numpy as np
+import numpy.typing as npt
 import warp as wp
 
 from warpwear import lazy
+from warpwear.contact.balance import TOLERANCE as LOAD_TOLERANCE
 from warpwear.contact.half_space.search import Search
 from warpwear.contact.half_space.solver import TOLERANCE, HalfSpace, HalfSpaceContact
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Mirror
 from warpwear.engine.program import Program, launch_once
 from warpwear.engine.state import InFrame
+from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import Grid
-from warpwear.kernels.cells import LANES, Cells
+from warpwear.kernels.cells import LANES, PADDING, Cells
 from warpwear.kernels.half_space import passes
 
 fft = lazy.module("scipy.fft")
@@ -34,7 +37,7 @@ SIZES = 8
 ROOM = 0.1
 #: A window gives way to a smaller one that has at most this fraction of its area.
 SMALLER = 0.5
-#: Load that the first window can carry at the hardness, over the load asked for.
+#: Load that a window made for a load can carry at the hardness, over the load asked for.
 CAPACITY = 2.0
 #: Solvers of windows that are there for the next time, and cells of the largest of them.
 MOST_STORED = 4
@@ -172,7 +175,7 @@ class WindowedHalfSpace:
     """
 
     STATE: ClassVar = {"_started": bool, "_window": Window, "_pressure": InFrame("contact", columns=True)}
-    SCRATCH: ClassVar = ("_gradient", "_extents", "_mirror", "_here", "_stored")
+    SCRATCH: ClassVar = ("_gradient", "_extents", "_mirror", "_here", "_stored", "_bodies")
 
     def __init__(
         self,
@@ -201,6 +204,13 @@ class WindowedHalfSpace:
         self._here: OnWindow | None = None  # of that window
         #: Of the last windows, by their grids.
         self._stored: dict[Grid, OnWindow] = {}
+        #: Whether there is a body in a cell, the same in every solve; None before, and without a hardness.
+        self._bodies: npt.NDArray[np.bool_] | None = None
+
+    @property
+    def start(self) -> Field | None:
+        """Return the pressures that the next solve starts from; None where that is nothing."""
+        return self._pressure if self._started else None
 
     @property
     def columns(self) -> tuple[int, int]:
@@ -242,7 +252,7 @@ class WindowedHalfSpace:
         """Solve the contact at a load [N], otherwise as `solver.BoundedPressure.solve` does.
 
         Fields are of the whole grid; the gradient is NaN beyond the window. least_part: no smaller is among
-        the parts.
+        the parts. Raises InputError for a load that not all cells at the least of their caps carry.
         """
         whole, least = self._executor.grid, least_part * self._hardness
         there = {"gap": gap, "parts": parts, "yields": yields}
@@ -251,9 +261,12 @@ class WindowedHalfSpace:
         options: dict[str, Any] = {**wear, "streak_window": streak_window}
         options["certified"] = not self._started if certified is None else certified
 
+        if self._bodies is None and math.isfinite(least):
+            self._bodies = self._executor.to_numpy(gap) < PADDING
+
         def carries(window: Window) -> bool:
             """Tell whether cells at the least of their caps carry the load: none falls below it later."""
-            return parts is None or least * window.grid(whole).area >= load
+            return self._most(window, least) * (1.0 + LOAD_TOLERANCE) >= load
 
         # No more of a mean along x may reach beyond the window than it holds.
         rows = 2 * (streak_window or (whole.nx if streak_compliance else 1))
@@ -261,28 +274,35 @@ class WindowedHalfSpace:
             self._look_at(self._first(gap, load, rows, least))
         elif self._window.end_row - self._window.first_row < min(rows, whole.nx):
             self._look_at(self._around(self._window.box, rows=rows))
-        assert self._window is not None
-        if not carries(self._window):
-            self._look_at(self._everything)
         transforms = iterations = 0
         while True:
+            assert self._window is not None
+            if not carries(self._window):
+                self._look_at(self._that_carries(self._window.box, load, rows, least))
             window, here = self._window, self._here
-            assert window is not None
             assert here is not None
             here.take(self._pressure, fields)
             self._clear_beside(window)
             here.solver.started = self._started
             mean = load / window.grid(whole).area
-            contact = here.solver.solve(
-                **here.fields, mean_pressure=mean, then=partial(self._after, here, gap), **options
-            )
-            self._started = True
-            transforms, iterations = transforms + contact.transforms, iterations + contact.iterations
-            first_row, last_row, first, last = self._mirror.read()[0].max(axis=1).tolist()
-            reached = [round(-first_row), round(last_row), round(-first), round(last)]
-            if not self._has_windows or window.holds(reached):
-                break
-            # Too few cells give too large an approach: what lies below it holds the contact of them all.
+            contact, reached = None, window.box
+            try:
+                contact = here.solver.solve(
+                    **here.fields, mean_pressure=mean, then=partial(self._after, here, gap), **options
+                )
+            except ConvergenceError:
+                if window == self._everything:
+                    raise
+                options["certified"] = certified is not False  # of what is found from nothing
+            self._started = contact is not None
+            if contact is not None:
+                transforms, iterations = transforms + contact.transforms, iterations + contact.iterations
+                first_row, last_row, first, last = self._mirror.read()[0].max(axis=1).tolist()
+                reached = round(-first_row), round(last_row), round(-first), round(last)
+                if not self._has_windows or window.holds(reached):
+                    break
+            # Too few cells give too large an approach: what lies below it holds the contact of them all. They
+            # may give no contact either, where more do.
             del here, contact  # and their memory, before others take theirs
             self._look_at(self._around(reached, rows=rows))
         fitting = self._around(reached, rows=rows)
@@ -348,12 +368,30 @@ class WindowedHalfSpace:
 
     def _first(self, gap: Field, load: float, rows: int, hardness: float) -> Window:
         """Return a window around the lowest cell, of a size that carries the load at a hardness [MPa]."""
-        grid, everything = self._executor.grid, self._everything
         if not self._has_windows:
-            return everything
-        row, column = divmod(int(np.argmin(self._executor.to_numpy(gap))), grid.ny)
-        for pieces in range(1, SIZES):
-            window = self._around((row, row, column, column), rows=rows, pieces=pieces)
-            if hardness * window.grid(grid).area >= CAPACITY * load:
+            return self._everything
+        row, column = divmod(int(np.argmin(self._executor.to_numpy(gap))), self._executor.grid.ny)
+        return self._that_carries((row, row, column, column), load, rows, hardness)
+
+    def _that_carries(self, box: Sequence[int], load: float, rows: int, hardness: float) -> Window:
+        """Return a window around a box, of a size that carries the load at a hardness [MPa].
+
+        Raises InputError for a load that the whole grid does not carry.
+        """
+        for pieces in range(1, SIZES if self._has_windows else 1):
+            window = self._around(box, rows=rows, pieces=pieces)
+            if self._most(window, hardness) >= CAPACITY * load:
                 return window
-        return everything
+        most = self._most(self._everything, hardness)
+        if most * (1.0 + LOAD_TOLERANCE) < load:
+            raise InputError(
+                f"a load of {load:.6g} N is not possible: all cells where there is a body carry {most:.6g} N "
+                f"at the hardness, {hardness:g} MPa."
+            )
+        return self._everything
+
+    def _most(self, window: Window, hardness: float) -> float:
+        """Return the load [N] that the cells with a body in a window carry at a hardness [MPa]."""
+        if self._bodies is None:
+            return math.inf
+        return hardness * int(np.count_nonzero(self._bodies[window.cells])) * self._executor.grid.cell_area

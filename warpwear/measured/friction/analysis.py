@@ -10,7 +10,7 @@ from warpwear.grid import FloatArray
 from warpwear.measured.course import experiment_of
 from warpwear.measured.experiment import Experiment
 from warpwear.measured.friction.events import Events, Laps, events_of, laps_of
-from warpwear.measured.motion import Motion
+from warpwear.measured.motion import Motion, spans
 from warpwear.measured.rows import Rows
 from warpwear.measured.tribometer import alternates, turning_points
 
@@ -90,7 +90,9 @@ def _step(name: str, rows: Rows, motion: Motion, before: float) -> Step:
     course = experiment_of(rows, motion)
     laps = laps_of(course, _lap(rows, motion))
     normal = rows.table.get("normal force")
-    load = motion.load if normal is None else float(np.nanmedian(np.abs(normal)))
+    load = motion.load
+    if normal is not None and np.isfinite(normal).any():
+        load = float(np.nanmedian(np.abs(normal)))
     by_cycles = course.cycles is not None  # each stands for itself, those without load for nothing
     work = laps.cof.sum() * laps.length if by_cycles else np.trapezoid(course.cof, course.distance)
     energy = None if load is None else 1e-3 * load * float(work)
@@ -103,11 +105,13 @@ def _lap(rows: Rows, motion: Motion) -> float | None:
     if motion.stroke is not None:
         return 2.0 * motion.stroke
     radius = motion.radius if motion.radius is not None else table.get("radius")
-    if radius is not None:
+    if radius is not None and np.isfinite(radius).any():
         return 2.0 * np.pi * float(np.nanmedian(radius))
     for turns in ("laps", "cycle"):
-        if {"distance", turns} <= table.keys() and (number := np.ptp(table[turns])) > 0.0:
-            return float(np.ptp(table["distance"]) / number)
+        if {"distance", turns} <= table.keys():
+            length, number = spans(table["distance"], table[turns])
+            if number > 0.0:
+                return length / number
     return None
 
 

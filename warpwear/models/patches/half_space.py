@@ -10,8 +10,8 @@ Where a smooth contact prescribes each p_k, on springs K_N of its own, each u_k 
 """
 
 from dataclasses import replace
-from functools import cached_property
-from typing import ClassVar
+from functools import cached_property, partial
+from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
@@ -46,6 +46,7 @@ from warpwear.models.features.features import Features
 from warpwear.models.model import Model
 from warpwear.models.patches.shares import SmoothContact
 from warpwear.models.unworn import gap_over, layout_of
+from warpwear.models.wear_lines import WearLines
 
 #: Growth of the approach in a step, as is thought before it, over what the last mean pressure would wear off.
 GROWTH_GUESS = 2.0
@@ -114,6 +115,8 @@ class HalfSpacePatches(Model):
         self._slides = Numbers(
             Slide, executor.device, written=False, window=1, end_column=executor.vectors * LANES
         )
+        #: Finds what wears cells whose K goes with their pressure; None where none does.
+        self._lines = WearLines(task.knots, executor) if len(task.knots) else None
         self._look = Program(executor)
         self._place = Place(self._slides.array)
         self._features.ask("make_all", self._look, self._place)
@@ -158,13 +161,16 @@ class HalfSpacePatches(Model):
         # One that has carried a load is visited for good, which is how it can let go of it.
         self.visited = max(self.visited, int(np.flatnonzero(loads)[-1]) + 1)
         self._influence.visit(self.visited)
-        return self._solver.solve(
-            self.gap,
-            mean_pressure=loads[: self.visited],
-            compliance=removal,
-            parts=self._features.cells.cap_ratio,
-            certified=certified,
-        )
+        return self._solve(removal, mean_pressure=loads[: self.visited], certified=certified)
+
+    def _solve(self, removal: float, *, certified: bool | None, **loads: Any) -> HalfSpaceContact:
+        """Solve the contact of the patches visited. removal: as of `_press`."""
+        solve: Any = partial(self._solver.solve, parts=self._features.cells.cap_ratio, **loads)
+        if self._lines is None:
+            contact: HalfSpaceContact = solve(self.gap, compliance=removal, certified=certified)
+            return contact
+        start = self._solver.pressure_field if self._solver.started else None
+        return self._lines.solve(solve, self.gap, start, (removal, 0.0), certified=certified)
 
     def _share(self, removal: float, *, certified: bool | None) -> HalfSpaceContact:
         """Solve the contact by loads that patches share through one approach. removal: as of `_press`.
@@ -181,13 +187,7 @@ class HalfSpacePatches(Model):
         while True:
             self.visited = min(needed, self.patches.count)
             self._influence.visit(self.visited)
-            contact = self._solver.solve(
-                self.gap,
-                mean_pressure=load,
-                compliance=removal,
-                parts=self._features.cells.cap_ratio,
-                certified=certified,
-            )
+            contact = self._solve(removal, mean_pressure=load, certified=certified)
             transforms += contact.transforms
             needed = self._below(contact.approach)
             if needed <= self.visited:
@@ -203,13 +203,15 @@ class HalfSpacePatches(Model):
         # The scatter is summed about a value near the mean.
         reference, visited = self._ledger.row["pressure_mean"], self.visited
         self._slides.set(rows=visited, k_counter=removal, reference=reference)
+        wearing = self._lines.press(contact.pressure_field)["wearing_counter"] if self._lines else 0.0
         if self._wearing is None:
             self._wearing = self._wear_program(contact)
         self._wearing.run()
         table, maxima = (numbers.numpy()[:, :visited] for numbers in (self._sums, self._maxima))
-        sums = {name: np.zeros(self.patches.count) for name in PATCH_SUMS}
+        sums = {name: np.zeros(self.patches.count) for name in PATCH_SUMS if name != "wearing"}
         for name, values in sums.items():
             values[self._order[:visited]] = table[PressureSum[OF_BOTH.get(name, name).upper()]]
+        sums["wearing"] = np.array([wearing])
         most = {
             name: float(maxima[PressureMost[OF_BOTH.get(name, name).upper()]].max()) for name in PATCH_MAXIMA
         }
@@ -229,6 +231,8 @@ class HalfSpacePatches(Model):
             cells=self._features.cells,
             cap=min(self.task.hardness, NO_CAP),
         )
+        if self._lines:
+            pressed.on_counter = pressed.on_disc = self._lines.counter
         program = Program(self._executor)
         tables = arguments(OfRows), self._sums, self._maxima
         bodies = arguments(Bodies, counter=self.gap, wear_counter=self.worn)

@@ -8,6 +8,7 @@ import numpy as np
 import warp as wp
 
 from warpwear.contact.balance import stiffness_of
+from warpwear.contact.search import bends_of
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
@@ -94,8 +95,9 @@ class TwoScaleModel(Model):
             weight=patches.weight,
             follows=task.bulk_stiffness_at(1.0) if follows else 0.0,
             sprung=int(task.uses_bulk_stiffness),
-            # By features wear changes what cells bear.
-            looks_ahead=int(self._smooth is None and not self.contact.features),
+            # By features wear changes what cells bear; and bends are of one step.
+            looks_ahead=int(self._smooth is None and not self.contact.features and not len(task.knots)),
+            bends=bends_of(task.knots, executor, task.compliance, float(task.implicit)),
             within=wp.vec4d(*self._ledger.within),
             plan=(rows + 1, 3),
             now=self._now.array,

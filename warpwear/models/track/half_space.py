@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -30,6 +31,7 @@ from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.part_length import PartLength
 from warpwear.models.track.step_means import Part, StepMeans
 from warpwear.models.unworn import layout_of
+from warpwear.models.wear_lines import WearLines
 
 #: Real over nominal area from which the last pressure, where it is, is a better start than none.
 KEEPS_PRESSURE = 0.7
@@ -126,6 +128,8 @@ class SlidingHalfSpace:
         edge = max((one.edge for one in self.features), default=1)
         self.ledger = Ledger(task, executor.grid, margin=edge, track_fraction=track_fraction)
         self._length = PartLength(task, moves=moves, shortens=self.features.window is None)
+        #: Finds what wears cells whose K goes with their pressure; None where none does.
+        self._lines = WearLines(task.knots, executor) if len(task.knots) else None
         #: Solves contacts without the wear of the step. It is a second solver: the first goes on as it was.
         self._static = None
         if task.static_area_every:
@@ -244,16 +248,19 @@ class SlidingHalfSpace:
         if self.features.moves_pressure:
             of_place, of_mean = of_mean, of_place
         own = of_mean if window == 1 else 0.0  # a mean over one cell changes nothing
-        contact = self._half_space.solve(
-            self.gap,
-            load=self.task.load,
-            compliance=of_place + own,
-            streak_compliance=of_mean - own,
-            streak_window=window,
-            yields=self.features.yields,
-            certified=certified,
-            **self._caps,
-        )
+        solve = partial(self._half_space.solve, load=self.task.load, **self._caps)
+        if self._lines is None:
+            contact = solve(
+                self.gap,
+                compliance=of_place + own,
+                streak_compliance=of_mean - own,
+                streak_window=window,
+                yields=self.features.yields,
+                certified=certified,
+            )
+        else:
+            start = self._half_space.start
+            contact = self._lines.solve(solve, self.gap, start, (own, of_place), certified=certified)
         for one in self.features:
             one.note(contact)
         return contact
@@ -290,6 +297,8 @@ class SlidingHalfSpace:
         if self.task.shears:
             program.launch(wear_from_pressure.part_of_step, slides, pressed)
             program.launch(wear_from_pressure.means, slides, self._rubbed, self._rubbed_means)
+        if self._lines is not None:
+            pressed.on_counter, pressed.on_disc = self._lines.counter, self._lines.disc
         program.launch(wear_from_pressure.means, slides, pressure, self._means)
         self.features.ask("before_wear", program, self._place._replace(pressure=pressure))
         tables = [arguments(OfRows, **self._of_rows), self._sums, self._maxima]
@@ -319,10 +328,11 @@ class SlidingHalfSpace:
             reference=self.ledger.row["pressure_mean"],  # the scatter is summed about a value near the mean
             **self._wears(part),
         )
+        wearing = self._lines.press(contact.pressure_field) if self._lines else {}
         self._run("wear", lambda program: self._add_wear(program, contact))
         sums, maxima, *of_rows = self._mirror.read()
         most = dict(zip(MAXIMA, maxima.max(axis=1).tolist(), strict=True))
-        total = dict(zip(names_of(PressureSum), sums.sum(axis=1).tolist(), strict=True))
+        total = dict(zip(names_of(PressureSum), sums.sum(axis=1).tolist(), strict=True)) | wearing
         for name, rows in zip(("wear_disc", "pressed_disc"), of_rows, strict=True):
             total[name] = float(rows.sum())
         if self.features:  # of all touched so far

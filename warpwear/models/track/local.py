@@ -267,7 +267,7 @@ class SlidingContact:
             "shear_counter": depths[0],
             "shear_disc": track * depths[1],
             **task.shear_ratios,
-            "full_depth": compliance * task.hardness if task.keeps_dents else NO_LIMIT,
+            "full_depth": self._full_depth(own, k_counter, k_disc) if task.keeps_dents else NO_LIMIT,
         }
         plan = self._steps.plan.numpy()
         for name, values in steps.items():
@@ -280,6 +280,14 @@ class SlidingContact:
         if not self._course["is_begun"]:
             self._begin_at(plan[0])
         return np.stack([counter, disc, *depths], axis=1)[:count], rigid
+
+    def _full_depth(self, own: float, counter: FloatArray, disc: FloatArray) -> FloatArray:
+        """Return the overlap of a cell at the hardness [mm]. own, counter, disc: what lends it compliance."""
+        task = self.task
+        knots = task.knots if len(task.knots) else np.ones((1, 3))
+        at_hardness = [np.interp(task.hardness, knots[:, 0], column) for column in knots.T[1:]]
+        worn = counter * at_hardness[0] + disc * at_hardness[1]
+        return (own + worn * task.implicit) * task.hardness
 
     def _begin_at(self, step: Any) -> None:
         """Tell the device where the search of the first step begins."""
@@ -295,7 +303,8 @@ class SlidingContact:
         count = self._course["step"]
         table = np.ascontiguousarray(self._steps.history[: max(count, 1)].numpy()[:count].T)
         columns = dict(zip(self.features.columns, table, strict=True))
-        absent = OF_FEATURES if self.task.shears else OF_FEATURES | {"rubbed"}
+        there = {"rubbed": self.task.shears, "wearing_counter": len(self.task.knots) > 0}
+        absent = OF_FEATURES.union(name for name, is_there in there.items() if not is_there)
         total = {name: columns[name] for name in SUMS if name not in absent}
         total |= {RENAMED.get(name, name): columns[name] for name in sliding_steps.KEPT}
         most = {name: columns[f"most_{name}"] for name in MAXIMA}

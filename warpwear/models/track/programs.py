@@ -50,6 +50,7 @@ class StepPrograms:
                 stiffness=None if rigid else cells.stiffness,
                 parts=cells.cap_ratio,
                 tolerance=task.load_tolerance if rigid else None,
+                knots=task.knots,
             )
             if rigid:
                 search.springs.highest = self._highest()

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,10 @@ from warpwear.grid import FloatArray, Frame
 from warpwear.history.quantities import FIELDS, Quantity
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.archard import BODIES
+from warpwear.results.ensemble import digests_in
 from warpwear.results.file import ResultFile
 from warpwear.study.surface import surface_in
+from warpwear.surfaces.reading import noted
 
 #: Name of the whole track of a swept run, a body beside those over the domain of the contact.
 TRACK = "track"
@@ -44,9 +47,9 @@ def worn_heights(
     """Return heights of a worn body [mm], positive out of its material, shape (nx, ny) or that of a part.
 
     The disc's are over its mean plane, the counter-body's over the apex it had, so that its cap lies below 0.
-    Beyond the ball's edge the ball is NaN and the disc as it was before; NaN too if its file is gone, and
-    of a swept run, whose disc is what lies under the counter-body. Where the patches of a two-scale
-    run cover nothing both are NaN.
+    Beyond the ball's edge the ball is NaN and the disc as it was before; NaN too if its file is gone or
+    another now, and of a swept run, whose disc is what lies under the counter-body. Where the patches of a
+    two-scale run cover nothing both are NaN.
     """
     x, y, gap = result.x[part[0]], result.y[part[1]], snapshot.gap[part]
     counter = result.unworn_counter(x, y) + snapshot.wear_counter[part]
@@ -56,8 +59,11 @@ def worn_heights(
     beyond = (~np.isfinite(counter) | (gap > NO_SURFACE)) & ~not_covered
     heights[beyond | not_covered] = np.nan
     if body == "disc" and beyond.any() and snapshot.row is None:
-        with suppress(InputError):
-            heights[beyond] = surface_in(result.study).heights(x, y)[beyond]
+        read = dict[str, set[str]]()
+        with suppress(InputError), noted(read):
+            unworn = surface_in(result.study).heights(x, y)
+            if {*chain(*read.values())} <= {*digests_in(result).values()}:
+                heights[beyond] = unworn[beyond]
     return heights
 
 

@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, PlainSerializer, PlainValidator
 
 from warpwear.laws.archard import BODIES, COEFFICIENTS, WEAR_LAWS, EnergyLaw, WearLaw
-from warpwear.study.keys import Length, Section, excludes, key, needs, when
+from warpwear.study.keys import Length, Pressure, Section, excludes, key, needs, when
 from warpwear.study.sections.friction import NOT_CONTACT, UNCHANGED, Friction
 from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, Range, parse, text
 
@@ -18,6 +18,7 @@ AT_REST = when("kinematics", "stationary")
 SHEDS = when("wear.sheds", otherwise="does not apply without a wear.particle: all wear leaves at once")
 shed_key = partial(key, applies=SHEDS)
 running_in_key = partial(key, applies=when("wear.law", "running-in"))
+transition_key = partial(key, applies=when("wear.law", "transition"))
 THICKNESS = (
     "wear.particle_thickness, such as '0.6 um': measure it as 4 times Rq of the worn counter-body along "
     "sliding, or on flakes in the SEM"
@@ -30,6 +31,9 @@ CRITICAL = (
 BY_AREA = when("friction.law", "shear-strength")
 BY_COULOMB = ", or friction.law = 'coulomb', by which cells in contact wear unalike"
 no_energy = partial(excludes, of="energy", where=BY_AREA, why=BY_COULOMB.replace("or", "unless", 1))
+#: Laws by which K goes with the pressure of a cell.
+OF_PRESSURE = tuple(name for name, law in WEAR_LAWS.items() if law.over_pressure is not WearLaw.over_pressure)
+MEANS = " under a disc that moves, whose pressures wear the counter-body by their means"
 IN_ONE_PROPORTION = ", which keeps what counter-body and disc wear in one proportion"
 
 
@@ -88,10 +92,11 @@ class Wear(Section):
         'wear coefficient K of the disc, such as "2e-6 mm^3/N/m"; 0 where it does not wear; without a unit '
         "k = K H, with contact.hardness or else the softer body's for both bodies",
     )
-    law: Literal["archard", "exponential", "running-in", "bearing-curve", "energy"] = key(
+    law: Literal["archard", "exponential", "running-in", "bearing-curve", "energy", "transition"] = key(
         "archard",
         "depth = K × pressure × distance, K constant or by an empirical law of the distance slid; energy: "
-        "depth = α × friction energy of an area, with counter and disc in mm^3/J",
+        "depth = α × friction energy of an area, with counter and disc in mm^3/J; transition: K by the "
+        "pressure of a cell, with counter and disc for mild wear",
         demands=needs("wear.decay", of="exponential")
         + needs("wear.running_in", of="running-in")
         + needs("wear.starts_apart", of="running-in", what="wear.initial_counter or wear.initial_disc")
@@ -103,7 +108,16 @@ class Wear(Section):
         + no_energy("stepping.scheme", "explicit")
         + no_energy("friction.area", *NOT_CONTACT)
         + no_energy("wear.distance_factor", "across", "radial")
-        + no_energy("wear.particle"),
+        + no_energy("wear.particle")
+        + needs("wear.severe_counter", of="transition")
+        + needs("wear.severe_disc", of="transition")
+        + needs("wear.transition_pressure", of="transition")
+        + needs("wear.transition_width", of="transition")
+        + excludes("wear.distance_factor", "across", "radial", of=OF_PRESSURE)
+        + excludes("wear.particle", of=OF_PRESSURE)
+        + excludes("kinematics", "fretting", of=OF_PRESSURE, why=", where cells slip by their own lengths")
+        + excludes("patches.coupling", "load", of=OF_PRESSURE)
+        + excludes("contact.law", "half-space", of=OF_PRESSURE, where=when("kinematics", "swept"), why=MEANS),
     )
     decay: Annotated[float, Quantity("1/mm")] | None = key(
         None,
@@ -117,6 +131,16 @@ class Wear(Section):
         None, "running-in: K0 of the counter-body; K if not given"
     )
     initial_disc: WearCoefficient | None = running_in_key(None, "running-in: K0 of the disc; K if not given")
+    severe_counter: WearCoefficient | None = transition_key(
+        None, "transition: K of severe wear of the counter-body"
+    )
+    severe_disc: WearCoefficient | None = transition_key(None, "transition: K of severe wear of the disc")
+    transition_pressure: Pressure | None = transition_key(
+        None, "transition: pressure of a cell in the middle of the transition"
+    )
+    transition_width: Pressure | None = transition_key(
+        None, "transition: pressures from its beginning to its end, over which K is linear"
+    )
     distance_factor: Literal["none", "across", "radial"] = key(
         "none",
         "shorter sliding distance of disc cells beside the middle, √(1 − d²/R²): d across or radial",
