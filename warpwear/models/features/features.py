@@ -65,21 +65,21 @@ class Features:
         periodic: as of `SlidingContact`. distances: factor of those that cells of the disc slide, where they
         differ. curve: of a roughness that the grid does not resolve. own: as of the class.
         """
-        found: dict[str, Feature] = {}
+        features: dict[str, Feature] = {}
         if task.film is not None:
-            found["film"] = BareCells.of(task, executor, bodies)
+            features["film"] = BareCells.of(task, executor, bodies)
         if task.pieces is not None:
-            found["particles"] = SlidingParticles(task.pieces, executor, bodies, periodic=periodic)
+            features["particles"] = SlidingParticles(task.pieces, executor, bodies, periodic=periodic)
         if task.fretting is not None:
-            found["fretting"] = CyclicSlip(task, executor)
+            features["fretting"] = CyclicSlip(task, executor)
         if curve is not None:
-            found["recession"] = Recession(curve, executor)
+            features["recession"] = Recession(curve, executor)
         if distances is not None:
-            found["distances"] = OwnDistances(distances)
+            features["distances"] = OwnDistances(distances)
         if task.implicit and (curve is not None or distances is not None):
             alike = curve is None and distances is not None and distances.shape[0] == 1
-            found["stiffness"] = UnequalStiffness(executor, bodies, curve, alike=alike)
-        return cls(found, own=own, disc_rows=bodies["disc"].shape[0] if "disc" in bodies else 0)
+            features["stiffness"] = UnequalStiffness(executor, bodies, curve, alike=alike)
+        return cls(features, own=own, disc_rows=bodies["disc"].shape[0] if "disc" in bodies else 0)
 
     def __iter__(self) -> Iterator[Feature]:
         return iter(self.by_name.values())

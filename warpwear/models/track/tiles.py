@@ -117,8 +117,8 @@ class SlidingTiles(TileList):
 
     def make_listed(self, program: Program) -> None:
         """Make what the cells listed have of their own, in a program, where a list serves several steps."""
-        made = self._features.cells.material is not None or self._features.sources.stiffens == 1
-        if self._bounds.stays and made:
+        unlike = self._features.cells.material is not None or self._features.sources.stiffens == 1
+        if self._bounds.stays and unlike:
             place = self._slides, self._features.sources, self._features.cells
             program.launch(film.make, self.list, self.count, *place, chunks=lambda: self.chunks)
 
