@@ -104,6 +104,7 @@ def scales(study: Study) -> bool:
         and study.wear.distance_factor == "none"
         and not study.wear.sheds
         and study.friction.film is None
+        and all(profile.scales for profile in study.profiles or ())
         and study.friction.junction_growth == 0.0
         and study.friction.area != "cumulative"
         and study.stepping.scheme == "implicit"

@@ -4,7 +4,7 @@ K of a depth is known, so wear is integrated over depth and not sampled: ∫ p d
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -122,7 +122,7 @@ class DepthProfile:
         return depth
 
     def mean_coefficient(self, deepest: float, power: float) -> float:
-        """Return V / F L [mm²/N] of a cap worn off, whose volume below a depth goes as its power.
+        """Return about V / F L [mm²/N] of a cap worn off, whose volume below a depth goes as its power.
 
         deepest: depth of the cap [mm]. power: 2 of a paraboloid, 3/2 of a cylinder, 1 of what is flat.
         """
@@ -133,6 +133,18 @@ class DepthProfile:
                 left = [max(1.0 - d / deepest, 0.0) if deepest else float(d == 0.0) for d in (begin, end)]
                 softness += (left[0] ** power - left[1] ** power) / wear if wear else math.inf
         return 1.0 / softness
+
+    def volume(self, load_distance: float, deepest: Callable[[float], tuple[float, float]]) -> float:
+        """Return about what a cap loses [mm³] over F L [N mm], by `mean_coefficient`.
+
+        deepest: gives for a volume [mm³] the depth of its cap [mm], and the power.
+        """
+        low, high = 0.0, self.fastest * load_distance
+        for _ in range(HALVINGS):
+            volume = 0.5 * (low + high)
+            enough = volume >= self.mean_coefficient(*deepest(volume)) * load_distance
+            low, high = (low, volume) if enough else (volume, high)
+        return high
 
 
 def _through(depth: FloatArray, wear: FloatArray | float, slope: float) -> FloatArray:

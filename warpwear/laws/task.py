@@ -6,6 +6,7 @@ from typing import Literal, Protocol
 
 from warpwear.grid import FloatArray
 from warpwear.laws.archard import WearLaw
+from warpwear.laws.depth_profile import DepthProfile
 from warpwear.laws.elastic import Hertz
 from warpwear.laws.film import Film
 from warpwear.laws.fretting import Fretting
@@ -43,7 +44,7 @@ class ContactTask:
     """Holds the numbers of one contact, made from a study once; models read nothing else."""
 
     load: float  # F [N]
-    hardness: float  # largest pressure of a cell H [MPa]; inf without one
+    hardness: float  # largest pressure of an unworn cell H [MPa]; inf without one
     form: Form  # of the unworn counter-body
     wear: tuple[WearLaw, WearLaw]  # of counter-body and disc
     compliance: float  # 1/k of the cells of the unworn contact, without wear [mm³/N]
@@ -65,6 +66,8 @@ class ContactTask:
     static_area_every: int = 0  # steps between contacts that are also solved without wear; 0: none are
     pieces: Pieces | None = None  # by which bodies wear; None: all wear leaves at once
     fretting: Fretting | None = None  # what drives a fretting contact; None where nothing frets
+    #: What counter-body and disc are made of by worn depth; None where they are alike at all depths.
+    profiles: tuple[DepthProfile, DepthProfile] | None = None
 
     @property
     def dust(self) -> float:
@@ -107,12 +110,15 @@ class ContactTask:
         """Tell whether, at rest, every cell has the same law: one stiffness, and wear in one proportion."""
         counter, disc = self.wear
         alike = self.distance_factor == "none" and self.film is None and not self.shears
+        alike = alike and (self.profiles is None or all(profile.is_uniform for profile in self.profiles))
         return alike and counter.in_proportion_to(disc)
 
     @property
     def least_hardness(self) -> float:
         """Return the smallest cap of a cell [MPa]."""
         film = self.film
+        if self.profiles is not None:
+            return min(profile.least_hardness for profile in self.profiles)
         return self.hardness if film is None else self.hardness * min(film.part_filmed, film.part_bare)
 
     @property

@@ -32,6 +32,7 @@ CONDITIONS: dict[str, Callable[[Study], bool]] = {
     "friction constant": lambda study: study.friction.fitted == "coulomb",
     "friction not fitted": lambda study: study.friction.fitted is None,
     "empirical friction": lambda study: bool(study.friction.law_with().said),
+    "layered": lambda study: study.profiles is not None,
     "wear in pieces": lambda study: study.wear.sheds,
     # of what another value of an assumption would change alone
     "energy law": lambda study: study.wear.law == "energy",

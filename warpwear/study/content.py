@@ -1,9 +1,13 @@
 """The content of a study: its sections, and what follows from them."""
 
+import itertools
 import math
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from warpwear.laws.archard import WearLaw
+from warpwear.laws.depth_profile import DepthProfile, Material
 from warpwear.laws.elastic import Hertz, effective_modulus
 from warpwear.laws.film import Film, grown_cap
 from warpwear.laws.fretting import HONEST_MEAN, Fretting, displacement, softness_ratio
@@ -12,7 +16,9 @@ from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
 from warpwear.study.keys import value_of
 from warpwear.study.programme import Programme
+from warpwear.study.sections.layers import depth_profile
 from warpwear.study.units import text
+from warpwear.surfaces.form import Form
 
 
 class Content(Programme):
@@ -21,9 +27,50 @@ class Content(Programme):
     Nothing here checks whether the sections agree: `warpwear.study.rules` does.
     """
 
-    def volume(self, law: WearLaw, distance: float) -> float:
-        """Return what a law wears off a body over the test's first distance [mm]: Σ K F ΔL [mm³]."""
+    def volumes(
+        self, distance: float, form: Form | None = None, extent: tuple[float, float] | None = None
+    ) -> tuple[float, float]:
+        """Return what counter-body and disc lose over the test's first distance [mm]: Σ K F ΔL [mm³].
+
+        Where K changes with depth it is an estimate, by the caps that a plane cuts off a form, by default the
+        counter-body's, over an extent, by default the domain's [mm].
+        """
+        form, extent = form or self.counter.form, extent or self.grid.sides
+        profiles = self.profiles or (None, None)
+        counter, disc = (
+            self._volume(law, distance)
+            if profile is None
+            else profile.volume(
+                self._volume(replace(law, steady=1.0), distance), lambda volume: form.deepest(volume, extent)
+            )
+            for law, profile in zip(self.wear_laws, profiles, strict=True)
+        )
+        return counter, disc
+
+    def _volume(self, law: WearLaw, distance: float) -> float:
+        """Return Σ K F ΔL of a law over the test's first distance [mm³]."""
         return sum(b.load * law.wear_per_pressure(b.start, b.slides(distance)) for b in self.blocks)
+
+    @property
+    def profiles(self) -> tuple[DepthProfile, DepthProfile] | None:
+        """What counter-body and disc are made of by worn depth; None where both are alike at all depths."""
+        bodies = self.counter, self.disc
+        if not any(body.has_depths for body in bodies):
+            return None
+        limit, strength = self.contact.hardness, self.friction.shear_strength or math.inf
+        if limit is None and self.study.model == "macro":
+            limit = math.inf
+        resolved = partial(self.wear.resolved, hardness=self.wear_hardness, friction=self.friction)
+        counter, disc = (
+            depth_profile(
+                body.layers,
+                body.gradient,
+                Material(law.steady, (body.hardness or math.inf) if limit is None else limit, strength),
+                resolved,
+            )
+            for body, law in zip(bodies, self.wear_laws, strict=True)
+        )
+        return counter, disc
 
     def _check(self) -> None:
         """Give a force the stroke of the unworn bodies, by which distances count."""
@@ -76,7 +123,7 @@ class Content(Programme):
     @property
     def stroke_ratio(self) -> float:
         """Return the stroke over the width of smooth bodies' scar along sliding, or of their contact."""
-        worn = sum(self.volume(law, self.sliding.total) for law in self.wear_laws)
+        worn = sum(self.volumes(self.sliding.total))
         width = self.counter.form.worn(worn, self.grid.sides)[0]
         if self.hertz is not None:
             width = max(width, 2.0 * self.hertz.semi_axes[0])
@@ -140,14 +187,25 @@ class Content(Programme):
         return grown_cap(hardness, friction.film.shear_strength, friction.junction_growth), bare
 
     @property
+    def cell_caps(self) -> tuple[float, ...]:
+        """Largest pressures that cells may have [MPa]: `caps`, or of all pairs of materials that may meet.
+
+        The first pair is that of both surfaces.
+        """
+        if self.profiles is None:
+            return self.caps
+        counter, disc = ([m.hardness for m in profile.materials] for profile in self.profiles)
+        return tuple(min(pair) for pair in itertools.product(counter, disc))
+
+    @property
     def hardness(self) -> float:
-        """Largest pressure of any cell [MPa]: that of `caps` which is larger."""
-        return max(self.caps)
+        """Largest pressure of any cell [MPa]: that of `cell_caps` which is largest."""
+        return max(self.cell_caps)
 
     @property
     def film(self) -> Film | None:
         """The film that the bodies have; None without one."""
-        film, hardness = self.friction.film, self.hardness
+        film, hardness = self.friction.film, max(self.caps)
         if film is None:
             return None
         on = film.bodies in ("both", "counter"), film.bodies in ("both", "disc")
@@ -274,7 +332,7 @@ class Content(Programme):
         """What models, their history and their steps need of this study."""
         return ContactTask(
             load=self.contact.load,
-            hardness=self.hardness,
+            hardness=self.hardness if self.profiles is None else self.cell_caps[0],
             form=self.counter.form,
             wear=self.wear_laws,
             compliance=1.0 / self.stiffness,
@@ -295,6 +353,7 @@ class Content(Programme):
             pieces=self.pieces,
             static_area_every=self.static_area_every,
             fretting=self.fretting,
+            profiles=self.profiles,
         )
 
     @property
@@ -340,6 +399,12 @@ class Content(Programme):
     def wears_by_area(self) -> bool:
         """True where cells in contact wear by their shear strength, whatever their pressure."""
         return self.wear.law == "energy" and self.friction.law == "shear-strength"
+
+    @property
+    def shears_unalike(self) -> bool:
+        """True where the shear of a cell follows from the layers that meet there."""
+        layers = (*(self.counter.layers or ()), *(self.disc.layers or ()))
+        return any(layer.shear_strength or layer.coefficient for layer in layers)
 
     @property
     def wear_hardness(self) -> float:

@@ -44,6 +44,7 @@ def check(study: Content) -> None:
     _fretting(study)
     _pieces(study)
     _hardness(study)
+    rules_track.check_layers(study)
     _capacity(study)
     _tolerance(study)
     _stability(study)
@@ -267,7 +268,7 @@ def without_unit(study: Content) -> Iterator[str]:
 
 def _capacity(study: Content) -> None:
     under_counter = math.pi * study.counter.form.reach**2
-    carried = min(study.caps) * min(study.cells.area, under_counter)  # all cells may become bare
+    carried = min(study.cell_caps) * min(study.cells.area, under_counter)  # all cells may become bare
     if carried < study.contact.load:
         of_length = f" ({study.loads})" if study.is_line else ""
         raise ValueError(

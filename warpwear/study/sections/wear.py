@@ -192,6 +192,14 @@ class Wear(Section):
         )
         return counter, disc
 
+    def resolved(
+        self, coefficient: float | ArchardCoefficient, *, hardness: float, friction: Friction
+    ) -> float:
+        """Return K [mm²/N] of a coefficient, or of a number in its `unit`. hardness: as of `laws`."""
+        if not isinstance(coefficient, ArchardCoefficient):
+            coefficient = ArchardCoefficient(coefficient, per_energy=self.law == "energy")
+        return float(coefficient.resolved(hardness, friction.law_with().tractions[0]))
+
     @property
     def starts_apart(self) -> bool:
         """True where a body runs in, from a coefficient of its own."""
