@@ -126,6 +126,21 @@ class Layout:
     first_column: wp.array(dtype=wp.int32)
 
 
+@wp.struct
+class CellProperties:
+    """What cells of a contact may have one each of, or one row for all; no rows where they are alike.
+
+    Rows are those of the counter-body. Ratios are those to what a step has for all: see `Slide`.
+    """
+
+    stiffness: wp.array2d(dtype=Cells)  # 1/c [N/mm³]
+    cap_ratio: wp.array2d(dtype=Cells)  # cap over the hardness
+    shear_ratio: wp.array2d(dtype=Cells)  # shear strength over that by which shear wears
+    k_counter: wp.array2d(dtype=Cells)  # K of the counter-body over that of its uppermost material
+    k_disc: wp.array2d(dtype=Cells)  # of the disc, and factor of the sliding distance of its cells
+    material: wp.array2d(dtype=Cells)  # index of what meets: of a film 0, of the bare bodies 1
+
+
 @wp.func
 def sum_of(v: Cells):
     """Add up the lanes."""

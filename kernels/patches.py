@@ -10,7 +10,7 @@ above the patch's approach are skipped.
 
 import warp as wp
 
-from warpwear.kernels.cells import Cells, Layout
+from warpwear.kernels.cells import CellProperties, Cells, Layout
 from warpwear.kernels.native_code import native_pass
 from warpwear.kernels.two_scale.curves import TOGETHER, Curves
 from warpwear.kernels.two_scale.steps import Books, Courses, Steps
@@ -22,10 +22,10 @@ class Surfaces:
 
     layout: Layout
     lowest: wp.array2d(dtype=wp.float64)  # gap in every tile of a patch before any wear [mm]
-    cells: wp.float64  # of a patch
+    cells_of_patch: wp.float64
     gap: wp.array2d(dtype=Cells)  # [mm]
     unworn: wp.array2d(dtype=Cells)
-    parts: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear it
+    cells: CellProperties
     trial: wp.array2d(dtype=wp.float64)  # what a pass adds up for `Curves.answer`
 
 

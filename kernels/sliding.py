@@ -11,7 +11,7 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.balance import Springs
-from warpwear.kernels.cells import NONE, Cells
+from warpwear.kernels.cells import NONE, CellProperties, Cells
 from warpwear.kernels.tiles import Listing
 
 wp.set_module_options(native_code.options("sliding.h"))
@@ -35,13 +35,14 @@ class Slide:
     end_column: wp.int32
     start: wp.float64  # sliding distance at its start and at its end [mm]
     end: wp.float64
-    of_counter: wp.float64  # K ΔL of what leaves at once [mm³/N]
-    of_disc: wp.float64
+    k_counter: wp.float64  # K ΔL of what leaves at once, of cells with a ratio of 1 [mm³/N]
+    k_disc: wp.float64
     pending_counter: wp.float64  # K ΔL of what leaves in pieces [mm³/N]
     pending_disc: wp.float64
     shear_counter: wp.float64  # depth that a cell in contact all the step loses by its shear [mm]
     shear_disc: wp.float64
-    shear_filmed: wp.float64  # part of these that a cell loses under a film
+    least_shear_ratio: wp.float64  # of a cell, and the largest
+    most_shear_ratio: wp.float64
     own: wp.float64  # compliance that is not wear [mm³/N]
     compliance: wp.float64  # of a cell that slides as far as the middle [mm³/N]
     stiffness: wp.float64  # 1/c where that is of all cells, else 0 [N/mm³]
@@ -56,17 +57,6 @@ class Slide:
 
 
 @wp.struct
-class OfCells:
-    """What cells may have one each of, or one row for all; none where it is the same for all."""
-
-    stiffness: wp.array2d(dtype=Cells)  # 1/c [N/mm³]
-    factor: wp.array2d(dtype=Cells)  # of the sliding distance of the disc's cells
-    parts: wp.array2d(dtype=Cells)  # of the cap, that cells bear
-    bare: wp.array2d(dtype=Cells)  # 1 where a cell is bare of film
-    factored: wp.int32  # 1 where the sliding distance of the disc's cells has a factor each
-
-
-@wp.struct
 class Bodies:
     """Fields of both bodies [mm], and the gap of the tiles listed."""
 
@@ -77,7 +67,6 @@ class Bodies:
     plastic_disc: wp.array2d(dtype=Cells)  # displaced for good; not looked at of a disc that springs back
     reached: wp.array2d(dtype=Cells)  # 1 where a ball that does not wear was in contact; else one row
     gap: wp.array2d(dtype=Cells)
-    bare: wp.array2d(dtype=Cells)  # 1 where cells are that films let shear wear unalike; no rows of others
 
 
 @wp.struct
@@ -106,7 +95,7 @@ class OfTiles:
 
 @wp.struct
 class Bounds:
-    """What gaps of pairs of tiles are bounded by [mm]. It may be out of date: wear only opens gaps."""
+    """Lower bounds of the gap [mm]. Invariant: gaps only grow. Whoever raises a surface refreshes them."""
 
     lowest_of_eight: wp.array2d(dtype=wp.float64)  # of neighbouring tiles of the counter-body
     highest_of_row: wp.array(dtype=wp.float64)  # of the disc
@@ -130,6 +119,7 @@ def select(
     lists: wp.array(dtype=Listing),
     slides: wp.array(dtype=Slide),
     bounds: Bounds,
+    cells: CellProperties,
     bodies: Bodies,
     list_out: wp.array2d(dtype=wp.int32),
     count_out: wp.array(dtype=wp.int32),
@@ -172,7 +162,7 @@ def wear_step(
     count: wp.array(dtype=wp.int32),
     slides: wp.array(dtype=Slide),
     springs: Springs,
-    of_cells: OfCells,
+    cells: CellProperties,
     bodies: Bodies,
     of_tiles: OfTiles,
     tables: StepTables,

@@ -82,7 +82,7 @@ def scatter_of(changes: wp.array(dtype=wp.float64)):
 @wp.func
 def least_shear(slide: Slide):
     """What of a depth [mm] that shear wears all cells lose, at least."""
-    return (slide.shear_counter + slide.shear_disc) * wp.min(slide.shear_filmed, ONE)
+    return (slide.shear_counter + slide.shear_disc) * slide.least_shear_ratio
 
 
 @wp.func

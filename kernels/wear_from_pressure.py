@@ -16,7 +16,7 @@ Fields are those of the counter-body, or of patches; the disc's rows lie under t
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.cells import Cells, Layout
+from warpwear.kernels.cells import CellProperties, Cells, Layout
 from warpwear.kernels.sliding import Bodies, OfRows, Slide
 
 wp.set_module_options(native_code.options("film.h", "wear_from_pressure.h"))
@@ -24,17 +24,16 @@ wp.set_module_options(native_code.options("film.h", "wear_from_pressure.h"))
 
 @wp.struct
 class Pressed:
-    """Holds what a search leaves of a contact, and the caps of its cells."""
+    """Holds what a search leaves of a contact, and what its cells have of their own."""
 
     pressure: wp.array2d(dtype=Cells)  # [MPa]
     means: wp.array2d(dtype=Cells)  # of the pressure along x, see `means`; one row where no disc moves
     gradient: wp.array2d(dtype=Cells)  # gap after the step, from the mean planes [mm]
     slips: wp.array2d(dtype=Cells)  # of a cycle, by cells [mm]; no rows where all slide alike
     grown: wp.array2d(dtype=Cells)  # by how much they did in the last jump [mm]
-    parts: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear it
     rubbed: wp.array2d(dtype=Cells)  # part of the step in contact, and its means; no rows without shear
     rubbed_means: wp.array2d(dtype=Cells)
-    bare: wp.array2d(dtype=Cells)  # 1 where cells are; no rows where all shear alike
+    cells: CellProperties
     cap: wp.float64  # largest pressure [MPa]
 
 
@@ -51,6 +50,7 @@ def means(
 def gaps(
     slides: wp.array(dtype=Slide),
     bodies: Bodies,
+    cells: CellProperties,
     means_in: wp.array2d(dtype=Cells),
     gap_out: wp.array2d(dtype=Cells),
 ):
@@ -130,13 +130,13 @@ class Films:
     regrowth: wp.float64  # sliding distance without wear after which a film is whole again [mm]
     cap_filmed: wp.float64  # over the hardness
     cap_bare: wp.float64
-    bare: wp.array2d(dtype=Cells)  # 1 where a cell was bare as the last step began, else 0
-    parts: wp.array2d(dtype=Cells)  # cap over the hardness; no rows where it is the same for all
+    shear_filmed: wp.float64  # shear strength over that of a bare cell
+    cells: CellProperties  # as the last step began
 
 
 @native_code.native_pass("look_at_film")
 def look(slides: wp.array(dtype=Slide), films: Films):
-    """See which of the cells ever touched are bare as a step begins, and what their caps are."""
+    """See which of the cells ever touched are bare as a step begins, and what that makes of them."""
 
 
 @native_code.native_pass("rub_film")

@@ -1,12 +1,16 @@
 """The cells on which a contact is resolved."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+#: What the cells of an array lie on: the disc, which other parts may follow; the counter-body; or the contact
+#: of both, the domain that the disc moves under.
+Frame = Literal["disc", "counter", "contact"]
 
 
 @dataclass(frozen=True)

@@ -24,15 +24,12 @@ WARPWEAR_FN Lanes columns_from(int first)
 WARPWEAR_FN Lanes larger_of(Lanes a, Lanes b) { return a > b ? a : b; }
 WARPWEAR_FN Lanes smaller_of(Lanes a, Lanes b) { return a < b ? a : b; }
 
-// Shear strength of cells over that of bare ones, which are 1 in `bare`, and 0 under a film.
-WARPWEAR_FN Lanes strength_of(Lanes bare, double filmed) { return filmed + (1.0 - filmed) * bare; }
-
 // A depth [mm] to divide by where shear wears nothing.
 static const double NEARLY_NONE = 1e-200;
 
 // What of a depth [mm] that shear wears all cells lose, at least.
 template <typename Slide> WARPWEAR_FN double least_shear(const Slide& slide)
-{ return (slide.shear_counter + slide.shear_disc) * wp::min(slide.shear_filmed, 1.0); }
+{ return (slide.shear_counter + slide.shear_disc) * slide.least_shear_ratio; }
 
 static const int OVERFLOW_BEFORE = 5; // where a body counts what had overflowed, as in pieces.py
 

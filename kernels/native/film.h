@@ -24,18 +24,22 @@ WARPWEAR_FN Lanes lost(const Coat& coat, int row, int i, double distance, double
     return wear - since;
 }
 
-// 1 where a cell is bare as a step begins, else 0, and the part of the hardness that is its cap.
+// 1 where a cell is bare as a step begins, else 0, and what cap and shear strength that leaves it.
 template <typename Slides, typename Films>
 WARPWEAR_FN void look_at_film(int slot, int slots, const Slides& slides, const Films& films)
 {
     const auto& slide = wp::index(slides, 0);
     const int first = first_lanes(slide), end = end_lanes(slide);
     const bool on_counter = films.counter.wear.shape[0] > 0, on_disc = films.disc.wear.shape[0] > 0;
-    const Lanes zero = 0.0, one = 1.0, cap_bare = films.cap_bare, cap_filmed = films.cap_filmed;
-    for (int row = slot; row < films.bare.shape[0]; row += slots) {
+    const Lanes zero = 0.0, one = 1.0;
+    const Lanes cap_bare = films.cap_bare, cap_filmed = films.cap_filmed, shear_filmed = films.shear_filmed;
+    for (int row = slot; row < films.cells.material.shape[0]; row += slots) {
         const int under = on_disc ? under_row(row, slide.shift, films.disc.wear.shape[0]) : 0;
-        Stored* const bare = row_of(films.bare, row);
-        Stored* const parts = films.parts.shape[0] > 0 ? row_of(films.parts, row) : nullptr;
+        Stored* const bare = row_of(films.cells.material, row);
+        Stored* const cap_ratio =
+            films.cells.cap_ratio.shape[0] > 0 ? row_of(films.cells.cap_ratio, row) : nullptr;
+        Stored* const shear_ratio =
+            films.cells.shear_ratio.shape[0] > 0 ? row_of(films.cells.shear_ratio, row) : nullptr;
         for (int i = first + lane_of_slot(); i < end; i += width_of_slot()) {
             Lanes here = one;
             if (on_counter) {
@@ -47,7 +51,8 @@ WARPWEAR_FN void look_at_film(int slot, int slots, const Slides& slides, const F
                 here = depth > films.thickness ? here : zero;
             }
             bare[i] = here;
-            if (parts) parts[i] = here > zero ? cap_bare : cap_filmed;
+            if (cap_ratio) cap_ratio[i] = here > zero ? cap_bare : cap_filmed;
+            if (shear_ratio) shear_ratio[i] = here > zero ? one : shear_filmed;
         }
     }
 }
@@ -69,7 +74,7 @@ template <typename Slides, typename Films>
 WARPWEAR_FN void rub_film(int slot, int slots, const Slides& slides, const Films& films)
 {
     const auto& slide = wp::index(slides, 0);
-    for (int row = slot; row < films.bare.shape[0]; row += slots) {
+    for (int row = slot; row < films.cells.material.shape[0]; row += slots) {
         if (films.counter.seen.shape[0] > 0) rub_coat(films.counter, row, slide);
         if (films.disc.seen.shape[0] > 0)
             rub_coat(films.disc, under_row(row, slide.shift, films.disc.seen.shape[0]), slide);
@@ -84,7 +89,8 @@ WARPWEAR_FN void count_bare(int slot, int slots, const Slides& slides, const Fil
     const Lanes zero = 0.0;
     Lanes sum = 0.0;
     for (int row = slot; row < wp::index(slides, 0).rows; row += slots) {
-        const Stored *const pressure = row_of(pressures, row), *const bare = row_of(films.bare, row);
+        const Stored *const pressure = row_of(pressures, row), *const bare =
+                                                                   row_of(films.cells.material, row);
         for (int i = lane_of_slot(); i < pressures.shape[1] * OF_VECTOR; i += width_of_slot())
             sum += pressure[i] > zero ? (Lanes)bare[i] : zero;
     }

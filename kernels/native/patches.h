@@ -86,9 +86,8 @@ WARPWEAR_FN void carry_patch(int patch, int slots, const Steps& steps, Curves& c
         return;
     }
     const int of_line = surfaces.layout.vectors * OF_VECTOR;
-    const bool parted = surfaces.parts.shape[0] > 0;
     const Stored* const gap = row_of(surfaces.gap, patch);
-    const Stored* const parts = parted ? row_of(surfaces.parts, patch) : nullptr;
+    const Stored* const cap_ratio = row_or_none(surfaces.cells.cap_ratio, patch);
     const Lanes zero = 0.0;
     Lanes pressure = 0.0, between = 0.0, nearest = ABSENT;
     double beside = ABSENT; // of the tiles that are skipped
@@ -99,7 +98,7 @@ WARPWEAR_FN void carry_patch(int patch, int slots, const Steps& steps, Curves& c
     };
     visit_patch(surfaces, patch, reaches, [&](int line, int place) {
         const int i = line * of_line + place;
-        const Lanes most_here = parted ? Lanes(cap * parts[i]) : Lanes(cap);
+        const Lanes most_here = cap_ratio ? Lanes(cap * cap_ratio[i]) : Lanes(cap);
         const Lanes overlap = (base - Lanes(gap[i])) + offset;
         const Lanes q = on_spring(overlap, Lanes(stiffness)), p = clipped(q, most_here);
         pressure += p;
@@ -111,7 +110,7 @@ WARPWEAR_FN void carry_patch(int patch, int slots, const Steps& steps, Curves& c
         {{total(pressure), &wp::index(surfaces.trial, 0, patch), true},
          {total(between) * stiffness, &wp::index(surfaces.trial, 1, patch), true},
          {-wp::min(-most(-nearest), beside * stiffness), &wp::index(surfaces.trial, 2, patch), false}});
-    give_answer(curves.answer, patch, surfaces.trial, surfaces.cells, stiffness);
+    give_answer(curves.answer, patch, surfaces.trial, surfaces.cells_of_patch, stiffness);
 }
 
 // Lay the pressures of a patch at its solved approach, and what both bodies have lost there.
@@ -123,11 +122,11 @@ WARPWEAR_FN void press_patch(int patch, int slots, const Steps& steps, const Cur
     const double base = wp::index(curves.base, patch), offset = wp::index(curves.offset, patch);
     const bool touches = (base - wp::index(curves.lowest, patch)) + offset > 0.0;
     const Stored* const gap = row_of(surfaces.gap, patch);
-    const Stored* const parts = surfaces.parts.shape[0] > 0 ? row_of(surfaces.parts, patch) : nullptr;
+    const Stored* const cap_ratio = row_or_none(surfaces.cells.cap_ratio, patch);
     Stored* const pressure = row_of(pressure_out, patch);
     const Lanes zero = 0.0;
     for (int i = lane_of_slot(); i < surfaces.gap.shape[1] * OF_VECTOR; i += width_of_slot()) {
-        const Lanes most_here = parts ? Lanes(cap * parts[i]) : Lanes(cap);
+        const Lanes most_here = cap_ratio ? Lanes(cap * cap_ratio[i]) : Lanes(cap);
         const Lanes p = clipped(on_spring((base - Lanes(gap[i])) + offset, Lanes(stiffness)), most_here);
         pressure[i] = touches ? p : zero;
     }
@@ -196,9 +195,8 @@ WARPWEAR_FN void wear_patch(int patch, int slots, const Steps& steps, Curves& cu
                        0.0,       now.stiffness, now.removal,         now.reference,
                        base_next, offset_next,   now.stiffness_next};
     const int of_line = surfaces.layout.vectors * OF_VECTOR;
-    const bool parted = surfaces.parts.shape[0] > 0;
     const Stored* const unworn = row_of(surfaces.unworn, patch);
-    const Stored* const parts = parted ? row_of(surfaces.parts, patch) : nullptr;
+    const Stored* const cap_ratio = row_or_none(surfaces.cells.cap_ratio, patch);
     Stored* const gap = row_of(surfaces.gap, patch);
     const Lanes cap = by.cap;
     WearSums sums;
@@ -214,11 +212,12 @@ WARPWEAR_FN void wear_patch(int patch, int slots, const Steps& steps, Curves& cu
         const int i = line * of_line + place;
         fetch((const double*)(gap + i + 16)); // a fifth of the time, where fields do not fit the cache
         fetch((const double*)(unworn + i + 16));
-        const Lanes most_here = parted ? Lanes(by.cap * parts[i]) : cap;
+        const Lanes most_here = cap_ratio ? Lanes(by.cap * cap_ratio[i]) : cap;
         Counts touched;
         gap[i] = wear_cell(sums, by, gap[i], unworn[i], most_here, touched);
     });
     const Extents extents = extents_of(patch, surfaces, by, now, was_reached);
     leave_wear(books, patch, sums, extents, by.stiffness_next, 0.0, 0.0, beside);
-    if (steps.looks_ahead) give_answer(curves.answer, patch, books.ahead, surfaces.cells, by.stiffness_next);
+    if (steps.looks_ahead)
+        give_answer(curves.answer, patch, books.ahead, surfaces.cells_of_patch, by.stiffness_next);
 }

@@ -27,18 +27,18 @@ WARPWEAR_FN double of_team(double value, bool adds)
     return value;
 }
 
-// Make the gap of a tile; the lowest of the cells that a thread makes. bare: where cells lose a depth by
-// their shear that their film changes, none else; what they lose beyond the least is in the gap.
+// Make the gap of a tile; the lowest of the cells that a thread makes. shear_ratio: where cells lose unlike
+// depths by their shear, none else; what they lose beyond the least is in the gap.
 template <typename Slide>
 WARPWEAR_FN Lanes gap_of_tile(int t, int of_row, const Stored* counter, const Stored* disc, Stored* gap,
-                              const Stored* bare, const Slide& slide)
+                              const Stored* shear_ratio, const Slide& slide)
 {
     const double lift = slide.shear_counter + slide.shear_disc, least = least_shear(slide);
     Lanes low = ABSENT;
     const int last = (t + 1) * OF_TILE < of_row ? (t + 1) * OF_TILE : of_row;
     for (int i = t * OF_TILE + lane_of_team(); i < last; i += TEAM) {
         Lanes g = counter[i] - disc[i];
-        if (bare) g += lift * strength_of(bare[i], slide.shear_filmed) - least;
+        if (shear_ratio) g += lift * shear_ratio[i] - least;
         gap[i] = g;
         low = smaller_of(low, g);
     }
@@ -49,13 +49,14 @@ WARPWEAR_FN Lanes gap_of_tile(int t, int of_row, const Stored* counter, const St
 // bounds of a pair of tiles let it touch, its gap decides: a list holds no tile too many. The lowest gap of a
 // tile is noted; under a disc that lies still it stays known, as 0 where the gap was never made. The lowest
 // of eight tiles of the counter-body with the highest of the disc's row spares a CPU most bounds.
-template <typename Lists, typename Slides, typename Bounds, typename Bodies, typename List, typename Count>
+template <typename Lists, typename Slides, typename Bounds, typename Properties, typename Bodies,
+          typename List, typename Count>
 WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Slides& slides,
-                              const Bounds& bounds, const Bodies& bodies, const List& list,
-                              const Count& counts)
+                              const Bounds& bounds, const Properties& cells, const Bodies& bodies,
+                              const List& list, const Count& counts)
 {
     const auto& step = wp::index(slides, 0);
-    const double lift = (step.shear_counter + step.shear_disc) * wp::max(step.shear_filmed, 1.0);
+    const double lift = (step.shear_counter + step.shear_disc) * step.most_shear_ratio;
     const double limit = wp::index(lists, 0).limit + lift;
     const int shift = step.shift, of_row = bodies.gap.shape[1] * OF_VECTOR;
     const int tiles = (of_row + OF_TILE - 1) / OF_TILE;
@@ -66,9 +67,9 @@ WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Sli
         const Stored *const lowest = row_of(bounds.lowest, row), *const highest =
                                                                      row_of(bounds.highest, under);
         Stored *const gap = row_of(bodies.gap, row), *const of_tiles = row_of(bounds.gap, row);
-        const Stored* const bare = bodies.bare.shape[0] > 0 ? row_of(bodies.bare, row) : nullptr;
+        const Stored* const shear_ratio = row_or_none(cells.shear_ratio, row);
         const auto lowest_gap = [&](int t) {
-            const Lanes apart = gap_of_tile(t, of_row, counter, disc, gap, bare, step);
+            const Lanes apart = gap_of_tile(t, of_row, counter, disc, gap, shear_ratio, step);
             const double low = -of_team(most(-apart), false);
             if (lane_of_team() == 0) ((double*)of_tiles)[t] = low;
             return low;
@@ -184,30 +185,26 @@ WARPWEAR_FN void total_rows(int row, int under, bool presses, const OfTiles& of_
 // it lifts the approach, so cells that stand out less than that were in contact for a part of the step, and
 // bear nothing at its end. Bounds and sums of the tiles and rows are made anew; tiles that
 // do not touch stay as they are, where their lowest gaps are known. Each sum grows lane by lane, in the order
-// of the cells. FACTORED: the sliding distance of the disc's cells has a factor each; RARE: cells have a
-// stiffness or a part of the cap each, carry a film, keep their dents, or belong to a ball that does not
-// wear.
-template <bool FACTORED, bool RARE, typename List, typename Count, typename Slides, typename Springs,
-          typename OfCells, typename Bodies, typename OfTiles, typename Tables>
+// of the cells. OWN: cells have a K each; RARE: they have more of their own, shear, keep their dents, or
+// belong to a ball that does not wear.
+template <bool OWN, bool RARE, typename List, typename Count, typename Slides, typename Springs,
+          typename Properties, typename Bodies, typename OfTiles, typename Tables>
 WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& counts, const Slides& slides,
-                         const Springs& springs, const OfCells& of_cells, const Bodies& bodies,
+                         const Springs& springs, const Properties& cells, const Bodies& bodies,
                          const OfTiles& of_tiles, Tables& tables)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(off)
 #endif
-    const auto& step = wp::index(slides, 0);
+    const auto step = wp::index(slides, 0);
     const auto& law = wp::index(springs.law, 0);
     const double base = law.base, offset = law.offset, cap = law.cap, tie_width = law.tie_width;
     const double tie_pressure = law.tie_pressure, full_depth = step.full_depth, reference = step.reference;
-    const double of_counter = step.of_counter, of_disc = step.of_disc;
-    const double stiffness_of_all = wp::index(springs.search, 0).stiffness;
+    const Lanes stiffness_of_all = wp::index(springs.search, 0).stiffness;
     const bool keeps_reached = RARE && bodies.reached.shape[0] == bodies.gap.shape[0];
-    const bool presses = RARE && full_depth < NO_LIMIT, factored = FACTORED;
-    const bool own = RARE && of_cells.stiffness.shape[0] > 0, parted = RARE && of_cells.parts.shape[0] > 0;
+    const bool presses = RARE && full_depth < NO_LIMIT, is_known = of_tiles.gap.shape[0] > 0;
     const double lift = step.shear_counter + step.shear_disc;
     const bool sheared = RARE && lift > 0.0;
-    const bool filmed = RARE && of_cells.bare.shape[0] > 0, is_known = of_tiles.gap.shape[0] > 0;
     const int of_row = bodies.gap.shape[1] * OF_VECTOR;
     const Lanes zero = 0.0, one = 1.0, none = NO_INDEX, least_lift = NEARLY_NONE;
     const Counts no = 0, yes = 1;
@@ -224,10 +221,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
         Stored *const wear_counter = row_of(bodies.wear_counter, row), *const reached =
                                                                            row_of(bodies.reached, row);
         Stored* const wear_disc = row_of(bodies.wear_disc, under);
-        const Stored* const stiffness = own ? row_of(of_cells.stiffness, row) : nullptr;
-        const Stored* const factor = row_of(of_cells.factor, under);
-        const Stored* const parts = parted ? row_of(of_cells.parts, row) : nullptr;
-        const Stored* const bare = filmed ? row_of(of_cells.bare, row) : nullptr;
+        const CellRow own(cells, row);
         for (int n = team_of_slot(); n < listed; n += teams_of_slot()) {
             const int t = wp::index(list, row, n), first = t * OF_TILE;
             const int last = first + OF_TILE < of_row ? first + OF_TILE : of_row;
@@ -241,31 +235,31 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
             Lanes was_touched[OF_TILE / TEAM];
             for (int i = first + lane_of_team(); i < last; i += TEAM) {
                 const Lanes overlap = (base - gap[i]) + offset;
-                const Lanes of_cell = own ? (Lanes)stiffness[i] : (Lanes)stiffness_of_all;
-                const Lanes part = parted ? (Lanes)parts[i] : one, most_here = cap * part;
-                Lanes p = clipped(on_spring(overlap - tie_width, of_cell), most_here);
-                p = size_of(overlap) > tie_width ? p : tie_pressure * part;
+                const Lanes stiffness = RARE ? own_or(own.stiffness, i, stiffness_of_all) : stiffness_of_all;
+                const Lanes cap_ratio = RARE ? own_or(own.cap_ratio, i, one) : one,
+                            cap_here = cap * cap_ratio;
+                Lanes p = clipped(on_spring(overlap - tie_width, stiffness), cap_here);
+                p = size_of(overlap) > tie_width ? p : tie_pressure * cap_ratio;
                 Lanes d = disc[i];
                 if (presses) {
-                    const Lanes beyond = larger_of(overlap - full_depth * part, zero);
+                    const Lanes beyond = larger_of(overlap - full_depth * cap_ratio, zero);
                     d -= beyond;
                     const Lanes x = plastic[i] + beyond;
                     plastic[i] = x;
                     pressed += x;
                 }
-                const Lanes f = factored ? (Lanes)factor[i] : one;
-                Lanes da = of_counter * p, db = of_disc * f * p;
+                Lanes rubs = zero;
                 if (sheared) {
-                    const Lanes tau = filmed ? strength_of(bare[i], step.shear_filmed) : one;
+                    const Lanes tau = own_or(own.shear_ratio, i, one);
                     const Lanes own_lift = larger_of(lift * tau, least_lift);
                     const Lanes part_of_step = clipped((overlap + own_lift) / own_lift, one);
-                    const Lanes rubs = tau * (p > zero ? one : part_of_step);
-                    da += step.shear_counter * rubs;
-                    db += step.shear_disc * rubs;
+                    rubs = tau * (p > zero ? one : part_of_step);
                     sums.of(TrackSum::RUBBED) += rubs;
                 }
-                const Lanes s = counter[i] + da, a = wear_counter[i] + da, b = wear_disc[i] + db;
-                d -= db;
+                const PerBody lost = removal_of<OWN, RARE>(step, own, i, {p, p}, {rubs, rubs});
+                const Lanes s = counter[i] + lost.counter, a = wear_counter[i] + lost.counter;
+                const Lanes b = wear_disc[i] + lost.disc;
+                d -= lost.disc;
                 const Lanes g = s - d;
                 gap[i] = g;
                 counter[i] = s;
@@ -273,13 +267,13 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
                 wear_counter[i] = a;
                 wear_disc[i] = b;
                 sums.of(TrackSum::PRESSURE) += p;
-                sums.of(TrackSum::PRESSURE_TIMES_FACTOR) += p * f;
+                sums.of(TrackSum::PRESSURE_TIMES_FACTOR) += OWN ? p * own_or(own.k_disc, i, one) : p;
                 highest = larger_of(highest, p);
                 const Lanes from_reference = p > zero ? p - reference : zero;
                 sums.of(TrackSum::DEVIATION_SQUARED) += from_reference * from_reference;
                 sums.counted(TrackSum::CONTACT) += p > zero ? yes : no;
-                sums.counted(TrackSum::CAPPED) += p >= most_here ? yes : no;
-                if (filmed) sums.of(TrackSum::BARE) += p > zero ? (Lanes)bare[i] : zero;
+                sums.counted(TrackSum::CAPPED) += p >= cap_here ? yes : no;
+                if (RARE) sums.of(TrackSum::BARE) += p > zero ? own_or(own.material, i, zero) : zero;
                 low = smaller_of(low, s);
                 high = larger_of(high, d);
                 apart = smaller_of(apart, g);
@@ -329,23 +323,23 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
 }
 
 // The same, told what cells have one each of.
-template <typename List, typename Count, typename Slides, typename Springs, typename OfCells, typename Bodies,
-          typename OfTiles, typename Tables>
+template <typename List, typename Count, typename Slides, typename Springs, typename Properties,
+          typename Bodies, typename OfTiles, typename Tables>
 WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& counts, const Slides& slides,
-                            const Springs& springs, const OfCells& of_cells, const Bodies& bodies,
+                            const Springs& springs, const Properties& cells, const Bodies& bodies,
                             const OfTiles& of_tiles, Tables& tables)
 {
-    const auto by = [&](auto factored, auto rare) {
-        wear_by<decltype(factored)::value, decltype(rare)::value>(slot, slots, list, counts, slides, springs,
-                                                                  of_cells, bodies, of_tiles, tables);
+    const auto by = [&](auto own, auto rare) {
+        wear_by<decltype(own)::value, decltype(rare)::value>(slot, slots, list, counts, slides, springs,
+                                                             cells, bodies, of_tiles, tables);
     };
     const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
     const auto& step = wp::index(slides, 0);
     const bool rare = keeps_reached || step.full_depth < NO_LIMIT || step.shear_counter > 0.0 ||
-                      step.shear_disc > 0.0 || of_cells.stiffness.shape[0] > 0 ||
-                      of_cells.parts.shape[0] > 0 || of_cells.bare.shape[0] > 0;
-    const bool factored = of_cells.factored == 1;
+                      step.shear_disc > 0.0 || cells.stiffness.shape[0] > 0 || cells.cap_ratio.shape[0] > 0 ||
+                      cells.material.shape[0] > 0;
+    const bool own = cells.k_counter.shape[0] > 0 || cells.k_disc.shape[0] > 0;
     if (rare) by(Is<true>(), Is<true>());
-    if (!rare && factored) by(Is<true>(), Is<false>());
-    if (!rare && !factored) by(Is<false>(), Is<false>());
+    if (!rare && own) by(Is<true>(), Is<false>());
+    if (!rare && !own) by(Is<false>(), Is<false>());
 }

@@ -1,6 +1,7 @@
 #pragma once
 // What a step wears off the cells of a gap, and the sums that it leaves.
 
+#include "properties.h"
 #include "springs.h"
 
 // What a step wears cells by, and where the next step looks first.
@@ -27,7 +28,7 @@ WARPWEAR_FN Lanes wear_cell(WearSums& sums, const WearBy& by, Lanes g, Lanes unw
     const Lanes stiffness = by.stiffness, stiffness_next = by.stiffness_next;
     Lanes p = clipped(on_spring((by.base - g) + (by.offset - by.tie_width), stiffness), cap);
     if (by.tie_width > 0.0) p = size_of((by.base - g) + by.offset) > by.tie_width ? p : by.tie_pressure;
-    g += by.wear_per_pressure * p;
+    g += removal_of(by.wear_per_pressure, p);
     sums.of(WearSum::PRESSURE) += p;
     sums.highest = sums.highest > p ? sums.highest : p;
     const Lanes d = p > zero ? p - by.reference : zero;

@@ -2,6 +2,7 @@
 // Wear of a ball and a disc by a stored pressure, and the gap that the disc's asperities meet on their way.
 
 #include "fretting.h"
+#include "properties.h"
 
 // Means of a field over `window` rows around each; of an even number the row at either end counts half. At
 // the first and the last row the field is mirrored, so that its sum is kept there too. Over as many rows as
@@ -48,9 +49,9 @@ WARPWEAR_FN Stored* mean_of(const Field& field, const Field& means, int row, int
 // The gap that a cell of the disc meets on its way through a step: that of the bodies, with the mean of the
 // counter-body's wear along the way instead of the wear at its middle. Where pressures move with the
 // counter-body it is the mean of the disc's wear.
-template <typename Slides, typename Bodies, typename Field>
-WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& bodies, const Field& means,
-                      const Field& gaps)
+template <typename Slides, typename Bodies, typename Properties, typename Field>
+WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& bodies,
+                      const Properties& cells, const Field& means, const Field& gaps)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(fast)
@@ -63,18 +64,18 @@ WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& b
         const Stored *const counter = row_of(bodies.counter, row), *const wear = row_of(worn, row);
         const Stored* const disc = row_of(bodies.disc, under_row(row, slide.shift, bodies.disc.shape[0]));
         const Stored* const met = mean_of(worn, means, row, window);
-        const Stored* const bare = bodies.bare.shape[0] > 0 ? row_of(bodies.bare, row) : nullptr;
+        const Stored* const shear_ratio = row_or_none(cells.shear_ratio, row);
         Stored* const gap = row_of(gaps, row);
         for (int i = lane_of_slot(); i < of_row; i += width_of_slot()) {
             Lanes g = (counter[i] + (met[i] - wear[i])) - disc[i];
-            if (bare) g += lift * strength_of(bare[i], slide.shear_filmed) - least; // as of tiles listed
+            if (shear_ratio) g += lift * shear_ratio[i] - least; // as of tiles listed
             gap[i] = g;
         }
     }
 }
 
 // The part of a step that each cell was in contact: where it bears, all of it; else what is left of the depth
-// that shear wears when its gap at the end is taken off; times its strength over that of bare cells.
+// that shear wears when its gap at the end is taken off; times its shear ratio.
 template <typename Slides, typename Pressed>
 WARPWEAR_FN void part_of_step(int slot, int slots, const Slides& slides, const Pressed& pressed)
 {
@@ -84,10 +85,10 @@ WARPWEAR_FN void part_of_step(int slot, int slots, const Slides& slides, const P
     const Lanes zero = 0.0, one = 1.0, least_lift = NEARLY_NONE;
     for (int row = slot; row < slide.rows; row += slots) {
         const Stored *const p = row_of(pressed.pressure, row), *const target = row_of(pressed.gradient, row);
-        const Stored* const bare = pressed.bare.shape[0] > 0 ? row_of(pressed.bare, row) : nullptr;
+        const Stored* const shear_ratio = row_or_none(pressed.cells.shear_ratio, row);
         Stored* const rubbed = row_of(pressed.rubbed, row);
         for (int i = lane_of_slot(); i < of_row; i += width_of_slot()) {
-            const Lanes tau = bare ? strength_of(bare[i], slide.shear_filmed) : one;
+            const Lanes tau = own_or(shear_ratio, i, one);
             const Lanes own = larger_of(lift * tau, least_lift);
             const Lanes part = smaller_of(larger_of((approach + own - target[i]) / own, zero), one);
             rubbed[i] = tau * (p[i] > zero ? one : part);
@@ -112,11 +113,10 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(fast)
 #endif
-    const auto& slide = wp::index(slides, 0);
-    const double of_counter = slide.of_counter, of_disc = slide.of_disc, cap = pressed.cap;
-    const double approach = slide.approach, reference = slide.reference;
+    const auto slide = wp::index(slides, 0);
+    const double cap = pressed.cap, approach = slide.approach, reference = slide.reference;
     const int of_line = layout.vectors * OF_VECTOR, lines = bodies.counter.shape[1] / layout.vectors;
-    const bool parted = pressed.parts.shape[0] > 0, has_disc = bodies.disc.shape[0] > 0;
+    const bool has_disc = bodies.disc.shape[0] > 0;
     const bool shears = pressed.rubbed.shape[0] > 0;
     const bool keeps = has_disc && bodies.plastic_disc.shape[0] == bodies.disc.shape[0];
     const bool slips = pressed.slips.shape[0] > 0;
@@ -138,7 +138,7 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                                                                         turned ? passing : p_of;
         Stored* const slip = slips ? row_of(pressed.slips, row) : nullptr;
         Stored* const grown = slips ? row_of(pressed.grown, row) : nullptr;
-        const Stored* const parts = parted ? row_of(pressed.parts, row) : nullptr;
+        const CellRow own(pressed.cells, row);
         const Stored* const rubs = shears ? row_of(pressed.rubbed, row) : nullptr;
         const Stored* const rubs_passing =
             shears ? mean_of(pressed.rubbed, pressed.rubbed_means, row, slide.window) : nullptr;
@@ -158,18 +158,19 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
             for (int v = lane_of_slot(); v < of_line; v += width_of_slot()) {
                 const int i = line * of_line + v;
                 const Lanes p = p_of[i], m = over_counter[i];
-                const Lanes by_shear = shears ? slide.shear_counter * rubs_counter[i] : zero;
-                const Lanes removed = of_counter * m + by_shear;
-                Lanes s = counter[i] + removed, a = wear_counter[i] + removed, by_slip = zero;
+                const PerBody sheared = {shears ? (Lanes)rubs_counter[i] : zero,
+                                         shears ? (Lanes)rubs_disc[i] : zero};
+                const PerBody lost = removal_of<true, true>(slide, own, i, {m, over_disc[i]}, sheared);
+                Lanes s = counter[i] + lost.counter, a = wear_counter[i] + lost.counter, by_slip = zero;
                 const Lanes was = shows ? wear_counter[i] : reached[i];
-                const Lanes most_here = parted ? cap * parts[i] : cap * one;
+                const Lanes most_here = cap * own_or(own.cap_ratio, i, one);
                 if (slips) {
-                    const Lanes own = slip_ahead(slip[i], grown[i], ahead);
-                    by_slip = p * own;
+                    const Lanes slides_by = slip_ahead(slip[i], grown[i], ahead);
+                    by_slip = p * slides_by;
                     s += more_counter * by_slip;
                     a += more_counter * by_slip;
                     summed.of(PressureSum::SLIP_WORK) += by_slip;
-                    const Mask sticks = (p > zero) & (own <= zero);
+                    const Mask sticks = (p > zero) & (slides_by <= zero);
                     summed.counted(PressureSum::STUCK) += sticks ? yes : no;
                     const Lanes grows = slip_of_gap * (more_counter + more_disc) * by_slip;
                     slip[i] = slip[i] + grows;
@@ -186,7 +187,7 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                 highest = larger_of(highest, p);
                 deepest_counter = larger_of(deepest_counter, a);
                 if (shears) summed.of(PressureSum::RUBBED) += (Lanes)rubs[i];
-                const Mask ever = m + was + by_shear > zero;
+                const Mask ever = m + was + slide.shear_counter * sheared.counter > zero;
                 const Lanes column = columns_from(domain_column + v * LANES);
                 summed.counted(PressureSum::TOUCHED) += ever ? yes : no;
                 in_line = in_line | ever;
@@ -203,9 +204,7 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                     plastic[i] = x;
                     pressed_disc += x;
                 }
-                const Lanes sheared = shears ? slide.shear_disc * rubs_disc[i] : zero;
-                const Lanes removed_disc = of_disc * over_disc[i] + sheared;
-                Lanes b = wear_disc[i] + removed_disc, e = d - removed_disc;
+                Lanes b = wear_disc[i] + lost.disc, e = d - lost.disc;
                 if (slips) {
                     b += more_disc * by_slip;
                     e -= more_disc * by_slip;

@@ -11,8 +11,8 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.balance import Springs, pressures_at
-from warpwear.kernels.cells import LANES, ONE, TILE_VECTORS, ZERO, Cells
-from warpwear.kernels.sliding import OfCells, Slide
+from warpwear.kernels.cells import LANES, ONE, TILE_VECTORS, ZERO, CellProperties, Cells
+from warpwear.kernels.sliding import Slide
 
 wp.set_module_options({**native_code.options("law.h", "bodies.h"), "fuse_fp": False})
 
@@ -143,7 +143,7 @@ def take_tiles(
     springs: Springs,
     tiles_in: wp.array2d(dtype=wp.int32),
     count_in: wp.array(dtype=wp.int32),
-    of_cells: OfCells,
+    cells: CellProperties,
     gap_in: wp.array2d(dtype=Cells),
 ):
     """Make the wear by the pressure of a solved approach pending, of the tiles listed."""
@@ -153,7 +153,7 @@ def take_tiles(
         for n in range(wp.tid() % wp.block_dim(), count_in[row], wp.block_dim()):
             t = tiles_in[row, n]
             for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap_in.shape[1])):
-                p = pressures_at(row, k, springs, gap_in, of_cells.stiffness, of_cells.parts)
+                p = pressures_at(row, k, springs, gap_in, cells.stiffness, cells.cap_ratio)
                 for j in range(LANES):
                     share_out(row, k * LANES + j, p[j], slide, both)
 

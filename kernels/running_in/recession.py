@@ -62,8 +62,8 @@ def stiffness(
     """
     slot = first_slot + wp.tid() // wp.block_dim()
     slide = slides[0]
-    compliance = slide.own + slide.of_counter
-    of_disc = slide.of_disc
+    compliance = slide.own + slide.k_counter
+    k_disc = slide.k_disc
     for row in range(slot, stiffness_out.shape[0], slots):
         factor_row = wp.min(row, factor_in.shape[0] - 1)
         for k in range(wp.tid() % wp.block_dim(), stiffness_out.shape[1], wp.block_dim()):
@@ -72,10 +72,10 @@ def stiffness(
             if curve.scale > ZERO:
                 v = wear_disc_in[row, k]
                 for j in range(LANES):
-                    c[j] = ONE / (compliance + of_disc * f[j] / bearing_ratio(v[j], curve))
+                    c[j] = ONE / (compliance + k_disc * f[j] / bearing_ratio(v[j], curve))
             else:
                 for j in range(LANES):
-                    c[j] = wp.min(ONE / (f[j] * of_disc + compliance), RIGID)
+                    c[j] = wp.min(ONE / (f[j] * k_disc + compliance), RIGID)
             stiffness_out[row, k] = c
 
 

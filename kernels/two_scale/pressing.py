@@ -31,6 +31,10 @@ class Smooth:
     room: wp.array2d(dtype=wp.float64)  # where numbers lie that are added up
 
 
+@wp.func_native("return removal_of(removal, pressure);")
+def _removal_of(removal: wp.float64, pressure: wp.float64) -> wp.float64: ...
+
+
 @wp.func
 def smooth_pressure(smooth: Smooth, k: wp.int32, base: wp.float64, offset: wp.float64, stiffness: wp.float64):
     """Return the pressure of a macro cell without its cap [MPa]."""
@@ -71,7 +75,7 @@ def prescribe(smooth: Smooth, load: Load, flexibility: wp.float64, removal: wp.f
         if p > ZERO and p < load.hardness:
             p = wp.min(p * scale, load.hardness)
             smooth.target[0, k] = p
-        smooth.worn[k] = smooth.worn[k] + removal * p
+        smooth.worn[k] = smooth.worn[k] + _removal_of(removal, p)
     if lane() == 0:
         smooth.approach[0] = base + b.offset
         smooth.balanced[0] = wp.where(b.state == MET, 1, 0)

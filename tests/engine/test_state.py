@@ -12,7 +12,7 @@ import warp as wp
 from numpy.testing import assert_array_equal
 
 from warpwear.engine.executor import Executor, Field
-from warpwear.engine.state import Columns, restore, save
+from warpwear.engine.state import InFrame, frames, restore, save
 from warpwear.grid import Grid
 
 
@@ -37,11 +37,13 @@ class Inner:
 
 class Outer:
     STATE: ClassVar = {
-        "_field": Field,
+        "_field": InFrame("contact"),
         "columns": tuple,
-        "band": Columns,
+        "band": InFrame("disc", columns=True),
         "inner": list,
         "other": Inner,
+        "under": InFrame("disc"),
+        "sums": {"ball": InFrame("counter"), "disc": InFrame("disc")},
         "kept": Kept,
         "rates": deque,
         "row": dict,
@@ -56,6 +58,8 @@ class Outer:
         self.columns = (0, 0)
         self.inner = [Inner(executor, value), Inner(executor, 2.0 * value)]
         self.other: Inner | None = None
+        self.under = Inner(executor, value)
+        self.sums = {name: Inner(executor, value) for name in ("ball", "disc", "of_none")}
         self.kept: Kept | None = None
         self.rates: deque[Any] = deque(maxlen=2)
         self.row = {"distance": value}
@@ -90,6 +94,12 @@ def test_a_part_comes_back_bit_for_bit(device: str) -> None:
         assert other.rates.maxlen == 2
         assert (other.columns, other.count, other.row, other.told) == ((2, 11), 3, one.row, 0.1 + 0.2)
         assert other.other is None
+        assert {part.values.numpy()[0] for part in (other.under, *other.sums.values())} == {1.0 / 3.0}
+        # A frame holds for all arrays of a part or of a name; others have none.
+        of_the_disc = {"band", "under.values", "sums.disc.values"}
+        declared = {"field": "contact", "sums.ball.values": "counter"} | dict.fromkeys(of_the_disc, "disc")
+        assert frames(one) == declared
+        assert {"sums.of_none.values", "inner.0.values"} <= set(arrays) - set(declared)
 
 
 def test_members_that_the_declaration_does_not_have_are_told() -> None:

@@ -2,24 +2,43 @@
 
 A part is an object with a `STATE`, which names the attributes that steps change, with their types:
 
-    STATE = {"gap": Field, "tiles": Tiles, "_last": Balance, "_done": int}
+    STATE = {"gap": InFrame("contact"), "tiles": Tiles, "_last": Balance, "_done": int}
 
 Arrays on a device are restored in place; parts of a part by their own `STATE`; dataclasses and named tuples
-of numbers, arrays and None are made anew. A part that must do more, once it is restored, does it in
-`restored()`.
+of numbers, arrays and None are made anew. What cells, tiles or rows of a body have declares its frame, by
+which it follows a disc that is changed: see `frames`. A part that must do more, once it is restored, does it
+in `restored()`.
 """
 
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, Protocol, get_args, get_origin
 
 import numpy as np
 import warp as wp
 
+from warpwear.grid import Frame
 
-class Columns:
-    """Declares a field of which only the columns first … last − 1 of its part's `columns` are saved."""
+
+@dataclass(frozen=True)
+class InFrame:
+    """Declares on which body an array lies; of a part or of a dictionary all arrays in it do.
+
+    columns: whether only the columns first … last − 1 of the part's `columns` are saved, of a field.
+    """
+
+    frame: Frame
+    columns: bool = False
+
+
+@dataclass(frozen=True)
+class _Found:
+    """Holds the arrays of a state by dotted name, and the frames of those that declare one."""
+
+    whole: bool
+    arrays: dict[str, np.ndarray] = field(default_factory=dict)
+    frames: dict[str, Frame] = field(default_factory=dict)
 
 
 class Part(Protocol):
@@ -36,9 +55,16 @@ def save(part: Part, *, whole: bool = False) -> tuple[dict[str, np.ndarray], dic
     Arrays of a CPU are views, which the next step changes. whole: whether they are copies, of all columns,
     so that `restore` takes back what steps have done since.
     """
-    arrays: dict[str, np.ndarray] = {}
-    numbers = _saved(part, "", arrays, whole=whole)
-    return {name: values.copy() for name, values in arrays.items()} if whole else arrays, numbers
+    found = _Found(whole)
+    numbers = _saved(part, "", found)
+    return {name: values.copy() for name, values in found.arrays.items()} if whole else found.arrays, numbers
+
+
+def frames(part: Part) -> dict[str, Frame]:
+    """Return the frames of the arrays that `save` returns, by the same names, of those that declare one."""
+    found = _Found(whole=True)
+    _saved(part, "", found)
+    return found.frames
 
 
 def restore(part: Part, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:
@@ -50,39 +76,43 @@ def restore(part: Part, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, 
     _restore(part, "", arrays, numbers)
 
 
-def _saved(part: Any, path: str, arrays: dict[str, np.ndarray], *, whole: bool) -> dict[str, Any]:
+def _saved(part: Any, path: str, found: _Found, frame: Frame | None = None) -> dict[str, Any]:
     numbers: dict[str, Any] = {}
     for name, kind in part.STATE.items():
         value, place = getattr(part, name), path + name.lstrip("_")
-        if kind is Columns:
-            arrays[place] = _columns(part, value.numpy(), whole=whole)
-        else:
-            numbers[name] = _put(value, place, arrays, whole=whole)
+        numbers[name] = _put(value, kind, place, found, frame)
+        if isinstance(kind, InFrame) and kind.columns:
+            found.arrays[place] = _columns(part, found.arrays[place], whole=found.whole)
     return numbers
 
 
-def _put(value: Any, path: str, arrays: dict[str, np.ndarray], *, whole: bool) -> Any:
-    """Enter the arrays of a value; return its numbers, None for what is an array."""
+def _put(value: Any, kind: Any, path: str, found: _Found, frame: Frame | None) -> Any:
+    """Enter the arrays of a value, in a frame if not in its kind's; return its numbers, None for arrays."""
+    if isinstance(kind, InFrame):
+        frame = kind.frame
     if hasattr(value, "STATE"):
-        return _saved(value, f"{path}.", arrays, whole=whole)
+        return _saved(value, f"{path}.", found, frame)
     if isinstance(value, wp.array | np.ndarray):
-        arrays[path] = value.numpy() if isinstance(value, wp.array) else value
+        found.arrays[path] = value.numpy() if isinstance(value, wp.array) else value
+        if frame is not None:
+            found.frames[path] = frame
         return None
     if is_dataclass(value):
         value = {field.name: getattr(value, field.name) for field in fields(value)}
     elif hasattr(value, "_asdict"):
         value = value._asdict()
     if isinstance(value, Mapping):
-        return {name: _put(item, f"{path}.{name}", arrays, whole=whole) for name, item in value.items()}
+        kinds = kind if isinstance(kind, Mapping) else {}
+        return {n: _put(item, kinds.get(n), f"{path}.{n}", found, frame) for n, item in value.items()}
     if isinstance(value, list | tuple | deque):
-        return [_put(item, f"{path}.{number}", arrays, whole=whole) for number, item in enumerate(value)]
+        return [_put(item, None, f"{path}.{n}", found, frame) for n, item in enumerate(value)]
     return value
 
 
 def _restore(part: Any, path: str, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:
     for name, kind in part.STATE.items():
         before, place = getattr(part, name), path + name.lstrip("_")
-        if kind is Columns:
+        if isinstance(kind, InFrame) and kind.columns:
             host = before.numpy()
             columns = _columns(part, host, whole=arrays[place].size == host.size)
             columns[:] = _alike(arrays[place], columns, place)
@@ -109,15 +139,20 @@ def _take(kind: Any, before: Any, saved: Any, path: str, arrays: Mapping[str, np
         return arrays[path]
     if saved is None:
         return None
+    if isinstance(kind, InFrame):
+        kind = dict  # of arrays: others were met above
     members = _members(kind)
     if members:
         return kind(**{n: _take(of, None, saved[n], f"{path}.{n}", arrays) for n, of in members.items()})
     if isinstance(saved, Mapping):
-        if (get_origin(kind) or kind) not in (dict, Mapping):
+        kinds = kind if isinstance(kind, Mapping) else {}
+        if not kinds and (get_origin(kind) or kind) not in (dict, Mapping):
             raise TypeError(f"{path} was saved by the names of its members, which {kind!r} does not have")
         items = before if isinstance(before, Mapping) else {}
         _, of = get_args(kind) or (None, None)
-        return {n: _take(of, items.get(n), item, f"{path}.{n}", arrays) for n, item in saved.items()}
+        return {
+            n: _take(kinds.get(n, of), items.get(n), item, f"{path}.{n}", arrays) for n, item in saved.items()
+        }
     if isinstance(saved, list):
         same = isinstance(before, list) and len(before) == len(saved)
         parts = before if same else [None] * len(saved)

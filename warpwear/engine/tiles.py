@@ -21,12 +21,13 @@ NO_LIMIT = 1.0e300
 LEAST_TILES = 16
 
 
-def of_tiles(extreme: np.ufunc, field: Field, *, lines: int = 1) -> FloatArray:
+def of_tiles(extreme: np.ufunc, field: Field | FloatArray, *, lines: int = 1) -> FloatArray:
     """Return the lowest or the highest number of each tile, by `np.minimum` or `np.maximum`: (rows, tiles).
 
     lines: of which a row of the field is made, one after another, each with tiles of its own.
     """
-    values = field.numpy().reshape(field.shape[0] * lines, -1)
+    values = field if isinstance(field, np.ndarray) else field.numpy()
+    values = values.reshape(field.shape[0] * lines, -1)
     tiles = extreme.reduceat(values, np.arange(0, values.shape[1], LANES * int(TILE_VECTORS)), axis=1)
     return np.asarray(tiles.reshape(field.shape[0], -1))
 
@@ -119,6 +120,10 @@ class Tiles(TileList):
         with program.loop(self.listing):
             program.launch(balance.select, self.lists.array, self._gap, self._unworn, tiles)
             program.decide(balance.listed, self.lists.array, self.listing, tiles, self._least)
+
+    def below_bounds(self) -> float:
+        """Return by how much a gap lies below the lowest of its tile, at most [mm]."""
+        return float((self._lowest.numpy() - of_tiles(np.minimum, self._gap)).max())
 
     def restored(self) -> None:
         """Go on with the list of another time. Raises ValueError for one that leads beyond the field."""

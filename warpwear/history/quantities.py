@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any, Literal
 
-from warpwear.grid import FloatArray
+from warpwear.grid import FloatArray, Frame
 from warpwear.history.arrangements import ARRANGEMENTS
 from warpwear.laws.archard import CALLED
 from warpwear.study.study import Study
@@ -51,7 +51,8 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
 class Quantity:
     """Declare one quantity of a result.
 
-    only: a name of `ONLY`, None where all runs have it.
+    only: a name of `ONLY`, None where all runs have it. frame: what the cells of a field lie on; of a column
+    of the history, the body over whose cells it is summed; None of others.
 
     Where people see it: label names it alone, short beside others of its family, whose name stands at the
     axis. Its values times factor are in shown_unit. log: whether an axis of values over decades is
@@ -64,6 +65,7 @@ class Quantity:
     meaning: str
     per: Per = "step"
     only: str | None = None
+    frame: Frame | None = None
     label: str = ""
     family: str = ""
     short: str = ""
@@ -171,8 +173,9 @@ def _quantities() -> Iterator[Quantity]:
     for where, meanings in declared.items():
         what, _, only = where.partition(", ")
         for heading, meaning in meanings.items():
-            name, units = heading.rstrip("]").split(" [")
-            yield Quantity(name, units, meaning, what, only or None, **LOOKS.get(name, {}))
+            name, unit = heading.rstrip("]").split(" [")
+            units, _, frame = unit.partition(", ")
+            yield Quantity(name, units, meaning, what, only or None, frame or None, **LOOKS.get(name, {}))
 
 
 QUANTITIES = tuple(_quantities())
@@ -187,8 +190,6 @@ def per(what: Per) -> tuple[Quantity, ...]:
 PATCH_TABLES = per("patch")
 #: Fields of a snapshot, by name.
 FIELDS = {quantity.name: quantity for quantity in per("cell")}
-#: Fields that cover the track of a swept run, not the domain.
-OF_THE_TRACK = ("wear_disc", "plastic_disc")
 #: Columns of the table of pieces.
 OF_PIECES = {quantity.name: quantity for quantity in per("piece")}
 #: Columns of the table of roughness and islands.

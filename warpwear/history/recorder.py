@@ -18,7 +18,7 @@ from warpwear.laws.task import ContactTask
 #: Columns that grow from step to step.
 RUNNING = ("distance", "area_cumulative", "archard_volume_counter", "archard_volume_disc")
 #: Columns that count a part of the stroke's disc for the whole, summed over the disc as it is.
-OF_THE_DISC = ("wear_volume_disc", "pending_volume_disc", "plastic_volume_disc")
+OF_THE_DISC = tuple(column.name for column in per("step") if column.frame == "disc")
 #: First and last of what was touched, along and across; first ones are negated.
 PAIRS = (EXTENTS[:2], EXTENTS[2:])
 #: One of a step, or an array of those of many.

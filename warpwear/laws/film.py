@@ -16,14 +16,14 @@ class Film:
     thickness: float  # [mm]
     on: tuple[bool, bool]  # counter-body, disc: which carry one
     regrowth: float = math.inf  # sliding distance without wear after which it is whole again [mm]
-    part_filmed: float = 1.0  # cap of a cell over the hardness of the task
-    part_bare: float = 1.0
-    part_shear: float = 1.0  # shear strength of a cell with it over that of a bare one
+    cap_ratio_filmed: float = 1.0  # cap of a cell over the hardness of the task
+    cap_ratio_bare: float = 1.0
+    shear_ratio: float = 1.0  # shear strength of a cell with it over that of a bare one
 
     @property
     def changes_caps(self) -> bool:
         """Tell whether the cap of a cell depends on its film."""
-        return self.part_filmed != self.part_bare
+        return self.cap_ratio_filmed != self.cap_ratio_bare
 
 
 def grown_cap(hardness: float, shear_strength: float, growth: float) -> float:

@@ -119,7 +119,13 @@ class ContactTask:
         film = self.film
         if self.profiles is not None:
             return min(profile.least_hardness for profile in self.profiles)
-        return self.hardness if film is None else self.hardness * min(film.part_filmed, film.part_bare)
+        return self.hardness * (1.0 if film is None else min(film.cap_ratio_filmed, film.cap_ratio_bare))
+
+    @property
+    def shear_ratios(self) -> dict[str, float]:
+        """Return the smallest and the largest shear ratio of a cell, as a `Slide` has them."""
+        filmed = 1.0 if self.film is None else self.film.shear_ratio
+        return {"least_shear_ratio": min(filmed, 1.0), "most_shear_ratio": max(filmed, 1.0)}
 
     @property
     def wear_fractions(self) -> tuple[float, float]:

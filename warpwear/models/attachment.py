@@ -1,7 +1,8 @@
 """What a study may add to the steps of a contact: each addition adds its part to a program, and books it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager, nullcontext
+from types import MappingProxyType
 from typing import Any, ClassVar, NamedTuple
 
 from warpwear.engine.executor import Arguments, Field
@@ -16,7 +17,7 @@ class Place(NamedTuple):
     steps: Arguments = None  # their history and flags
     springs: Arguments = None  # of the search for the load
     listed: tuple[Field, ...] = ()  # the list of tiles, and how many each row has
-    of_cells: Arguments = None
+    cells: Arguments = None  # `CellProperties`
     bodies: Arguments = None
     tables: Arguments = None
 
@@ -29,12 +30,14 @@ class Attachment:
 
     #: Columns beside those touched that it may change.
     margin = 0
+    #: Whether it may raise a surface, so that gaps close: its host remakes the bounds of tiles after it.
+    raises = False
     #: Its own columns of the history, after those of every contact.
     columns: ClassVar[tuple[str, ...]] = ()
-
-    def of_cells(self) -> Mapping[str, Field]:
-        """Give what cells have one each of, by the names of `OfCells`."""
-        return {}
+    #: Index of the first of them, as its host gives it.
+    first_column = 0
+    #: What it makes of cells, by the names of `CellProperties`.
+    properties: Mapping[str, Field] = MappingProxyType({})
 
     def beside(self, columns: tuple[int, int]) -> tuple[int, int]:
         """Return the first column that the part may change beside these, and the one after the last."""
@@ -72,3 +75,17 @@ class Attachment:
 
     def enter(self, columns: Mapping[str, FloatArray], total: dict[str, Any], most: dict[str, Any]) -> None:
         """Enter among the sums and maxima of steps what the columns of their history say of it."""
+
+
+def give_columns(attachments: Iterable[Attachment], own: tuple[str, ...]) -> tuple[str, ...]:
+    """Give attachments their columns of the history, behind a contact's own; return the names of all.
+
+    Raises ValueError for two columns of one name.
+    """
+    names = [*own]
+    for one in attachments:
+        one.first_column = len(names)
+        names += one.columns
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise ValueError(f"columns of the history that two would write: {', '.join(twice)}")
+    return tuple(names)

@@ -68,6 +68,10 @@ class Model(ABC):
     def check(self) -> None:  # noqa: B027 - one step is looked at as it is made
         """Raise ConvergenceError where the last replay ended at a step without a balance."""
 
+    def below_bounds(self) -> float:
+        """Return by how much a gap lies below the bound of its tile, at most [mm]; more than 0 is wrong."""
+        return 0.0
+
     def _block(self, increments: Sequence[float], then: float | None) -> Iterator[Step]:
         """Yield the steps of a block, which is made in one go or in a few."""
         while increments:

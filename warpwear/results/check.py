@@ -110,9 +110,9 @@ def check_snapshots(file: h5py.File, study: Study) -> None:
             raise ValueError(f"its {place} is of no moment of this run")
         if study.is_swept and not isinstance(attributes["row"], int | np.integer):
             raise ValueError(f"the row of its {place} is {attributes['row']!r}")
-        for field in quantities.FIELDS:
-            if stored(file[place], field) in file[place] or quantities.FIELDS[field].only is None:
-                _numbers(file, f"{place}/{field}", (rows if field in quantities.OF_THE_TRACK else nx, ny))
+        for field, quantity in quantities.FIELDS.items():
+            if stored(file[place], field) in file[place] or quantity.only is None:
+                _numbers(file, f"{place}/{field}", (rows if quantity.frame == "disc" else nx, ny))
 
 
 def check_fields(fields: dict[str, Any], study: Study) -> None:

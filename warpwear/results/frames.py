@@ -7,7 +7,7 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.history.quantities import FIELDS, OF_THE_TRACK, PATCH_TABLES, UNITS, Quantity, per
+from warpwear.history.quantities import FIELDS, PATCH_TABLES, UNITS, Quantity, per
 from warpwear.results.file import ResultFile
 
 COLUMNS = {quantity.name: quantity for quantity in per("step")}
@@ -42,7 +42,7 @@ def to_xarray(result: ResultFile) -> Any:
     snapshots = list(result.snapshots)
     dataset = courses(result, tuple(range(len(snapshots))))
     for name in snapshots[0].fields if snapshots else ():
-        along = "track_x" if name in OF_THE_TRACK and "track_x" in dataset.coords else "x"
+        along = "track_x" if FIELDS[name].frame == "disc" and "track_x" in dataset.coords else "x"
         stacked = np.stack([snapshot.fields[name] for snapshot in snapshots])
         dataset[name] = described(FIELDS, name, ("distance", along, "y"), stacked)
     return dataset

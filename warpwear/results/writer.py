@@ -196,7 +196,7 @@ class ResultWriter:
         track = "track" in self._file
         for snapshot in self._file["snapshots"].values():  # only now: checkpoints hold them without labels
             for name in snapshot.keys() & quantities.FIELDS.keys():
-                along = "track_x" if track and name in quantities.OF_THE_TRACK else "x"
+                along = "track_x" if track and quantities.FIELDS[name].frame == "disc" else "x"
                 _label(snapshot[name], self._file["grid"], along, "y")
 
     def _add_patches(self, book: PatchBook) -> None:

@@ -1,5 +1,7 @@
 """What must hold after every step: finite numbers, a balanced load, conserved volumes, a contact inside.
 
+After steps 1, 2, 4, 8, … no gap lies below the bound of its tile, by which searches leave tiles out.
+
 Works on rows of the history, as dictionaries, so that every model is checked by the same rules. A row without
 a column is not checked for it.
 """
@@ -28,6 +30,8 @@ OPEN = frozenset(("time", "cof", "area_static", "violation", "energy_gap", "ener
     "displacement_border",
     "energy_ratio",
 }
+#: What follows from a gap below its bound.
+MISSED = "something has raised a surface and does not say so, and contact may have been missed"
 BODIES = (
     ("wear_volume_counter", "archard_volume_counter", "pending_volume_counter"),
     ("wear_volume_disc", "archard_volume_disc", "pending_volume_disc"),
@@ -79,6 +83,13 @@ class Invariants:
                 yield self._not_conserved(row, worn, row[expected])
         if (touches_edge and not self._study.repeats) or touches_rim:
             yield self._outside(row, rim=touches_rim)
+
+    def of_bounds(self, depth: float, row: Mapping[str, float]) -> Iterator[Violation]:
+        """A gap that lies below the bound of its tile by a depth [mm], so that its tile may be missed."""
+        if depth > 0.0:
+            yield Violation(
+                "bounds", f"a gap lies {depth:.3g} mm below the bound of its tile {_where(row)}", MISSED
+            )
 
     def of_filled(self, snapshot: Snapshot, row: Mapping[str, float]) -> Iterator[Violation]:
         """A contact that rests on points of the disc which were not measured, but filled in."""

@@ -33,8 +33,6 @@ from warpwear.runs.step import RunStep
 from warpwear.surfaces.form import Given
 
 LOG = logging.getLogger("warpwear.run")
-#: What is of the disc among the arrays of a model, by parts of their names.
-OF_THE_DISC = ("disc", "highest")
 
 
 class StepLoop:
@@ -66,6 +64,8 @@ class StepLoop:
         self._checkpoint_failed = False
         self._elapsed_before = 0.0
         self._reported: list[str] = []
+        #: Binary digits of the number of steps after which bounds were looked at last.
+        self._looked = 0
         self._writer = writer
         self._progress = progress
         self.warnings: list[str] = []
@@ -205,6 +205,9 @@ class StepLoop:
             stop = self._check(
                 invariants.of_row(row, touches_edge=step.touches_edge, touches_rim=step.touches_rim)
             )
+            if not self._model.steps_in_flight and (done + 1).bit_length() > self._looked:
+                self._looked = (done + 1).bit_length()  # at steps 1, 2, 4, 8, …, or where their block ends
+                self._check(invariants.of_bounds(self._model.below_bounds(), row))
             wanted = look and (self._filled is not None or self._writer is not None)
             snapshot = self._model.snapshot(step, distance) if wanted else None
             if snapshot is not None and self._filled is not None:
@@ -363,7 +366,7 @@ class Circles:
         unworn: arrays of a model on unworn bodies.
         """
         arrays, numbers = state.save(model, whole=True)
-        names = [name for name in arrays if any(part in name for part in OF_THE_DISC)]
+        names = [name for name, frame in state.frames(model).items() if frame == "disc"]
         other = self.left.pop(str(after), None) or {name: unworn[name] for name in names}
         self.left[str(before)] = {name: arrays[name] for name in names}
         state.restore(model, arrays | other, numbers)

@@ -21,6 +21,7 @@ from warpwear.contact.half_space.search import Search
 from warpwear.contact.half_space.transforms import release
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.program import Program, launch_once
+from warpwear.engine.state import InFrame
 from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels.half_space import passes
@@ -84,7 +85,7 @@ class BoundedPressure:
     load is met to 1e-12. rules: of the search, but for the tolerance and the iterations.
     """
 
-    STATE: ClassVar = {"pressure_field": Field, "started": bool}
+    STATE: ClassVar = {"pressure_field": InFrame("contact"), "started": bool}
 
     def __init__(
         self,

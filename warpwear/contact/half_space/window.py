@@ -21,7 +21,7 @@ from warpwear.contact.half_space.solver import TOLERANCE, HalfSpace, HalfSpaceCo
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Mirror
 from warpwear.engine.program import Program, launch_once
-from warpwear.engine.state import Columns
+from warpwear.engine.state import InFrame
 from warpwear.grid import Grid
 from warpwear.kernels.cells import LANES, Cells
 from warpwear.kernels.half_space import passes
@@ -171,7 +171,7 @@ class WindowedHalfSpace:
     whose windows hold whole rows. hardness: H [MPa]. tolerance: as of `solver.BoundedPressure`.
     """
 
-    STATE: ClassVar = {"_started": bool, "_window": Window, "_pressure": Columns}
+    STATE: ClassVar = {"_started": bool, "_window": Window, "_pressure": InFrame("contact", columns=True)}
 
     def __init__(
         self,

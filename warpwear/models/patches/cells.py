@@ -9,9 +9,11 @@ import warp as wp
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.engine.tiles import of_tiles
 from warpwear.grid import FloatArray
 from warpwear.kernels import patches as kernels
+from warpwear.kernels.cells import CellProperties
 from warpwear.kernels.sliding import Slide
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
@@ -26,7 +28,7 @@ class PatchContact:
     executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
     """
 
-    STATE: ClassVar = {"gap": Field, "film": BareCells}
+    STATE: ClassVar = {"gap": InFrame("contact"), "film": BareCells}
 
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.initial = gap_over(task.form, heights, executor, patches)
@@ -36,20 +38,19 @@ class PatchContact:
         self.lowest: FloatArray = lowest.min(axis=1)
         #: Worn by both bodies [mm], where a film asks for it.
         self._worn = executor.zeros(None if task.film else 0)
-        self.film = BareCells.of_both(task.film, executor, self._worn, task.wear_fractions)
+        self.film = BareCells.of_both(task, executor, self._worn)
         #: The step, and how many cells of each patch were bare under its pressure, where there is a film.
         self.slides = Numbers(Slide, executor.device, written=False, rows=patches.count)
         self.bare = wp.zeros((1, patches.count), dtype=wp.float64, device=executor.device)
-        parts = None if self.film is None else self.film.parts
         self.surfaces = arguments(
             kernels.Surfaces,
             executor.device,
             layout=layout_of(executor, patches),
             lowest=wp.array(lowest, dtype=wp.float64, device=executor.device),
-            cells=float(patches.side**2),
+            cells_of_patch=float(patches.side**2),
             gap=self.gap,
             unworn=self.initial,
-            parts=executor.zeros(0) if parts is None else parts,
+            cells=arguments(CellProperties, **({} if self.film is None else self.film.properties)),
             trial=(3, patches.count),
         )
 

@@ -20,15 +20,24 @@ from warpwear.contact.certificate import columns_of
 from warpwear.contact.half_space.influence import Influence
 from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.solver import BoundedPressure, HalfSpaceContact
-from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.executor import Executor, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import wear_from_pressure
-from warpwear.kernels.cells import LANES, PADDING, PATCH_MAXIMA, PATCH_SUMS, PressureMost, PressureSum
+from warpwear.kernels.cells import (
+    LANES,
+    PADDING,
+    PATCH_MAXIMA,
+    PATCH_SUMS,
+    CellProperties,
+    PressureMost,
+    PressureSum,
+)
 from warpwear.kernels.sliding import Bodies, OfRows, Slide
 from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.patches import Patches
@@ -59,8 +68,8 @@ class HalfSpacePatches(Model):
     STATE: ClassVar = {
         "_ledger": PatchLedger,
         "_smooth": SmoothContact,
-        "gap": Field,
-        "worn": Field,
+        "gap": InFrame("contact"),
+        "worn": InFrame("contact"),
         "_solver": BoundedPressure,
         "_reached": float,
         "visited": int,
@@ -87,8 +96,9 @@ class HalfSpacePatches(Model):
             layout_of(executor, self.patches),
         )
         self.worn = executor.zeros()  # by both bodies [mm]
-        self._film = BareCells.of_both(task.film, executor, self.worn, task.wear_fractions)
-        self._parts = None if self._film is None else self._film.parts
+        self._film = BareCells.of_both(task, executor, self.worn)
+        self._properties = arguments(CellProperties, **({} if self._film is None else self._film.properties))
+        self._parts = self._properties.cap_ratio
         #: Cells where there is a surface, summed over the patches up to each.
         self._cells = np.cumsum((executor.to_numpy(self.gap) < PADDING).sum(axis=1))
         assert task.modulus is not None  # checked with the study
@@ -145,6 +155,10 @@ class HalfSpacePatches(Model):
             step, distance, self.patches, gap=read(self.gap), worn=read(self.worn), bare=bare
         )
 
+    def below_bounds(self) -> float:
+        """Compare with the lowest gap of every patch before any wear, see `Model.below_bounds`."""
+        return float((self.lowest - self._executor.to_numpy(self.gap).min(axis=1)).max())
+
     def _press(self, smooth: SmoothContact, removal: float, *, certified: bool | None) -> HalfSpaceContact:
         """Solve the contact by loads that a smooth one prescribes. removal: K ΔL of both bodies [mm³/N]."""
         loads = smooth.press(foundation=self._ledger.foundation, removal=removal)[self._order]
@@ -191,7 +205,7 @@ class HalfSpacePatches(Model):
         """Wear both bodies by the pressure of the contact; sums are in the order of the macro cells."""
         # The scatter is summed about a value near the mean.
         reference, visited = self._ledger.row["pressure_mean"], self.visited
-        self._slides.set(rows=visited, of_counter=removal, reference=reference)
+        self._slides.set(rows=visited, k_counter=removal, reference=reference)
         if self._wearing is None:
             self._wearing = self._wear_program(contact)
         self._wearing.run()
@@ -213,10 +227,9 @@ class HalfSpacePatches(Model):
             pressure=contact.pressure_field,
             means=contact.pressure_field,
             gradient=contact.gradient_field,
+            cells=self._properties,
             cap=min(self.task.hardness, NO_CAP),
         )
-        if self._parts is not None:
-            pressed.parts = self._parts
         program = Program(self._executor)
         tables = arguments(OfRows), self._sums, self._maxima
         bodies = arguments(Bodies, counter=self.gap, wear_counter=self.worn)

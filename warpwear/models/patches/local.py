@@ -12,6 +12,7 @@ from warpwear.contact.balance import stiffness_of
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
+from warpwear.engine.tiles import of_tiles
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
@@ -192,6 +193,11 @@ class TwoScaleModel(Model):
         gap, initial = read(self.contact.gap), read(self.contact.initial)
         bare = read(film.bare) if film else None
         return self._ledger.snapshot(step, distance, self.patches, gap=gap, worn=gap - initial, bare=bare)
+
+    def below_bounds(self) -> float:
+        """Compare with the lowest gap of every tile before any wear, see `Model.below_bounds`."""
+        now = of_tiles(np.minimum, self.contact.gap, lines=self.patches.side)
+        return float((self.contact.surfaces.lowest.numpy() - now).max())
 
     def _begin(self, increments: Sequence[float], then: float | None) -> list[tuple[float, float]]:
         """Plan steps; return K ΔL of counter-body and disc in each [mm³/N].

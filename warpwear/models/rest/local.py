@@ -13,9 +13,10 @@ import warp as wp
 
 from warpwear.contact.balance import Balance, checked_residual, stiffness_of
 from warpwear.contact.search import LoadSearch
-from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.executor import Executor, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.engine.tiles import Tiles
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Entry, Ledger, Step, divided
@@ -57,7 +58,7 @@ class OneScaleModel(Model):
 
     #: Interrupts and checkpoints wait for the end of a block.
     longest_block = LONGEST
-    STATE: ClassVar = {"gap": Field, "tiles": Tiles, "_course": Numbers, "_ledger": Ledger}
+    STATE: ClassVar = {"gap": InFrame("contact"), "tiles": Tiles, "_course": Numbers, "_ledger": Ledger}
 
     def __init__(self, task: ContactTask, heights: FloatArray, executor: Executor) -> None:
         assert task.is_uniform  # others are those of a track
@@ -109,6 +110,10 @@ class OneScaleModel(Model):
         self._begin(self._to_search)
         self._add_search(self._to_search)
         self._add_wear(self._to_wear)
+
+    def below_bounds(self) -> float:
+        """Ask its tiles, see `Model.below_bounds`."""
+        return self.tiles.below_bounds()
 
     def _begin(self, program: Program) -> None:
         program.decide(wear.record, self._search.springs, self._steps, self._tables)

@@ -6,7 +6,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from warpwear.engine.executor import Executor, Field
-from warpwear.engine.state import Columns
+from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.kernels.cells import PADDING
 from warpwear.laws.task import ContactTask
@@ -27,7 +27,11 @@ class SlidingBodies:
     columns: tuple[int, int] = (0, 0)
 
     FIELDS: ClassVar = ("counter", "disc", "wear_counter", "wear_disc", "plastic_disc", "reached")
-    STATE: ClassVar = {"columns": tuple, **dict.fromkeys(FIELDS, Columns)}
+    STATE: ClassVar = {
+        "columns": tuple,
+        **dict.fromkeys(("counter", "wear_counter", "reached"), InFrame("counter", columns=True)),
+        **dict.fromkeys(("disc", "wear_disc", "plastic_disc"), InFrame("disc", columns=True)),
+    }
 
     @property
     def fields(self) -> dict[str, Field]:

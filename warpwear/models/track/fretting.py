@@ -10,6 +10,7 @@ from warpwear.contact.half_space.solver import HalfSpace, HalfSpaceContact
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.kernels import wear_from_pressure
 from warpwear.laws.task import ContactTask
 
@@ -30,7 +31,10 @@ class CyclicSlip:
     """
 
     NUMBERS: ClassVar = ("_jump", "rigid", "force", "border", "_stuck", "_approach", "_first")
-    STATE: ClassVar = {"slips": Field, "grown": Field, **dict.fromkeys(NUMBERS, float)}
+    STATE: ClassVar = {
+        **dict.fromkeys(("slips", "grown"), InFrame("contact")),
+        **dict.fromkeys(NUMBERS, float),
+    }
 
     def __init__(self, task: ContactTask, executor: Executor) -> None:
         assert task.fretting is not None
@@ -158,8 +162,8 @@ class CyclicSlip:
         (counter, disc), slides = removals, self.rigid / cycle
         own = 0.0 if self.yields is None else 1.0 / cycle
         return {
-            "of_counter": slides * counter,
-            "of_disc": slides * disc,
+            "k_counter": slides * counter,
+            "k_disc": slides * disc,
             "slipping_counter": own * counter,
             "slipping_disc": own * disc,
             # Under a stroke they are made anew in each jump.

@@ -16,17 +16,18 @@ from warpwear.contact.half_space.window import WindowedHalfSpace
 from warpwear.engine.executor import Executor, arguments
 from warpwear.engine.numbers import Mirror, Numbers
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import contact, fourier, wear_from_pressure
-from warpwear.kernels.cells import MAXIMA, PressureSum, names_of
+from warpwear.kernels.cells import MAXIMA, CellProperties, PressureSum, names_of
 from warpwear.kernels.half_space import passes
 from warpwear.kernels.sliding import Bodies, OfRows, Slide
 from warpwear.kernels.sliding_steps import Steps
 from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.archard import BODIES
 from warpwear.laws.task import ContactTask
-from warpwear.models.attachment import Place
+from warpwear.models.attachment import Place, give_columns
 from warpwear.models.film import BareCells
 from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.fretting import CyclicSlip
@@ -63,7 +64,7 @@ class SlidingHalfSpace:
 
     STATE: ClassVar = {
         "state": SlidingBodies,
-        "_of_rows": dict,
+        "_of_rows": InFrame("disc"),
         "_half_space": WindowedHalfSpace,
         "pieces": SlidingPieces,
         "ledger": Ledger,
@@ -101,8 +102,9 @@ class SlidingHalfSpace:
         law: dict[str, Any] = {"boundary": task.boundary, "hardness": task.hardness}
         self._half_space = WindowedHalfSpace(executor, modulus=task.modulus, **law)
         #: What is bare of film; None without one.
-        self.film = BareCells.of_bodies(task.film, executor, self.state.wear_counter, self.state.wear_disc)
-        self._parts = None if self.film is None else self.film.parts
+        self.film = BareCells.of_bodies(task, executor, self.state.wear_counter, self.state.wear_disc)
+        self._properties = arguments(CellProperties, **({} if self.film is None else self.film.properties))
+        self._parts = self._properties.cap_ratio
         self._least_part = 1.0 if self._parts is None else task.least_hardness / task.hardness
         #: What slips in a cycle of fretting; None where nothing frets.
         self.fretting = None if task.fretting is None else CyclicSlip(task, executor)
@@ -110,8 +112,6 @@ class SlidingHalfSpace:
         has_means = moves or self.fretting is not None
         self._gap, self._means = executor.zeros(), executor.zeros(executor.grid.nx if has_means else 1)
         self._bodies = arguments(Bodies, **self.state.fields)
-        if self.film is not None and task.shears:
-            self._bodies.bare = self.film.bare
         self._layout = layout_of(executor)
         device, slots = executor.device, executor.slots_of(executor.grid.nx)
         self._sums, self._maxima = (
@@ -136,6 +136,7 @@ class SlidingHalfSpace:
         margin = 1 if self.fretting is None else self.fretting.margin
         self.ledger = Ledger(task, executor.grid, margin=margin, track_fraction=track_fraction)
         self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
+        give_columns([] if self.pieces is None else [self.pieces], ())
         #: Whether bodies wear in pieces, alone or beside dust: where all is dust no piece leaves.
         self._sheds = self.pieces is not None and task.dust < 1.0
         self._length = PartLength(task, moves=moves, sheds=self._sheds)
@@ -174,7 +175,7 @@ class SlidingHalfSpace:
         pooled = dict.fromkeys((*OF_A_PART, *of_film, *of_shear), 0.0)
         highest, removal, columns = 0.0, (0.0, 0.0), self.state.columns
         shears = self.task.wear_per_contact(before["distance"], increment)
-        filmed = 1.0 if self.task.film is None else self.task.film.part_shear
+        ratios = self.task.shear_ratios
         static = math.nan
         certificates: list[Certificate | None] = []
         solves_static = self._static is not None and self._steps_done % self.task.static_area_every == 0
@@ -193,7 +194,7 @@ class SlidingHalfSpace:
                 window=self.cells_passing(increment * weight),
                 shear_counter=weight * shears[0],
                 shear_disc=weight * self._track_fraction * shears[1],
-                shear_filmed=filmed,
+                **ratios,
             )
             if self.fretting is not None:
                 self._begin_cycles(self.fretting, increment, removals)
@@ -217,7 +218,7 @@ class SlidingHalfSpace:
             residual = max(residual, checked_residual(left, load, approach=contact.approach), key=abs)
             # Wear by shear lowers all cells in contact by one depth, which changes the approach alone; what
             # some cells lose beyond it was in their gap.
-            lift = weight * (shears[0] + self._track_fraction * shears[1]) * min(filmed, 1.0)
+            lift = weight * (shears[0] + self._track_fraction * shears[1]) * ratios["least_shear_ratio"]
             approach += weight * (contact.approach + lift)
             fretted = {}
             if self.fretting is not None:
@@ -275,7 +276,7 @@ class SlidingHalfSpace:
         if self.fretting is None:
             self._run("gaps", self._add_gaps)
         else:
-            of_place, of_mean = (self.fretting.shares(removals)[f"of_{body}"] for body in BODIES)
+            of_place, of_mean = (self.fretting.shares(removals)[f"k_{body}"] for body in BODIES)
             yields = self.fretting.yields
         own = of_mean if window == 1 else 0.0  # a mean over one cell changes nothing
         return self._half_space.solve(
@@ -319,16 +320,16 @@ class SlidingHalfSpace:
                 one.before_search(program, self._place)
         worn = self.state.wear_counter if self.fretting is None else self.state.wear_disc
         program.launch(wear_from_pressure.means, slides, worn, self._means)
-        program.launch(wear_from_pressure.gaps, slides, self._bodies, self._means, self._gap)
+        program.launch(
+            wear_from_pressure.gaps, slides, self._bodies, self._properties, self._means, self._gap
+        )
 
     def _add_wear(self, program: Program, contact: HalfSpaceContact) -> None:
         """Add the wear of both bodies by the pressure of a contact."""
         slides, pressure = self._slides.array, contact.pressure_field
         pressed = arguments(Pressed, pressure=pressure, means=self._means, gradient=contact.gradient_field)
-        pressed.cap, pressed.bare = min(self.task.hardness, NO_CAP), self._bodies.bare
+        pressed.cap, pressed.cells = min(self.task.hardness, NO_CAP), self._properties
         pressed.rubbed, pressed.rubbed_means = self._rubbed, self._rubbed_means
-        if self._parts is not None:
-            pressed.parts = self._parts
         if self.task.shears:
             program.launch(wear_from_pressure.part_of_step, slides, pressed)
             program.launch(wear_from_pressure.means, slides, self._rubbed, self._rubbed_means)
@@ -354,7 +355,7 @@ class SlidingHalfSpace:
     ) -> tuple[dict[str, float], dict[str, float]]:
         """Wear both bodies by the pressure of a contact; return sums and maxima by name."""
         disc, dust = self._track_fraction * removals[1], self.task.dust
-        worn = {"of_counter": dust * removals[0], "of_disc": dust * disc}
+        worn = {"k_counter": dust * removals[0], "k_disc": dust * disc}
         self._slides.set(
             **(worn if self.fretting is None else self.fretting.shares(removals)),
             pending_counter=(1.0 - dust) * removals[0],

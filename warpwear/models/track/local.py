@@ -10,17 +10,18 @@ from warpwear.contact.balance import Balance, stiffness_of
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.engine.tiles import NO_LIMIT
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Entry, Ledger, Step
 from warpwear.kernels import balance, bearing, sliding, sliding_steps
-from warpwear.kernels.cells import NO_INDEX, PADDING, TrackMost, TrackSum, names_of
-from warpwear.kernels.sliding import Bodies, OfCells, OfRows, OfTiles, Slide, StepTables
+from warpwear.kernels.cells import NO_INDEX, PADDING, CellProperties, TrackMost, TrackSum, names_of
+from warpwear.kernels.sliding import Bodies, OfRows, OfTiles, Slide, StepTables
 from warpwear.kernels.wear import BALANCE
 from warpwear.laws.archard import distance_factor, wear_in_steps
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
-from warpwear.models.attachment import Attachment, Place
+from warpwear.models.attachment import Attachment, Place, give_columns
 from warpwear.models.booking import booked
 from warpwear.models.film import BareCells
 from warpwear.models.track.bodies import SlidingBodies
@@ -37,6 +38,11 @@ LONGEST, CELLS_OF_REPLAY = 500, 1.0e8
 RENAMED = {"worn_counter": "wear_counter", "worn_disc": "wear_disc"}
 #: Names of the sums and maxima of a step.
 SUMS, MAXIMA = names_of(TrackSum), names_of(TrackMost)
+#: Sums that are kept of every tile and row of a body.
+KEPT = {
+    **dict.fromkeys(("touched", "worn_counter"), InFrame("counter")),
+    **dict.fromkeys(("worn_disc", "pressed_disc"), InFrame("disc")),
+}
 #: Columns of the history on the device.
 COLUMNS = (*BALANCE, *SUMS, *(f"most_{name}" for name in MAXIMA), *sliding_steps.KEPT, *sliding_steps.LAST)
 
@@ -60,8 +66,8 @@ class SlidingContact:
     STATE: ClassVar = {
         "state": SlidingBodies,
         "tiles": SlidingTiles,
-        "_kept": dict,
-        "_totals": dict,
+        "_kept": KEPT,
+        "_totals": KEPT,
         "_course": Numbers,
         "_changes": Field,
         "_recession": Recession,
@@ -88,11 +94,9 @@ class SlidingContact:
         self._executor, self._track_fraction = executor, track_fraction
         device = executor.device
         #: What is bare of film; None without one.
-        self.film = BareCells.of_bodies(task.film, executor, self.state.wear_counter, self.state.wear_disc)
+        self.film = BareCells.of_bodies(task, executor, self.state.wear_counter, self.state.wear_disc)
         self._slides = Numbers(Slide, device)
         bodies = arguments(Bodies, **self.state.fields, gap=executor.zeros())
-        if self.film is not None and task.shears:
-            bodies.bare = self.film.bare
         self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
         self._recession = None if bearing_curve is None else Recession(bearing_curve, executor, bodies)
         factor = self._factor()
@@ -106,9 +110,21 @@ class SlidingContact:
         # Pieces and a disc that recedes change heights after the pass that wears; what shear wears may lie
         # higher than what a list that serves several steps reaches.
         wears_alone = self.pieces is None and self._recession is None and not task.shears
+        wears_alone = wears_alone and not any(one.raises for one in self.attachments)
+        cells = arguments(CellProperties)
+        if self._factored:
+            cells.k_disc = factor
+        for one in self.attachments:
+            for name, field in one.properties.items():
+                setattr(cells, name, field)
         fully = task.load / (task.least_hardness * executor.grid.cell_area)
         self.tiles = SlidingTiles(
-            executor, bodies, self._slides.array, least=SPARE * fully, stays=wears_alone and not moves
+            executor,
+            bodies,
+            self._slides.array,
+            cells,
+            least=SPARE * fully,
+            stays=wears_alone and not moves,
         )
         # Of every tile and of every row: cells of the ball ever touched, wear of the ball, of the disc,
         # what is displaced of the disc.
@@ -125,7 +141,7 @@ class SlidingContact:
         #: What the steps on the device remember.
         self._course = Numbers(sliding_steps.Course, device, extents=[NO_INDEX] * 4)
         self._changes: Field = wp.full(int(sliding_steps.CHANGES), -1.0, dtype=wp.float64, device=device)
-        self._columns = (*COLUMNS, *(name for one in self.attachments for name in one.columns))
+        self._columns = give_columns(self.attachments, COLUMNS)
         self._steps = arguments(
             sliding_steps.Steps,
             device,
@@ -140,12 +156,6 @@ class SlidingContact:
             columns=executor.grid.ny,
             margin=sum(one.margin for one in self.attachments),
         )
-        of_cells = arguments(OfCells, factor=factor, factored=int(self._factored))
-        for name in ("stiffness", "bare", "parts"):
-            setattr(of_cells, name, executor.zeros(0))
-        for one in self.attachments:
-            for name, field in one.of_cells().items():
-                setattr(of_cells, name, field)
         slots = executor.slots_of(executor.grid.nx)
         tables = {"sums": (len(SUMS), slots), "maxima": (len(MAXIMA), slots), "bearing": (1, slots)}
         bounds = {"lowest": self.tiles.lowest.numbers, "highest": self.tiles.highest.numbers}
@@ -160,7 +170,7 @@ class SlidingContact:
                 self._slides.array,
                 self._steps,
                 listed=(self.tiles.list, self.tiles.count),
-                of_cells=of_cells,
+                cells=cells,
                 bodies=bodies,
                 tables=arguments(StepTables, device, **tables),
             ),
@@ -247,8 +257,8 @@ class SlidingContact:
             self.state.row_of(int(shift), periodic=self.periodic)
         rows = moved % self.state.disc.shape[0]
         counter, disc = removals.T
-        of_counter, of_disc = dust * counter, dust * track * disc
-        compliance = own + (of_counter + of_disc) * task.implicit
+        k_counter, k_disc = dust * counter, dust * track * disc
+        compliance = own + (k_counter + k_disc) * task.implicit
         alike = [0.0 if self._stiffness is not None else stiffness_of(one) for one in compliance.tolist()]
         ends = np.add.accumulate([row["distance"], *increments])
         depths = np.zeros((2, len(rows)))
@@ -261,8 +271,8 @@ class SlidingContact:
             "shift": rows,
             "start": ends[:-1],
             "end": ends[1:],
-            "of_counter": of_counter,
-            "of_disc": of_disc,
+            "k_counter": k_counter,
+            "k_disc": k_disc,
             "pending_counter": (1.0 - dust) * counter,
             "pending_disc": (1.0 - dust) * (track * disc),
             "own": own,
@@ -270,7 +280,7 @@ class SlidingContact:
             "stiffness": alike,
             "shear_counter": depths[0],
             "shear_disc": track * depths[1],
-            "shear_filmed": 1.0 if task.film is None else task.film.part_shear,
+            **task.shear_ratios,
             "full_depth": compliance * task.hardness if task.keeps_dents else NO_LIMIT,
         }
         plan = self._steps.plan.numpy()
@@ -290,7 +300,7 @@ class SlidingContact:
         smallest, limit = self.tiles.begin_at(int(step["shift"]))
         softest = step["stiffness"]
         if self._stiffness is not None and step["compliance"] > 0.0:
-            self._slides.set(**{name: step[name] for name in ("own", "of_counter", "of_disc")})
+            self._slides.set(**{name: step[name] for name in ("own", "k_counter", "k_disc")})
             softest = self._stiffness.softest(self._slides.array)
         self._course.set(smallest=smallest, first_limit=limit, softest=softest)
 

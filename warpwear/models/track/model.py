@@ -111,6 +111,10 @@ class SweptModel(Model):
         assert isinstance(self.contact, SlidingContact)
         self.contact.check()
 
+    def below_bounds(self) -> float:
+        """Ask the tiles of a contact on springs, see `Model.below_bounds`."""
+        return self.contact.tiles.below_bounds() if isinstance(self.contact, SlidingContact) else 0.0
+
     def _placed(self, step: Step) -> Step:
         if not self._track.moves:
             step.row["position"] = self._middle

@@ -11,6 +11,7 @@ import warp as wp
 from warpwear.engine.executor import Arguments, Executor, Field, arguments, as_numbers
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.history.pieces import PieceBook
 from warpwear.kernels.cells import LANES
@@ -134,7 +135,7 @@ class SlidingPieces(Attachment):
     the program is to be run again before its step is done.
     """
 
-    STATE: ClassVar = {"counter": Pending, "disc": Pending, "book": PieceBook}
+    STATE: ClassVar = {"counter": InFrame("counter"), "disc": InFrame("disc"), "book": PieceBook}
     columns = COLUMNS
 
     def __init__(self, law: PieceLaw, executor: Executor, bodies: SlidingBodies, *, periodic: bool) -> None:
@@ -152,9 +153,9 @@ class SlidingPieces(Attachment):
             margin=self.margin,
             rounds=ROUNDS,
         )
-        of_counter, of_disc = (bodies.counter, bodies.wear_counter), (bodies.disc, bodies.wear_disc)
-        self.counter = Pending(executor, law, self._footprint, of_counter, number=0, periodic=False)
-        self.disc = Pending(executor, law, self._footprint, of_disc, number=1, periodic=periodic)
+        counter, disc = (bodies.counter, bodies.wear_counter), (bodies.disc, bodies.wear_disc)
+        self.counter = Pending(executor, law, self._footprint, counter, number=0, periodic=False)
+        self.disc = Pending(executor, law, self._footprint, disc, number=1, periodic=periodic)
         self.both = self.counter, self.disc
         both = {"counter": self.counter.body, "disc": self.disc.body}
         self._both = arguments(kernels.Both, footprint=self._footprint, **both)
@@ -196,18 +197,13 @@ class SlidingPieces(Attachment):
 
     def before_wear(self, program: Program, place: Place) -> None:
         """Add that the wear of the tiles listed becomes pending."""
-        contact = place.springs, *place.listed, place.of_cells, place.bodies.gap
+        contact = place.springs, *place.listed, place.cells, place.bodies.gap
         program.launch(kernels.take_tiles, place.slides, self._both, *contact, **self._alone)
 
     def between(self, program: Program, place: Place) -> None:
-        """Add that the pieces of a step leave; the loop over steps ends where their table is full.
-
-        The last columns of the history are `COLUMNS`.
-        """
-        rows = place.steps.history
-        column = rows.shape[1] - len(COLUMNS)
+        """Add that the pieces of a step leave; the loop over steps ends where their table is full."""
         for number, body in enumerate(self.both):
-            line = rows, column + number * len(OF_BODY)
+            line = place.steps.history, self.first_column + number * len(OF_BODY)
             body.add_shed(program, place.slides, self._release, line)
         goes = place.steps.stepping
         program.decide(shedding.end_step, self.counter.body, self.disc.body, self._release, goes)

@@ -41,15 +41,15 @@ class StepPrograms:
     def search(self, *, rigid: bool) -> LoadSearch:
         """Return the search of steps whose cells are rigid or not."""
         if rigid not in self._searches:
-            task, of_cells = self._task, self._place.of_cells
+            task, cells = self._task, self._place.cells
             search = LoadSearch(
                 self._executor,
                 self._place.bodies.gap,
                 self._tiles,
                 load=task.load,
                 hardness=task.hardness,
-                stiffness=None if rigid else of_cells.stiffness,
-                parts=of_cells.parts,
+                stiffness=None if rigid else cells.stiffness,
+                parts=cells.cap_ratio,
                 tolerance=task.load_tolerance if rigid else None,
             )
             if rigid:
@@ -82,8 +82,7 @@ class StepPrograms:
         place = self._place._replace(springs=search.springs)
         with self._each(one.at_beginning(program) for one in self._attachments):
             program.decide(sliding_steps.begin_search, search.springs, place.steps)
-            for one in self._attachments:
-                one.before_search(program, place)
+            self._ask("before_search", program, place)
             search.add_to(program)
             self._tiles.add_to(program)
             program.decide(sliding_steps.end_search, search.springs, place.steps)
@@ -91,29 +90,32 @@ class StepPrograms:
     def _add_wear(self, program: Program, search: LoadSearch) -> None:
         """Add the end of a step: the wear of both bodies, what follows it, and its row."""
         place, tiles = self._place._replace(springs=search.springs), self._tiles
-        slides, springs, listed, of_cells, bodies, tables, steps = (
-            *(place.slides, place.springs, place.listed, place.of_cells),
+        slides, springs, listed, cells, bodies, tables, steps = (
+            *(place.slides, place.springs, place.listed, place.cells),
             *(place.bodies, place.tables, place.steps),
         )
         with (
             self._each(one.at_beginning(program) for one in self._attachments),
             program.branch(steps.solved),
         ):
-            for one in self._attachments:
-                one.before_wear(program, place)
+            self._ask("before_wear", program, place)
             program.launch(
                 sliding.wear_step,
-                *(*listed, slides, springs, of_cells, bodies, self._of_tiles, tables),
+                *(*listed, slides, springs, cells, bodies, self._of_tiles, tables),
                 chunks=lambda: tiles.chunks,
             )
-            for one in self._attachments:
-                one.after_wear(program, place)
-        for one in self._attachments:
-            one.between(program, place)
+            self._ask("after_wear", program, place)
+        self._ask("between", program, place)
         with self._each(one.at_end(program) for one in self._attachments):
             program.decide(sliding_steps.record, springs, steps, tables, self._of_tiles.rows)
-            for one in self._attachments:
-                one.after_step(program, place)
+            self._ask("after_step", program, place)
+
+    def _ask(self, hook: str, program: Program, place: Place) -> None:
+        """Let each attachment add its part; after one that may close gaps the bounds are made anew."""
+        for one in self._attachments:
+            getattr(one, hook)(program, place)
+            if one.raises and getattr(type(one), hook) is not getattr(Attachment, hook):
+                self._tiles.refresh(program)
 
     @staticmethod
     @contextmanager

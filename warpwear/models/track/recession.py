@@ -13,6 +13,7 @@ import numpy as np
 
 from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.kernels.running_in import recession as kernels
 from warpwear.kernels.sliding import Bodies
@@ -23,7 +24,7 @@ from warpwear.models.attachment import Attachment, Place
 class Recession(Attachment):
     """What a logistic bearing curve adds to the steps of a disc that lies still."""
 
-    STATE: ClassVar = {"beyond": Field}
+    STATE: ClassVar = {"beyond": InFrame("disc")}
 
     def __init__(self, curve: Logistic, executor: Executor, bodies: Bodies) -> None:
         #: For kernels.
@@ -59,10 +60,7 @@ class UnequalStiffness(Attachment):
         self._executor, self._bodies, self._factor = executor, bodies, factor
         self._curve = arguments(kernels.Curve) if recession is None else recession.curve
         self._stiffness = executor.zeros(1 if alike else None)
-
-    def of_cells(self) -> Mapping[str, Field]:
-        """Give the stiffness."""
-        return {"stiffness": self._stiffness}
+        self.properties = {"stiffness": self._stiffness}
 
     def before_search(self, program: Program, place: Place) -> None:
         """Add how 1/c of every cell follows from what wears it in a step."""

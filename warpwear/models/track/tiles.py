@@ -7,9 +7,10 @@ import warp as wp
 
 from warpwear.engine.executor import Arguments, Executor, Field, arguments, as_numbers
 from warpwear.engine.program import Program
+from warpwear.engine.state import InFrame
 from warpwear.engine.tiles import NO_LIMIT, TileList, of_tiles
 from warpwear.grid import FloatArray
-from warpwear.kernels import sliding
+from warpwear.kernels import bounds, sliding
 from warpwear.kernels.cells import LANES, PADDING, Cells
 
 #: Cost of looking at the bounds of a pair of tiles, in cells.
@@ -44,18 +45,29 @@ class SlidingTiles(TileList):
     Each displacement has its own list, which a search asks for as `engine.tiles.Tiles` has it; with a tile is
     made its gap. The gap of other tiles is not made. A list holds no tile without a cell within the limit.
 
+    The gap has lower bounds: of tiles, of eight tiles and of rows. Invariant: gaps only grow, so that bounds
+    which were made before wear hold after it. Whoever raises a surface refreshes them.
+
     bodies: heights as worn, of nx rows and of at least as many, and room for the gap; places without a
-    surface stand infinitely high on the ball and low on the disc. slides: a `Slide` in an array. stays:
-    whether the disc lies still and nothing but the pass that wears changes a gap, which is made once then.
+    surface stand infinitely high on the ball and low on the disc. slides: a `Slide` in an array. cells: what
+    they have of their own. stays: whether the disc lies still and nothing but the pass that wears changes a
+    gap, which is made once then.
     """
 
-    STATE: ClassVar = {"lowest": PerTile, "highest": PerTile}
+    STATE: ClassVar = {"lowest": InFrame("counter"), "highest": InFrame("disc")}
 
     def __init__(
-        self, executor: Executor, bodies: Arguments, slides: Field, *, least: float, stays: bool = False
+        self,
+        executor: Executor,
+        bodies: Arguments,
+        slides: Field,
+        cells: Arguments,
+        *,
+        least: float,
+        stays: bool = False,
     ) -> None:
         super().__init__(executor, least=least, limit=-NO_LIMIT, asked=-NO_LIMIT)
-        self._bodies, self._slides = bodies, slides
+        self._bodies, self._slides, self._cells = bodies, slides, cells
         device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
         self._depth: Field = wp.array([float(sliding.FIRST_DEPTH)], dtype=wp.float64, device=device)
         self.lowest = PerTile(nx, columns, device)  # of the counter-body
@@ -63,13 +75,15 @@ class SlidingTiles(TileList):
         self.gap = PerTile(nx, columns, device)  # the lowest of each pair, where it was made
         self.lowest.fill(of_tiles(np.minimum, bodies.counter), padding=PADDING)
         self.highest.fill(of_tiles(np.maximum, bodies.disc), padding=-PADDING)
-        # The counter-body's lowest of eight tiles and the disc's highest of a row, before any wear.
+        # The counter-body's lowest of eight tiles and the disc's highest of a row, as they were first made.
         lowest = self.lowest.to_numpy().reshape(nx, -1, LANES).min(axis=2)
         highest = self.highest.to_numpy().max(axis=1)
+        self.lowest_of_eight: Field = wp.array(lowest, dtype=wp.float64, device=device)
+        self.highest_of_row: Field = wp.array(highest, dtype=wp.float64, device=device)
         self._bounds = arguments(
             sliding.Bounds,
-            lowest_of_eight=wp.array(lowest, dtype=wp.float64, device=device),
-            highest_of_row=wp.array(highest, dtype=wp.float64, device=device),
+            lowest_of_eight=self.lowest_of_eight,
+            highest_of_row=self.highest_of_row,
             lowest=self.lowest.vectors,
             highest=self.highest.vectors,
             gap=self.gap.vectors,
@@ -81,12 +95,34 @@ class SlidingTiles(TileList):
         with program.loop(self.listing):
             program.launch(
                 sliding.select,
-                *(self.lists.array, self._slides, self._bounds, self._bodies, self.list, self.count),
+                *(self.lists.array, self._slides, self._bounds, self._cells, self._bodies),
+                *(self.list, self.count),
                 chunks=self._chunks_of_bounds,
             )
             program.decide(
                 sliding.listed, self.lists.array, self.listing, self._depth, self.count, self._least
             )
+
+    def refresh(self, program: Program) -> None:
+        """Make all bounds anew from the heights, in a program, after what may have raised a surface."""
+        slots = self._executor.slots_of(self._bodies.disc.shape[0])
+        program.launch(bounds.remake, self._bodies, self._bounds, slots=slots)
+
+    def below_bounds(self) -> float:
+        """Return by how much a body stands out of a bound of a tile, or a gap below its own, at most."""
+        bodies = self._bodies
+        counter, disc = of_tiles(np.minimum, bodies.counter), of_tiles(np.maximum, bodies.disc)
+        nx, tiles = counter.shape
+        lowest = np.maximum(self.lowest.to_numpy(), np.repeat(self.lowest_of_eight.numpy(), LANES, axis=1))
+        highest = np.minimum(self.highest.to_numpy(), self.highest_of_row.numpy()[:, None])
+        below, above = lowest[:, :tiles] - counter, disc - highest[:, :tiles]
+        worst = max(float(below.max()), float(above.max()))
+        if self._bounds.stays:  # gaps, too, stay as they were made
+            rows = (np.arange(nx) + self._slides.numpy()["shift"][0]) % disc.shape[0]
+            now = of_tiles(np.minimum, bodies.counter.numpy() - bodies.disc.numpy()[rows])
+            known = self.gap.to_numpy()[:, :tiles]
+            worst = max(worst, float((known - now)[known != 0.0].max(initial=0.0)))
+        return worst
 
     def begin_at(self, shift: int) -> tuple[float, float]:
         """Return what no gap is lower than at a displacement, and a limit that lists enough tiles [mm]."""

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from warpwear.errors import InputError
-from warpwear.grid import FloatArray
-from warpwear.history.quantities import FIELDS, OF_THE_TRACK, Quantity
+from warpwear.grid import FloatArray, Frame
+from warpwear.history.quantities import FIELDS, Quantity
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.archard import BODIES
 from warpwear.results.file import ResultFile
@@ -22,19 +22,20 @@ TRACK = "track"
 ALL = slice(None)
 #: A gap beyond this stands for a place beyond the counter-body's rim [mm].
 NO_SURFACE = 1.0e20
+_HEIGHTS: tuple[tuple[str, str, str, str | None, Frame], ...] = (
+    ("height_counter", "counter-body", "0 at the unworn apex", None, "counter"),
+    ("height_disc", "disc", "over its mean plane", None, "contact"),  # of a track what lies beneath
+    ("height_track", "track", "over its mean plane", "track", "disc"),
+)
 #: Heights of worn bodies, as fields beside those of a snapshot.
 HEIGHTS = {
-    name: Quantity(name, "mm", f"height of the worn {body} out of its material, {over}", "cell", only)
-    for name, body, over, only in (
-        ("height_counter", "counter-body", "0 at the unworn apex", None),
-        ("height_disc", "disc", "over its mean plane", None),
-        ("height_track", "track", "over its mean plane", "track"),
-    )
+    name: Quantity(name, "mm", f"height of the worn {body} out of its material, {over}", "cell", only, frame)
+    for name, body, over, only, frame in _HEIGHTS
 }
 #: Every field that can be written, by name.
 WRITABLE = FIELDS | HEIGHTS
 #: Fields on the track of a swept run; its disc beneath the counter-body has a height of its own.
-ON_THE_TRACK = (*OF_THE_TRACK, "height_track")
+ON_THE_TRACK = tuple(name for name, quantity in WRITABLE.items() if quantity.frame == "disc")
 
 
 def worn_heights(
@@ -170,7 +171,7 @@ class Job:
         fields: dict[str, FloatArray] = {}
         for key in self.fields:
             of_track = swept and key in ON_THE_TRACK
-            if on_track != of_track and (on_track or whole_disc or key not in OF_THE_TRACK):
+            if on_track != of_track and (on_track or whole_disc or key not in FIELDS):
                 continue
             if key in snapshot.fields:
                 values = snapshot.fields[key]

@@ -1,0 +1,61 @@
+#pragma once
+// What cells have of their own, and the depths that a step wears off both of their bodies.
+//
+// Every pass that wears goes by `removal_of`, as every pass over springs goes by `on_spring`. A law of wear
+// that differs from cell to cell is told here and nowhere else.
+#include "law.h"
+
+// The depth that a pressure wears off a body whose cells are alike [mm]. k: K ΔL [mm³/N].
+template <typename Real> WARPWEAR_FN Real removal_of(double k, Real p)
+{
+#if !defined(__CUDA_ARCH__)
+#pragma clang fp contract(fast)
+#endif
+    return k * p;
+}
+
+// A row of a field, or none of a field without rows: its cells are alike.
+template <typename Field> WARPWEAR_FN const Stored* row_or_none(const Field& field, int row)
+{ return field.shape[0] > 0 ? row_of(field, row) : nullptr; }
+
+// What a cell has of its own, or what all have.
+WARPWEAR_FN Lanes own_or(const Stored* own, int i, Lanes alike) { return own ? (Lanes)own[i] : alike; }
+
+// What the cells of a row have of their own, see `CellProperties`.
+struct CellRow {
+    const Stored *stiffness, *cap_ratio, *shear_ratio, *k_counter, *k_disc, *material;
+
+    template <typename Properties>
+    CUDA_CALLABLE CellRow(const Properties& cells, int row)
+        : stiffness(row_or_none(cells.stiffness, row)), cap_ratio(row_or_none(cells.cap_ratio, row)),
+          shear_ratio(row_or_none(cells.shear_ratio, row)), k_counter(row_or_none(cells.k_counter, row)),
+          k_disc(row_or_none(cells.k_disc, row)), material(row_or_none(cells.material, row))
+    {
+    }
+};
+
+// A number of each body.
+struct PerBody {
+    Lanes counter, disc;
+};
+
+// The depths that a step wears off both bodies of cells [mm]: K ΔL p, and what their shear wears. pressure:
+// as each body sees it. sheared: part of the step in contact times the shear ratio. OWN: whether cells have a
+// K each; SHEARS: whether shear wears. Nothing of it is fused with what it is added to.
+template <bool OWN, bool SHEARS, typename Slide>
+WARPWEAR_FN PerBody removal_of(const Slide& step, const CellRow& cells, int i, const PerBody& pressure,
+                               const PerBody& sheared)
+{
+#if !defined(__CUDA_ARCH__)
+#pragma clang fp contract(off)
+#endif
+    const Lanes one = 1.0;
+    const Lanes k_counter = OWN ? own_or(cells.k_counter, i, one) : one;
+    const Lanes k_disc = OWN ? own_or(cells.k_disc, i, one) : one;
+    PerBody depth = {step.k_counter * k_counter * pressure.counter, step.k_disc * k_disc * pressure.disc};
+    if (SHEARS) {
+        depth.counter += step.shear_counter * sheared.counter;
+        depth.disc += step.shear_disc * sheared.disc;
+    }
+    return depth;
+}
