@@ -85,6 +85,7 @@ class PressureSum(IntEnum):
     SLIP_WORK = 6  # Σ p s, of cells that slip by lengths of their own [MPa mm]
     STUCK = 7  # cells in contact that do not
     RUBBED = 8  # cells, each by the part of the step that it was in contact
+    BARE = 9
 
 
 class PressureMost(IntEnum):
@@ -99,6 +100,8 @@ class PressureMost(IntEnum):
     LAST_COLUMN = 6
 
 
+#: Sums that a feature of a contact enters in its books, where there is one.
+OF_FEATURES = {"bare", "slip_work", "stuck"}
 #: Tables whose lines C++ knows by name, see `native_code`: they are numbered from 0 on.
 TABLES = (WearSum, WearMost, TrackSum, TrackMost, PressureSum, PressureMost)
 

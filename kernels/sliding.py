@@ -12,6 +12,7 @@ import warp as wp
 from warpwear.kernels import native_code
 from warpwear.kernels.balance import Springs
 from warpwear.kernels.cells import NONE, CellProperties, Cells
+from warpwear.kernels.running_in.sources import Sources
 from warpwear.kernels.tiles import Listing
 
 wp.set_module_options(native_code.options("sliding.h"))
@@ -119,6 +120,7 @@ def select(
     lists: wp.array(dtype=Listing),
     slides: wp.array(dtype=Slide),
     bounds: Bounds,
+    sources: Sources,
     cells: CellProperties,
     bodies: Bodies,
     list_out: wp.array2d(dtype=wp.int32),

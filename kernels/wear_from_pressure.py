@@ -5,21 +5,16 @@ disc is worn by its own pressure, one of the counter-body by the mean of those t
 
 A row of the fields is a row of a grid, which is one line of a `Layout`, or a patch with its lines one after
 another. The loops are C++: native/wear_from_pressure.h.
-
-Beside that stand films, with which these kernels are compiled: cells are bare of film where they wore, and
-that changes their caps. A body's cell has lost its film where more than the film's thickness was worn off it
-since the film was last whole. A cell of the contact is bare where that holds of every body that carries one.
-Fields are those of the counter-body, or of patches; the disc's rows lie under them displaced, as in
-`sliding`. These loops are C++, too: native/film.h.
 """
 
 import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import CellProperties, Cells, Layout
+from warpwear.kernels.running_in.sources import Sources
 from warpwear.kernels.sliding import Bodies, OfRows, Slide
 
-wp.set_module_options(native_code.options("film.h", "wear_from_pressure.h"))
+wp.set_module_options(native_code.options("wear_from_pressure.h"))
 
 
 @wp.struct
@@ -50,6 +45,7 @@ def means(
 def gaps(
     slides: wp.array(dtype=Slide),
     bodies: Bodies,
+    sources: Sources,
     cells: CellProperties,
     means_in: wp.array2d(dtype=Cells),
     gap_out: wp.array2d(dtype=Cells),
@@ -108,47 +104,3 @@ def yields(
     yields_out: wp.array2d(dtype=Cells),
 ):
     """Return the compliance that a jump lends cells by their slips at its end [mm/MPa]."""
-
-
-@wp.struct
-class Coat:
-    """Holds one body's film by fields; these have no rows where there is none, or it never forms anew."""
-
-    wear: wp.array2d(dtype=Cells)  # of the body, from its unworn surface [mm]
-    whole: wp.array2d(dtype=Cells)  # that wear, when the film was last whole [mm]
-    seen: wp.array2d(dtype=Cells)  # that wear, at the end of the last step that could change it [mm]
-    rubbed: wp.array2d(dtype=Cells)  # sliding distance at which it last changed [mm]
-
-
-@wp.struct
-class Films:
-    """Holds the films of both bodies, and what they make of the cells of the contact."""
-
-    counter: Coat
-    disc: Coat
-    thickness: wp.float64  # [mm]
-    regrowth: wp.float64  # sliding distance without wear after which a film is whole again [mm]
-    cap_filmed: wp.float64  # over the hardness
-    cap_bare: wp.float64
-    shear_filmed: wp.float64  # shear strength over that of a bare cell
-    cells: CellProperties  # as the last step began
-
-
-@native_code.native_pass("look_at_film")
-def look(slides: wp.array(dtype=Slide), films: Films):
-    """See which of the cells ever touched are bare as a step begins, and what that makes of them."""
-
-
-@native_code.native_pass("rub_film")
-def rub(slides: wp.array(dtype=Slide), films: Films):
-    """Note the distance at the end of a step where the bodies were worn in it; of films that form anew."""
-
-
-@native_code.native_pass("count_bare")
-def bare_under_pressure(
-    slides: wp.array(dtype=Slide),
-    films: Films,
-    pressure_in: wp.array2d(dtype=Cells),
-    sums_out: wp.array2d(dtype=wp.float64),
-):
-    """Count bare cells among those with a pressure, of the rows visited."""

@@ -10,6 +10,41 @@ WARPWEAR_FN int under_row(int row, int shift, int rows)
     return displaced < rows ? displaced : displaced - rows;
 }
 
+// Threads that visit a tile together: on a CPU the one of the slot, on a GPU a warp, a cell each.
+#if defined(__CUDA_ARCH__)
+static const int TEAM = 32;
+#else
+static const int TEAM = 1;
+#endif
+
+WARPWEAR_FN int team_of_slot() { return lane_of_slot() / TEAM; }
+WARPWEAR_FN int teams_of_slot() { return (width_of_slot() + TEAM - 1) / TEAM; }
+WARPWEAR_FN int lane_of_team() { return lane_of_slot() % TEAM; }
+
+// Bring what the threads of a team have to one number, in the first of them.
+WARPWEAR_FN double of_team(double value, bool adds)
+{
+#if defined(__CUDA_ARCH__)
+    for (int apart = TEAM / 2; apart > 0; apart /= 2) {
+        const double other = __shfl_down_sync(0xffffffff, value, apart);
+        value = adds ? value + other : (value > other ? value : other);
+    }
+#endif
+    return value;
+}
+
+// Some cells of a row, as a thread visits them.
+struct Span {
+    int first, end, stride;
+};
+
+// Those of a tile, by the threads of a team.
+WARPWEAR_FN Span span_of_tile(int t, int of_row)
+{
+    const int end = (t + 1) * OF_TILE;
+    return {t * OF_TILE + lane_of_team(), end < of_row ? end : of_row, TEAM};
+}
+
 // Numbers of the lanes, added to the index of the first cell.
 WARPWEAR_FN Lanes columns_from(int first)
 {

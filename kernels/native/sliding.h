@@ -1,42 +1,18 @@
 #pragma once
 // A disc displaced under a ball: the tiles that can touch, the wear of both bodies, and their sums by rows.
 
-#include "bodies.h"
+#include "running_in/sources.h"
 #include "wear.h"
-
-// Threads that visit a tile together: on a CPU the one of the slot, on a GPU a warp, a cell each.
-#if defined(__CUDA_ARCH__)
-static const int TEAM = 32;
-#else
-static const int TEAM = 1;
-#endif
-
-WARPWEAR_FN int team_of_slot() { return lane_of_slot() / TEAM; }
-WARPWEAR_FN int teams_of_slot() { return (width_of_slot() + TEAM - 1) / TEAM; }
-WARPWEAR_FN int lane_of_team() { return lane_of_slot() % TEAM; }
-
-// Bring what the threads of a team have to one number, in the first of them.
-WARPWEAR_FN double of_team(double value, bool adds)
-{
-#if defined(__CUDA_ARCH__)
-    for (int apart = TEAM / 2; apart > 0; apart /= 2) {
-        const double other = __shfl_down_sync(0xffffffff, value, apart);
-        value = adds ? value + other : (value > other ? value : other);
-    }
-#endif
-    return value;
-}
 
 // Make the gap of a tile; the lowest of the cells that a thread makes. shear_ratio: where cells lose unlike
 // depths by their shear, none else; what they lose beyond the least is in the gap.
 template <typename Slide>
-WARPWEAR_FN Lanes gap_of_tile(int t, int of_row, const Stored* counter, const Stored* disc, Stored* gap,
+WARPWEAR_FN Lanes gap_of_tile(const Span& span, const Stored* counter, const Stored* disc, Stored* gap,
                               const Stored* shear_ratio, const Slide& slide)
 {
     const double lift = slide.shear_counter + slide.shear_disc, least = least_shear(slide);
     Lanes low = ABSENT;
-    const int last = (t + 1) * OF_TILE < of_row ? (t + 1) * OF_TILE : of_row;
-    for (int i = t * OF_TILE + lane_of_team(); i < last; i += TEAM) {
+    for (int i = span.first; i < span.end; i += span.stride) {
         Lanes g = counter[i] - disc[i];
         if (shear_ratio) g += lift * shear_ratio[i] - least;
         gap[i] = g;
@@ -46,21 +22,22 @@ WARPWEAR_FN Lanes gap_of_tile(int t, int of_row, const Stored* counter, const St
 }
 
 // List, row by row, the tiles with a gap that does not exceed the limit, and make their gaps. Where the
-// bounds of a pair of tiles let it touch, its gap decides: a list holds no tile too many. The lowest gap of a
+// bounds of a pair of tiles let it touch, its gap decides: a list holds no tile too many. What its cells have
+// of their own is made with the gap, but under a disc that lies still: see `make_listed`. The lowest gap of a
 // tile is noted; under a disc that lies still it stays known, as 0 where the gap was never made. The lowest
 // of eight tiles of the counter-body with the highest of the disc's row spares a CPU most bounds.
-template <typename Lists, typename Slides, typename Bounds, typename Properties, typename Bodies,
-          typename List, typename Count>
+template <typename Lists, typename Slides, typename Bounds, typename Sources, typename Properties,
+          typename Bodies, typename List, typename Count>
 WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Slides& slides,
-                              const Bounds& bounds, const Properties& cells, const Bodies& bodies,
-                              const List& list, const Count& counts)
+                              const Bounds& bounds, const Sources& sources, const Properties& cells,
+                              const Bodies& bodies, const List& list, const Count& counts)
 {
     const auto& step = wp::index(slides, 0);
     const double lift = (step.shear_counter + step.shear_disc) * step.most_shear_ratio;
     const double limit = wp::index(lists, 0).limit + lift;
     const int shift = step.shift, of_row = bodies.gap.shape[1] * OF_VECTOR;
     const int tiles = (of_row + OF_TILE - 1) / OF_TILE;
-    const bool stays = bounds.stays == 1;
+    const bool stays = bounds.stays == 1, made_here = makes(sources, cells) && !stays;
     for (int row = slot; row < bodies.gap.shape[0]; row += slots) {
         const int under = under_row(row, shift, bodies.disc.shape[0]);
         const Stored *const counter = row_of(bodies.counter, row), *const disc = row_of(bodies.disc, under);
@@ -69,7 +46,9 @@ WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Sli
         Stored *const gap = row_of(bodies.gap, row), *const of_tiles = row_of(bounds.gap, row);
         const Stored* const shear_ratio = row_or_none(cells.shear_ratio, row);
         const auto lowest_gap = [&](int t) {
-            const Lanes apart = gap_of_tile(t, of_row, counter, disc, gap, shear_ratio, step);
+            const Span span = span_of_tile(t, of_row);
+            if (made_here) make_cells(step, sources, cells, row, under, span);
+            const Lanes apart = gap_of_tile(span, counter, disc, gap, shear_ratio, step);
             const double low = -of_team(most(-apart), false);
             if (lane_of_team() == 0) ((double*)of_tiles)[t] = low;
             return low;

@@ -2,7 +2,7 @@
 // Wear of a ball and a disc by a stored pressure, and the gap that the disc's asperities meet on their way.
 
 #include "fretting.h"
-#include "properties.h"
+#include "running_in/sources.h"
 
 // Means of a field over `window` rows around each; of an even number the row at either end counts half. At
 // the first and the last row the field is mirrored, so that its sum is kept there too. Over as many rows as
@@ -48,9 +48,9 @@ WARPWEAR_FN Stored* mean_of(const Field& field, const Field& means, int row, int
 
 // The gap that a cell of the disc meets on its way through a step: that of the bodies, with the mean of the
 // counter-body's wear along the way instead of the wear at its middle. Where pressures move with the
-// counter-body it is the mean of the disc's wear.
-template <typename Slides, typename Bodies, typename Properties, typename Field>
-WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& bodies,
+// counter-body it is the mean of the disc's wear. What cells have of their own is made with it.
+template <typename Slides, typename Bodies, typename Sources, typename Properties, typename Field>
+WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& bodies, const Sources& sources,
                       const Properties& cells, const Field& means, const Field& gaps)
 {
 #if !defined(__CUDA_ARCH__)
@@ -62,7 +62,10 @@ WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& b
     for (int row = slot; row < gaps.shape[0]; row += slots) {
         const auto& worn = slide.counter_moves == 1 ? bodies.wear_disc : bodies.wear_counter;
         const Stored *const counter = row_of(bodies.counter, row), *const wear = row_of(worn, row);
-        const Stored* const disc = row_of(bodies.disc, under_row(row, slide.shift, bodies.disc.shape[0]));
+        const int under = under_row(row, slide.shift, bodies.disc.shape[0]);
+        const Stored* const disc = row_of(bodies.disc, under);
+        if (makes(sources, cells))
+            make_cells(slide, sources, cells, row, under, {lane_of_slot(), of_row, width_of_slot()});
         const Stored* const met = mean_of(worn, means, row, window);
         const Stored* const shear_ratio = row_or_none(cells.shear_ratio, row);
         Stored* const gap = row_of(gaps, row);
@@ -184,6 +187,7 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                 summed.counted(PressureSum::CONTACT) += p > zero ? yes : no;
                 summed.counted(PressureSum::CAPPED) += p >= most_here ? yes : no;
                 summed.of(PressureSum::WEAR_COUNTER) += a;
+                if (own.material) summed.of(PressureSum::BARE) += p > zero ? (Lanes)own.material[i] : zero;
                 highest = larger_of(highest, p);
                 deepest_counter = larger_of(deepest_counter, a);
                 if (shears) summed.of(PressureSum::RUBBED) += (Lanes)rubs[i];

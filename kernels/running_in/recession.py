@@ -8,75 +8,21 @@ z(v) = m + s ln(q + (1 + q)(e^(v/s) − 1)) with q = e^(−m/s).
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.cells import LANES, ONE, ZERO, Cells
+from warpwear.kernels.cells import LANES, ZERO, Cells
 from warpwear.kernels.contact import Law
-from warpwear.kernels.sliding import Slide
+from warpwear.kernels.running_in.sources import Curve
 
-wp.set_module_options(native_code.options())
-
-#: Beyond this many scales s the rest of the curve is a straight line to rounding, and e^(v/s) may overflow.
-STRAIGHT = wp.constant(wp.float64(60.0))
-#: 1/c of cells that do not yield [N/mm³].
-RIGID = wp.constant(wp.float64(1.0e300))
+wp.set_module_options(native_code.options("running_in/recession.h"))
 
 
-@wp.struct
-class Curve:
-    """Describes a logistic bearing area curve φ(z)."""
-
-    middle: wp.float64  # m [mm]
-    scale: wp.float64  # s [mm]
-
-
-@wp.func
-def depth_beyond(volume: wp.float64, curve: Curve):
+@wp.func_native("return depth_beyond(volume, curve);")
+def depth_beyond(volume: wp.float64, curve: Curve) -> wp.float64:
     """Return z(v) − v: how much deeper the surface stands than its mean worn depth."""
-    q = wp.exp(-curve.middle / curve.scale)
-    worn = wp.min(volume / curve.scale, STRAIGHT)
-    bent = curve.middle + curve.scale * wp.log(q + (ONE + q) * (wp.exp(worn) - ONE)) - volume
-    straight = curve.middle + curve.scale * wp.log(ONE + q)
-    return wp.where(volume > curve.scale * STRAIGHT, straight, bent)
 
 
-@wp.func
-def bearing_ratio(volume: wp.float64, curve: Curve):
+@wp.func_native("return bearing_ratio(volume, curve);")
+def bearing_ratio(volume: wp.float64, curve: Curve) -> wp.float64:
     """Return the fraction φ of the area that bears where a mean depth v [mm] was worn off."""
-    z = volume + depth_beyond(volume, curve)
-    return ONE / (ONE + wp.exp(-(z - curve.middle) / curve.scale))
-
-
-@wp.kernel
-def stiffness(
-    first_slot: wp.int32,
-    slots: wp.int32,
-    slides: wp.array(dtype=Slide),
-    curve: Curve,
-    factor_in: wp.array2d(dtype=Cells),
-    wear_disc_in: wp.array2d(dtype=Cells),
-    stiffness_out: wp.array2d(dtype=Cells),
-):
-    """Store 1/c of the cells in an implicit step: their own compliance and the wear of both bodies, K ΔL/φ.
-
-    factor_in: of the sliding distance of the disc's cells. A curve without a scale bears everywhere; else φ
-    is as it is at the step's start.
-    """
-    slot = first_slot + wp.tid() // wp.block_dim()
-    slide = slides[0]
-    compliance = slide.own + slide.k_counter
-    k_disc = slide.k_disc
-    for row in range(slot, stiffness_out.shape[0], slots):
-        factor_row = wp.min(row, factor_in.shape[0] - 1)
-        for k in range(wp.tid() % wp.block_dim(), stiffness_out.shape[1], wp.block_dim()):
-            f = factor_in[factor_row, k]
-            c = Cells()
-            if curve.scale > ZERO:
-                v = wear_disc_in[row, k]
-                for j in range(LANES):
-                    c[j] = ONE / (compliance + k_disc * f[j] / bearing_ratio(v[j], curve))
-            else:
-                for j in range(LANES):
-                    c[j] = wp.min(ONE / (f[j] * k_disc + compliance), RIGID)
-            stiffness_out[row, k] = c
 
 
 @wp.kernel

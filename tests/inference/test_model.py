@@ -1,20 +1,23 @@
 """What an inference computes by: one run and its scaling, areas of whole cells, emulators of many runs."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from cases_inference import smooth_study, worn_paraboloid
 
 import warpwear
-from warpwear import InputError
+from warpwear import InputError, Study
 from warpwear.inference.data import Data
 from warpwear.inference.emulator import Emulator
 from warpwear.inference.likelihood import Posterior
 from warpwear.inference.model import Model
 from warpwear.inference.runs import Runs, scales
 from warpwear.inference.unknowns import unknowns_of
+from warpwear.laws.archard import WearLaw
+from warpwear.laws.friction import FRICTION_LAWS, FrictionLaw
 from warpwear.sweeps.run_one import Row
 
 pytest.importorskip("emcee")
@@ -42,6 +45,61 @@ def test_areas_of_whole_cells_carry_their_scatter() -> None:
     asked: dict[str, str | None] = {"friction.shear_strength": "normal 3 +- 0.3 MPa"}
     made = Model(study, tuple(unknowns_of(study, asked)), runs)
     assert not Posterior(made, (), Data()).linear  # the strength decides how uncertain friction is
+
+
+@dataclass(frozen=True)
+class SilentLaw(WearLaw):
+    """Archard's, in a class of its own, which may do more."""
+
+
+class SilentFriction(FrictionLaw):
+    """The shear strength's, likewise."""
+
+
+@dataclass(frozen=True)
+class SilentFilm:
+    """Is no class of `Scales` at all."""
+
+
+def test_a_law_that_says_nothing_does_not_scale(monkeypatch: pytest.MonkeyPatch) -> None:
+    study = smooth_study()
+    assert scales(study)
+    task = study.contact_task
+    assert not replace(task, wear=(task.wear[0], SilentLaw(1e-9))).scales
+    assert not replace(task, film=SilentFilm()).scales  # type: ignore[arg-type]
+    for where, name in ((Study, "wear_laws"), (Study, "contact_task")):
+        with monkeypatch.context() as patch:
+            silent: Any = (SilentLaw(1e-9), SilentLaw(1e-9))
+            value = silent if name == "wear_laws" else replace(task, wear=silent)
+            patch.setattr(where, name, property(lambda _, value=value: value))
+            assert not scales(study)
+    monkeypatch.setitem(FRICTION_LAWS, "shear-strength", SilentFriction)
+    assert not scales(study)
+
+
+FLAT = {"disc.synthetic.kind": "flat"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"wear.law": "exponential", "wear.decay": "0.01 1/mm"}, True),
+        ({"wear.law": "running-in", "wear.running_in": "1 mm", "wear.initial_disc": "3e-3 mm^3/N/m"}, True),
+        ({"friction.initial_ratio": 2.0, "friction.running_in": "1 mm"}, True),
+        ({"friction.law": "coulomb", "friction.coefficient": 0.3}, True),
+        (
+            {"wear.law": "bearing-curve", "disc.synthetic.kind": "self-affine", "disc.synthetic.ra": "1 um"},
+            False,
+        ),
+        ({"wear.distance_factor": "radial"}, False),
+        ({"friction.area": "cumulative"}, False),
+        ({"friction.film.thickness": "20 nm", "friction.film.shear_strength": "1 MPa"}, False),
+        ({"stepping.scheme": "explicit", "stepping.force": True}, False),
+        ({"study.model": "micro", "sliding.kinematics": "swept", "sliding.stroke": "1 mm"} | FLAT, False),
+    ],
+)
+def test_what_one_run_can_serve(changes: dict[str, Any], expected: bool) -> None:
+    assert scales(smooth_study().replace(changes)) is expected
 
 
 def test_a_course_without_scatter_has_none() -> None:

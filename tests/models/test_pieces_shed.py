@@ -17,10 +17,10 @@ from warpwear.kernels.sliding_steps import Steps
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
-from warpwear.models.attachment import Place
-from warpwear.models.track import pieces as track_pieces
+from warpwear.models.features import particles
+from warpwear.models.features.feature import Place
+from warpwear.models.features.particles import OF_BODY, SlidingParticles
 from warpwear.models.track.bodies import SlidingBodies
-from warpwear.models.track.pieces import OF_BODY, SlidingPieces
 from warpwear.surfaces.form import Ball
 
 CELL = 0.005
@@ -171,7 +171,7 @@ class Shedding:
 
     def __init__(self, executor: Executor, pieces: Pieces, *, periodic: bool) -> None:
         self.bodies = bodies_of(executor, DISC, pieces)
-        self.pieces = SlidingPieces(pieces, executor, self.bodies, periodic=periodic)
+        self.pieces = SlidingParticles(pieces, executor, self.bodies.fields, periodic=periodic)
         self.share, self._executor, self._pressure = 1.0 - pieces.dust, executor, executor.zeros()
         self._slides = Numbers(Slide, executor.device, rows=GRID.nx)
         goes = wp.zeros(1, dtype=wp.int32, device=executor.device)
@@ -179,7 +179,7 @@ class Shedding:
         self._program = Program(executor)
         with self.pieces.at_beginning(self._program):
             self.pieces.before_search(self._program, Place(self._slides.array))
-            self.pieces.add_take(self._program, self._slides.array, self._pressure)
+            self.pieces.before_wear(self._program, Place(self._slides.array, pressure=self._pressure))
         steps = arguments(Steps, stepping=goes, history=self._rows)
         self.pieces.between(self._program, Place(self._slides.array, steps))
 
@@ -226,8 +226,8 @@ def test_the_same_pieces_as_by_a_serial_reference(
 def test_pieces_do_not_depend_on_how_many_a_table_holds(device: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where it is full in the midst of a step, the host empties it and the program goes on."""
     tables = []
-    for room in (track_pieces.ROOM, 0):  # of a round at least
-        monkeypatch.setattr(track_pieces, "ROOM", room)
+    for room in (particles.ROOM, 0):  # of a round at least
+        monkeypatch.setattr(particles, "ROOM", room)
         with Executor(GRID, device=device) as executor:
             shed = Shedding(executor, PIECES["20 um"], periodic=True)
             rows = [shed.step(step, 7 * step) for step in range(4)]

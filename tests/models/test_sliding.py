@@ -15,8 +15,8 @@ from warpwear.engine.executor import Executor, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.recorder import Step
-from warpwear.kernels.cells import CellProperties
 from warpwear.kernels.sliding import Bodies, Slide
+from warpwear.models.features.features import Features
 from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.tiles import SlidingTiles
 
@@ -216,8 +216,8 @@ def test_bounds_follow_the_wear(threads: int) -> None:
         for move in displacements(rng, periodic=True):
             contact.step(*move)
         bodies = arguments(Bodies, **contact.state.fields, gap=executor.zeros())
-        slides, cells = Numbers(Slide, executor.device).array, arguments(CellProperties)
-        again = SlidingTiles(executor, bodies, slides, cells, least=1.0)
+        slides = Numbers(Slide, executor.device).array
+        again = SlidingTiles(executor, bodies, slides, Features({}), least=1.0)
         assert np.array_equal(contact.tiles.lowest.to_numpy(), again.lowest.to_numpy())
         assert np.array_equal(contact.tiles.highest.to_numpy(), again.highest.to_numpy())
 

@@ -16,6 +16,7 @@ class Numbers:
     """
 
     STATE: ClassVar = {"values": dict}
+    SCRATCH: ClassVar = ("_there", "_host")
 
     def __init__(
         self, kind: Any, device: Any, *, written: bool = True, **values: float | list[float]

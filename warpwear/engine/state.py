@@ -7,7 +7,8 @@ A part is an object with a `STATE`, which names the attributes that steps change
 Arrays on a device are restored in place; parts of a part by their own `STATE`; dataclasses and named tuples
 of numbers, arrays and None are made anew. What cells, tiles or rows of a body have declares its frame, by
 which it follows a disc that is changed: see `frames`. A part that must do more, once it is restored, does it
-in `restored()`.
+in `restored()`. What else steps change of it is made anew before it is read: these attributes are its
+`SCRATCH`.
 """
 
 from collections import deque
@@ -33,7 +34,7 @@ class InFrame:
 
 
 @dataclass(frozen=True)
-class _Found:
+class _Entries:
     """Holds the arrays of a state by dotted name, and the frames of those that declare one."""
 
     whole: bool
@@ -55,16 +56,17 @@ def save(part: Part, *, whole: bool = False) -> tuple[dict[str, np.ndarray], dic
     Arrays of a CPU are views, which the next step changes. whole: whether they are copies, of all columns,
     so that `restore` takes back what steps have done since.
     """
-    found = _Found(whole)
-    numbers = _saved(part, "", found)
-    return {name: values.copy() for name, values in found.arrays.items()} if whole else found.arrays, numbers
+    entries = _Entries(whole)
+    numbers = _saved(part, "", entries)
+    arrays = entries.arrays
+    return {name: values.copy() for name, values in arrays.items()} if whole else arrays, numbers
 
 
 def frames(part: Part) -> dict[str, Frame]:
     """Return the frames of the arrays that `save` returns, by the same names, of those that declare one."""
-    found = _Found(whole=True)
-    _saved(part, "", found)
-    return found.frames
+    entries = _Entries(whole=True)
+    _saved(part, "", entries)
+    return entries.frames
 
 
 def restore(part: Part, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:
@@ -76,26 +78,26 @@ def restore(part: Part, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, 
     _restore(part, "", arrays, numbers)
 
 
-def _saved(part: Any, path: str, found: _Found, frame: Frame | None = None) -> dict[str, Any]:
+def _saved(part: Any, path: str, entries: _Entries, frame: Frame | None = None) -> dict[str, Any]:
     numbers: dict[str, Any] = {}
     for name, kind in part.STATE.items():
         value, place = getattr(part, name), path + name.lstrip("_")
-        numbers[name] = _put(value, kind, place, found, frame)
+        numbers[name] = _put(value, kind, place, entries, frame)
         if isinstance(kind, InFrame) and kind.columns:
-            found.arrays[place] = _columns(part, found.arrays[place], whole=found.whole)
+            entries.arrays[place] = _columns(part, entries.arrays[place], whole=entries.whole)
     return numbers
 
 
-def _put(value: Any, kind: Any, path: str, found: _Found, frame: Frame | None) -> Any:
+def _put(value: Any, kind: Any, path: str, entries: _Entries, frame: Frame | None) -> Any:
     """Enter the arrays of a value, in a frame if not in its kind's; return its numbers, None for arrays."""
     if isinstance(kind, InFrame):
         frame = kind.frame
     if hasattr(value, "STATE"):
-        return _saved(value, f"{path}.", found, frame)
+        return _saved(value, f"{path}.", entries, frame)
     if isinstance(value, wp.array | np.ndarray):
-        found.arrays[path] = value.numpy() if isinstance(value, wp.array) else value
+        entries.arrays[path] = value.numpy() if isinstance(value, wp.array) else value
         if frame is not None:
-            found.frames[path] = frame
+            entries.frames[path] = frame
         return None
     if is_dataclass(value):
         value = {field.name: getattr(value, field.name) for field in fields(value)}
@@ -103,9 +105,9 @@ def _put(value: Any, kind: Any, path: str, found: _Found, frame: Frame | None) -
         value = value._asdict()
     if isinstance(value, Mapping):
         kinds = kind if isinstance(kind, Mapping) else {}
-        return {n: _put(item, kinds.get(n), f"{path}.{n}", found, frame) for n, item in value.items()}
+        return {n: _put(item, kinds.get(n), f"{path}.{n}", entries, frame) for n, item in value.items()}
     if isinstance(value, list | tuple | deque):
-        return [_put(item, None, f"{path}.{n}", found, frame) for n, item in enumerate(value)]
+        return [_put(item, None, f"{path}.{n}", entries, frame) for n, item in enumerate(value)]
     return value
 
 

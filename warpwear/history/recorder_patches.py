@@ -26,7 +26,6 @@ class Worn:
     approach: tuple[float, float]  # of the bodies, base and offset [mm]
     reference: float  # pressure from which the squares count [MPa]
     evaluations: int
-    bare: float | None = None  # cells in contact that were bare of film; None without one
 
 
 def bytes_of_book(steps: int, patches: int) -> int:
@@ -106,8 +105,6 @@ class PatchLedger(Ledger):
         for. Raises ConvergenceError where the pressures do not add up to the load.
         """
         total, most = (divided(both, self._fractions) for both in (worn.total, worn.most))
-        if worn.bare is not None:
-            total["bare"] = worn.bare
         load, approach = self._task.load, sum(worn.approach)
         residual = checked_residual(total["pressure"] * self._of_cell - load, load, approach=approach)
         self.book.enter(load_share=worn.loads, area_patch=worn.areas)

@@ -95,20 +95,14 @@ class Runs:
 def scales(study: Study) -> bool:
     """Tell whether a study's area and scar follow from the sum of both wears alone, over the distance.
 
-    That is so of a contact at rest by Archard's law, implicit steps, and nothing that remembers the distance.
+    That is so of a contact at rest, in implicit steps, by laws that all say so of themselves.
     """
     return (
         not study.is_swept
-        and study.fretting is None
-        and study.wear.law != "bearing-curve"
-        and study.wear.distance_factor == "none"
-        and not study.wear.sheds
-        and study.friction.film is None
-        and all(profile.scales for profile in study.profiles or ())
-        and study.friction.junction_growth == 0.0
-        and study.friction.area != "cumulative"
-        and study.stepping.scheme == "implicit"
         and study.study.model != "two-scale"
+        and study.contact_task.scales
+        and study.friction.law_with().scales
+        and study.friction.junction_growth == 0.0
         and min(study.wear_coefficients) >= 0.0
     )
 

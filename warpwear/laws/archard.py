@@ -20,14 +20,24 @@ CALLED = {"counter": "counter-body", "disc": "disc"}
 Number = TypeVar("Number", float, FloatArray)
 
 
+class Scales:
+    """Says of a law whether a contact's area and scar follow from the sum of both wears alone."""
+
+    @property
+    def scales(self) -> bool:
+        """Tell whether they do, so that one run serves all wear: if the class itself has `SCALES = True`."""
+        return bool(vars(type(self)).get("SCALES"))  # not inherited: what a law adds to another may not scale
+
+
 @dataclass(frozen=True)
-class WearLaw:
+class WearLaw(Scales):
     """Archard's law V = K F L has one K of a body [mm²/N] at all distances.
 
     A law is integrated over a step, not sampled: volumes do not depend on the step's size. Its numbers may be
     arrays that broadcast with the distances.
     """
 
+    SCALES: ClassVar[bool] = True
     name: ClassVar[str] = "archard"
     #: Number -> key of [wear]; with {body}, the counter-body and the disc have a K of their own.
     keys: ClassVar[dict[str, str]] = {"steady": "{body}"}
@@ -84,6 +94,7 @@ class WearLaw:
 class ExponentialLaw(WearLaw):
     """K falls as e^(−αL), an empirical fit: V = K F (1 − e^(−αL))/α (thesis eq 2.4)."""
 
+    SCALES = True
     name = "exponential"
     keys = WearLaw.keys | {"decay": "decay"}
     formula = r"K e^{-\alpha L}"
@@ -100,6 +111,7 @@ class ExponentialLaw(WearLaw):
 class RunningInLaw(WearLaw):
     """K + (K0 − K) e^(−L/L0) begins at another K and runs in, an empirical fit."""
 
+    SCALES = True
     name = "running-in"
     keys = WearLaw.keys | {"running_in": "running_in", "initial": "initial_{body}"}
     formula = "K + (K_0 - K) e^{-L/L_0}"
@@ -138,6 +150,7 @@ class EnergyLaw(WearLaw):
     depth of α τ a distance, whatever its pressure; τ may run in from another one.
     """
 
+    SCALES = True
     name = "energy"
     formula = r"\alpha_\mathrm{E} \mu"
     sentence = "worn volume in proportion to the energy that friction dissipates"
@@ -145,6 +158,11 @@ class EnergyLaw(WearLaw):
     shear: float = 0.0  # α τ0, a depth over a distance
     ratio: float = 1.0  # of τ at the start to τ0
     running_in: float = 1.0  # L_τ [mm]
+
+    @property
+    def scales(self) -> bool:
+        """Tell whether all of τ goes with the pressure; see `Scales`."""
+        return super().scales and self.shear == 0.0
 
     def wear_per_contact(self, start: float, increment: float) -> float:
         """Return ∫ α τ dL [mm]; see `WearLaw`."""

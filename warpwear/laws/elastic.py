@@ -2,12 +2,13 @@
 
 import math
 from dataclasses import dataclass
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 
 from warpwear import lazy
 from warpwear.grid import FloatArray
+from warpwear.laws.archard import Scales
 
 optimize = lazy.module("scipy.optimize")
 special = lazy.module("scipy.special")
@@ -29,12 +30,14 @@ def effective_modulus(first: tuple[float, float], second: tuple[float, float]) -
 
 
 @dataclass(frozen=True)
-class Hertz:
+class Hertz(Scales):
     """A smooth elastic counter-body is pressed on a flat (Johnson, Contact Mechanics, 1985, section 4.2).
 
     A ball by default; with another radius across sliding the contact is an ellipse. One radius may be
     infinite: that is a cylinder, pressed over its length, whose approach has no absolute zero (NaN).
     """
+
+    SCALES: ClassVar[bool] = True
 
     modulus: float  # E* [MPa]
     counter_radius: float  # R [mm] of the section along sliding

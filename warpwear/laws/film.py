@@ -8,9 +8,11 @@ doi 10.1098/rspa.1959.0114; α is 9 to 27 there).
 import math
 from dataclasses import dataclass
 
+from warpwear.laws.archard import Scales
+
 
 @dataclass(frozen=True)
-class Film:
+class Film(Scales):
     """Describes a film on one body or both, and what is left of a cell's hardness with and without it."""
 
     thickness: float  # [mm]

@@ -13,6 +13,7 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.grid import FloatArray
+from warpwear.laws.archard import Scales
 from warpwear.laws.elastic import Hertz, effective_modulus
 
 optimize = lazy.module("scipy.optimize")
@@ -35,7 +36,7 @@ def softness_ratio(*bodies: tuple[float, float], line: bool = False) -> float:
 
 
 @dataclass(frozen=True)
-class Fretting:
+class Fretting(Scales):
     """Holds what drives a fretting contact; models read nothing else of it."""
 
     friction: float  # μ of Coulomb's law

@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.laws.archard import of_decay
+from warpwear.laws.archard import Scales, of_decay
 from warpwear.laws.junctions import junction_strength
 from warpwear.laws.passes import WHEN, Laps, When, mean_over, within
 
@@ -32,7 +32,7 @@ class Factor:
     """A factor makes of τ0 the shear strength of bare contact at a step; without its keys it is 1.
 
     of: history and the numbers of the keys -> factor of every step. columns: of the history, that it reads.
-    formula: in LaTeX. sentence: what a paper says of it, with {key} for values.
+    formula: in LaTeX. sentence: what a paper says of it, with {key} for values. scales: see `archard.Scales`.
     """
 
     keys: tuple[str, ...]
@@ -40,6 +40,7 @@ class Factor:
     formula: str
     sentence: str
     columns: tuple[str, ...] = ("distance",)
+    scales: bool = False
 
 
 def _decay(history: Mapping[str, FloatArray], length: Any) -> FloatArray:
@@ -55,6 +56,7 @@ RUNNING_IN = Factor(
     of=lambda history, ratio, length: 1.0 + (ratio - 1.0) * _decay(history, length),
     formula=r"\left(1 + (r - 1) e^{-L/L_\tau}\right)",
     sentence="it runs in by 1 + (r − 1) e^(−L/L_τ), r = {initial_ratio:.4g}, L_τ = {running_in:.4g} mm",
+    scales=True,
 )
 FACTORS = (RUNNING_IN,)
 #: Keys of [friction] that are numbers of the law.
@@ -63,9 +65,10 @@ KEYS = (*NUMBERS, *FITTED, "area")
 
 
 @dataclass(frozen=True)
-class FrictionLaw:
+class FrictionLaw(Scales):
     """Holds what a contact's friction follows from: key of `KEYS` -> its value, a number also as an array."""
 
+    SCALES: ClassVar[bool] = True
     #: Key of what is the same at every step.
     constant: ClassVar[str] = PLOUGHING
 
@@ -85,6 +88,11 @@ class FrictionLaw:
     def strengths(self) -> tuple[str, ...]:
         """Return the keys of the shear strengths that cells have."""
         return (STRENGTH,) if self.values[FILM_STRENGTH] is None else (STRENGTH, FILM_STRENGTH)
+
+    @property
+    def scales(self) -> bool:
+        """Tell whether an area of the step shears, by factors that scale; see `archard.Scales`."""
+        return super().scales and self.area != "cumulative" and all(f.scales for f in self.factors)
 
     @property
     def said(self) -> str:
@@ -197,6 +205,7 @@ class FrictionLaw:
 class CoulombLaw(FrictionLaw):
     """Coulomb's law has one coefficient μ, ploughing included, whatever the area."""
 
+    SCALES = True
     constant = COEFFICIENT
     factors = strengths = ()
     said = ""

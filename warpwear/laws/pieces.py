@@ -11,13 +11,14 @@ from typing import Any
 import numpy as np
 
 from warpwear.grid import FloatArray
+from warpwear.laws.archard import Scales
 
 #: Rounds of a step in which pieces leave; what is left waits for the next step.
 ROUNDS = 60
 
 
 @dataclass(frozen=True)
-class Pieces:
+class Pieces(Scales):
     """Describes the pieces by which a body wears, instead of the dust of Archard's law."""
 
     diameter: float  # d* [mm]

@@ -1,7 +1,7 @@
 """A task holds the numbers of one contact, which its model, its history and its steps read."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Literal, Protocol
 
 from warpwear.grid import FloatArray
@@ -112,6 +112,18 @@ class ContactTask:
         alike = self.distance_factor == "none" and self.film is None and not self.shears
         alike = alike and (self.profiles is None or all(profile.is_uniform for profile in self.profiles))
         return alike and counter.in_proportion_to(disc)
+
+    @property
+    def scales(self) -> bool:
+        """Tell whether area and scar follow from the sum of both wears alone: if all its laws say so.
+
+        See `archard.Scales`. A member that is no plain number or word, but for the form, is a law.
+        """
+        members = [getattr(self, field.name) for field in fields(self) if field.name != "form"]
+        laws = [part for one in members for part in (one if isinstance(one, tuple) else (one,))]
+        laws = [law for law in laws if not isinstance(law, str | float | int | None)]
+        of_steps = self.implicit and self.distance_factor == "none"
+        return of_steps and all(getattr(law, "scales", False) for law in laws)
 
     @property
     def least_hardness(self) -> float:

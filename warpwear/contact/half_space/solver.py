@@ -86,6 +86,7 @@ class BoundedPressure:
     """
 
     STATE: ClassVar = {"pressure_field": InFrame("contact"), "started": bool}
+    SCRATCH: ClassVar = ("_fields", "_search", "_influence", "_said")
 
     def __init__(
         self,

@@ -172,6 +172,7 @@ class WindowedHalfSpace:
     """
 
     STATE: ClassVar = {"_started": bool, "_window": Window, "_pressure": InFrame("contact", columns=True)}
+    SCRATCH: ClassVar = ("_gradient", "_extents", "_mirror", "_here", "_stored")
 
     def __init__(
         self,

@@ -1,6 +1,5 @@
-"""The fine cells of all patches have places, a gap, and a film on them."""
+"""The fine cells of all patches have places, a gap, and what the study adds to them."""
 
-from collections.abc import Callable
 from typing import ClassVar
 
 import numpy as np
@@ -13,12 +12,13 @@ from warpwear.engine.state import InFrame
 from warpwear.engine.tiles import of_tiles
 from warpwear.grid import FloatArray
 from warpwear.kernels import patches as kernels
-from warpwear.kernels.cells import CellProperties
+from warpwear.kernels.cells import LANES
+from warpwear.kernels.running_in import film
 from warpwear.kernels.sliding import Slide
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
-from warpwear.models.attachment import Place
-from warpwear.models.film import BareCells
+from warpwear.models.features.feature import Place
+from warpwear.models.features.features import Features
 from warpwear.models.unworn import gap_over, layout_of
 
 
@@ -28,7 +28,8 @@ class PatchContact:
     executor: on `patches.grid`. heights: of the disc over its mean plane [mm], shape of the domain.
     """
 
-    STATE: ClassVar = {"gap": InFrame("contact"), "film": BareCells}
+    STATE: ClassVar = {"gap": InFrame("contact"), "features": Features}
+    SCRATCH: ClassVar = ("slides", "bare", "surfaces", "_worn")
 
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.initial = gap_over(task.form, heights, executor, patches)
@@ -36,11 +37,13 @@ class PatchContact:
         lowest = of_tiles(np.minimum, self.gap, lines=patches.side)
         #: Lowest gap of each patch before any wear [mm]: below that approach it carries nothing.
         self.lowest: FloatArray = lowest.min(axis=1)
-        #: Worn by both bodies [mm], where a film asks for it.
-        self._worn = executor.zeros(None if task.film else 0)
-        self.film = BareCells.of_both(task, executor, self._worn)
-        #: The step, and how many cells of each patch were bare under its pressure, where there is a film.
-        self.slides = Numbers(Slide, executor.device, written=False, rows=patches.count)
+        #: Worn by both bodies [mm], where a feature asks for it.
+        self._worn = executor.zeros(0 if task.film is None else None)
+        self.features = Features.of(task, executor, {"worn": self._worn})
+        #: The step, and how many cells of each patch were bare under its pressure.
+        self.slides = Numbers(
+            Slide, executor.device, written=False, rows=patches.count, end_column=executor.vectors * LANES
+        )
         self.bare = wp.zeros((1, patches.count), dtype=wp.float64, device=executor.device)
         self.surfaces = arguments(
             kernels.Surfaces,
@@ -50,11 +53,21 @@ class PatchContact:
             cells_of_patch=float(patches.side**2),
             gap=self.gap,
             unworn=self.initial,
-            cells=arguments(CellProperties, **({} if self.film is None else self.film.properties)),
+            cells=self.features.cells,
             trial=(3, patches.count),
         )
 
-    def add_film(self, program: Program, add: Callable[[Program, Place], None]) -> None:
-        """Add to a program what a film does before a step or after it, of what is worn then."""
-        program.launch(kernels.worn, self.surfaces, self._worn, slots=self.gap.shape[0])
-        add(program, Place(self.slides.array))
+    def ask(self, hook: str, program: Program) -> None:
+        """Let features add to a program what they do before a step or after it, of what is worn then."""
+        if self.features:
+            program.launch(kernels.worn, self.surfaces, self._worn, slots=self.gap.shape[0])
+            self.features.ask(hook, program, Place(self.slides.array))
+
+    def add_bare(self, program: Program, pressure: Field) -> None:
+        """Add to a program that it counts the bare cells of each patch under a pressure."""
+        cells = self.features.cells
+        if cells.material is not None:
+            slots = self.gap.shape[0]
+            program.launch(
+                film.bare_under_pressure, self.slides.array, cells, pressure, self.bare, slots=slots
+            )

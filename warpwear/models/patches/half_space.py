@@ -34,7 +34,6 @@ from warpwear.kernels.cells import (
     PADDING,
     PATCH_MAXIMA,
     PATCH_SUMS,
-    CellProperties,
     PressureMost,
     PressureSum,
 )
@@ -42,8 +41,8 @@ from warpwear.kernels.sliding import Bodies, OfRows, Slide
 from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
-from warpwear.models.attachment import Place
-from warpwear.models.film import BareCells
+from warpwear.models.features.feature import Place
+from warpwear.models.features.features import Features
 from warpwear.models.model import Model
 from warpwear.models.patches.shares import SmoothContact
 from warpwear.models.unworn import gap_over, layout_of
@@ -73,8 +72,9 @@ class HalfSpacePatches(Model):
         "_solver": BoundedPressure,
         "_reached": float,
         "visited": int,
-        "_film": BareCells,
+        "_features": Features,
     }
+    SCRATCH: ClassVar = ("_sums", "_maxima", "_slides", "_place", "_influence")
 
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.task, self._executor = task, executor
@@ -96,9 +96,7 @@ class HalfSpacePatches(Model):
             layout_of(executor, self.patches),
         )
         self.worn = executor.zeros()  # by both bodies [mm]
-        self._film = BareCells.of_both(task, executor, self.worn)
-        self._properties = arguments(CellProperties, **({} if self._film is None else self._film.properties))
-        self._parts = self._properties.cap_ratio
+        self._features = Features.of(task, executor, {"worn": self.worn})
         #: Cells where there is a surface, summed over the patches up to each.
         self._cells = np.cumsum((executor.to_numpy(self.gap) < PADDING).sum(axis=1))
         assert task.modulus is not None  # checked with the study
@@ -116,10 +114,9 @@ class HalfSpacePatches(Model):
         self._slides = Numbers(
             Slide, executor.device, written=False, window=1, end_column=executor.vectors * LANES
         )
-        self._bare = wp.zeros((1, executor.grid.nx), dtype=wp.float64, device=executor.device)
         self._look = Program(executor)
-        if self._film:
-            self._film.before_search(self._look, Place(self._slides.array))
+        self._place = Place(self._slides.array)
+        self._features.ask("make_all", self._look, self._place)
         self._wearing: Program | None = None
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
@@ -130,8 +127,7 @@ class HalfSpacePatches(Model):
         removals = self.task.wear_per_pressure(self._ledger.row["distance"], increment)
         start, certified = self._ledger.row["distance"], self.certified or None
         self._slides.set(start=start, end=start + increment)
-        if self._film:
-            self._look.run()
+        self._look.run()
         if self._smooth is None:
             self._influence.set_bulk(1.0 / self._ledger.foundation)
             contact = self._share(sum(removals), certified=certified)
@@ -141,19 +137,16 @@ class HalfSpacePatches(Model):
             approach = self._smooth.approach
         pressure = self.patches.on_domain(contact.pressure) if with_pressure else None
         worn = self._wear(contact, sum(removals), approach)
-        if self._film:
-            worn = replace(worn, bare=float(self._bare.numpy()[0, : self.visited].sum()))
         step = self._ledger.enter_worn(worn, increment, removals, pressure)
         step.row.update(columns_of(contact.certificate))
         return step
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """Return the fields after the last step, which was asked for its pressure, at its distance [mm]."""
-        read, film = self._executor.to_numpy, self._film
-        bare = read(film.bare) if film else None
-        return self._ledger.snapshot(
-            step, distance, self.patches, gap=read(self.gap), worn=read(self.worn), bare=bare
-        )
+        assert step.pressure is not None
+        read = self._executor.to_numpy
+        fields = {"gap": read(self.gap), "worn": read(self.worn)} | self._features.fields(step.pressure)
+        return self._ledger.snapshot(step, distance, self.patches, **fields)
 
     def below_bounds(self) -> float:
         """Compare with the lowest gap of every patch before any wear, see `Model.below_bounds`."""
@@ -169,7 +162,7 @@ class HalfSpacePatches(Model):
             self.gap,
             mean_pressure=loads[: self.visited],
             compliance=removal,
-            parts=self._parts,
+            parts=self._features.cells.cap_ratio,
             certified=certified,
         )
 
@@ -189,7 +182,11 @@ class HalfSpacePatches(Model):
             self.visited = min(needed, self.patches.count)
             self._influence.visit(self.visited)
             contact = self._solver.solve(
-                self.gap, mean_pressure=load, compliance=removal, parts=self._parts, certified=certified
+                self.gap,
+                mean_pressure=load,
+                compliance=removal,
+                parts=self._features.cells.cap_ratio,
+                certified=certified,
             )
             transforms += contact.transforms
             needed = self._below(contact.approach)
@@ -216,9 +213,11 @@ class HalfSpacePatches(Model):
         most = {
             name: float(maxima[PressureMost[OF_BOTH.get(name, name).upper()]].max()) for name in PATCH_MAXIMA
         }
-        return self._ledger.worn(
+        worn = self._ledger.worn(
             sums, most, approach=(approach, 0.0), reference=reference, evaluations=contact.transforms
         )
+        self._features.enter({"bare": float(table[PressureSum.BARE].sum())}, worn.total, worn.most)
+        return worn
 
     def _wear_program(self, contact: HalfSpaceContact) -> Program:
         """Make the program by which bodies wear under the pressure that the solver leaves."""
@@ -227,7 +226,7 @@ class HalfSpacePatches(Model):
             pressure=contact.pressure_field,
             means=contact.pressure_field,
             gradient=contact.gradient_field,
-            cells=self._properties,
+            cells=self._features.cells,
             cap=min(self.task.hardness, NO_CAP),
         )
         program = Program(self._executor)
@@ -242,9 +241,7 @@ class HalfSpacePatches(Model):
             *tables,
             slots=self.patches.count,
         )
-        if self._film:
-            self._film.add_under(program, self._slides.array, contact.pressure_field, self._bare)
-            self._film.after_step(program, Place(self._slides.array))
+        self._features.ask("after_step", program, self._place)
         return program
 
 

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -18,7 +17,7 @@ from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import patches as passes
-from warpwear.kernels.cells import EXTENTS, LANES, PATCH_MAXIMA, PATCH_SUMS
+from warpwear.kernels.cells import EXTENTS, PATCH_MAXIMA, PATCH_SUMS
 from warpwear.kernels.two_scale import pressing
 from warpwear.kernels.two_scale import steps as kernels
 from warpwear.laws.archard import wear_in_steps
@@ -51,6 +50,7 @@ class TwoScaleModel(Model):
         "_memory": Numbers,
         "_courses": dict,
     }
+    SCRATCH: ClassVar = ("_books", "_now", "_steps", "_state", "_work", "_chunks", "_pressure")
 
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.task, self.patches = task, patches
@@ -94,8 +94,8 @@ class TwoScaleModel(Model):
             weight=patches.weight,
             follows=task.bulk_stiffness_at(1.0) if follows else 0.0,
             sprung=int(task.uses_bulk_stiffness),
-            # Where a film is, wear changes the caps.
-            looks_ahead=int(self._smooth is None and task.film is None),
+            # By features wear changes what cells bear.
+            looks_ahead=int(self._smooth is None and not self.contact.features),
             within=wp.vec4d(*self._ledger.within),
             plan=(rows + 1, 3),
             now=self._now.array,
@@ -107,14 +107,10 @@ class TwoScaleModel(Model):
         self._work = np.full(count, LEAST_WORK * patches.side**2)
         self._chunks: list[tuple[int, int]] = []
         self._find, self._wear, self._many = (Program(executor) for _ in range(3))
-        film = self.contact.film
-        if film:
-            self.contact.slides.set(end_column=executor.vectors * LANES)
-            self.contact.add_film(self._find, film.before_search)
+        self.contact.ask("make_all", self._find)
         self._add_find(self._find)
         self._add_wear(self._wear)
-        if film:
-            self.contact.add_film(self._wear, film.after_step)
+        self.contact.ask("after_step", self._wear)
         flags = self.sharing.flags
         with self._many.loop(flags.stepping):
             self._add_find(self._many)
@@ -153,7 +149,7 @@ class TwoScaleModel(Model):
     @property
     def in_blocks(self) -> bool:
         """Tell whether the device takes the next steps by itself."""
-        return self.contact.film is None
+        return not self.contact.features
 
     def replay(self, increments: Sequence[float], then: float | None) -> tuple[int, Iterator[Step]]:
         """Make steps on the device, fewer where the contact grows to the edge."""
@@ -175,24 +171,25 @@ class TwoScaleModel(Model):
 
         Raises ConvergenceError when the load cannot be shared.
         """
-        distance, film = self._ledger.row["distance"], self.contact.film
+        distance, features = self._ledger.row["distance"], self.contact.features
         removals = self._begin([increment], then)
         self.contact.slides.set(start=distance, end=distance + increment)
         self._find.run()
         self.check()
-        field = self._press() if with_pressure or film else None
-        bare = float(self.contact.bare.numpy().sum()) if film else None
+        field = self._press() if with_pressure or features else None
         pressure = self.patches.on_domain(self._executor.to_numpy(field)) if with_pressure else None
         self._wear.run()
-        worn = replace(next(self._results(1)), bare=bare)
+        worn = next(self._results(1))
+        features.enter({"bare": float(self.contact.bare.numpy().sum())}, worn.total, worn.most)
         return self._ledger.enter_worn(worn, increment, removals[0], pressure)
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """Return the fields after the last step, which was asked for its pressure, at its distance [mm]."""
-        read, film = self._executor.to_numpy, self.contact.film
+        assert step.pressure is not None
+        read = self._executor.to_numpy
         gap, initial = read(self.contact.gap), read(self.contact.initial)
-        bare = read(film.bare) if film else None
-        return self._ledger.snapshot(step, distance, self.patches, gap=gap, worn=gap - initial, bare=bare)
+        fields = self.contact.features.fields(step.pressure)
+        return self._ledger.snapshot(step, distance, self.patches, gap=gap, worn=gap - initial, **fields)
 
     def below_bounds(self) -> float:
         """Compare with the lowest gap of every tile before any wear, see `Model.below_bounds`."""
@@ -227,9 +224,8 @@ class TwoScaleModel(Model):
             self._pressure = self._executor.zeros()
             inputs = self._steps, self.sharing.curves, self.contact.surfaces, self._pressure
             self._pass(self._press_program, passes.pressures, *inputs)
-            if film := self.contact.film:
-                slides, bare = self.contact.slides.array, self.contact.bare
-                film.add_under(self._press_program, slides, self._pressure, bare)
+            if self.contact.features:
+                self.contact.add_bare(self._press_program, self._pressure)
         self._press_program.run()
         return self._pressure
 

@@ -35,6 +35,7 @@ class LoadSharing:
     """
 
     STATE: ClassVar = {"base": Field, "offset": Field, "answer": Field}
+    SCRATCH: ClassVar = ("curves", "search", "flags")
 
     def __init__(
         self, executor: Executor, lowest: FloatArray, *, load: float, area: float, hardness: float
@@ -105,6 +106,7 @@ class SmoothContact:
     """
 
     STATE: ClassVar = {"worn": Field, "_approach": Field}
+    SCRATCH: ClassVar = ("smooth", "brackets", "_step")
 
     def __init__(self, task: ContactTask, patches: Patches, executor: Executor) -> None:
         self._load = task.load

@@ -59,6 +59,7 @@ class OneScaleModel(Model):
     #: Interrupts and checkpoints wait for the end of a block.
     longest_block = LONGEST
     STATE: ClassVar = {"gap": InFrame("contact"), "tiles": Tiles, "_course": Numbers, "_ledger": Ledger}
+    SCRATCH: ClassVar = ("_search", "_steps", "_tables")
 
     def __init__(self, task: ContactTask, heights: FloatArray, executor: Executor) -> None:
         assert task.is_uniform  # others are those of a track

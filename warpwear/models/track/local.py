@@ -15,19 +15,17 @@ from warpwear.engine.tiles import NO_LIMIT
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Entry, Ledger, Step
 from warpwear.kernels import balance, bearing, sliding, sliding_steps
-from warpwear.kernels.cells import NO_INDEX, PADDING, CellProperties, TrackMost, TrackSum, names_of
+from warpwear.kernels.cells import NO_INDEX, OF_FEATURES, PADDING, TrackMost, TrackSum, names_of
 from warpwear.kernels.sliding import Bodies, OfRows, OfTiles, Slide, StepTables
 from warpwear.kernels.wear import BALANCE
 from warpwear.laws.archard import distance_factor, wear_in_steps
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
-from warpwear.models.attachment import Attachment, Place, give_columns
 from warpwear.models.booking import booked
-from warpwear.models.film import BareCells
+from warpwear.models.features.feature import Place
+from warpwear.models.features.features import Features
 from warpwear.models.track.bodies import SlidingBodies
-from warpwear.models.track.pieces import SlidingPieces
 from warpwear.models.track.programs import StepPrograms
-from warpwear.models.track.recession import Recession, UnequalStiffness
 from warpwear.models.track.tiles import PerTile, SlidingTiles
 
 #: Cells listed at least, over those that carry the load at the hardness.
@@ -70,11 +68,10 @@ class SlidingContact:
         "_totals": KEPT,
         "_course": Numbers,
         "_changes": Field,
-        "_recession": Recession,
-        "pieces": SlidingPieces,
+        "features": Features,
         "ledger": Ledger,
-        "film": BareCells,
     }
+    SCRATCH: ClassVar = ("_slides", "_steps", "_programs", "_search")
 
     def __init__(
         self,
@@ -93,39 +90,30 @@ class SlidingContact:
         self.task, self.periodic, self._moves = task, periodic, moves
         self._executor, self._track_fraction = executor, track_fraction
         device = executor.device
-        #: What is bare of film; None without one.
-        self.film = BareCells.of_bodies(task, executor, self.state.wear_counter, self.state.wear_disc)
         self._slides = Numbers(Slide, device)
         bodies = arguments(Bodies, **self.state.fields, gap=executor.zeros())
-        self.pieces = SlidingPieces.of(task, executor, self.state, periodic=periodic)
-        self._recession = None if bearing_curve is None else Recession(bearing_curve, executor, bodies)
-        factor = self._factor()
-        #: 1/c of every cell, where it differs from cell to cell.
-        self._stiffness = None
-        if task.implicit and (self._recession is not None or self._factored):
-            self._stiffness = UnequalStiffness(executor, bodies, factor, self._recession)
-        additions = self.film, self.pieces, self._recession, self._stiffness
-        #: What the study adds to a step, in the order in which each is asked.
-        self.attachments: list[Attachment] = [one for one in additions if one is not None]
-        # Pieces and a disc that recedes change heights after the pass that wears; what shear wears may lie
-        # higher than what a list that serves several steps reaches.
-        wears_alone = self.pieces is None and self._recession is None and not task.shears
-        wears_alone = wears_alone and not any(one.raises for one in self.attachments)
-        cells = arguments(CellProperties)
-        if self._factored:
-            cells.k_disc = factor
-        for one in self.attachments:
-            for name, field in one.properties.items():
-                setattr(cells, name, field)
+        #: What the study adds to a step.
+        self.features = Features.of(
+            task,
+            executor,
+            self.state.fields,
+            periodic=periodic,
+            distances=self._factor() if self._factored else None,
+            curve=bearing_curve,
+            own=COLUMNS,
+        )
+        # What shear wears may lie higher than what a list that serves several steps reaches.
+        wears_alone = not self.features.changes_heights and not task.shears
         fully = task.load / (task.least_hardness * executor.grid.cell_area)
         self.tiles = SlidingTiles(
             executor,
             bodies,
             self._slides.array,
-            cells,
+            self.features,
             least=SPARE * fully,
             stays=wears_alone and not moves,
         )
+        self.features.refresh = self.tiles.refresh
         # Of every tile and of every row: cells of the ball ever touched, wear of the ball, of the disc,
         # what is displaced of the disc.
         rows = (executor.grid.nx, executor.grid.nx, disc.shape[0], self.state.plastic_disc.shape[0])
@@ -141,12 +129,11 @@ class SlidingContact:
         #: What the steps on the device remember.
         self._course = Numbers(sliding_steps.Course, device, extents=[NO_INDEX] * 4)
         self._changes: Field = wp.full(int(sliding_steps.CHANGES), -1.0, dtype=wp.float64, device=device)
-        self._columns = give_columns(self.attachments, COLUMNS)
         self._steps = arguments(
             sliding_steps.Steps,
             device,
             plan=self.longest,
-            history=(self.longest, len(self._columns)),
+            history=(self.longest, len(self.features.columns)),
             within=wp.array(self.ledger.within, dtype=wp.float64, device=device),
             changes=self._changes,
             course=self._course.array,
@@ -154,7 +141,7 @@ class SlidingContact:
             moves=int(moves),
             stays=int(wears_alone and not moves),
             columns=executor.grid.ny,
-            margin=sum(one.margin for one in self.attachments),
+            margin=sum(one.margin for one in self.features),
         )
         slots = executor.slots_of(executor.grid.nx)
         tables = {"sums": (len(SUMS), slots), "maxima": (len(MAXIMA), slots), "bearing": (1, slots)}
@@ -170,12 +157,11 @@ class SlidingContact:
                 self._slides.array,
                 self._steps,
                 listed=(self.tiles.list, self.tiles.count),
-                cells=cells,
                 bodies=bodies,
                 tables=arguments(StepTables, device, **tables),
             ),
             arguments(OfTiles, rows=totals, **bounds, **numbers),
-            self.attachments,
+            self.features,
             highest=lambda: NO_LIMIT if moves else self._highest,
         )
 
@@ -239,10 +225,9 @@ class SlidingContact:
     def _run(self, program: Program) -> None:
         """Make steps, as often as something stops them before they are done."""
         program.run()
-        while sum(one.drain() for one in self.attachments):
+        while self.features.drain():
             program.run()
-        for one in self.attachments:
-            one.end_steps(self._course["step"])
+        self.features.end_steps(self._course["step"])
 
     def _plan(self, shifts: Sequence[int], increments: Sequence[float]) -> tuple[FloatArray, bool]:
         """Tell the device of the next steps; return K ΔL of both bodies, and whether all are rigid.
@@ -259,7 +244,8 @@ class SlidingContact:
         counter, disc = removals.T
         k_counter, k_disc = dust * counter, dust * track * disc
         compliance = own + (k_counter + k_disc) * task.implicit
-        alike = [0.0 if self._stiffness is not None else stiffness_of(one) for one in compliance.tolist()]
+        own_stiffness = self.features.cells.stiffness is not None
+        alike = [0.0 if own_stiffness else stiffness_of(one) for one in compliance.tolist()]
         ends = np.add.accumulate([row["distance"], *increments])
         depths = np.zeros((2, len(rows)))
         if task.shears:
@@ -299,23 +285,22 @@ class SlidingContact:
         """Tell the device where the search of the first step begins."""
         smallest, limit = self.tiles.begin_at(int(step["shift"]))
         softest = step["stiffness"]
-        if self._stiffness is not None and step["compliance"] > 0.0:
+        if step["compliance"] > 0.0:
             self._slides.set(**{name: step[name] for name in ("own", "k_counter", "k_disc")})
-            softest = self._stiffness.softest(self._slides.array)
+            softest = self.features.softest(self._executor, self._slides.array) or softest
         self._course.set(smallest=smallest, first_limit=limit, softest=softest)
 
     def _booked(self, increments: Sequence[float], removals: FloatArray) -> Iterator[Step]:
         """The steps that the device has made, as the ledger enters them."""
         count = self._course["step"]
         table = np.ascontiguousarray(self._steps.history[: max(count, 1)].numpy()[:count].T)
-        columns = dict(zip(self._columns, table, strict=True))
-        absent = {"bare"} if self.task.shears else {"bare", "rubbed"}
+        columns = dict(zip(self.features.columns, table, strict=True))
+        absent = OF_FEATURES if self.task.shears else OF_FEATURES | {"rubbed"}
         total = {name: columns[name] for name in SUMS if name not in absent}
         total |= {RENAMED.get(name, name): columns[name] for name in sliding_steps.KEPT}
         most = {name: columns[f"most_{name}"] for name in MAXIMA}
         most |= {name: columns[name] for name in ("first_row", "last_row")}
-        for one in self.attachments:
-            one.enter(columns, total, most)
+        self.features.enter(columns, total, most)
         *numbers, reference = (columns[name] for name in BALANCE)
         slid, removed = np.array(increments[:count]), tuple(removals[:count].T)
         steps = Entry(Balance(*numbers), slid, removed, reference, total, most)
@@ -324,7 +309,5 @@ class SlidingContact:
     def _enter(self, *columns: Any) -> Step:
         """Book a step as `Ledger.enter` does."""
         step = self.ledger.enter(*columns)
-        self.state.columns = self.ledger.columns
-        for one in self.attachments:
-            self.state.columns = one.beside(self.state.columns)
+        self.state.columns = self.features.beside(self.ledger.columns)
         return step

@@ -55,7 +55,7 @@ class SweptModel(Model):
     @property
     def pieces(self) -> PieceBook | None:
         """Return the book of the pieces that have left; None where wear leaves at once."""
-        return None if self.contact.pieces is None else self.contact.pieces.book
+        return self.contact.features.book
 
     @property
     def in_blocks(self) -> bool:
@@ -141,15 +141,6 @@ class SweptModel(Model):
             wear_disc=to_numpy(state.wear_disc),
             gap=to_numpy(state.counter) - self._track.beneath(disc, row),
             plastic_disc=to_numpy(state.plastic_disc) if self.contact.task.keeps_dents else None,
-            bare=to_numpy(self.contact.film.bare) if self.contact.film else None,
-            slip=self._slip(step.pressure),
             row=row if self._track.moves else None,
+            **self.contact.features.fields(step.pressure),
         )
-
-    def _slip(self, pressure: FloatArray) -> FloatArray | None:
-        """Return what places under a pressure slip in a cycle [mm]; None where nothing frets."""
-        fretting = getattr(self.contact, "fretting", None)
-        if fretting is None:
-            return None
-        of_cells = self._executor.to_numpy(fretting.slips) if fretting.slips.shape[0] else 0.0
-        return np.where(pressure > 0.0, fretting.rigid + of_cells, 0.0)

@@ -17,20 +17,20 @@ LARGEST_ERROR = 0.02
 class PartLength:
     """Keeps the estimate of a contact, whose cases are in docs/theory/limits.md.
 
-    sheds: whether bodies wear in pieces, of which no mean shortens the contact.
+    shortens: whether a mean over what passes shortens the contact.
     """
 
     STATE: ClassVar = {"_outline": float, "_asperities": float}
 
-    def __init__(self, task: ContactTask, *, moves: bool, sheds: bool) -> None:
-        self._task, self._moves, self._sheds = task, moves, sheds
+    def __init__(self, task: ContactTask, *, moves: bool, shortens: bool) -> None:
+        self._task, self._moves, self._shortens = task, moves, shortens
         #: Relative error of the area by each cell of a part, and by each beyond the first, as of late.
         self._outline = self._asperities = 0.0
         self.forget()
 
     def forget(self) -> None:
         """Let the next contact begin as the first one does: the disc is another."""
-        if self._moves and not self._task.form.is_flat and not self._sheds:  # else no mean shortens it
+        if self._moves and not self._task.form.is_flat and self._shortens:
             self._outline = math.inf
 
     def error(self, cells: int) -> float:
@@ -51,6 +51,6 @@ class PartLength:
         """
         if self._task.form.is_flat:  # which has no outline
             return
-        if not self._sheds:
+        if self._shortens:
             self._outline = OF_OUTLINE * bearing / along
         self._asperities = self._task.dust * OF_ELASTIC_CELL * elastic * max(1.0 - bearing, 0.0)

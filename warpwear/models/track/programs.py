@@ -1,7 +1,6 @@
 """The programs of a contact that slides: of many steps in a row, and of one before and after its balance."""
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from collections.abc import Callable
 from typing import Literal
 
 from warpwear.contact.search import LoadSearch
@@ -9,7 +8,8 @@ from warpwear.engine.executor import SMALL, Arguments, Executor
 from warpwear.engine.program import Program
 from warpwear.kernels import sliding, sliding_steps
 from warpwear.laws.task import ContactTask
-from warpwear.models.attachment import Attachment, Place
+from warpwear.models.features.feature import Place
+from warpwear.models.features.features import Features
 from warpwear.models.track.tiles import SlidingTiles
 
 
@@ -17,8 +17,7 @@ class StepPrograms:
     """Makes the programs of steps, each when it is first asked for.
 
     place: what they work on, but for the springs of a search. of_tiles: what is kept of every tile.
-    attachments: what a study adds, in the order in which they are asked. highest: finds the largest gap
-    before any wear [mm].
+    features: what a study adds. highest: finds the largest gap before any wear [mm].
     """
 
     def __init__(
@@ -28,12 +27,12 @@ class StepPrograms:
         tiles: SlidingTiles,
         place: Place,
         of_tiles: Arguments,
-        attachments: Sequence[Attachment],
+        features: Features,
         *,
         highest: Callable[[], float],
     ) -> None:
         self._executor, self._task, self._tiles, self._highest = executor, task, tiles, highest
-        self._place, self._of_tiles, self._attachments = place, of_tiles, attachments
+        self._place, self._of_tiles, self._features = place, of_tiles, features
         #: Searches by whether the cells are rigid; programs by that too, and whether threads share them.
         self._searches: dict[bool, LoadSearch] = {}
         self._said: dict[tuple[str, bool, bool], Program] = {}
@@ -41,7 +40,7 @@ class StepPrograms:
     def search(self, *, rigid: bool) -> LoadSearch:
         """Return the search of steps whose cells are rigid or not."""
         if rigid not in self._searches:
-            task, cells = self._task, self._place.cells
+            task, cells = self._task, self._features.cells
             search = LoadSearch(
                 self._executor,
                 self._place.bodies.gap,
@@ -72,17 +71,23 @@ class StepPrograms:
                     self._add_search(program, search)
                     self._add_wear(program, search)
             elif name == "search":
-                self._add_search(program, search)
+                self._add_search(program, search, whole=True)
             else:
                 self._add_wear(program, search)
         return self._said[name, rigid, shares]
 
-    def _add_search(self, program: Program, search: LoadSearch) -> None:
-        """Add the beginning of a step: what its cells are like, which can touch, and the balance."""
+    def _add_search(self, program: Program, search: LoadSearch, *, whole: bool = False) -> None:
+        """Add the beginning of a step: what its cells are like, which can touch, and the balance.
+
+        whole: whether all cells are to be seen, not only those of the tiles listed.
+        """
         place = self._place._replace(springs=search.springs)
-        with self._each(one.at_beginning(program) for one in self._attachments):
+        with self._features.enclosing("at_beginning", program):
             program.decide(sliding_steps.begin_search, search.springs, place.steps)
-            self._ask("before_search", program, place)
+            self._features.ask("before_search", program, place)
+            if whole:
+                self._features.ask("make_all", program, place)
+            self._tiles.make_listed(program)
             search.add_to(program)
             self._tiles.add_to(program)
             program.decide(sliding_steps.end_search, search.springs, place.steps)
@@ -91,37 +96,21 @@ class StepPrograms:
         """Add the end of a step: the wear of both bodies, what follows it, and its row."""
         place, tiles = self._place._replace(springs=search.springs), self._tiles
         slides, springs, listed, cells, bodies, tables, steps = (
-            *(place.slides, place.springs, place.listed, place.cells),
+            *(place.slides, place.springs, place.listed, self._features.cells),
             *(place.bodies, place.tables, place.steps),
         )
         with (
-            self._each(one.at_beginning(program) for one in self._attachments),
+            self._features.enclosing("at_beginning", program),
             program.branch(steps.solved),
         ):
-            self._ask("before_wear", program, place)
+            self._features.ask("before_wear", program, place)
             program.launch(
                 sliding.wear_step,
                 *(*listed, slides, springs, cells, bodies, self._of_tiles, tables),
                 chunks=lambda: tiles.chunks,
             )
-            self._ask("after_wear", program, place)
-        self._ask("between", program, place)
-        with self._each(one.at_end(program) for one in self._attachments):
+            self._features.ask("after_wear", program, place)
+        self._features.ask("between", program, place)
+        with self._features.enclosing("at_end", program):
             program.decide(sliding_steps.record, springs, steps, tables, self._of_tiles.rows)
-            self._ask("after_step", program, place)
-
-    def _ask(self, hook: str, program: Program, place: Place) -> None:
-        """Let each attachment add its part; after one that may close gaps the bounds are made anew."""
-        for one in self._attachments:
-            getattr(one, hook)(program, place)
-            if one.raises and getattr(type(one), hook) is not getattr(Attachment, hook):
-                self._tiles.refresh(program)
-
-    @staticmethod
-    @contextmanager
-    def _each(blocks: Iterator[AbstractContextManager[None]]) -> Iterator[None]:
-        """Enter blocks of a program one within another."""
-        with ExitStack() as stack:
-            for block in blocks:
-                stack.enter_context(block)
-            yield
+            self._features.ask("after_step", program, place)

@@ -12,6 +12,8 @@ from warpwear.engine.tiles import NO_LIMIT, TileList, of_tiles
 from warpwear.grid import FloatArray
 from warpwear.kernels import bounds, sliding
 from warpwear.kernels.cells import LANES, PADDING, Cells
+from warpwear.kernels.running_in import film
+from warpwear.models.features.features import Features
 
 #: Cost of looking at the bounds of a pair of tiles, in cells.
 BOUNDS_IN_CELLS = 1.0
@@ -49,25 +51,29 @@ class SlidingTiles(TileList):
     which were made before wear hold after it. Whoever raises a surface refreshes them.
 
     bodies: heights as worn, of nx rows and of at least as many, and room for the gap; places without a
-    surface stand infinitely high on the ball and low on the disc. slides: a `Slide` in an array. cells: what
-    they have of their own. stays: whether the disc lies still and nothing but the pass that wears changes a
-    gap, which is made once then.
+    surface stand infinitely high on the ball and low on the disc. slides: a `Slide` in an array. features:
+    which know what cells have of their own. stays: whether the disc lies still and nothing but the pass that
+    wears changes a gap, which is made once then.
     """
 
-    STATE: ClassVar = {"lowest": InFrame("counter"), "highest": InFrame("disc")}
+    STATE: ClassVar = {
+        **dict.fromkeys(("lowest", "lowest_of_eight"), InFrame("counter")),
+        **dict.fromkeys(("highest", "highest_of_row"), InFrame("disc")),
+    }
+    SCRATCH: ClassVar = ("list", "count", "lists", "_slides", "_bodies", "_features")
 
     def __init__(
         self,
         executor: Executor,
         bodies: Arguments,
         slides: Field,
-        cells: Arguments,
+        features: Features,
         *,
         least: float,
         stays: bool = False,
     ) -> None:
         super().__init__(executor, least=least, limit=-NO_LIMIT, asked=-NO_LIMIT)
-        self._bodies, self._slides, self._cells = bodies, slides, cells
+        self._bodies, self._slides, self._features = bodies, slides, features
         device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
         self._depth: Field = wp.array([float(sliding.FIRST_DEPTH)], dtype=wp.float64, device=device)
         self.lowest = PerTile(nx, columns, device)  # of the counter-body
@@ -95,13 +101,25 @@ class SlidingTiles(TileList):
         with program.loop(self.listing):
             program.launch(
                 sliding.select,
-                *(self.lists.array, self._slides, self._bounds, self._cells, self._bodies),
-                *(self.list, self.count),
+                *(self.lists.array, self._slides, self._bounds, self._features.sources, self._features.cells),
+                *(self._bodies, self.list, self.count),
                 chunks=self._chunks_of_bounds,
             )
+            self.make_listed(program)
             program.decide(
                 sliding.listed, self.lists.array, self.listing, self._depth, self.count, self._least
             )
+
+    def restored(self) -> None:
+        """Make lists and their gaps anew: those that there are may be of another time."""
+        self.gap.numbers.zero_()
+        self.lists.set(limit=-NO_LIMIT, asked=-NO_LIMIT)
+
+    def make_listed(self, program: Program) -> None:
+        """Make what the cells listed have of their own, in a program, where a list serves several steps."""
+        if self._bounds.stays and self._features.cells.material is not None:
+            place = self._slides, self._features.sources, self._features.cells
+            program.launch(film.make, self.list, self.count, *place, chunks=lambda: self.chunks)
 
     def refresh(self, program: Program) -> None:
         """Make all bounds anew from the heights, in a program, after what may have raised a surface."""

@@ -1,6 +1,7 @@
 """Before a jump over cycles of fretting a contact is asked what slips: all of it, a ring, or nothing."""
 
 import math
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
@@ -9,10 +10,12 @@ from warpwear import lazy
 from warpwear.contact.half_space.solver import HalfSpace, HalfSpaceContact
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.numbers import Numbers
-from warpwear.engine.program import Program
+from warpwear.engine.program import launch_once
 from warpwear.engine.state import InFrame
+from warpwear.grid import FloatArray
 from warpwear.kernels import wear_from_pressure
 from warpwear.laws.task import ContactTask
+from warpwear.models.features.feature import Feature, Host
 
 optimize = lazy.module("scipy.optimize")
 
@@ -22,7 +25,7 @@ TOLERANCE = 1.0e-9
 SAME = 1.0e-9
 
 
-class CyclicSlip:
+class CyclicSlip(Feature):
     """Knows what cells slip in a cycle, and how much of the wear of both bodies is a mean along x.
 
     All of the contact may slide, by `rigid` [mm] in a cycle; cells slip by lengths of their own beside that,
@@ -30,11 +33,13 @@ class CyclicSlip:
     what cells lose, so that the contact under P* is solved once where a force keeps it as it is.
     """
 
+    moves_pressure = True
     NUMBERS: ClassVar = ("_jump", "rigid", "force", "border", "_stuck", "_approach", "_first")
     STATE: ClassVar = {
         **dict.fromkeys(("slips", "grown"), InFrame("contact")),
         **dict.fromkeys(NUMBERS, float),
     }
+    SCRATCH: ClassVar = ("yields", "_solver")
 
     def __init__(self, task: ContactTask, executor: Executor) -> None:
         assert task.fretting is not None
@@ -46,8 +51,8 @@ class CyclicSlip:
         #: By how much they grew in the last jump [mm], and how long that was [mm].
         self.grown = executor.zeros(self.slips.shape[0])
         self._jump = 0.0
-        #: The compliance that it lends them in a step [mm/MPa]; None where all slide alike.
-        self.yields: Field | None = None if slides else executor.zeros()
+        self.pressed = {} if slides else {"slips": self.slips, "grown": self.grown}
+        self.yields = None if slides else executor.zeros()
         #: What all cells slide in a cycle [mm].
         self.rigid = self._drive.cycle if slides else 0.0
         #: Amplitudes: of the force [N], and of the displacement at which all of the contact slips [mm].
@@ -65,25 +70,32 @@ class CyclicSlip:
             self.rigid = self._drive.cycle
 
     @property
-    def window(self) -> int:
+    def window(self) -> int:  # type: ignore[override]
         """Return the cells of a mean of the disc's wear: those of the stroke of what slides."""
         return max(1, min(round(0.5 * self.rigid / self._executor.grid.cell), self._executor.grid.nx))
 
     @property
-    def margin(self) -> int:
+    def edge(self) -> int:  # type: ignore[override]
         """Return the cells along an edge that must not be touched: the disc's scar is a stroke longer."""
         return 1 + self.window // 2
 
-    @property
-    def knows_approach(self) -> bool:
-        """Tell whether there was a contact under the load."""
-        return not math.isnan(self._approach)
+    def prepare(self, host: Host, increment: float, removals: tuple[float, float]) -> None:
+        """Find what slips in a jump over cycles, and the compliance that its wear lends."""
+        host.slides.set(window=self.window)
+        host.make_gap()
+        if math.isnan(self._approach):
+            self.note(host.solve())
+        self._look(host.gap, host.slides)
+        host.slides.set(ahead=self._ahead(increment), **self.wears(removals))
+        if self.yields is not None:
+            fields = self.slips, self.grown, self.yields
+            launch_once(self._executor, wear_from_pressure.yields, host.slides.array, *fields)
 
     def note(self, contact: HalfSpaceContact) -> None:
         """Note the approach of a contact under the load."""
         self._approach = contact.approach
 
-    def look(self, gap: Field, slides: Numbers) -> None:
+    def _look(self, gap: Field, slides: Numbers) -> None:
         """See what slips in a jump that begins with a gap, under a load whose approach was noted.
 
         slides: what the passes of the step read.
@@ -143,17 +155,16 @@ class CyclicSlip:
     def _see(self, gap: Field, pressure: Field, slides: Numbers) -> None:
         """Make the slips of the gaps beyond the approach under P*, where no pressure is."""
         slides.set(slip_of_gap=self._drive.slip_of_gap, approach=self._stuck)
-        program = Program(self._executor, records=False)
-        program.launch(wear_from_pressure.slip, slides.array, gap, pressure, self.slips, self.grown)
-        program.run()
+        fields = gap, pressure, self.slips, self.grown
+        launch_once(self._executor, wear_from_pressure.slip, slides.array, *fields)
 
-    def ahead(self, increment: float) -> float:
+    def _ahead(self, increment: float) -> float:
         """Return the part of the last growth of slips that takes them to the end of a jump [mm]."""
         ahead = increment / self._jump if self._jump and not self.rigid else 0.0
         self._jump = 0.0 if self.rigid else increment  # what slides as a whole counts from another place
         return ahead
 
-    def shares(self, removals: tuple[float, float]) -> dict[str, float]:
+    def wears(self, removals: tuple[float, float]) -> dict[str, float]:
         """Return what an increment wears where all slides, and by slips, for a `Slide`.
 
         removals: K ΔL of counter and disc [mm³/N] over the distance that cycles count for.
@@ -170,21 +181,15 @@ class CyclicSlip:
             "slip_of_gap": self._drive.slip_of_gap if self._drive.force else 0.0,
         }
 
-    def worn(self, removals: tuple[float, float], slip_mean: float) -> tuple[float, float]:
-        """Return K times what slipped in the mean of counter and disc [mm³/N]. removals: as of `shares`."""
-        share = slip_mean / self._drive.cycle
+    def worn(self, removals: tuple[float, float], row: Mapping[str, float]) -> tuple[float, float]:
+        """Return K times what slipped in the mean, of counter and disc [mm³/N]."""
+        share = row["slip_mean"] / self._drive.cycle
         return share * removals[0], share * removals[1]
 
-    def add_yields(self, program: Program, slides: Field) -> None:
-        """Add to a program: the compliance that a step lends cells by their slips."""
-        program.launch(wear_from_pressure.yields, slides, self.slips, self.grown, self.yields)
-
-    def row(self, increment: float, work: float, stuck: float) -> dict[str, float]:
-        """Return what the history has of a jump over an increment [mm].
-
-        work: Σ p s of the slips [N mm]. stuck: area in contact that does not slip [mm²].
-        """
-        drive, load = self._drive, self._load
+    def row(self, increment: float, total: Mapping[str, float]) -> dict[str, float]:
+        """Return what the history has of a jump over an increment [mm]."""
+        drive, load, area = self._drive, self._load, self._executor.grid.cell_area
+        work, stuck = total["slip_work"] * area, total["stuck"] * area  # [N mm, mm²]
         work += self.rigid * load
         moved = drive.kappa * drive.friction * (self._approach - self._stuck)
         if self.rigid:
@@ -203,3 +208,8 @@ class CyclicSlip:
             "slip_mean": work / load,
             "stick_area": 0.0 if self.rigid else stuck,
         }
+
+    def fields(self, pressure: FloatArray) -> dict[str, FloatArray]:
+        """Return what places under a pressure slip in a cycle [mm]."""
+        of_cells = self._executor.to_numpy(self.slips) if self.slips.shape[0] else 0.0
+        return {"slip": np.where(pressure > 0.0, self.rigid + of_cells, 0.0)}

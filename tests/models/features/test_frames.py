@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from cases_attached import attach
+from cases_features import attach
 from cases_track import WINDOW, small
 
 import warpwear

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases_attached import STUDIES, Debris, attach, model_of, needs_transforms
+from cases_features import STUDIES, Debris, attach, model_of, needs_transforms
 from cases_track import small
 from numpy.testing import assert_array_equal
 

@@ -1,9 +1,9 @@
-"""Wear in pieces of a contact that slides: what is pending of its bodies, and the pieces that have left."""
+"""Wear in particles: what is pending of the bodies of a contact, and the pieces that have left."""
 
 import math
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
@@ -21,9 +21,7 @@ from warpwear.kernels.sliding import Slide
 from warpwear.laws.archard import BODIES
 from warpwear.laws.pieces import ROUNDS
 from warpwear.laws.pieces import Pieces as PieceLaw
-from warpwear.laws.task import ContactTask
-from warpwear.models.attachment import Attachment, Place
-from warpwear.models.track.bodies import SlidingBodies
+from warpwear.models.features.feature import Feature, Place
 
 #: What a row of the history says of each body.
 OF_BODY = ("pieces", "wear", "pending", "deepest")
@@ -40,6 +38,7 @@ class Pending:
     """
 
     STATE: ClassVar = {"pending": Field, "overflow": np.ndarray, "_of_rows": Field}
+    SCRATCH: ClassVar = ("body",)
 
     def __init__(
         self,
@@ -128,18 +127,25 @@ class Pending:
         self.body.counts.assign(host)
 
 
-class SlidingPieces(Attachment):
-    """Pieces of both bodies of a contact that slides or lies still.
+class SlidingParticles(Feature):
+    """Particles of both bodies of a contact that slides or lies still.
 
     The table of pieces may get full while they leave: `drain` empties it after each replay, and tells whether
     the program is to be run again before its step is done.
     """
 
     STATE: ClassVar = {"counter": InFrame("counter"), "disc": InFrame("disc"), "book": PieceBook}
+    SCRATCH: ClassVar = ("_both", "_release")
     columns = COLUMNS
+    book: PieceBook
+    changes_heights = True
 
-    def __init__(self, law: PieceLaw, executor: Executor, bodies: SlidingBodies, *, periodic: bool) -> None:
+    def __init__(
+        self, law: PieceLaw, executor: Executor, bodies: Mapping[str, Field], *, periodic: bool
+    ) -> None:
         cell, device = executor.grid.cell, executor.device
+        if law.dust < 1.0:
+            self.window = 1  # particles cut what a mean would smear; where all is dust none leaves
         places, bowl = law.footprint(cell)
         self.law, self._executor, self.margin = law, executor, law.margin(cell)
         self._footprint = arguments(
@@ -153,7 +159,7 @@ class SlidingPieces(Attachment):
             margin=self.margin,
             rounds=ROUNDS,
         )
-        counter, disc = (bodies.counter, bodies.wear_counter), (bodies.disc, bodies.wear_disc)
+        counter, disc = ((bodies[body], bodies[f"wear_{body}"]) for body in BODIES)
         self.counter = Pending(executor, law, self._footprint, counter, number=0, periodic=False)
         self.disc = Pending(executor, law, self._footprint, disc, number=1, periodic=periodic)
         self.both = self.counter, self.disc
@@ -167,15 +173,6 @@ class SlidingPieces(Attachment):
             pieces=(room, shedding.COLUMNS),
             begins=wp.array([1], dtype=wp.int32, device=device),
         )
-
-    @classmethod
-    def of(
-        cls, task: ContactTask, executor: Executor, bodies: SlidingBodies, *, periodic: bool
-    ) -> Self | None:
-        """Those of a task; None where all wear leaves at once."""
-        if task.pieces is None:
-            return None
-        return cls(task.pieces, executor, bodies, periodic=periodic)
 
     def beside(self, columns: tuple[int, int]) -> tuple[int, int]:
         """First column of those given, and the one after the last, where pieces of them may lie too."""
@@ -196,7 +193,10 @@ class SlidingPieces(Attachment):
             program.launch(kernels.list_overflow, body.body, **self._alone)
 
     def before_wear(self, program: Program, place: Place) -> None:
-        """Add that the wear of the tiles listed becomes pending."""
+        """Add that the wear by a stored pressure, or by that of the tiles listed, becomes pending."""
+        if place.pressure is not None:
+            program.launch(kernels.take_field, place.slides, self._both, place.pressure, **self._alone)
+            return
         contact = place.springs, *place.listed, place.cells, place.bodies.gap
         program.launch(kernels.take_tiles, place.slides, self._both, *contact, **self._alone)
 
@@ -217,13 +217,6 @@ class SlidingPieces(Attachment):
         for body in BODIES:
             pieces, wear, pending, most[f"wear_{body}"] = (columns[f"{name}_{body}"] for name in OF_BODY)
             total |= {f"pieces_{body}": pieces, f"wear_{body}": wear, f"pending_{body}": pending}
-
-    def add_take(self, program: Program, slides: Field, pressure: Field) -> None:
-        """Add to a program that the wear by a pressure field [MPa] becomes pending.
-
-        slides: a `Slide` in an array, by whose `pending_counter`, `pending_disc` and `shift` it does.
-        """
-        program.launch(kernels.take_field, slides, self._both, pressure, **self._alone)
 
     def drain(self) -> bool:
         """Enter the pieces that have left into the book; tell whether the program is to go on in its step."""

@@ -1,8 +1,10 @@
 """A part that a test adds to the steps of a contact on springs: debris that lies on the disc."""
 
+from collections import deque
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
+import numpy as np
 import pytest
 import warp as wp
 from cases_track import small
@@ -13,8 +15,8 @@ from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.kernels.cells import Cells
 from warpwear.kernels.sliding import Slide
-from warpwear.models.attachment import Attachment, Place
-from warpwear.models.film import BareCells
+from warpwear.models.features.feature import Feature, Place
+from warpwear.models.features.features import Features
 from warpwear.models.model import Model
 from warpwear.runs.order import RunOrder
 from warpwear.study.study import Study
@@ -70,7 +72,7 @@ def note(slides: wp.array(dtype=Slide), first: wp.int32, history: wp.array2d(dty
         history[slides[0].number, first + 1] = -slides[0].end
 
 
-class Debris(Attachment):
+class Debris(Feature):
     """Lies on the disc, everywhere under the ball, a little deeper after every step."""
 
     STATE: ClassVar = {"depth": InFrame("disc")}
@@ -81,7 +83,6 @@ class Debris(Attachment):
 
     def __init__(self, executor: Executor, rows: int) -> None:
         self.depth: Field = executor.zeros(rows)
-        self.bare = executor.zeros()  # as a film has it
         self.executor = executor
         #: What was entered.
         self.entered: list[tuple[float, float]] = []
@@ -93,18 +94,22 @@ class Debris(Attachment):
         program.launch(lay, place.slides, self.of_step, self.depth, place.bodies.disc)
 
     def enter(self, columns: Mapping[str, FloatArray], total: dict[str, Any], most: dict[str, Any]) -> None:
-        self.entered += zip(*(columns[name].tolist() for name in self.columns), strict=True)
+        values = (np.atleast_1d(columns[name]).tolist() for name in self.columns)
+        self.entered += zip(*values, strict=True)
 
 
 def attach(monkeypatch: pytest.MonkeyPatch, kind: type[Debris] = Debris) -> list[Debris]:
-    """Let every contact have debris in the place of a film; return those made from here on."""
+    """Let every contact on a disc have debris before its features; return those made from here on."""
     made: list[Debris] = []
+    of = Features.of
 
-    def of_bodies(film: Any, executor: Executor, counter: Field, disc: Field) -> Debris:
-        made.append(kind(executor, disc.shape[0]))
-        return made[-1]
+    def with_debris(task: Any, executor: Executor, bodies: Mapping[str, Field], **options: Any) -> Features:
+        rows = bodies["disc"].shape[0]
+        made.append(kind(executor, rows))
+        by_name = {"debris": made[-1], **of(task, executor, bodies, **options).by_name}
+        return Features(by_name, own=options.get("own", ()), disc_rows=rows)
 
-    monkeypatch.setattr(BareCells, "of_bodies", of_bodies)
+    monkeypatch.setattr(Features, "of", with_debris)
     return made
 
 
@@ -112,3 +117,36 @@ def model_of(study: Study, executor: Executor) -> Model:
     """The model of a study's first block, on unworn bodies."""
     order = RunOrder(study)
     return order.model(executor, block=order.blocks[0]).model
+
+
+def arrays_of(owner: Any) -> dict[str, "np.ndarray[Any, Any]"]:
+    """Copies of all arrays that an object of warpwear holds, by the way to them, but for its scratch.
+
+    Parts, structs and containers are gone through; what a class names in `SCRATCH` is not.
+    """
+    found: dict[str, np.ndarray[Any, Any]] = {}
+    seen: set[int] = set()
+
+    def look(value: Any, path: str) -> None:
+        if isinstance(value, wp.array | np.ndarray):
+            found[path] = np.array(value.numpy() if isinstance(value, wp.array) else value)
+            return
+        if id(value) in seen or isinstance(value, Executor | Program):
+            return
+        seen.add(id(value))
+        if isinstance(value, Mapping):
+            members = {str(name): item for name, item in value.items()}
+        elif isinstance(value, list | tuple | deque):
+            members = {str(number): item for number, item in enumerate(value)}
+        elif hasattr(value, "_cls") and hasattr(value, "__ctype__"):  # a struct of Warp
+            members = {name: getattr(value, name) for name in value._cls.vars}
+        elif type(value).__module__.startswith("warpwear."):
+            scratch = getattr(type(value), "SCRATCH", ())
+            members = {name: item for name, item in vars(value).items() if name not in scratch}
+        else:
+            return
+        for name, item in members.items():
+            look(item, f"{path}.{name}" if path else name)
+
+    look(owner, "")
+    return found

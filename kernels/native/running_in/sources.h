@@ -1,0 +1,125 @@
+#pragma once
+// What cells have of their own follows, as a step begins, from what their bodies have lost.
+//
+// It is made for the cells of a tile where that is listed, or of a row where its gap is made, and nowhere
+// else.
+#include "running_in/film.h"
+#include "properties.h"
+#include "running_in/recession.h"
+
+// 1/c of cells that do not yield [N/mm³].
+static const double RIGID = 1.0e300;
+
+// The same of each lane.
+template <typename Do> WARPWEAR_FN Lanes each_lane(Lanes v, const Do& of)
+{
+#if defined(__CUDA_ARCH__)
+    return of(v);
+#else
+    for (int j = 0; j < LANES; ++j) v[j] = of(v[j]);
+    return v;
+#endif
+}
+
+// 1/c of cells in an implicit step: their own compliance and the wear of both bodies. A curve without a scale
+// bears everywhere.
+template <typename Slide, typename Sources, typename Properties>
+WARPWEAR_FN void stiffen(const Slide& slide, const Sources& sources, const Properties& cells, int row,
+                         int under, const Span& span)
+{
+    Stored* const stiffness = row_of(cells.stiffness, row);
+    const CellRow own(cells, row);
+    const auto& curve = sources.curve;
+    const Stored* const wear = curve.scale > 0.0 ? row_of(sources.wear_disc, under) : nullptr;
+    const Lanes one = 1.0, rigid = RIGID;
+    for (int i = span.first; i < span.end; i += span.stride) {
+        const Lanes compliance = slide.own + slide.k_counter * own_or(own.k_counter, i, one);
+        const Lanes k_disc = slide.k_disc * own_or(own.k_disc, i, one);
+        if (wear) {
+            const Lanes ratio = each_lane(wear[i], [&](double v) { return bearing_ratio(v, curve); });
+            stiffness[i] = one / (compliance + k_disc / ratio);
+        } else {
+            stiffness[i] = smaller_of(one / (k_disc + compliance), rigid);
+        }
+    }
+}
+
+// Make what cells of a row have of their own. What two sources set is multiplied here.
+template <typename Slide, typename Sources, typename Properties>
+WARPWEAR_FN void make_cells(const Slide& slide, const Sources& sources, const Properties& cells, int row,
+                            int under, const Span& span)
+{
+    if (cells.material.shape[0] > 0) look_at_film(slide, sources.films, cells, row, under, span);
+    if (sources.stiffens == 1) stiffen(slide, sources, cells, row, under, span);
+}
+
+// Whether there is anything to make.
+template <typename Sources, typename Properties>
+WARPWEAR_FN bool makes(const Sources& sources, const Properties& cells)
+{ return cells.material.shape[0] > 0 || sources.stiffens == 1; }
+
+// The disc's row under a row of the contact; 0 where none moves.
+template <typename Slide, typename Sources>
+WARPWEAR_FN int row_beneath(int row, const Slide& slide, const Sources& sources)
+{ return sources.disc_rows > 0 ? under_row(row, slide.shift, sources.disc_rows) : 0; }
+
+// See of all cells which are bare.
+template <typename Slides, typename Sources, typename Properties>
+WARPWEAR_FN void look_at_rows(int slot, int slots, const Slides& slides, const Sources& sources,
+                              const Properties& cells)
+{
+    const auto& slide = wp::index(slides, 0);
+    const Span span = {lane_of_slot(), cells.material.shape[1] * OF_VECTOR, width_of_slot()};
+    for (int row = slot; row < cells.material.shape[0]; row += slots)
+        look_at_film(slide, sources.films, cells, row, row_beneath(row, slide, sources), span);
+}
+
+// Make the stiffness of all cells, or of one row that serves all.
+template <typename Slides, typename Sources, typename Properties>
+WARPWEAR_FN void stiffen_rows(int slot, int slots, const Slides& slides, const Sources& sources,
+                              const Properties& cells)
+{
+    const auto& slide = wp::index(slides, 0);
+    const Span span = {lane_of_slot(), cells.stiffness.shape[1] * OF_VECTOR, width_of_slot()};
+    for (int row = slot; row < cells.stiffness.shape[0]; row += slots)
+        stiffen(slide, sources, cells, row, row_beneath(row, slide, sources), span);
+}
+
+// Make what the cells of the tiles listed have of their own, where a list serves several steps.
+template <typename List, typename Count, typename Slides, typename Sources, typename Properties>
+WARPWEAR_FN void make_listed(int slot, int slots, const List& list, const Count& counts, const Slides& slides,
+                             const Sources& sources, const Properties& cells)
+{
+    const auto& slide = wp::index(slides, 0);
+    const int of_row = cells.material.shape[1] * OF_VECTOR;
+    for (int row = slot; row < cells.material.shape[0]; row += slots)
+        for (int n = team_of_slot(); n < wp::index(counts, row); n += teams_of_slot())
+            make_cells(slide, sources, cells, row, row_beneath(row, slide, sources),
+                       span_of_tile(wp::index(list, row, n), of_row));
+}
+
+// Note the distance at the end of a step where the bodies under the tiles listed were worn in it.
+template <typename List, typename Count, typename Slides, typename Sources>
+WARPWEAR_FN void rub_listed(int slot, int slots, const List& list, const Count& counts, const Slides& slides,
+                            const Sources& sources)
+{
+    const auto& slide = wp::index(slides, 0);
+    const auto& films = sources.films;
+    const int of_row =
+        (films.counter.seen.shape[0] > 0 ? films.counter : films.disc).seen.shape[1] * OF_VECTOR;
+    for (int row = slot; row < counts.shape[0]; row += slots)
+        for (int n = team_of_slot(); n < wp::index(counts, row); n += teams_of_slot())
+            rub_film(slide, films, row, row_beneath(row, slide, sources),
+                     span_of_tile(wp::index(list, row, n), of_row));
+}
+
+// The same of the columns ever touched, where more is worn than what is listed.
+template <typename Slides, typename Sources>
+WARPWEAR_FN void rub_rows(int slot, int slots, const Slides& slides, const Sources& sources, int rows)
+{
+    const auto& slide = wp::index(slides, 0);
+    const Span span = {slide.first_column / 8 * OF_VECTOR + lane_of_slot(),
+                       (slide.end_column + 7) / 8 * OF_VECTOR, width_of_slot()};
+    for (int row = slot; row < rows; row += slots)
+        rub_film(slide, sources.films, row, row_beneath(row, slide, sources), span);
+}

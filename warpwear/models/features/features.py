@@ -1,0 +1,206 @@
+"""All features of a contact, asked in one order, and what they make of its cells."""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from functools import cached_property
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from warpwear.engine.executor import Arguments, Executor, Field, arguments
+from warpwear.engine.program import Program
+from warpwear.grid import FloatArray
+from warpwear.history.pieces import PieceBook
+from warpwear.kernels.cells import CellProperties
+from warpwear.kernels.running_in.sources import Sources
+from warpwear.laws.bearing_curve import Logistic
+from warpwear.laws.task import ContactTask
+from warpwear.models.features.feature import Feature, Place
+from warpwear.models.features.film import BareCells
+from warpwear.models.features.fretting import CyclicSlip
+from warpwear.models.features.particles import SlidingParticles
+from warpwear.models.features.recession import Recession, UnequalStiffness
+
+
+class Features:
+    """Holds the features of a contact by name, in the order in which each is asked.
+
+    by_name: of which no two set one property of cells or write one column. own: columns of the history before
+    theirs. disc_rows: of a disc that is displaced by rows; 0 where none is.
+
+    Raises ValueError for two that set or write the same.
+    """
+
+    STATE: ClassVar = {"by_name": dict}
+    SCRATCH: ClassVar = ("cells", "sources", "pressed")
+
+    def __init__(
+        self, by_name: Mapping[str, Feature], *, own: tuple[str, ...] = (), disc_rows: int = 0
+    ) -> None:
+        self.by_name = dict(by_name)
+        #: Columns of the history: a contact's own, and theirs.
+        self.columns = give_columns(self.by_name.values(), own)
+        #: What cells have of their own, and what that is made from, for kernels.
+        self.cells: Arguments = arguments(CellProperties, **self._merged("properties"))
+        self.sources: Arguments = arguments(Sources, disc_rows=disc_rows, **self._merged("sources"))
+        self.pressed = self._merged("pressed")
+        #: Adds to a program that bounds are made anew, after a feature that raises a surface.
+        self.refresh: Callable[[Program], None] | None = None
+
+    @classmethod
+    def of(
+        cls,
+        task: ContactTask,
+        executor: Executor,
+        bodies: Mapping[str, Field],
+        *,
+        periodic: bool = False,
+        distances: Field | None = None,
+        curve: Logistic | None = None,
+        own: tuple[str, ...] = (),
+    ) -> Self:
+        """Return those that a task asks for.
+
+        bodies: fields by the names of `Bodies`, or `worn` by both, where they wear in one proportion [mm].
+        periodic: as of `SlidingContact`. distances: factor of those that cells of the disc slide, where they
+        differ. curve: of a roughness that the grid does not resolve. own: as of the class.
+        """
+        found: dict[str, Feature] = {}
+        if task.film is not None:
+            found["film"] = BareCells.of(task, executor, bodies)
+        if task.pieces is not None:
+            found["particles"] = SlidingParticles(task.pieces, executor, bodies, periodic=periodic)
+        if task.fretting is not None:
+            found["fretting"] = CyclicSlip(task, executor)
+        if curve is not None:
+            found["recession"] = Recession(curve, executor)
+        if distances is not None:
+            found["distances"] = OwnDistances(distances)
+        if task.implicit and (curve is not None or distances is not None):
+            alike = curve is None and distances is not None and distances.shape[0] == 1
+            found["stiffness"] = UnequalStiffness(executor, bodies, curve, alike=alike)
+        return cls(found, own=own, disc_rows=bodies["disc"].shape[0] if "disc" in bodies else 0)
+
+    def __iter__(self) -> Iterator[Feature]:
+        return iter(self.by_name.values())
+
+    def __bool__(self) -> bool:
+        return bool(self.by_name)
+
+    def _merged(self, of: str) -> dict[str, Any]:
+        """Return what all of them have by name."""
+        merged: dict[str, Any] = {}
+        for one in self:
+            if twice := sorted(merged.keys() & getattr(one, of).keys()):
+                raise ValueError(f"{of} of cells that two would set: {', '.join(twice)}")
+            merged |= getattr(one, of)
+        return merged
+
+    @property
+    def changes_heights(self) -> bool:
+        """Tell whether more than the pass that wears changes heights, so that no list or gap stays."""
+        return any(one.changes_heights or one.raises for one in self)
+
+    @property
+    def moves_pressure(self) -> bool:
+        """Tell whether pressures move with the counter-body, so that the disc sees their mean."""
+        return any(one.moves_pressure for one in self)
+
+    @property
+    def window(self) -> int | None:
+        """Return the rows of the disc that pass over one of the counter-body, where a feature says so."""
+        return next((one.window for one in self if one.window is not None), None)
+
+    @property
+    def yields(self) -> Field | None:
+        """Return the compliance that one lends each cell in a step [mm/MPa]; None where none does."""
+        return next((one.yields for one in self if one.yields is not None), None)
+
+    @cached_property
+    def book(self) -> PieceBook | None:
+        """Return the book of what has left the bodies piece by piece; None where nothing does."""
+        return next((one.book for one in self if one.book is not None), None)
+
+    def beside(self, columns: tuple[int, int]) -> tuple[int, int]:
+        """Return the first column that they may change beside these, and the one after the last."""
+        for one in self:
+            columns = one.beside(columns)
+        return columns
+
+    def softest(self, executor: Executor, slides: Field) -> float | None:
+        """Find the smallest stiffness of a cell in the step in an array [N/mm³]; None of cells alike."""
+        stiffness = self.by_name.get("stiffness")
+        assert stiffness is None or isinstance(stiffness, UnequalStiffness)
+        if stiffness is None:
+            return None
+        program = Program(executor, records=False)
+        stiffness.add_to(program, Place(slides, sources=self.sources, cells=self.cells))
+        program.run()
+        values = self.cells.stiffness.numpy()
+        return float(np.min(values[values > 0.0]))
+
+    def ask(self, hook: str, program: Program, place: Place) -> None:
+        """Let each add its part; after one that may close gaps the bounds are made anew."""
+        place = place._replace(sources=self.sources, cells=self.cells)
+        for one in self:
+            getattr(one, hook)(program, place)
+            if self.refresh and one.raises and getattr(type(one), hook) is not getattr(Feature, hook):
+                self.refresh(program)
+
+    @contextmanager
+    def enclosing(self, hook: str, program: Program) -> Iterator[None]:
+        """Enter the blocks by which each encloses a part of a program, one within another."""
+        with ExitStack() as stack:
+            for one in self:
+                block: AbstractContextManager[None] = getattr(one, hook)(program)
+                stack.enter_context(block)
+            yield
+
+    def drain(self) -> bool:
+        """Let each take over what a program has left; tell whether it is to go on in its step."""
+        return sum(one.drain() for one in self) > 0  # all of them
+
+    def end_steps(self, count: int) -> None:
+        """Let each take note that a program has made so many steps."""
+        for one in self:
+            one.end_steps(count)
+
+    def row(self, increment: float, total: Mapping[str, float]) -> dict[str, float]:
+        """Return columns of a part of a step over an increment [mm], which follow from its sums."""
+        return {name: value for one in self for name, value in one.row(increment, total).items()}
+
+    def worn(self, removals: tuple[float, float], row: Mapping[str, float]) -> tuple[float, float]:
+        """Return K ΔL [mm³/N] by which bodies have worn in a part with that row."""
+        for one in self:
+            removals = one.worn(removals, row)
+        return removals
+
+    def enter(self, columns: Mapping[str, Any], total: dict[str, Any], most: dict[str, Any]) -> None:
+        """Let each enter among sums and maxima what the columns of the history say of it."""
+        for one in self:
+            one.enter(columns, total, most)
+
+    def fields(self, pressure: FloatArray) -> dict[str, Any]:
+        """Return their fields of a snapshot under a pressure [MPa]."""
+        return {name: field for one in self for name, field in one.fields(pressure).items()}
+
+
+class OwnDistances(Feature):
+    """Cells of the disc slide distances of their own while it lies still: their K has a factor."""
+
+    def __init__(self, factor: Field) -> None:
+        self.properties = {"k_disc": factor}
+
+
+def give_columns(features: Any, own: tuple[str, ...]) -> tuple[str, ...]:
+    """Give features their columns of the history, behind a contact's own; return the names of all.
+
+    Raises ValueError for two columns of one name.
+    """
+    names = [*own]
+    for one in features:
+        one.first_column = len(names)
+        names += one.columns
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise ValueError(f"columns of the history that two would write: {', '.join(twice)}")
+    return tuple(names)
