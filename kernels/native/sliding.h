@@ -235,7 +235,8 @@ WARPWEAR_FN void wear_by(int slot, int slots, const List& list, const Count& cou
                     rubs = tau * (p > zero ? one : part_of_step);
                     sums.of(TrackSum::RUBBED) += rubs;
                 }
-                const PerBody lost = removal_of<OWN, RARE>(step, own, i, {p, p}, {rubs, rubs});
+                const PerBody lost = removal_of<OWN, RARE>(step, own, i, {p, p},
+                                                           {wear_counter[i], wear_disc[i]}, {rubs, rubs});
                 const Lanes s = counter[i] + lost.counter, a = wear_counter[i] + lost.counter;
                 const Lanes b = wear_disc[i] + lost.disc;
                 d -= lost.disc;

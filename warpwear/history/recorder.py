@@ -12,13 +12,17 @@ from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.quantities import per
 from warpwear.kernels.cells import EXTENTS, MAXIMA
+from warpwear.kernels.running_in.materials import BOOKS
 from warpwear.laws.archard import BODIES
+from warpwear.laws.depth_profile import of_materials
 from warpwear.laws.task import ContactTask
 
 #: Columns that grow from step to step.
 RUNNING = ("distance", "area_cumulative", "archard_volume_counter", "archard_volume_disc")
 #: Columns that count a part of the stroke's disc for the whole, summed over the disc as it is.
 OF_THE_DISC = tuple(column.name for column in per("step") if column.frame == "disc")
+#: How columns of the materials of the disc begin that are summed over it.
+OF_A_DISC = "wear_volume_disc_"
 #: First and last of what was touched, along and across; first ones are negated.
 PAIRS = (EXTENTS[:2], EXTENTS[2:])
 #: One of a step, or an array of those of many.
@@ -89,6 +93,11 @@ class Ledger:
         self._outline = 1.0 if task.form.is_line else math.pi / 4.0
         self.most = dict.fromkeys(MAXIMA, -math.inf)
         self.row = {column.name: 0.0 for column in per("step")}
+        profiles = zip(BODIES, task.profiles or (), strict=False)
+        volumes = [name for body in profiles for *_, name in of_materials(*body)]
+        self.row |= dict.fromkeys(volumes, 0.0)
+        self.running = (*RUNNING, *volumes)
+        self._of_the_disc = (*OF_THE_DISC, *(name for name in volumes if name.startswith(OF_A_DISC)))
         #: What the disc of a stroke lost on other strokes, over what this one makes of the same depths; or on
         #: other circles.
         self.before: dict[str, float] = {}
@@ -96,7 +105,7 @@ class Ledger:
     def rebase(self, track_fraction: float) -> None:
         """Go on with the volumes of a disc that stood for another stroke, as a part of it, before."""
         ratio = track_fraction / self._track_fraction
-        for name in OF_THE_DISC if ratio != 1.0 else ():
+        for name in self._of_the_disc if ratio != 1.0 else ():
             total, before = self.row.get(name, 0.0), self.before.get(name, 0.0)
             self.before[name] = total - (total - before) * ratio
 
@@ -105,14 +114,14 @@ class Ledger:
 
         own: what is booked of the other by now, volumes and the deepest wear; nothing where it is unworn.
         """
-        left = {n: self.row.get(n, 0.0) - self.before.get(n, 0.0) for n in OF_THE_DISC}
+        left = {n: self.row.get(n, 0.0) - self.before.get(n, 0.0) for n in self._of_the_disc}
         left["deepest"], self.most["wear_disc"] = self.most["wear_disc"], own.get("deepest", 0.0)
-        self.before = {n: self.row.get(n, 0.0) - own.get(n, 0.0) for n in OF_THE_DISC}
+        self.before = {n: self.row.get(n, 0.0) - own.get(n, 0.0) for n in self._of_the_disc}
         return left
 
     def restored(self) -> None:
         """Raise ValueError for books that no step has left."""
-        for book, names in ((self.row, RUNNING), (self.most, MAXIMA)):
+        for book, names in ((self.row, self.running), (self.most, MAXIMA)):
             for name in names:
                 if not isinstance(book.get(name), int | float):
                     raise ValueError(f"the books have no {name}")
@@ -140,7 +149,7 @@ class Ledger:
         largest = self.most | {"pressure": most["pressure"]}
         row = self._row(step, largest)
         row["pressure_std"] = math.sqrt(max(row["pressure_std"], 0.0))
-        for name in RUNNING:
+        for name in self.running:
             row[name] += self.row[name]
         self.row = row.copy()
         at_edge, at_rim = map(bool, self._flags(self.most))
@@ -155,8 +164,8 @@ class Ledger:
         }
         row = self._row(steps, grown | {"pressure": most["pressure"]})
         row["pressure_std"] = np.sqrt(np.maximum(row["pressure_std"], 0.0))
-        for name in RUNNING:
-            row[name] = np.add.accumulate([self.row[name], *row[name]])[1:]
+        for name in self.running:
+            row[name] = np.add.accumulate([self.row[name], *np.broadcast_to(row[name], count)])[1:]
         table = np.stack([np.broadcast_to(values, count) for values in row.values()], axis=1)
         self.row = dict(zip(row, table[-1].tolist(), strict=True))
         at_edge, at_rim = (reaches.tolist() for reaches in self._flags(grown))
@@ -215,7 +224,36 @@ class Ledger:
                 row[f"archard_volume_{body}"] = row[f"archard_volume_{body}"] + depth * sheared
         if "bare" in total:
             row["bare_fraction"] = total["bare"] / count
+        if self._task.profiles is not None:
+            row |= self._of_materials(total, row)
         return row | {name: row[name] + lost for name, lost in self.before.items() if name in row}
+
+    def _of_materials(self, total: Mapping[str, Any], row: Mapping[str, Number]) -> dict[str, Any]:
+        """Return what each material bears and has lost; Archard's volumes are those of all of a body.
+
+        Without books of a step all cells are of the uppermost materials.
+        """
+        books, area, found = total.get("materials"), self._grid.cell_area, dict[str, Any]()
+        for body, profile in zip(BODIES, self._task.profiles or (), strict=True):
+            names, archard = of_materials(body, profile), f"archard_volume_{body}"
+            parts: list[tuple[Any, ...]] = [(1.0, row["area_contact"], row[archard])]
+            if books is None:
+                parts += [(0.0, 0.0, 0.0)] * len(names)
+            else:
+                whole = area / (self._track_fraction if body == "disc" else 1.0)
+                of = {
+                    name: [v for key, v in books.items() if key.startswith(f"{name}_{body}_")]
+                    for name in BOOKS
+                }
+                found[archard] = whole * sum(of["lost"])
+                parts = [
+                    (pressure / total["pressure"], area * cells, whole * lost)
+                    for cells, pressure, lost in zip(*of.values(), strict=True)
+                ]
+            found |= {n: v for pair in zip(names, parts, strict=False) for n, v in zip(*pair, strict=True)}
+        if self._task.shears_unalike:
+            found["area_sheared"] = row["area_contact"] if books is None else area * books["shear_ratios"]
+        return found
 
     def _inside(self, rows: int, columns: int) -> tuple[float, ...]:
         """Return the extents of what leaves so many rows and columns along each edge."""

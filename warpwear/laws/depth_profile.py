@@ -154,3 +154,11 @@ def _through(depth: FloatArray, wear: FloatArray | float, slope: float) -> Float
             return np.asarray(depth / wear)
         needed = np.log1p(slope * depth / wear) / slope
     return np.where(np.asarray(wear) > 0.0, needed, math.inf)
+
+
+def of_materials(body: str, profile: DepthProfile) -> list[tuple[str, str, str]]:
+    """Return the names of the columns of a body's layers and substrate: load share, area and worn volume."""
+    if profile.graded or len(profile.materials) == 1:
+        return []
+    names = [f"{body}_{material.name}" for material in profile.materials]
+    return [(f"load_share_{name}", f"area_{name}", f"wear_volume_{name}") for name in names]

@@ -46,7 +46,7 @@ class ContactTask:
     load: float  # F [N]
     hardness: float  # largest pressure of an unworn cell H [MPa]; inf without one
     form: Form  # of the unworn counter-body
-    wear: tuple[WearLaw, WearLaw]  # of counter-body and disc
+    wear: tuple[WearLaw, WearLaw]  # of counter-body and disc, of their unworn surfaces
     compliance: float  # 1/k of the cells of the unworn contact, without wear [mm³/N]
     implicit: bool = True  # whether the wear of a step adds to its compliance
     rigid: bool = False  # whether there is no compliance at all: a bearing area
@@ -104,6 +104,12 @@ class ContactTask:
     def shears(self) -> bool:
         """Tell whether cells in contact wear by their shear, whatever their pressure."""
         return sum(self.wear_per_contact(0.0, 1.0)) > 0.0
+
+    @property
+    def shears_unalike(self) -> bool:
+        """Tell whether cells have a shear strength by their materials, or a part of their pressure."""
+        materials = [m for profile in self.profiles or () for m in profile.materials]
+        return len({(m.shear_strength, m.coefficient) for m in materials}) > 1
 
     @property
     def is_uniform(self) -> bool:

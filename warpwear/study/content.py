@@ -334,7 +334,7 @@ class Content(Programme):
             load=self.contact.load,
             hardness=self.hardness if self.profiles is None else self.cell_caps[0],
             form=self.counter.form,
-            wear=self.wear_laws,
+            wear=self.surface_laws,
             compliance=1.0 / self.stiffness,
             implicit=self.stepping.scheme == "implicit",
             rigid=self.uses_bearing_area,
@@ -394,6 +394,16 @@ class Content(Programme):
     def wear_laws(self) -> tuple[WearLaw, WearLaw]:
         """The laws by which counter-body and disc wear."""
         return self.wear.laws(self.wear_hardness, self.friction)
+
+    @property
+    def surface_laws(self) -> tuple[WearLaw, WearLaw]:
+        """The laws by which the unworn surfaces of counter-body and disc wear, which layers may be."""
+        profiles = self.profiles or (None, None)
+        counter, disc = (
+            law if profile is None else replace(law, steady=profile.materials[0].wear)
+            for law, profile in zip(self.wear_laws, profiles, strict=True)
+        )
+        return counter, disc
 
     @property
     def wears_by_area(self) -> bool:

@@ -81,7 +81,7 @@ def check_patches(study: Content) -> None:
 
 
 #: How bodies move, or "patches", and the contact law, of studies whose steps follow materials by depth.
-FOLLOWED: tuple[tuple[str, str], ...] = ()
+FOLLOWED: tuple[tuple[str, str], ...] = (("swept", "local"), ("stationary", "local"))
 
 
 def check_layers(study: Content) -> None:
