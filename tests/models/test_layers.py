@@ -13,6 +13,7 @@ from warpwear.grid import FloatArray, Grid
 from warpwear.history.recorder import Step
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.depth_profile import DepthProfile, Material
+from warpwear.laws.film import Film
 from warpwear.laws.task import ContactTask
 from warpwear.models.track.local import SlidingContact
 from warpwear.surfaces.form import Ball, Form
@@ -187,3 +188,41 @@ def test_shares_of_a_step_add_up() -> None:
         assert sum(row[f"load_share_{body}_{name}"] for name in names) == pytest.approx(1.0, rel=1e-12)
         areas = sum(row[f"area_{body}_{name}"] for name in names)
         assert areas == pytest.approx(row["area_contact"], rel=1e-12)
+
+
+@pytest.mark.parametrize("coefficient", [np.inf, 0.002])
+def test_a_cell_shears_by_the_weaker_material_or_its_pressure(coefficient: float) -> None:
+    """Before and after a coat of a tenth of the bodies' strength is worn through, or one of a coefficient."""
+    strength = 20.0 if np.isinf(coefficient) else np.inf
+    coat = replace(COAT.materials[0], shear_strength=strength, coefficient=coefficient)
+    body = replace(COAT.materials[2], shear_strength=200.0)
+    disc = DepthProfile((0.0, 2.0e-3), (coat, body))
+    counter = DepthProfile((0.0,), (replace(PLAIN.materials[0], shear_strength=200.0),))
+    grid, load = Grid(8, 8, 0.01), 20.0
+    pressure = load / grid.area
+    with Executor(grid, device="cpu", threads=1) as executor:
+        contact = SlidingContact(
+            task_of((counter, disc), load=load), np.zeros(grid.shape), executor, moves=False
+        )
+        first = contact.step(0, 100.0).row
+        last = slid(contact, [0] * 40, [1000.0] * 40).row
+    weaker = min(strength, coefficient * pressure) / 200.0
+    assert first["area_sheared"] == pytest.approx(weaker * grid.area, rel=1e-12)
+    assert last["load_share_disc_substrate"] == 1.0
+    assert last["area_sheared"] == pytest.approx(grid.area, rel=1e-12)
+
+
+def test_layers_of_the_bodies_own_k_are_a_film() -> None:
+    """Cells are as strong as a film while one of both bodies has its layer, and as bare ones after that."""
+    film = Film(1.4e-3, (True, True), shear_ratio=0.25)
+    tops = [replace(COAT.materials[0], shear_strength=50.0, hardness=2e4, name="film")] * 2
+    bodies = [replace(top, shear_strength=200.0, name="substrate") for top in tops]
+    filmed = [DepthProfile((0.0, 1.4e-3), pair) for pair in zip(tops, bodies, strict=True)]
+    task, heights = ground((filmed[0], filmed[1]))
+    step, wear = over_a_track(task, heights)
+    other, expected = over_a_track(replace(task, profiles=None, film=film), heights)
+    assert_allclose(wear, expected, rtol=1e-9)
+    bare = other.row["bare_fraction"]
+    assert 0.05 < bare < 0.95
+    sheared = other.row["area_contact"] * (0.25 + 0.75 * bare)
+    assert step.row["area_sheared"] == pytest.approx(sheared, rel=1e-9)

@@ -252,7 +252,8 @@ class Ledger:
                 ]
             found |= {n: v for pair in zip(names, parts, strict=False) for n, v in zip(*pair, strict=True)}
         if self._task.shears_unalike:
-            found["area_sheared"] = row["area_contact"] if books is None else area * books["shear_ratios"]
+            of_surfaces = row["area_contact"] * (self._task.surface_shear or math.nan)
+            found["area_sheared"] = of_surfaces if books is None else area * books["shear_ratios"]
         return found
 
     def _inside(self, rows: int, columns: int) -> tuple[float, ...]:

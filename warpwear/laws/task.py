@@ -112,6 +112,15 @@ class ContactTask:
         return len({(m.shear_strength, m.coefficient) for m in materials}) > 1
 
     @property
+    def surface_shear(self) -> float | None:
+        """Return the shear strength of unworn surfaces over the bodies'; None where pressures bound it."""
+        tops = [profile.materials[0] for profile in self.profiles or ()]
+        if not self.shears_unalike or any(math.isfinite(top.coefficient) for top in tops):
+            return None if self.shears_unalike else 1.0
+        assert self.profiles is not None
+        return min(top.shear_strength for top in tops) / self.profiles[0].materials[-1].shear_strength
+
+    @property
     def is_uniform(self) -> bool:
         """Tell whether, at rest, every cell has the same law: one stiffness, and wear in one proportion."""
         counter, disc = self.wear

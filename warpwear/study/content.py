@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from warpwear.laws.archard import WearLaw
+from warpwear.laws.archard import BODIES, WearLaw
 from warpwear.laws.depth_profile import DepthProfile, Material
 from warpwear.laws.elastic import Hertz, effective_modulus
 from warpwear.laws.film import Film, grown_cap
@@ -40,12 +40,14 @@ class Content(Programme):
         counter, disc = (
             self._volume(law, distance)
             if profile is None
-            else profile.volume(
-                self._volume(replace(law, steady=1.0), distance), lambda volume: form.deepest(volume, extent)
-            )
-            for law, profile in zip(self.wear_laws, profiles, strict=True)
+            else profile.volume(self.load_distance(body, distance), lambda v: form.deepest(v, extent))
+            for body, law, profile in zip(BODIES, self.wear_laws, profiles, strict=True)
         )
         return counter, disc
+
+    def load_distance(self, body: str, distance: float) -> float:
+        """Return F L [N mm] of the test's first distance [mm], a body's wear law relative to its K."""
+        return self._volume(replace(self.wear_laws[BODIES.index(body)], steady=1.0), distance)
 
     def _volume(self, law: WearLaw, distance: float) -> float:
         """Return Σ K F ΔL of a law over the test's first distance [mm³]."""

@@ -293,7 +293,7 @@ class SlidingContact:
     def _begin_materials(self, k_counter: FloatArray, k_disc: FloatArray) -> int:
         """Choose by K ΔL [mm³/N] the programs of the next steps, and return how many may be made by them.
 
-        A cell bears no more than an unworn one, or all of the load.
+        A cell bears no more than an unworn one, or all of the load. Shear that pressures bound is booked.
         """
         if self.task.profiles is None:
             return len(k_counter)
@@ -304,10 +304,8 @@ class SlidingContact:
             for depth, k, profile in zip(depths, (k_counter, k_disc), self.task.profiles, strict=True)
         ]
         most = int(min(reached))
-        programs = self._of_steps[-1 if most else 0]
-        if programs is not self._programs:
-            self._programs = programs
-            self.forget()
+        most *= self.task.surface_shear is not None
+        self._programs = self._of_steps[-1 if most else 0]
         return most or len(k_counter)
 
     def _begin_at(self, step: Any) -> None:

@@ -119,7 +119,7 @@ class SlidingTiles(TileList):
 
     def make_listed(self, program: Program) -> None:
         """Make what the cells listed have of their own, in a program, where a list serves several steps."""
-        made = self.features.cells.material is not None or self.features.sources.layered == 1
+        made = self.features.cells.material is not None or self.features.sources.stiffens == 1
         if self._bounds.stays and made:
             place = self._slides, self.features.sources, self.features.cells
             program.launch(film.make, self.list, self.count, *place, chunks=lambda: self.chunks)
