@@ -1,7 +1,7 @@
 """Books of the materials of two bodies by worn depth: what each bears and loses in a step.
 
 They follow from pressures and from the materials that meet as a step begins, not from the pass that wears: by
-them its depths are checked. The loops are C++: native/materials.h.
+them its depths are checked. The loops are C++: native/running_in/materials.h.
 """
 
 import warp as wp
@@ -13,7 +13,7 @@ from warpwear.kernels.running_in.sources import Sources
 from warpwear.kernels.sliding import Slide
 from warpwear.kernels.wear import total_of
 
-wp.set_module_options(native_code.options("materials.h", "wear.h"))
+wp.set_module_options(native_code.options("running_in/materials.h", "wear.h"))
 
 #: Materials of a body that have books of their own, and what is booked of each, in this order.
 BOOKED = 8

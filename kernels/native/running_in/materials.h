@@ -1,7 +1,7 @@
 #pragma once
 // What each material of two bodies bears and loses in a step: books that know nothing of the pass that wears.
 
-#include "sources.h"
+#include "running_in/sources.h"
 #include "springs.h"
 
 // Materials of a body that have books of their own; of a body with more, the first has those of all.
