@@ -209,13 +209,12 @@ AREAS = tuple(name for name, look in LOOKS.items() if look.get("family") == "are
 UNITS = {quantity.name: quantity.units for quantity in QUANTITIES}
 
 
-def _of_material(body: Any) -> tuple[tuple[str, str, Frame | None], ...]:
-    """Return units, meanings and frames of the columns of a material of a body, see `of_materials`."""
-    return (
-        ("1", "part of the load that was borne as the step began by", None),
-        ("mm^2", "area in contact that was as the step began of", None),
-        ("mm^3", "volume worn off", body),
-    )
+#: Units and meanings of the columns of a material, see `of_materials`.
+OF_A_MATERIAL = (
+    ("1", "part of the load that was borne as the step began by"),
+    ("mm^2", "area in contact that was as the step began of"),
+    ("mm^3", "volume worn off"),
+)
 
 
 def columns_of(study: Study) -> tuple[Quantity, ...]:
@@ -223,11 +222,10 @@ def columns_of(study: Study) -> tuple[Quantity, ...]:
     columns = [quantity for quantity in per("step") if quantity.applies_to(study)]
     for body, profile in zip(BODIES, study.profiles or (), strict=False):
         for names, material in zip(of_materials(body, profile), profile.materials, strict=False):
+            of = f"{material.name} of the {CALLED[body]}"
+            pairs = zip(names, OF_A_MATERIAL, strict=True)
             columns += [
-                Quantity(
-                    name, unit, f"{meaning} {material.name} of the {CALLED[body]}", "step", "layers", frame
-                )
-                for name, (unit, meaning, frame) in zip(names, _of_material(body), strict=True)
+                Quantity(name, unit, f"{meaning} {of}", only="layers") for name, (unit, meaning) in pairs
             ]
     return tuple(columns)
 

@@ -21,8 +21,6 @@ from warpwear.laws.task import ContactTask
 RUNNING = ("distance", "area_cumulative", "archard_volume_counter", "archard_volume_disc")
 #: Columns that count a part of the stroke's disc for the whole, summed over the disc as it is.
 OF_THE_DISC = tuple(column.name for column in per("step") if column.frame == "disc")
-#: How columns of the materials of the disc begin that are summed over it.
-OF_A_DISC = "wear_volume_disc_"
 #: First and last of what was touched, along and across; first ones are negated.
 PAIRS = (EXTENTS[:2], EXTENTS[2:])
 #: One of a step, or an array of those of many.
@@ -97,7 +95,6 @@ class Ledger:
         volumes = [name for body in profiles for *_, name in of_materials(*body)]
         self.row |= dict.fromkeys(volumes, 0.0)
         self.running = (*RUNNING, *volumes)
-        self._of_the_disc = (*OF_THE_DISC, *(name for name in volumes if name.startswith(OF_A_DISC)))
         #: What the disc of a stroke lost on other strokes, over what this one makes of the same depths; or on
         #: other circles.
         self.before: dict[str, float] = {}
@@ -105,7 +102,7 @@ class Ledger:
     def rebase(self, track_fraction: float) -> None:
         """Go on with the volumes of a disc that stood for another stroke, as a part of it, before."""
         ratio = track_fraction / self._track_fraction
-        for name in self._of_the_disc if ratio != 1.0 else ():
+        for name in OF_THE_DISC if ratio != 1.0 else ():
             total, before = self.row.get(name, 0.0), self.before.get(name, 0.0)
             self.before[name] = total - (total - before) * ratio
 
@@ -114,9 +111,9 @@ class Ledger:
 
         own: what is booked of the other by now, volumes and the deepest wear; nothing where it is unworn.
         """
-        left = {n: self.row.get(n, 0.0) - self.before.get(n, 0.0) for n in self._of_the_disc}
+        left = {n: self.row.get(n, 0.0) - self.before.get(n, 0.0) for n in OF_THE_DISC}
         left["deepest"], self.most["wear_disc"] = self.most["wear_disc"], own.get("deepest", 0.0)
-        self.before = {n: self.row.get(n, 0.0) - own.get(n, 0.0) for n in self._of_the_disc}
+        self.before = {n: self.row.get(n, 0.0) - own.get(n, 0.0) for n in OF_THE_DISC}
         return left
 
     def restored(self) -> None:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
@@ -50,6 +50,7 @@ def depth_numbers(profile: DepthProfile, hardness: float) -> FloatArray:
 class MaterialsByDepth(Feature):
     """Gives cells K and the cap of the materials that meet there; books what each bears and loses."""
 
+    SCRATCH: ClassVar = ("_books", "properties", "sources")
     columns = (
         *(f"{kind}_{body}_{m}" for body in BODIES for kind in kernels.BOOKS for m in range(kernels.BOOKED)),
         "shear_ratios",

@@ -71,7 +71,7 @@ class SlidingContact:
         "features": Features,
         "ledger": Ledger,
     }
-    SCRATCH: ClassVar = ("_slides", "_steps", "_programs", "_search")
+    SCRATCH: ClassVar = ("_slides", "_steps", "_programs", "_of_steps", "_search")
 
     def __init__(
         self,

@@ -60,7 +60,7 @@ class SlidingTiles(TileList):
         **dict.fromkeys(("lowest", "lowest_of_eight"), InFrame("counter")),
         **dict.fromkeys(("highest", "highest_of_row"), InFrame("disc")),
     }
-    SCRATCH: ClassVar = ("list", "count", "lists", "_slides", "_bodies", "_features")
+    SCRATCH: ClassVar = ("list", "count", "lists", "_slides", "_bodies", "features")
 
     def __init__(
         self,
