@@ -45,7 +45,6 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
         "wear of friction energy by a shear strength, layers of a shear strength",
         lambda study: study.wears_by_area or study.shears_unalike,
     ),
-    "layers": ("runs with layers", lambda study: study.profiles is not None),
     "layers of the counter-body": ("counter-bodies with layers", lambda study: bool(study.counter.layers)),
     "layers of the disc": ("discs with layers", lambda study: bool(study.disc.layers)),
     "stresses": ("runs with stresses (output.stress_depths)", lambda study: study.has_stresses),
@@ -223,10 +222,8 @@ def columns_of(study: Study) -> tuple[Quantity, ...]:
     for body, profile in zip(BODIES, study.profiles or (), strict=False):
         for names, material in zip(of_materials(body, profile), profile.materials, strict=False):
             of = f"{material.name} of the {CALLED[body]}"
-            pairs = zip(names, OF_A_MATERIAL, strict=True)
-            columns += [
-                Quantity(name, unit, f"{meaning} {of}", only="layers") for name, (unit, meaning) in pairs
-            ]
+            only, pairs = f"layers of the {CALLED[body]}", zip(names, OF_A_MATERIAL, strict=True)
+            columns += [Quantity(name, unit, f"{meaning} {of}", only=only) for name, (unit, meaning) in pairs]
     return tuple(columns)
 
 
