@@ -14,6 +14,7 @@ from warpwear.laws.fretting import HONEST_MEAN, Fretting, displacement, softness
 from warpwear.laws.junctions import critical_junction, junction_strength
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
+from warpwear.study.bodies import Body
 from warpwear.study.keys import value_of
 from warpwear.study.programme import Programme
 from warpwear.study.sections.layers import depth_profile
@@ -56,7 +57,7 @@ class Content(Programme):
     @property
     def profiles(self) -> tuple[DepthProfile, DepthProfile] | None:
         """What counter-body and disc are made of by worn depth; None where both are alike at all depths."""
-        bodies = self.counter, self.disc
+        bodies: tuple[Body, Body] = (self.counter, self.disc)
         if not any(body.has_depths for body in bodies):
             return None
         limit, strength = self.contact.hardness, self.friction.shear_strength or math.inf
