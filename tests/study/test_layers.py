@@ -172,3 +172,13 @@ def test_a_thick_layer_is_said_to_yield_as_the_body() -> None:
     half = layered().hertz.semi_axes[0]  # type: ignore[union-attr]
     assert f"disc.layers are 20 µm thick, {20e-3 / half:.2g} of the contact's half width" in said
     assert math.isfinite(half)
+
+
+def test_the_preset_of_a_coat_is_worn_through_within_its_run() -> None:
+    """By its estimate: the coat bears first, is thin, and the crater is deeper at the end."""
+    study = Study.load("coat")
+    coat = (study.disc.layers or ())[0]
+    assert (coat.name, study.contact_task.hardness) == ("dlc", study.counter.hardness)
+    lost = study.volumes(study.sliding.total)[1]
+    assert study.counter.form.deepest(lost, study.grid.sides)[0] > 1.2 * coat.thickness
+    assert not [text for text in study.notices() if "elastic constants" in text]
