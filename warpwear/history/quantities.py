@@ -208,12 +208,18 @@ AREAS = tuple(name for name, look in LOOKS.items() if look.get("family") == "are
 UNITS = {quantity.name: quantity.units for quantity in QUANTITIES}
 
 
-#: Units and meanings of the columns of a material, see `of_materials`.
-OF_A_MATERIAL = (
-    ("1", "part of the load that was borne as the step began by"),
-    ("mm^2", "area in contact that was as the step began of"),
-    ("mm^3", "volume worn off"),
-)
+#: Units and meanings of the columns of a material, by the beginning of their names, see `of_materials`.
+OF_A_MATERIAL = {
+    "load_share": ("1", "part of the load that was borne as the step began by"),
+    "area": ("mm^2", "area in contact that was as the step began of"),
+    "wear_volume": ("mm^3", "volume worn off"),
+}
+
+
+def unit_of(column: str) -> str:
+    """Return the unit of a column of the history, also of a material's, whose names studies choose."""
+    kind = re.split("_(?:counter|disc)_", column)[0]
+    return UNITS.get(column) or OF_A_MATERIAL.get(kind, "?")[0]
 
 
 def columns_of(study: Study) -> tuple[Quantity, ...]:
@@ -222,7 +228,7 @@ def columns_of(study: Study) -> tuple[Quantity, ...]:
     for body, profile in zip(BODIES, study.profiles or (), strict=False):
         for names, material in zip(of_materials(body, profile), profile.materials, strict=False):
             of = f"{material.name} of the {CALLED[body]}"
-            only, pairs = f"layers of the {CALLED[body]}", zip(names, OF_A_MATERIAL, strict=True)
+            only, pairs = f"layers of the {CALLED[body]}", zip(names, OF_A_MATERIAL.values(), strict=True)
             columns += [Quantity(name, unit, f"{meaning} {of}", only=only) for name, (unit, meaning) in pairs]
     return tuple(columns)
 

@@ -230,7 +230,7 @@ class Ledger:
 
         Without books of a step all cells are of the uppermost materials.
         """
-        books, area, found = total.get("materials"), self._grid.cell_area, dict[str, Any]()
+        books, area, columns = total.get("materials"), self._grid.cell_area, dict[str, Any]()
         for body, profile in zip(BODIES, self._task.profiles or (), strict=True):
             names, archard = of_materials(body, profile), f"archard_volume_{body}"
             parts: list[tuple[Any, ...]] = [(1.0, row["area_contact"], row[archard])]
@@ -242,16 +242,16 @@ class Ledger:
                     name: [v for key, v in books.items() if key.startswith(f"{name}_{body}_")]
                     for name in BOOKS
                 }
-                found[archard] = whole * sum(of["lost"])
+                columns[archard] = whole * sum(of["lost"])
                 parts = [
                     (pressure / total["pressure"], area * cells, whole * lost)
                     for cells, pressure, lost in zip(*of.values(), strict=True)
                 ]
-            found |= {n: v for pair in zip(names, parts, strict=False) for n, v in zip(*pair, strict=True)}
+            columns |= {n: v for pair in zip(names, parts, strict=False) for n, v in zip(*pair, strict=True)}
         if self._task.shears_unalike:
             of_surfaces = row["area_contact"] * (self._task.surface_shear or math.nan)
-            found["area_sheared"] = of_surfaces if books is None else area * books["shear_ratios"]
-        return found
+            columns["area_sheared"] = of_surfaces if books is None else area * books["shear_ratios"]
+        return columns
 
     def _inside(self, rows: int, columns: int) -> tuple[float, ...]:
         """Return the extents of what leaves so many rows and columns along each edge."""

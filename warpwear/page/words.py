@@ -185,9 +185,18 @@ def checks_of(study: Study, s: dict[str, Any]) -> Lines:
     residual = s["load_residual_N"]["largest"]
     rows = [("load carried − load asked for, largest of a step", residual, balance, " N")]
     for body, value in s["conservation_relative"].items():
-        rows.append(
-            (f"worn volume of the {CALLED[body]} over Archard's K F L, less 1", abs(value), CONSERVED, "")
-        )
+        what = f"worn volume of the {CALLED[body]} over "
+        deep = getattr(
+            study, body
+        ).has_depths  # then no K F L is known before: books of each cell stand for it
+        what += "what its materials lose by the pressures" if deep else "Archard's K F L"
+        rows.append((f"{what}, less 1", abs(value), CONSERVED, ""))
+        off = s.get(f"layers_{body}", {}).get("volumes_over_K_less_FL")
+        if off is not None:
+            what = (
+                f"Σ V/K of the {CALLED[body]}'s materials, from pressures and depths alone, over F L, less 1"
+            )
+            rows.append((what, abs(off), CONSERVED, ""))
     if parts := s.get("track", {}).get("parts"):
         error = parts["estimated_error_at_most"]
         rows.append(("error of the area by the length of steps, estimated", error, STEPS, ""))

@@ -25,10 +25,10 @@ def material_map(data: FigureData) -> Figure:
     labels, maps = [after(distance) for distance in data.distances], []
     for body, profile in data.layered.items():
         fields = [getattr(data.snapshot(i), f"material_{body}") for i in data.indices]
-        shown = [data.window.largest(field).astype(np.uint8) for field in fields]
+        codes = [data.window.largest(field).astype(np.uint8) for field in fields]
         states, apart = tuple(_shown(data, body, profile)), len(data.layered) > 1
         title = f"Materials of the {data.name_of(body)}"
-        maps.append(Map(title, shown, data.window.extent, labels=labels, states=states, heading=apart))
+        maps.append(Map(title, codes, data.window.extent, labels=labels, states=states, heading=apart))
     return Figure(maps, legend=4)
 
 
