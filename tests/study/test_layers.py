@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from warpwear import InputError, Study
+from warpwear.history.quantities import columns_of
 from warpwear.inference.runs import scales
 from warpwear.inference.unknowns import unknowns_of
 from warpwear.study import rules_track
@@ -182,3 +183,11 @@ def test_the_preset_of_a_coat_is_worn_through_within_its_run() -> None:
     lost = study.volumes(study.sliding.total)[1]
     assert study.counter.form.deepest(lost, study.grid.sides)[0] > 1.2 * coat.thickness
     assert not [text for text in study.notices() if "elastic constants" in text]
+
+
+def test_a_layer_as_strong_as_the_body_has_no_column_of_its_own() -> None:
+    """What a run of the study books, and what its history has, is by the same rule."""
+    alike = layered(BARE, COAT | {"shear_strength": BARE["friction.shear_strength"]})
+    for study, unalike in ((alike, False), (layered(BARE, COAT | {"coefficient": 0.1}), True)):
+        assert study.contact_task.shears_unalike == unalike
+        assert ("area_sheared" in {column.name for column in columns_of(study)}) == unalike

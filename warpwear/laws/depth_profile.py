@@ -4,7 +4,7 @@ K of a depth is known, so wear is integrated over depth and not sampled: ∫ p d
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -154,6 +154,12 @@ def _through(depth: FloatArray, wear: FloatArray | float, slope: float) -> Float
             return np.asarray(depth / wear)
         needed = np.log1p(slope * depth / wear) / slope
     return np.where(np.asarray(wear) > 0.0, needed, math.inf)
+
+
+def shears_unalike(profiles: Iterable[DepthProfile]) -> bool:
+    """Tell whether cells have a shear strength by their materials, or a part of their pressure."""
+    materials = [material for profile in profiles for material in profile.materials]
+    return len({(material.shear_strength, material.coefficient) for material in materials}) > 1
 
 
 def of_materials(body: str, profile: DepthProfile) -> list[tuple[str, str, str]]:

@@ -6,7 +6,7 @@ from typing import Literal, Protocol
 
 from warpwear.grid import FloatArray
 from warpwear.laws.archard import WearLaw
-from warpwear.laws.depth_profile import DepthProfile
+from warpwear.laws.depth_profile import DepthProfile, shears_unalike
 from warpwear.laws.elastic import Hertz
 from warpwear.laws.film import Film
 from warpwear.laws.fretting import Fretting
@@ -108,8 +108,7 @@ class ContactTask:
     @property
     def shears_unalike(self) -> bool:
         """Tell whether cells have a shear strength by their materials, or a part of their pressure."""
-        materials = [m for profile in self.profiles or () for m in profile.materials]
-        return len({(m.shear_strength, m.coefficient) for m in materials}) > 1
+        return shears_unalike(self.profiles or ())
 
     @property
     def surface_shear(self) -> float | None:

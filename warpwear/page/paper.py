@@ -56,9 +56,10 @@ def table_of(study: Study, s: dict[str, Any], answers: Iterable[dict[str, str]])
         *([("Hardness (cap of the pressure)", shown(hardness), "MPa")] if hardness else []),
         *((f"Wear coefficient, {b}", shown(k), unit) for b, k in s["wear_coefficient_mm3_per_Nm"].items()),
         *(
-            (f"{what} of {name}, {body}", *text.split(" "))
+            (f"{what} of {name}, {body}", number, its_unit)
             for body, _, name, *texts in layers_of(study)
             for what, text in zip(("Thickness", "Wear coefficient"), texts, strict=True)
+            for number, _, its_unit in [text.partition(" ")]
         ),
         *(
             (f"Wear of friction energy, {b}", shown(a), "mm³/J")

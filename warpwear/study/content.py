@@ -7,17 +7,16 @@ from functools import partial
 from typing import Any
 
 from warpwear.laws.archard import BODIES, WearLaw
-from warpwear.laws.depth_profile import DepthProfile, Material
+from warpwear.laws.depth_profile import DepthProfile, shears_unalike
 from warpwear.laws.elastic import Hertz, effective_modulus
 from warpwear.laws.film import Film, grown_cap
 from warpwear.laws.fretting import HONEST_MEAN, Fretting, displacement, softness_ratio
 from warpwear.laws.junctions import critical_junction, junction_strength
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
-from warpwear.study.bodies import Body
 from warpwear.study.keys import value_of
 from warpwear.study.programme import Programme
-from warpwear.study.sections.layers import depth_profile
+from warpwear.study.sections.layers import depth_profiles
 from warpwear.study.units import text
 from warpwear.surfaces.form import Form
 
@@ -57,23 +56,14 @@ class Content(Programme):
     @property
     def profiles(self) -> tuple[DepthProfile, DepthProfile] | None:
         """What counter-body and disc are made of by worn depth; None where both are alike at all depths."""
-        bodies: tuple[Body, Body] = (self.counter, self.disc)
-        if not any(body.has_depths for body in bodies):
+        if not (self.counter.has_depths or self.disc.has_depths):
             return None
-        limit, strength = self.contact.hardness, self.friction.shear_strength or math.inf
-        if limit is None and self.study.model == "macro":
-            limit = math.inf
+        hardness = self.contact.hardness
+        if hardness is None and self.study.model == "macro":
+            hardness = math.inf
         resolved = partial(self.wear.resolved, hardness=self.wear_hardness, friction=self.friction)
-        counter, disc = (
-            depth_profile(
-                body.layers,
-                body.gradient,
-                Material(law.steady, (body.hardness or math.inf) if limit is None else limit, strength),
-                resolved,
-            )
-            for body, law in zip(bodies, self.wear_laws, strict=True)
-        )
-        return counter, disc
+        limits = {"hardness": hardness, "shear_strength": self.friction.shear_strength}
+        return depth_profiles((self.counter, self.disc), self.wear_coefficients, resolved, **limits)
 
     def _check(self) -> None:
         """Give a force the stroke of the unworn bodies, by which distances count."""
@@ -208,15 +198,8 @@ class Content(Programme):
     @property
     def film(self) -> Film | None:
         """The film that the bodies have; None without one."""
-        film, hardness = self.friction.film, max(self.caps)
-        if film is None:
-            return None
-        on = film.bodies in ("both", "counter"), film.bodies in ("both", "disc")
-        regrowth = math.inf if isinstance(film.regrowth, str) else film.regrowth
-        filmed, bared = (1.0 if cap == hardness else cap / hardness for cap in self.caps)
-        bare = self.friction.shear_strength
-        part = film.shear_strength / bare if bare else 1.0
-        return Film(film.thickness, on, regrowth, filmed, bared, part)
+        film = self.friction.film
+        return None if film is None else film.with_caps(self.caps, self.friction.shear_strength)
 
     @property
     def effective_modulus(self) -> float | None:
@@ -360,20 +343,9 @@ class Content(Programme):
         )
 
     @property
-    def static_area_every(self) -> int:
-        """Steps between contacts that are also solved without wear in the step; 0 where none are."""
-        elastic = self.contact.law == "half-space" and self.study.model == "micro"
-        return self.output.static_area_every if elastic else 0
-
-    @property
     def pieces(self) -> Pieces | None:
         """The pieces by which bodies wear; None where all wear leaves at once."""
-        wear = self.wear
-        diameter = self.critical_junction if wear.particle == "critical" else wear.particle
-        if diameter is None or wear.particle_thickness is None:
-            return None
-        seed = wear.pending_seed if wear.pending_start == "uniform" else None
-        return Pieces(float(diameter), wear.particle_thickness, wear.dust_fraction, seed)
+        return self.wear.pieces(self.critical_junction)
 
     @property
     def uses_bulk_stiffness(self) -> bool:
@@ -381,11 +353,6 @@ class Content(Programme):
         if self.study.model == "two-scale":
             return self.patches.bulk == "spring" or self.patches.coupling == "load"
         return self.study.model == "macro"
-
-    @property
-    def samples_area(self) -> bool:
-        """True where patches stand for more than themselves, and fields cover only a part of the domain."""
-        return self.study.model == "two-scale" and self.patches.patch_width < self.patches.macro_cell
 
     @property
     def wear_coefficients(self) -> tuple[float, float]:
@@ -416,8 +383,7 @@ class Content(Programme):
     @property
     def shears_unalike(self) -> bool:
         """True where the shear of a cell follows from the layers that meet there."""
-        layers = (*(self.counter.layers or ()), *(self.disc.layers or ()))
-        return any(layer.shear_strength or layer.coefficient for layer in layers)
+        return shears_unalike(self.profiles or ())
 
     @property
     def wear_hardness(self) -> float:

@@ -158,6 +158,17 @@ class Programme(Section):
         return ", ".join(parts[:NAMED]) + (f" and {len(parts) - NAMED} more" if len(parts) > NAMED else "")
 
     @property
+    def static_area_every(self) -> int:
+        """Steps between contacts that are also solved without wear in the step; 0 where none are."""
+        elastic = self.contact.law == "half-space" and self.study.model == "micro"
+        return self.output.static_area_every if elastic else 0
+
+    @property
+    def samples_area(self) -> bool:
+        """True where patches stand for more than themselves, and fields cover only a part of the domain."""
+        return self.study.model == "two-scale" and self.patches.patch_width < self.patches.macro_cell
+
+    @property
     def has_stresses(self) -> bool:
         """True where stresses below the surface are computed."""
         return self.output.stress_depths is not None

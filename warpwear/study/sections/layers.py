@@ -4,10 +4,10 @@ import csv
 import itertools
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeAlias
 
 from pydantic import AfterValidator, BeforeValidator
 
@@ -106,19 +106,39 @@ def _graded(rows: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...
 Gradient = Annotated[tuple[tuple[float, ...], ...], BeforeValidator(_rows), AfterValidator(_graded)]
 
 
-def depth_profile(
-    layers: tuple[LayerSection, ...] | None,
-    gradient: tuple[tuple[float, ...], ...] | None,
-    body: Material,
-    resolved: Callable[[float | ArchardCoefficient], float],
-) -> DepthProfile:
-    """Return what a body is made of by worn depth. body: its own material; resolved: K of a coefficient."""
-    if gradient is not None:
-        depths = tuple(1.0e-3 * row[0] for row in gradient)
-        hardness = (row[2] if len(row) > 2 else body.hardness for row in gradient)
+#: Gives K [mm²/N] of a coefficient, or of a number in its unit.
+Resolved: TypeAlias = Callable[[float | ArchardCoefficient], float]
+
+
+def depth_profiles(
+    bodies: tuple[Any, Any],
+    wear: Iterable[float],
+    resolved: Resolved,
+    *,
+    hardness: float | None,
+    shear_strength: float | None,
+) -> tuple[DepthProfile, DepthProfile]:
+    """Return what both bodies are made of by worn depth, of their sections.
+
+    wear: K of the bodies themselves [mm²/N]. hardness: of all cells, None where each body has its own;
+    shear_strength: of the bodies [MPa]. resolved: gives K of a coefficient.
+    """
+    caps, strength = [hardness or body.hardness or math.inf for body in bodies], shear_strength or math.inf
+    counter, disc = (
+        _depth_profile(body, Material(own, cap, strength), resolved)
+        for body, own, cap in zip(bodies, wear, caps, strict=True)
+    )
+    return counter, disc
+
+
+def _depth_profile(section: Any, body: Material, resolved: Resolved) -> DepthProfile:
+    """Return what a section of a study is made of by worn depth. body: its own material."""
+    if section.gradient is not None:
+        depths = tuple(1.0e-3 * row[0] for row in section.gradient)
+        hardness = (row[2] if len(row) > 2 else body.hardness for row in section.gradient)
         materials = (
             replace(body, wear=resolved(row[1]), hardness=limit)
-            for row, limit in zip(gradient, hardness, strict=True)
+            for row, limit in zip(section.gradient, hardness, strict=True)
         )
         return DepthProfile(depths, tuple(materials), graded=True)
     of_layers = (
@@ -129,7 +149,7 @@ def depth_profile(
             layer.coefficient or math.inf,
             layer.name,
         )
-        for layer in layers or ()
+        for layer in section.layers or ()
     )
-    thicknesses = (layer.thickness for layer in layers or ())
+    thicknesses = (layer.thickness for layer in section.layers or ())
     return DepthProfile(tuple(itertools.accumulate(thicknesses, initial=0.0)), (*of_layers, body))

@@ -10,6 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, PlainSerializer, PlainValidator
 
 from warpwear.laws.archard import BODIES, COEFFICIENTS, WEAR_LAWS, EnergyLaw, WearLaw
+from warpwear.laws.pieces import Pieces
 from warpwear.study.keys import Length, Section, excludes, key, needs, when
 from warpwear.study.sections.friction import NOT_CONTACT, UNCHANGED, Friction
 from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, Range, parse, text
@@ -157,6 +158,14 @@ class Wear(Section):
     def sheds(self) -> bool:
         """True where worn volume leaves in pieces."""
         return self.particle is not None
+
+    def pieces(self, critical: float | None) -> Pieces | None:
+        """Return the pieces by which bodies wear; None where all leaves at once. critical: their d* [mm]."""
+        diameter = critical if self.particle == "critical" else self.particle
+        if diameter is None or self.particle_thickness is None:
+            return None
+        seed = self.pending_seed if self.pending_start == "uniform" else None
+        return Pieces(float(diameter), self.particle_thickness, self.dust_fraction, seed)
 
     @property
     def unit(self) -> str:
