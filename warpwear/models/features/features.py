@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, contextmanager
+from copy import copy
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
@@ -18,6 +19,7 @@ from warpwear.laws.task import ContactTask
 from warpwear.models.features.feature import Feature, Place
 from warpwear.models.features.film import BareCells
 from warpwear.models.features.fretting import CyclicSlip
+from warpwear.models.features.materials import MaterialsByDepth
 from warpwear.models.features.particles import SlidingParticles
 from warpwear.models.features.recession import Recession, UnequalStiffness
 
@@ -40,10 +42,7 @@ class Features:
         self.by_name = dict(by_name)
         #: Columns of the history: a contact's own, and theirs.
         self.columns = give_columns(self.by_name.values(), own)
-        #: What cells have of their own, and what that is made from, for kernels.
-        self.cells: Arguments = arguments(CellProperties, **self._merged("properties"))
-        self.sources: Arguments = arguments(Sources, disc_rows=disc_rows, **self._merged("sources"))
-        self.pressed = self._merged("pressed")
+        self._merge(disc_rows=disc_rows)
         #: Adds to a program that bounds are made anew, after a feature that raises a surface.
         self.refresh: Callable[[Program], None] | None = None
 
@@ -76,10 +75,25 @@ class Features:
             features["recession"] = Recession(curve, executor)
         if distances is not None:
             features["distances"] = OwnDistances(distances)
-        if task.implicit and (curve is not None or distances is not None):
+        if task.profiles is not None:
+            features["materials"] = MaterialsByDepth(task, executor, bodies)
+        if task.implicit and not (curve is None and distances is None and task.profiles is None):
             alike = curve is None and distances is not None and distances.shape[0] == 1
             features["stiffness"] = UnequalStiffness(executor, bodies, curve, alike=alike)
         return cls(features, own=own, disc_rows=bodies["disc"].shape[0] if "disc" in bodies else 0)
+
+    def _merge(self, *, disc_rows: int) -> None:
+        """Bring together what cells have of their own, and what that is made from, for kernels."""
+        self.cells: Arguments = arguments(CellProperties, **self._merged("properties"))
+        self.sources: Arguments = arguments(Sources, disc_rows=disc_rows, **self._merged("sources"))
+        self.pressed = self._merged("pressed")
+
+    def without(self, *names: str) -> "Features":
+        """Return the others alone, among the columns of all."""
+        others = copy(self)
+        others.by_name = {name: one for name, one in self.by_name.items() if name not in names}
+        others._merge(disc_rows=self.sources.disc_rows)
+        return others
 
     def __iter__(self) -> Iterator[Feature]:
         return iter(self.by_name.values())

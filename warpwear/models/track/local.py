@@ -18,7 +18,7 @@ from warpwear.kernels import balance, bearing, sliding, sliding_steps
 from warpwear.kernels.cells import NO_INDEX, OF_FEATURES, PADDING, TrackMost, TrackSum, names_of
 from warpwear.kernels.sliding import Bodies, OfRows, OfTiles, Slide, StepTables
 from warpwear.kernels.wear import BALANCE
-from warpwear.laws.archard import distance_factor, wear_in_steps
+from warpwear.laws.archard import BODIES, distance_factor, wear_in_steps
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
 from warpwear.models.booking import booked
@@ -71,7 +71,7 @@ class SlidingContact:
         "features": Features,
         "ledger": Ledger,
     }
-    SCRATCH: ClassVar = ("_slides", "_steps", "_programs", "_search")
+    SCRATCH: ClassVar = ("_slides", "_steps", "_programs", "_of_steps", "_search")
 
     def __init__(
         self,
@@ -149,21 +149,28 @@ class SlidingContact:
         if wears_alone:
             bounds["gap"] = self.tiles.gap.numbers
         numbers = {name: bound.numbers for name, bound in self._kept.items()}
-        self._programs = StepPrograms(
-            executor,
-            task,
-            self.tiles,
-            Place(
-                self._slides.array,
-                self._steps,
-                listed=(self.tiles.list, self.tiles.count),
-                bodies=bodies,
-                tables=arguments(StepTables, device, **tables),
-            ),
-            arguments(OfTiles, rows=totals, **bounds, **numbers),
-            self.features,
-            highest=lambda: NO_LIMIT if moves else self._highest,
+        place = Place(
+            self._slides.array,
+            self._steps,
+            listed=(self.tiles.list, self.tiles.count),
+            bodies=bodies,
+            tables=arguments(StepTables, device, **tables),
         )
+        # Until a cell can reach another material, steps are those of bodies without any.
+        unreached = [] if task.profiles is None else [self.features.without("materials", "stiffness")]
+        self._of_steps = [
+            StepPrograms(
+                executor,
+                task,
+                self.tiles,
+                place,
+                arguments(OfTiles, rows=totals, **bounds, **numbers),
+                features,
+                highest=lambda: NO_LIMIT if moves else self._highest,
+            )
+            for features in (self.features, *unreached)
+        ]
+        self._programs = self._of_steps[-1]
 
     @property
     def _factored(self) -> bool:
@@ -243,8 +250,9 @@ class SlidingContact:
         rows = moved % self.state.disc.shape[0]
         counter, disc = removals.T
         k_counter, k_disc = dust * counter, dust * track * disc
+        most = self._begin_materials(k_counter, k_disc)
         compliance = own + (k_counter + k_disc) * task.implicit
-        own_stiffness = self.features.cells.stiffness is not None
+        own_stiffness = self._programs.features.cells.stiffness is not None
         alike = [0.0 if own_stiffness else stiffness_of(one) for one in compliance.tolist()]
         ends = np.add.accumulate([row["distance"], *increments])
         depths = np.zeros((2, len(rows)))
@@ -276,6 +284,7 @@ class SlidingContact:
             self._steps.plan.assign(plan)
         rigid = bool(compliance[0] == 0.0)
         count = int(np.argmax((compliance == 0.0) != rigid)) or len(rows)  # a replay has steps of one kind
+        count = min(count, most)
         self._course.set(step=0, steps=count)
         if not self._course["is_begun"]:
             self._begin_at(plan[0])
@@ -289,13 +298,31 @@ class SlidingContact:
         worn = counter * at_hardness[0] + disc * at_hardness[1]
         return (own + worn * task.implicit) * task.hardness
 
+    def _begin_materials(self, k_counter: FloatArray, k_disc: FloatArray) -> int:
+        """Choose by K ΔL [mm³/N] the programs of the next steps, and return how many may be made by them.
+
+        A cell bears no more than an unworn one, or all of the load. Shear that pressures bound is booked.
+        """
+        if self.task.profiles is None:
+            return len(k_counter)
+        bears = min(self.task.hardness, self.task.load / self._executor.grid.cell_area)
+        depths = [max(self.ledger.most[f"wear_{body}"], 0.0) for body in BODIES]
+        reached = [
+            np.searchsorted(depth + bears * np.add.accumulate(k), profile.first_interface)
+            for depth, k, profile in zip(depths, (k_counter, k_disc), self.task.profiles, strict=True)
+        ]
+        most = int(min(reached))
+        most *= self.task.surface_shear is not None
+        self._programs = self._of_steps[-1 if most else 0]
+        return most or len(k_counter)
+
     def _begin_at(self, step: Any) -> None:
         """Tell the device where the search of the first step begins."""
         smallest, limit = self.tiles.begin_at(int(step["shift"]))
         softest = step["stiffness"]
         if step["compliance"] > 0.0:
             self._slides.set(**{name: step[name] for name in ("own", "k_counter", "k_disc")})
-            softest = self.features.softest(self._executor, self._slides.array) or softest
+            softest = self._programs.features.softest(self._executor, self._slides.array) or softest
         self._course.set(smallest=smallest, first_limit=limit, softest=softest)
 
     def _booked(self, increments: Sequence[float], removals: FloatArray) -> Iterator[Step]:
@@ -309,7 +336,7 @@ class SlidingContact:
         total |= {RENAMED.get(name, name): columns[name] for name in sliding_steps.KEPT}
         most = {name: columns[f"most_{name}"] for name in MAXIMA}
         most |= {name: columns[name] for name in ("first_row", "last_row")}
-        self.features.enter(columns, total, most)
+        self._programs.features.enter(columns, total, most)
         *numbers, reference = (columns[name] for name in BALANCE)
         slid, removed = np.array(increments[:count]), tuple(removals[:count].T)
         steps = Entry(Balance(*numbers), slid, removed, reference, total, most)

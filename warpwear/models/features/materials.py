@@ -1,0 +1,97 @@
+"""Bodies have materials by worn depth: K and the cap of cells, and what each material bears and loses."""
+
+import math
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+import warp as wp
+
+from warpwear.engine.executor import Executor, Field
+from warpwear.engine.program import Program
+from warpwear.grid import FloatArray
+from warpwear.kernels.running_in import materials as kernels
+from warpwear.laws.archard import BODIES
+from warpwear.laws.depth_profile import DepthProfile
+from warpwear.laws.task import ContactTask
+from warpwear.models.features.feature import Feature, Place
+
+#: Stands for no limit [1].
+NONE = 1.0e300
+
+
+def depth_numbers(profile: DepthProfile, hardness: float) -> FloatArray:
+    """Return the numbers of a body's materials as kernels read them, one column each.
+
+    hardness: of the task [MPa]. Rows are the depths at which materials begin [mm], K over that of the
+    uppermost and its change by depth [1/mm], the same of the cap over the hardness, the shear strength over
+    that of the body, the largest shear over the pressure, over that strength [1/MPa], and by how much K ΔL p
+    of the uppermost the body was worn where they begin [mm].
+    """
+    materials, depths, top = profile.materials, np.array(profile.depths), profile.materials[0].wear
+    strength = materials[-1].shear_strength
+
+    def over(value: float, whole: float) -> float:
+        return 1.0 if value == whole else min(value / whole, NONE)
+
+    wear, caps = (
+        [over(*p) for p in pairs]
+        for pairs in ([(m.wear, top) for m in materials], [(m.hardness, hardness) for m in materials])
+    )
+    slopes = np.zeros((2, depths.size))
+    if profile.graded:
+        slopes[:, :-1] = np.diff([wear, caps]) / np.diff(depths)
+    shear = [over(m.shear_strength, strength) for m in materials]
+    bound = [NONE if math.isinf(m.coefficient) else m.coefficient / strength for m in materials]
+    exposure = np.minimum(top * profile.exposure(depths), NONE)
+    return np.array([depths, wear, slopes[0], caps, slopes[1], shear, bound, exposure])
+
+
+class MaterialsByDepth(Feature):
+    """Gives cells K and the cap of the materials that meet there; books what each bears and loses."""
+
+    SCRATCH: ClassVar = ("_books", "properties", "sources")
+    columns = (
+        *(f"{kind}_{body}_{m}" for body in BODIES for kind in kernels.BOOKS for m in range(kernels.BOOKED)),
+        "shear_ratios",
+    )
+
+    def __init__(self, task: ContactTask, executor: Executor, bodies: Mapping[str, Field]) -> None:
+        assert task.profiles is not None
+        self._executor, self._profiles = executor, dict(zip(BODIES, task.profiles, strict=True))
+        self._wear = {body: bodies[f"wear_{body}"] for body in BODIES}
+        self.properties: dict[str, Field] = {}
+        for body, profile in self._profiles.items():
+            numbers = depth_numbers(profile, task.hardness)
+            self.properties[f"materials_{body}"] = wp.array(numbers, dtype=wp.float64, device=executor.device)
+            if not profile.is_uniform:
+                self.properties[f"k_{body}"] = self._ones()
+        if any(m.hardness != p.materials[0].hardness for p in task.profiles for m in p.materials):
+            self.properties["cap_ratio"] = self._ones()
+        self.sources = {f"wear_{body}": field for body, field in self._wear.items()} | {"layered": 1}
+        slots = executor.slots_of(executor.grid.nx)
+        self._books = wp.zeros((kernels.LINES, slots), dtype=wp.float64, device=executor.device)
+
+    def _ones(self) -> Field:
+        return self._executor.field(np.ones(self._executor.grid.shape), padding=1.0)
+
+    def before_wear(self, program: Program, place: Place) -> None:
+        """Add the books of a solved contact, of the tiles listed."""
+        contact = place.slides, place.springs, place.sources, place.cells, place.bodies.gap
+        program.launch(kernels.book, *place.listed, *contact, self._books)
+
+    def between(self, program: Program, place: Place) -> None:
+        """Add that the books go into the row of the step."""
+        program.decide(kernels.record, place.slides, self._books, place.steps.history, self.first_column)
+
+    def enter(self, columns: Mapping[str, FloatArray], total: dict[str, Any], most: dict[str, Any]) -> None:
+        """Enter the books of the step."""
+        total["materials"] = {name: columns[name] for name in self.columns}
+
+    def fields(self, pressure: FloatArray) -> dict[str, FloatArray]:
+        """Return the number of the material at the worn depth of both bodies' cells, 0 of the uppermost."""
+        return {
+            f"material_{body}": profile.material_at(self._executor.to_numpy(self._wear[body])).astype(float)
+            for body, profile in self._profiles.items()
+            if not profile.graded and len(profile.materials) > 1
+        }
