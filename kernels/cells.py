@@ -139,6 +139,7 @@ class CellProperties:
     """
 
     stiffness: wp.array2d(dtype=Cells)  # 1/c [N/mm³]
+    yields: wp.array2d(dtype=Cells)  # what wear lends beside a compliance of all, on the half-space [mm³/N]
     cap_ratio: wp.array2d(dtype=Cells)  # cap over the hardness
     shear_ratio: wp.array2d(dtype=Cells)  # shear strength over that by which shear wears
     k_counter: wp.array2d(dtype=Cells)  # K of the counter-body over that of its uppermost material

@@ -12,6 +12,7 @@ from warpwear.kernels.cells import CellProperties, Cells
 from warpwear.kernels.running_in.sources import Sources
 from warpwear.kernels.sliding import Slide
 from warpwear.kernels.wear import total_of
+from warpwear.kernels.wear_from_pressure import Pressed
 
 wp.set_module_options(native_code.options("running_in/materials.h", "wear.h"))
 
@@ -34,6 +35,16 @@ def book(
     sums_out: wp.array2d(dtype=wp.float64),
 ):
     """Books, of the tiles listed and before they are worn, what each material bears and loses."""
+
+
+@native_code.native_pass("book_pressed")
+def book_pressed(
+    slides: wp.array(dtype=Slide),
+    pressed: Pressed,
+    sources: Sources,
+    sums_out: wp.array2d(dtype=wp.float64),
+):
+    """Books the same of a stored pressure."""
 
 
 @wp.kernel

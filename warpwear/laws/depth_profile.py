@@ -50,6 +50,11 @@ class DepthProfile:
         """Return the largest K at any depth [mm²/N]."""
         return max(material.wear for material in self.materials)
 
+    def fastest_above(self, depth: float) -> float:
+        """Return the largest K of the unworn body and down to a depth [mm²/N]."""
+        reached = [0.0, *(begin for begin in self.depths if begin <= depth), max(depth, 0.0)]
+        return float(self.coefficient_at(np.array(reached)).max())
+
     @property
     def is_uniform(self) -> bool:
         """Tell whether the body is alike at all depths, by whichever names."""

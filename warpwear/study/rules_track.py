@@ -81,7 +81,9 @@ def check_patches(study: Content) -> None:
 
 
 #: How bodies move, or "patches", and the contact law, of studies whose steps follow materials by depth.
-FOLLOWED: tuple[tuple[str, str], ...] = (("swept", "local"), ("stationary", "local"))
+FOLLOWED: tuple[tuple[str, str], ...] = tuple(
+    (how, law) for law in ("local", "half-space") for how in ("swept", "stationary")
+)
 
 
 def check_layers(study: Content) -> None:

@@ -1,5 +1,6 @@
 """All features of a contact, asked in one order, and what they make of its cells."""
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from copy import copy
@@ -77,7 +78,8 @@ class Features:
             features["distances"] = OwnDistances(distances)
         if task.profiles is not None:
             features["materials"] = MaterialsByDepth(task, executor, bodies)
-        if task.implicit and not (curve is None and distances is None and task.profiles is None):
+        by_materials = task.profiles is not None and not task.half_space  # which has yields
+        if task.implicit and not (curve is None and distances is None and not by_materials):
             alike = curve is None and distances is not None and distances.shape[0] == 1
             features["stiffness"] = UnequalStiffness(executor, bodies, curve, alike=alike)
         return cls(features, own=own, disc_rows=bodies["disc"].shape[0] if "disc" in bodies else 0)
@@ -134,6 +136,11 @@ class Features:
     def book(self) -> PieceBook | None:
         """Return the book of what has left the bodies piece by piece; None where nothing does."""
         return next((one.book for one in self if one.book is not None), None)
+
+    def ratios(self, window: int) -> tuple[float, float]:
+        """Return K of both bodies by which all cells lend compliance, over that of a step."""
+        counter, disc = zip((1.0, 1.0), *(one.ratios(window) for one in self), strict=True)
+        return math.prod(counter), math.prod(disc)
 
     def beside(self, columns: tuple[int, int]) -> tuple[int, int]:
         """Return the first column that they may change beside these, and the one after the last."""

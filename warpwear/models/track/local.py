@@ -18,12 +18,13 @@ from warpwear.kernels import balance, bearing, sliding, sliding_steps
 from warpwear.kernels.cells import NO_INDEX, OF_FEATURES, PADDING, TrackMost, TrackSum, names_of
 from warpwear.kernels.sliding import Bodies, OfRows, OfTiles, Slide, StepTables
 from warpwear.kernels.wear import BALANCE
-from warpwear.laws.archard import BODIES, distance_factor, wear_in_steps
+from warpwear.laws.archard import distance_factor, wear_in_steps
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
 from warpwear.models.booking import booked
 from warpwear.models.features.feature import Place
 from warpwear.models.features.features import Features
+from warpwear.models.features.materials import steps_above
 from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.programs import StepPrograms
 from warpwear.models.track.tiles import PerTile, SlidingTiles
@@ -250,7 +251,7 @@ class SlidingContact:
         rows = moved % self.state.disc.shape[0]
         counter, disc = removals.T
         k_counter, k_disc = dust * counter, dust * track * disc
-        most = self._begin_materials(k_counter, k_disc)
+        most = self._begin_materials(counter=k_counter, disc=k_disc)
         compliance = own + (k_counter + k_disc) * task.implicit
         own_stiffness = self._programs.features.cells.stiffness is not None
         alike = [0.0 if own_stiffness else stiffness_of(one) for one in compliance.tolist()]
@@ -298,23 +299,11 @@ class SlidingContact:
         worn = counter * at_hardness[0] + disc * at_hardness[1]
         return (own + worn * task.implicit) * task.hardness
 
-    def _begin_materials(self, k_counter: FloatArray, k_disc: FloatArray) -> int:
-        """Choose by K ΔL [mm³/N] the programs of the next steps, and return how many may be made by them.
-
-        A cell bears no more than an unworn one, or all of the load. Shear that pressures bound is booked.
-        """
-        if self.task.profiles is None:
-            return len(k_counter)
-        bears = min(self.task.hardness, self.task.load / self._executor.grid.cell_area)
-        depths = [max(self.ledger.most[f"wear_{body}"], 0.0) for body in BODIES]
-        reached = [
-            np.searchsorted(depth + bears * np.add.accumulate(k), profile.first_interface)
-            for depth, k, profile in zip(depths, (k_counter, k_disc), self.task.profiles, strict=True)
-        ]
-        most = int(min(reached))
-        most *= self.task.surface_shear is not None
+    def _begin_materials(self, **removals: FloatArray) -> int:
+        """Choose by K ΔL [mm³/N] the programs of the next steps, and return how many may be made by them."""
+        most = steps_above(self.task, self._executor.grid.cell_area, self.ledger.most, removals)
         self._programs = self._of_steps[-1 if most else 0]
-        return most or len(k_counter)
+        return most or len(removals["disc"])
 
     def _begin_at(self, step: Any) -> None:
         """Tell the device where the search of the first step begins."""
