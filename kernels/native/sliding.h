@@ -234,7 +234,8 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
                     rubs = tau * (p > zero ? one : part_of_step);
                     sums.of(TrackSum::RUBBED) += rubs;
                 }
-                const PerBody lost = removal_of<OWN, RARE>(step, own, i, wearing_pressure(alike, p),
+                const PerBody wearing = wearing_pressure(alike, p);
+                const PerBody lost = removal_of<OWN, RARE>(step, own, i, wearing,
                                                            {wear_counter[i], wear_disc[i]}, {rubs, rubs});
                 const Lanes s = counter[i] + lost.counter, a = wear_counter[i] + lost.counter;
                 const Lanes b = wear_disc[i] + lost.disc;

@@ -11,10 +11,10 @@ static const int BOOKED = 8;
 enum { CELLS_IN_CONTACT, PRESSURE_BORNE, DEPTH_LOST, BOOKS };
 typedef double MaterialBook[BOOKS][BOOKED];
 
-// Book a cell, which counts as so many in contact. The depth lost is counted by K ΔL p of the uppermost material from the unworn surface: before
-// the step and with it.
-WARPWEAR_FN void book_cell(const Materials& materials, double depth, double pressure, double k,
-                           double cells, MaterialBook& book)
+// Book a cell, which counts as so many in contact. The depth lost is counted by K ΔL p of the uppermost
+// material from the unworn surface: before the step and with it.
+WARPWEAR_FN void book_cell(const Materials& materials, double depth, double pressure, double k, double cells,
+                           MaterialBook& book)
 {
     const auto line = [&](int m) { return materials.count > BOOKED ? 0 : m; };
     const auto last_before = [&](int what, double value) {

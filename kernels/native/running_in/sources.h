@@ -44,11 +44,11 @@ WARPWEAR_FN void stiffen(const Slide& slide, const Sources& sources, const Prope
     }
 }
 
-// K and the cap of the materials that meet, and the compliance by them beside that of all. Of a body that wears
-// by a mean of pressures all cells lend it alike.
+// K and the cap of the materials that meet, and the compliance by them beside that of all. Of a body that
+// wears by a mean of pressures all cells lend it alike.
 template <typename Slide, typename Sources, typename Properties>
-WARPWEAR_FN void look_at_materials(const Slide& slide, const Sources& sources, const Properties& cells, int row, int under,
-                                   const Span& span)
+WARPWEAR_FN void look_at_materials(const Slide& slide, const Sources& sources, const Properties& cells,
+                                   int row, int under, const Span& span)
 {
     const CellRow own(cells, row);
     const Stored* const counter = row_of(sources.wear_counter, row);
@@ -64,8 +64,8 @@ WARPWEAR_FN void look_at_materials(const Slide& slide, const Sources& sources, c
         if (k_counter) k_counter[i] = own.counter.number_at(RATIO, counter[i]);
         if (k_disc) k_disc[i] = own.disc.number_at(RATIO, disc[i]);
         if (yields)
-            yields[i] = of_counter * own_or(k_counter, i, one) + of_disc * own_or(k_disc, i, one) -
-                        slide.compliance;
+            yields[i] =
+                of_counter * own_or(k_counter, i, one) + of_disc * own_or(k_disc, i, one) - slide.compliance;
         if (!cap_ratio) continue;
         const Lanes cap = own.counter.count > 0 ? own.counter.number_at(CAP, counter[i]) : none;
         cap_ratio[i] = smaller_of(cap, own.disc.count > 0 ? own.disc.number_at(CAP, disc[i]) : none);

@@ -71,7 +71,7 @@ class SlidingHalfSpace:
     }
     SCRATCH: ClassVar = (
         *("gap", "slides", "_means", "_sums", "_maxima", "_mirror", "_rubbed", "_rubbed_means", "_row"),
-        *("_place", "_programs", "_static", "_caps", "_asked", "_unreached"),
+        *("_place", "_programs", "_static", "_asked", "_unreached"),
     )
     #: Steps are made one by one, on a GPU too.
     in_blocks = False
