@@ -44,11 +44,11 @@ WARPWEAR_FN void stiffen(const Slide& slide, const Sources& sources, const Prope
     }
 }
 
-// K and the cap of the materials that meet, and the compliance by them beside that of all. Of a body that wears
-// by a mean of pressures all cells lend it alike.
+// K and the cap of the materials that meet, and the compliance by them beside that of all. Of a body that
+// wears by a mean of pressures all cells lend it alike.
 template <typename Slide, typename Sources, typename Properties>
-WARPWEAR_FN void look_at_materials(const Slide& slide, const Sources& sources, const Properties& cells, int row, int under,
-                                   const Span& span)
+WARPWEAR_FN void look_at_materials(const Slide& slide, const Sources& sources, const Properties& cells,
+                                   int row, int under, const Span& span)
 {
     const CellRow own(cells, row);
     const Stored* const counter = row_of(sources.wear_counter, row);
