@@ -81,12 +81,31 @@ WARPWEAR_FN double lost_from(const Materials& materials, double depth, double ex
     }
 }
 
+// What cells lose where none of them wears through a material of one K, as nearly always; tells whether so.
+WARPWEAR_FN bool lost_within(const Materials& materials, Lanes depth, Lanes exposure, Lanes& lost)
+{
+    if (materials.count == 0) return false;
+    lost = materials.of(RATIO, 0) * exposure;
+    Lanes end = materials.end_of(0);
+    bool graded = materials.of(RATIO_SLOPE, 0) != 0.0;
+    if (!graded && !any(depth + lost >= end)) return true;
+    for (int m = 1; m < materials.count; ++m) {
+        const Mask here = depth >= Lanes(materials.of(BEGINS, m));
+        lost = here ? materials.of(RATIO, m) * exposure : lost;
+        end = here ? Lanes(materials.end_of(m)) : end;
+        graded = graded || materials.of(RATIO_SLOPE, m) != 0.0;
+    }
+    return !graded && !any(depth + lost >= end);
+}
+
 // The same of cells.
 WARPWEAR_FN Lanes lost_from_each(const Materials& materials, Lanes depth, Lanes exposure)
 {
 #if defined(__CUDA_ARCH__)
     return exposure > 0.0 ? lost_from(materials, depth, exposure) : 0.0;
 #else
+    Lanes lost;
+    if (lost_within(materials, depth, exposure, lost)) return lost;
     for (int j = 0; j < LANES; ++j)
         exposure[j] = exposure[j] > 0.0 ? lost_from(materials, depth[j], exposure[j]) : 0.0;
     return exposure;

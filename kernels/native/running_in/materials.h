@@ -9,7 +9,7 @@ static const int BOOKED = 8;
 
 // Cells in contact, their pressure [MPa] and the depth lost [mm] of the materials of a body.
 enum { CELLS_IN_CONTACT, PRESSURE_BORNE, DEPTH_LOST, BOOKS };
-typedef double MaterialBook[BOOKS][BOOKED];
+typedef Lanes MaterialBook[BOOKS][BOOKED];
 
 // Book a cell, which counts as so many in contact. The depth lost is counted by K ΔL p of the uppermost
 // material from the unworn surface: before the step and with it.
@@ -23,8 +23,13 @@ WARPWEAR_FN void book_cell(const Materials& materials, double depth, double pres
         return m;
     };
     const int first = last_before(BEGINS, depth);
-    book[CELLS_IN_CONTACT][line(first)] += cells;
-    book[PRESSURE_BORNE][line(first)] += pressure;
+#if defined(__CUDA_ARCH__)
+    const Lanes in_lane = 1.0;
+#else
+    const Lanes in_lane = {1.0};
+#endif
+    book[CELLS_IN_CONTACT][line(first)] += in_lane * cells;
+    book[PRESSURE_BORNE][line(first)] += in_lane * pressure;
     const double exposure = k * pressure + materials.of(EXPOSURE, first) +
                             needed_for(depth - materials.of(BEGINS, first), materials.of(RATIO, first),
                                        materials.of(RATIO_SLOPE, first));
@@ -34,49 +39,73 @@ WARPWEAR_FN void book_cell(const Materials& materials, double depth, double pres
                                              materials.of(RATIO, last), materials.of(RATIO_SLOPE, last));
     for (int m = first; m <= last; ++m) {
         const double begin = m == first ? depth : materials.of(BEGINS, m);
-        book[DEPTH_LOST][line(m)] += (m == last ? end : materials.of(BEGINS, m + 1)) - begin;
+        book[DEPTH_LOST][line(m)] += in_lane * ((m == last ? end : materials.of(BEGINS, m + 1)) - begin);
     }
 }
 
-// The shear of a cell over the shear strength of the bodies: that of the weaker of both materials.
-WARPWEAR_FN double shear_of(const Materials& materials, double depth, double pressure)
+// The shear of cells over the shear strength of the bodies, by the material of one.
+WARPWEAR_FN Lanes shear_of(const Materials& materials, Lanes depth, Lanes pressure)
 {
-    if (materials.count == 0) return NO_LIMIT;
-    const int m = materials.at(depth);
-    return wp::min(materials.of(STRENGTH, m), materials.of(COEFFICIENT, m) * pressure);
+    Lanes strength = NO_LIMIT, coefficient = NO_LIMIT;
+    for (int m = 0; m < materials.count; ++m) {
+        const Mask here = depth >= Lanes(materials.of(BEGINS, m));
+        strength = here ? Lanes(materials.of(STRENGTH, m)) : strength;
+        coefficient = here ? Lanes(materials.of(COEFFICIENT, m)) : coefficient;
+    }
+    return smaller_of(strength, coefficient * pressure);
 }
 
-// Books of the counter-body and of the disc, and the sum of the shear ratios.
+// Books of the counter-body and of the disc, and the sum of the shear ratios: that of the weaker of both.
 struct Books {
     MaterialBook of_body[2] = {};
-    double sheared = 0.0;
+    Lanes sheared = 0.0;
 
-    // Book cells under a pressure; borne: what each body sees of it.
+    // Book cells of a body, all at once where none wears through a material.
+    CUDA_CALLABLE static void of_cells(const Materials& materials, double k, Lanes touches, Lanes pressure,
+                                       Lanes depth, MaterialBook& book)
+    {
+        Lanes lost;
+        const Lanes zero = 0.0;
+        const bool within = materials.count <= BOOKED && lost_within(materials, depth, k * pressure, lost);
+        for (int m = 0; within && m < materials.count; ++m) {
+            const Lanes begin = materials.of(BEGINS, m), end = materials.end_of(m);
+            const Mask here = (depth >= begin) & (depth < end);
+            book[CELLS_IN_CONTACT][m] += here ? touches : zero;
+            book[PRESSURE_BORNE][m] += here ? pressure : zero;
+            book[DEPTH_LOST][m] += here ? lost : zero;
+        }
+        if (within || materials.count == 0) return;
+#if defined(__CUDA_ARCH__)
+        book_cell(materials, depth, pressure, k, touches, book);
+#else
+        for (int j = 0; j < LANES; ++j)
+            if (pressure[j] + touches[j] > 0.0)
+                book_cell(materials, depth[j], pressure[j], k, touches[j], book);
+#endif
+    }
+
+    // Book cells under a pressure. borne: what each body sees of it.
     template <typename Slide>
     CUDA_CALLABLE void enter(const Slide& step, const CellRow& own, Lanes pressure, const PerBody& borne,
                              const PerBody& worn)
     {
-        const auto one = [&](double p, double by_counter, double by_disc, double counter, double disc) {
-            const double touches = p > 0.0 ? 1.0 : 0.0;
-            if (own.counter.count > 0 && by_counter + touches > 0.0)
-                book_cell(own.counter, counter, by_counter, step.k_counter, touches, of_body[0]);
-            if (own.disc.count > 0 && by_disc + touches > 0.0)
-                book_cell(own.disc, disc, by_disc, step.k_disc, touches, of_body[1]);
-            if (p > 0.0) sheared += wp::min(shear_of(own.counter, counter, p), shear_of(own.disc, disc, p));
-        };
-#if defined(__CUDA_ARCH__)
-        one(pressure, borne.counter, borne.disc, worn.counter, worn.disc);
-#else
-        for (int j = 0; j < LANES; ++j)
-            one(pressure[j], borne.counter[j], borne.disc[j], worn.counter[j], worn.disc[j]);
-#endif
+        const Lanes zero = 0.0, one = 1.0, touches = pressure > zero ? one : zero;
+        of_cells(own.counter, step.k_counter, touches, borne.counter, worn.counter, of_body[0]);
+        of_cells(own.disc, step.k_disc, touches, borne.disc, worn.disc, of_body[1]);
+        const Lanes shear = smaller_of(shear_of(own.counter, worn.counter, pressure),
+                                       shear_of(own.disc, worn.disc, pressure));
+        sheared += pressure > zero ? shear : zero;
     }
-    // Leave them in the lines of a table.
-    template <typename Table> CUDA_CALLABLE void leave(Table& sums, int slot) const
+
+    // Leave those of as many materials as there are in the lines of a table.
+    template <typename Properties, typename Table>
+    CUDA_CALLABLE void leave(const Properties& cells, Table& sums, int slot) const
     {
-        const int lines = 2 * BOOKS * BOOKED;
-        for (int line = 0; line < lines; ++line) leave_sum(sums, line, slot, (&of_body[0][0][0])[line]);
-        leave_sum(sums, lines, slot, sheared);
+        const int counts[] = {cells.materials_counter.shape[1], cells.materials_disc.shape[1]};
+        for (int book = 0; book < 2 * BOOKS; ++book)
+            for (int m = 0; m < BOOKED && m < counts[book / BOOKS]; ++m)
+                leave_sum(sums, book * BOOKED + m, slot, total((&of_body[0][0][0])[book * BOOKED + m]));
+        leave_sum(sums, 2 * BOOKS * BOOKED, slot, total(sheared));
     }
 };
 
@@ -110,7 +139,7 @@ WARPWEAR_FN void book_materials(int slot, int slots, const List& list, const Cou
             }
         }
     }
-    books.leave(sums, slot);
+    books.leave(cells, sums, slot);
 }
 
 // The same of a stored pressure, and of its mean where one body wears by that.
@@ -135,5 +164,5 @@ WARPWEAR_FN void book_pressed(int slot, int slots, const Slides& slides, const P
             books.enter(step, own, p, borne, {worn_counter[i], worn_disc[i]});
         }
     }
-    books.leave(sums, slot);
+    books.leave(pressed.cells, sums, slot);
 }

@@ -103,7 +103,8 @@ class MaterialsByDepth(Feature):
         if task.half_space:
             self.yields = self.properties["yields"] = executor.zeros()
         #: K over that of the uppermost materials: the mean under the last pressure, and at most.
-        self.means = self._largest = (1.0, 1.0)
+        self.means: tuple[float, ...] = (1.0, 1.0)
+        self._largest = self.means
         #: Books of the parts of a step so far, and the distance that they go over [mm].
         self._of_parts, self._slid = np.zeros(kernels.LINES), 0.0
         if any(m.hardness != p.materials[0].hardness for p in task.profiles for m in p.materials):
