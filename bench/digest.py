@@ -44,6 +44,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
         {"grid.cell": "10 um", "sliding.distance": "240 mm", "sliding.plastic": "keep"},
     ),
     "track-full": ("track", {"grid.cell": "10 um", "sliding.distance": "120 mm", "sliding.track": "full"}),
+    "coat": ("coat", {"grid.cell": "8 um"}),
     "v2-updated": (
         "v2",
         {"contact.bulk_update": "updated", "stepping.scheme": "implicit", "sliding.distance": "600 mm"},

@@ -14,7 +14,7 @@ from warpwear import Study
 from warpwear.inference.command import InferSection
 from warpwear.inference.data import KINDS
 from warpwear.inference.unknowns import NOISE
-from warpwear.study.keys import Demand, Rule, declarations, key_of, section_in
+from warpwear.study.keys import TABLES, Demand, Rule, declarations, key_of, section_in
 from warpwear.study.units import Number, Range
 
 PAGE = Path(__file__).parent / "reference" / "keys.md"
@@ -130,9 +130,11 @@ def page() -> str:
     lines = [HEAD]
     for section in sections:
         rules = declarations(Study)[section].applies
-        lines.append(f"## [[{section}]]\n" if section == "block" else f"## [{section}]\n")
+        lines.append(f"## [[{section}]]\n" if section in TABLES else f"## [{section}]\n")
         for told in (condition(rule) for rule in rules):
             lines.append(f"This section {told if told.startswith('does not') else f'is used {told}'}.\n")
+        if section.endswith("layers"):
+            lines.append(f"Each table is one of the {keys[section].description}.\n")
         here = [name for name in keys if name.rpartition(".")[0] == section and name not in sections]
         lines += [*(entry(name, len(rules)) for name in here), ""]
     return "\n".join([*lines, *of_infer(), ""])

@@ -139,11 +139,14 @@ class CellProperties:
     """
 
     stiffness: wp.array2d(dtype=Cells)  # 1/c [N/mm³]
+    yields: wp.array2d(dtype=Cells)  # what wear lends beside a compliance of all, on the half-space [mm³/N]
     cap_ratio: wp.array2d(dtype=Cells)  # cap over the hardness
     shear_ratio: wp.array2d(dtype=Cells)  # shear strength over that by which shear wears
     k_counter: wp.array2d(dtype=Cells)  # K of the counter-body over that of its uppermost material
     k_disc: wp.array2d(dtype=Cells)  # of the disc, and factor of the sliding distance of its cells
     material: wp.array2d(dtype=Cells)  # index of what meets: of a film 0, of the bare bodies 1
+    materials_counter: wp.array2d(dtype=wp.float64)  # by worn depth, see native/layers.h; none of one alike
+    materials_disc: wp.array2d(dtype=wp.float64)
 
 
 @wp.func

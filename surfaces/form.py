@@ -101,6 +101,16 @@ class Form:
         width = 2.0 * (1.5 * volume / (length * curvature)) ** (1.0 / 3.0)
         return (width, extent[1]) if self.along else (extent[0], width)
 
+    def deepest(self, volume: float, extent: tuple[float, float]) -> tuple[float, float]:
+        """Return the depth of what a plane cuts off [mm], and the power of it that volumes go by.
+
+        volume, extent: as of `worn`; a form of which that knows no width is as wide as the domain.
+        """
+        along, across = self.worn(volume, extent)
+        power = 1.0 + 0.5 * ((self.along > 0.0) + (self.across > 0.0))
+        area = along * across * (0.25 * math.pi if all(self.rises) else 1.0)
+        return power * volume / (area or extent[0] * extent[1]), power
+
 
 @dataclass(frozen=True)
 class Ball(Form):

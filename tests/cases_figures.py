@@ -24,7 +24,7 @@ OF_TRACKS = left_out_for(words.STILL)
 OF_PATCHES = left_out_for(words.ONE_SCALE)
 OF_STRESSES = left_out_for(words.NO_STRESSES)
 OF_FRETTING = left_out_for(words.NO_FRETTING)
-OF_FILMS = left_out_for(words.NO_FILM)
+OF_FILMS = left_out_for(words.NO_FILM) | left_out_for(words.NO_LAYERS)
 
 
 def is_map(axes: Axes) -> bool:

@@ -196,3 +196,57 @@ def truncation(gap: FloatArray, volume: float, cell: float) -> tuple[float, int]
     if not 0 < count <= ordered.size:
         raise ArithmeticError(f"{volume} mm³ cannot be cut off")
     return float(ordered[count - 1] + (volume / cell**2 - reached[count - 1]) / count), count
+
+
+@dataclass(frozen=True)
+class Layered:
+    """A body of layers: depths at which each begins, K and hardness of each; the last goes on for ever."""
+
+    begins: tuple[float, ...]
+    wear: tuple[float, ...]
+    hardness: tuple[float, ...]
+
+    def at(self, depth: FloatArray) -> NDArray[np.int64]:
+        """The layer at a worn depth."""
+        return np.searchsorted(self.begins, depth, side="right") - 1
+
+    def worn(self, depth: float, load_distance: float) -> float:
+        """The depth to which ∫ p dL wears one cell, layer by layer."""
+        for number, k in enumerate(self.wear):
+            end = self.begins[number + 1] if number + 1 < len(self.begins) else np.inf
+            if depth >= end:
+                continue
+            if load_distance < (end - depth) / k:
+                return depth + k * load_distance
+            load_distance -= (end - depth) / k
+            depth = end
+        raise ArithmeticError("no layer is left")
+
+
+def layered_run(
+    gap: FloatArray,
+    bodies: tuple[Layered, Layered],
+    *,
+    load: float,
+    increments: Iterable[float],
+    cell: float,
+    own: float = 0.0,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Wear of counter-body and disc that lie still, and the last pressure, implicit by K as a step begins.
+
+    A cap is that of the softer of both layers that meet; own: compliance beside the wear of a step [mm³/N].
+    """  # fmt: skip
+    worn, p = np.zeros((2, *gap.shape)), gap
+    for slid in increments:
+        layers = [body.at(depth) for body, depth in zip(bodies, worn, strict=True)]
+        k, caps = ([np.array(getattr(body, of))[layer] for body, layer in zip(bodies, layers, strict=True)]
+                   for of in ("wear", "hardness"))  # fmt: skip
+        compliance, cap, here = own + sum(k) * slid, np.minimum(*caps), gap + worn.sum(axis=0)
+        low, high = here.min(), (here + compliance * cap).max()
+        while low < (middle := 0.5 * (low + high)) < high:
+            p = np.clip((middle - here) / compliance, 0.0, cap)
+            low, high = (middle, high) if p.sum() * cell**2 < load else (low, middle)
+        for body, depth in zip(bodies, worn, strict=True):
+            for place in zip(*np.nonzero(p), strict=True):
+                depth[place] = body.worn(float(depth[place]), float(p[place] * slid))
+    return worn[0], worn[1], p

@@ -40,6 +40,7 @@ def start(solve: Solve):
             n.renewals = last.renewals + 1
         n.response = solve.request[Request.RESPONSE]
         n.stiffness = ONE / n.response
+        n.longer_stiffness = ONE / solve.request[Request.LONGER_RESPONSE]
         n.at_load = wp.where(at_load, 1, 0)
         n.plain_length = n.stiffness
         n.near_length = ONE

@@ -38,6 +38,7 @@ class Request(IntEnum):
     ROUGH = 3  # 1 where single precision may do
     CERTIFIED = 4  # 1 where its pressure is to be certified
     RENEWED = 5  # 1 where it follows one whose pressure could not be certified, or did not balance
+    LONGER_RESPONSE = 6  # to waves about as long as asperities are, compliance included [mm/MPa]
 
 
 class Flag(IntEnum):
@@ -142,6 +143,7 @@ class Numbers:
 
     response: wp.float64  # to a pressure that alternates from cell to cell [mm/MPa]
     stiffness: wp.float64  # its reciprocal [MPa/mm]
+    longer_stiffness: wp.float64  # of longer waves [MPa/mm]
     at_load: wp.int32
     plain_length: wp.float64  # of a trial step along the plain gradient
     near_length: wp.float64  # of a preconditioned one

@@ -4,6 +4,7 @@
 // Every pass that wears goes by `removal_of`, as every pass over springs goes by `on_spring`. A law of wear
 // that differs from cell to cell is told here and nowhere else.
 #include "law.h"
+#include "layers.h"
 
 // The depth that a pressure wears off a body whose cells are alike [mm]. k: K ΔL [mm³/N].
 template <typename Real> WARPWEAR_FN Real removal_of(double k, Real p)
@@ -24,12 +25,14 @@ WARPWEAR_FN Lanes own_or(const Stored* own, int i, Lanes alike) { return own ? (
 // What the cells of a row have of their own, see `CellProperties`.
 struct CellRow {
     const Stored *stiffness, *cap_ratio, *shear_ratio, *k_counter, *k_disc, *material;
+    Materials counter, disc;
 
     template <typename Properties>
     CUDA_CALLABLE CellRow(const Properties& cells, int row)
         : stiffness(row_or_none(cells.stiffness, row)), cap_ratio(row_or_none(cells.cap_ratio, row)),
           shear_ratio(row_or_none(cells.shear_ratio, row)), k_counter(row_or_none(cells.k_counter, row)),
-          k_disc(row_or_none(cells.k_disc, row)), material(row_or_none(cells.material, row))
+          k_disc(row_or_none(cells.k_disc, row)), material(row_or_none(cells.material, row)),
+          counter(cells.materials_counter), disc(cells.materials_disc)
     {
     }
 };
@@ -63,11 +66,12 @@ WARPWEAR_FN PerBody wearing_pressure(const Bend& bend, Lanes p)
 { return {bend.k_at(0, p) * p, bend.k_at(1, p) * p}; }
 
 // The depths that a step wears off both bodies of cells [mm]: K ΔL p, and what their shear wears. pressure:
-// that which wears each body, as it sees it. sheared: part of the step in contact times the shear ratio. OWN:
-// whether cells have a K each; SHEARS: whether shear wears. Nothing of it is fused with what it is added to.
+// that which wears each body, as it sees it. worn: what they have lost before, through whose materials they
+// wear. sheared: part of the step in contact times the shear ratio. OWN: whether cells have a K each; SHEARS:
+// whether shear wears. Nothing of it is fused with what it is added to.
 template <bool OWN, bool SHEARS>
 WARPWEAR_FN PerBody removal_of(const WearOfStep& step, const CellRow& cells, int i, const PerBody& pressure,
-                               const PerBody& sheared)
+                               const PerBody& worn, const PerBody& sheared)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(off)
@@ -76,6 +80,10 @@ WARPWEAR_FN PerBody removal_of(const WearOfStep& step, const CellRow& cells, int
     const Lanes k_counter = OWN ? own_or(cells.k_counter, i, one) : one;
     const Lanes k_disc = OWN ? own_or(cells.k_disc, i, one) : one;
     PerBody depth = {step.k_counter * k_counter * pressure.counter, step.k_disc * k_disc * pressure.disc};
+    if (OWN && cells.counter.count > 0)
+        depth.counter = lost_from_each(cells.counter, worn.counter, step.k_counter * pressure.counter);
+    if (OWN && cells.disc.count > 0)
+        depth.disc = lost_from_each(cells.disc, worn.disc, step.k_disc * pressure.disc);
     if (SHEARS) {
         depth.counter += step.shear_counter * sheared.counter;
         depth.disc += step.shear_disc * sheared.disc;

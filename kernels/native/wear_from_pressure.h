@@ -167,7 +167,8 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                 const Lanes p = p_of[i], m = over_counter[i];
                 const PerBody sheared = {shears ? (Lanes)rubs_counter[i] : zero,
                                          shears ? (Lanes)rubs_disc[i] : zero};
-                const PerBody lost = removal_of<true, true>(wear, own, i, {m, over_disc[i]}, sheared);
+                const PerBody before = {wear_counter[i], has_disc ? (Lanes)wear_disc[i] : zero};
+                const PerBody lost = removal_of<true, true>(wear, own, i, {m, over_disc[i]}, before, sheared);
                 Lanes s = counter[i] + lost.counter, a = wear_counter[i] + lost.counter, by_slip = zero;
                 const Lanes was = shows ? wear_counter[i] : reached[i];
                 const Lanes most_here = cap * own_or(own.cap_ratio, i, one);

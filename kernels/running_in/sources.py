@@ -48,6 +48,8 @@ class Sources:
 
     films: Films
     curve: Curve
-    wear_disc: wp.array2d(dtype=Cells)  # where there is a curve [mm]
+    wear_counter: wp.array2d(dtype=Cells)  # where there are layers [mm]
+    wear_disc: wp.array2d(dtype=Cells)  # where there are layers or a curve [mm]
+    layered: wp.int32  # 1 where bodies have materials by worn depth
     disc_rows: wp.int32  # rows of a disc that may be displaced; 0 of none
     stiffens: wp.int32  # 1 where the stiffness of every cell is made with the others

@@ -25,6 +25,7 @@ SHORT = {
     "pin": {"grid.cell": "40 um", "sliding.revolutions": 1},
     "block-on-ring": {"sliding.distance": "1 m"},
 }
+#: The law of contact that layers need.
 #: A ball in the place of the cylinder that frets.
 BALL = {"counter.shape": "ball", "contact.load": "20 N"}
 
@@ -168,3 +169,18 @@ def test_a_draft_runs(kind: str, more: dict[str, Any]) -> None:
     done = invoke("run", "a.toml", "--no-plots")
     assert done.exit_code == 0, done.exception
     assert (Path("a") / "summary.json").is_file()
+
+
+@pytest.mark.parametrize("kind", ["reciprocating", "rotating"])
+def test_a_draft_runs_with_its_layers(kind: str) -> None:
+    """Those that stand there as comments."""
+    drafted("--like", kind, changes=SHORT[kind])
+    text = Path("a.toml").read_text(encoding="utf-8")
+    start = text.index("# [[disc.layers]]")
+    end = text.index("\n\n", start)
+    layer = "\n".join(line.removeprefix("# ") for line in text[start:end].splitlines())
+    Path("a.toml").write_text(text[:start] + layer + text[end:], encoding="utf-8")
+    assert [layer.name for layer in Study.load("a.toml").disc.layers or ()] == ["dlc"]
+    done = invoke("run", "a.toml", "--no-plots")
+    assert done.exit_code == 0, done.exception
+    assert "layers_disc" in (Path("a") / "summary.json").read_text()

@@ -22,7 +22,7 @@ from warpwear.history.quantities import (
     per,
     printed,
 )
-from warpwear.history.rows import Rows
+from warpwear.history.rows import History, Rows
 
 SHORT: dict[str, tuple[str, dict[str, Any]]] = {
     "smooth": ("v1", {}),
@@ -124,3 +124,11 @@ def test_end_values_stand_in_the_summary() -> None:
     ends = {quantity.name: quantity for quantity in END_VALUES}
     assert value_in(summary, ends["volume_disc"]) == summary["volume_mm3"]["disc"]
     assert value_in({}, ends["volume_disc"]) is None
+
+
+def test_a_history_knows_the_units_of_its_layers() -> None:
+    columns = columns_of(Study.load("coat"))
+    shown = repr(History({column.name: np.zeros(2) for column in columns}))
+    assert all(f"{column.name} [{column.units}]" in shown for column in columns)
+    assert "wear_volume_disc_dlc [mm^3]" in shown
+    assert repr(History({"of others": np.zeros(1)})).endswith("of others [?]>")

@@ -14,6 +14,7 @@ from warpwear.grid import FloatArray, Grid, IntArray
 from warpwear.kernels.cells import PADDING
 from warpwear.kernels.sliding import Slide
 from warpwear.kernels.sliding_steps import Steps
+from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
@@ -179,7 +180,9 @@ class Shedding:
         self._program = Program(executor)
         with self.pieces.at_beginning(self._program):
             self.pieces.before_search(self._program, Place(self._slides.array))
-            self.pieces.before_wear(self._program, Place(self._slides.array, pressure=self._pressure))
+            self.pieces.before_wear(
+                self._program, Place(self._slides.array, pressed=arguments(Pressed, pressure=self._pressure))
+            )
         steps = arguments(Steps, stepping=goes, history=self._rows)
         self.pieces.between(self._program, Place(self._slides.array, steps))
 

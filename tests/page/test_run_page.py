@@ -376,3 +376,26 @@ def test_no_heading_stands_over_nothing_where_scripts_are_off(page_of: Callable[
     lone = {name for name, tag, _ in sections if tag == ' class="lone"'}
     assert "roughness" in lone
     assert lone == {name for name, _, content in sections if "<img" not in content}
+
+
+def test_a_page_tells_conservation_of_layers_and_what_they_cannot_show() -> None:
+    """From books of pressures and depths, against F L and against what has worn; and that they are thick."""
+    coarse = {"grid.cell": "20 um", "disc.synthetic.cut_off": "40 um", "grid.extent": "1.2 mm"}
+    study = Study.load("coat").replace(
+        coarse | {"output.snapshots": [], "disc.layers.1.wear": "4e-6 mm^3/N/m"}
+    )
+    study = study.replace({"disc.layers.1.thickness": "6 um", "disc.layers.1.name": "thick_dlc"})
+    with pytest.warns(match="Asperities yield|elastic constants"):
+        result = warpwear.run(study)
+    page = words_of(study, summarise(result))
+    what = {check["what"]: (float(check["value"]), check["good"]) for check in page["checks"][1:]}
+    books = "Σ V/K of the disc's materials, from pressures and depths alone, over F L, less 1"
+    worn = "worn volume of the disc over what its materials lose by the pressures, less 1"
+    assert [*what] == ["worn volume of the counter-body over Archard's K F L, less 1", worn, books]
+    assert all(off < 1e-12 and good for off, good in what.values())
+    assert any(text.startswith("Layers and cases wear and shear") for text in page["limits"])
+    assert any("elastic constants" in text for text in page["warnings"] + page["notes"])
+    assert "below layers by worn depth: the disc's thick_dlc (6 µm, 4e-06 mm³/(N·m))" in page["methods"]
+    assert r"Thickness of thick\_dlc, disc & 6 & $\mu$m \\" in page["latex"]
+    assert r"\sum_m V_m / K_m = F L" in page["latex"]
+    assert r"\sum_m" not in words_of(Study.load("v1"), summarise(result))["latex"]

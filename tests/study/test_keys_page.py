@@ -73,6 +73,7 @@ def test_every_number_has_bounds() -> None:
     ]
     assert free == [
         "study.name", "study.description", "study.author", "study.publisher", "study.license",
-        "counter.material", "counter.surface", "counter.array",
-        "disc.material", "disc.surface", "disc.array", "disc.synthetic.like"
+        "counter.material", "counter.gradient", "counter.surface", "counter.array", "counter.layers.name",
+        "disc.material", "disc.gradient", "disc.surface", "disc.array", "disc.layers.name",
+        "disc.synthetic.like"
     ]  # fmt: skip

@@ -51,7 +51,7 @@ WAYS: dict[str, dict[str, Any]] = {
 SHORT = {"grid.cell": "20 um", "sliding.distance": "0.3 mm"}
 #: Texts of a study that name no file.
 TEXTS = {"study.name", "study.description", "study.author", "study.publisher", "study.license", "disc.array"}
-TEXTS |= {"counter.array", "counter.material", "disc.material"}
+TEXTS |= {"counter.array", "counter.material", "disc.material", "counter.layers.name", "disc.layers.name"}
 #: Exchanges of all in the mass trial.
 EXCHANGES = 12
 

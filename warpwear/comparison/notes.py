@@ -34,7 +34,8 @@ CONDITIONS: dict[str, tuple[str, Callable[[Study], float | str | None]]] = {
     "counter-body's curvature": ("1/mm", lambda s: max(s.counter.form.along, s.counter.form.across)),
 }
 #: Sections whose keys make runs unlike too, and those of them that stand above.
-LAWS, ABOVE = ("wear.", "friction."), ("wear.counter", "wear.disc")
+DEPTHS = tuple(f"{body}.{key}" for body in ("counter", "disc") for key in ("layers", "gradient"))
+LAWS, ABOVE = ("wear.", "friction.", *DEPTHS), ("wear.counter", "wear.disc")
 
 
 def _conditions_of(study: Study) -> dict[str, str]:

@@ -14,7 +14,8 @@ from typing import Any, Literal
 
 from warpwear.grid import FloatArray, Frame
 from warpwear.history.arrangements import ARRANGEMENTS
-from warpwear.laws.archard import CALLED
+from warpwear.laws.archard import BODIES, CALLED
+from warpwear.laws.depth_profile import of_materials
 from warpwear.study.study import Study
 
 #: What a quantity has one value for: a step; a step and patch; a cell of a snapshot; a snapshot; a depth at
@@ -40,7 +41,12 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
     "programme": ("programmes of blocks", lambda study: study.block is not None),
     "film": ("runs with a film", lambda study: study.film is not None),
     "pieces": ("wear in pieces", lambda study: study.wear.sheds),
-    "by area": ("wear of friction energy by a shear strength", lambda study: study.wears_by_area),
+    "by area": (
+        "wear of friction energy by a shear strength, layers of a shear strength",
+        lambda study: study.wears_by_area or study.shears_unalike,
+    ),
+    "layers of the counter-body": ("counter-bodies with layers", lambda study: bool(study.counter.layers)),
+    "layers of the disc": ("discs with layers", lambda study: bool(study.disc.layers)),
     "stresses": ("runs with stresses (output.stress_depths)", lambda study: study.has_stresses),
     "fatigue": ("runs with fatigue limits", lambda study: study.fatigue is not None),
     "static area": ("output.static_area_every", lambda study: study.static_area_every > 0),
@@ -202,9 +208,29 @@ AREAS = tuple(name for name, look in LOOKS.items() if look.get("family") == "are
 UNITS = {quantity.name: quantity.units for quantity in QUANTITIES}
 
 
+#: Units and meanings of the columns of a material, by the beginning of their names, see `of_materials`.
+OF_A_MATERIAL = {
+    "load_share": ("1", "part of the load that was borne as the step began by"),
+    "area": ("mm^2", "area in contact that was as the step began of"),
+    "wear_volume": ("mm^3", "volume worn off"),
+}
+
+
+def unit_of(column: str) -> str:
+    """Return the unit of a column of the history, also of a material's, whose names studies choose."""
+    kind = re.split("_(?:counter|disc)_", column)[0]
+    return UNITS.get(column) or OF_A_MATERIAL.get(kind, "?")[0]
+
+
 def columns_of(study: Study) -> tuple[Quantity, ...]:
     """Return the columns of the history that a run of the study has."""
-    return tuple(quantity for quantity in per("step") if quantity.applies_to(study))
+    columns = [quantity for quantity in per("step") if quantity.applies_to(study)]
+    for body, profile in zip(BODIES, study.profiles or (), strict=False):
+        for names, material in zip(of_materials(body, profile), profile.materials, strict=False):
+            of = f"{material.name} of the {CALLED[body]}"
+            only, pairs = f"layers of the {CALLED[body]}", zip(names, OF_A_MATERIAL.values(), strict=True)
+            columns += [Quantity(name, unit, f"{meaning} {of}", only=only) for name, (unit, meaning) in pairs]
+    return tuple(columns)
 
 
 #: Measures of a stress, by name; and of a cycle, where there are fatigue limits.

@@ -12,7 +12,9 @@ from warpwear.errors import ConvergenceError
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.quantities import per
 from warpwear.kernels.cells import EXTENTS, MAXIMA
+from warpwear.kernels.running_in.materials import BOOKS
 from warpwear.laws.archard import BODIES
+from warpwear.laws.depth_profile import of_materials
 from warpwear.laws.task import ContactTask
 
 #: Columns that grow from step to step.
@@ -89,6 +91,10 @@ class Ledger:
         self._outline = 1.0 if task.form.is_line else math.pi / 4.0
         self.most = dict.fromkeys(MAXIMA, -math.inf)
         self.row = {column.name: 0.0 for column in per("step")}
+        profiles = zip(BODIES, task.profiles or (), strict=False)
+        volumes = [name for body in profiles for *_, name in of_materials(*body)]
+        self.row |= dict.fromkeys(volumes, 0.0)
+        self.running = (*RUNNING, *volumes)
         #: What the disc of a stroke lost on other strokes, over what this one makes of the same depths; or on
         #: other circles.
         self.before: dict[str, float] = {}
@@ -112,7 +118,7 @@ class Ledger:
 
     def restored(self) -> None:
         """Raise ValueError for books that no step has left."""
-        for book, names in ((self.row, RUNNING), (self.most, MAXIMA)):
+        for book, names in ((self.row, self.running), (self.most, MAXIMA)):
             for name in names:
                 if not isinstance(book.get(name), int | float):
                     raise ValueError(f"the books have no {name}")
@@ -140,7 +146,7 @@ class Ledger:
         largest = self.most | {"pressure": most["pressure"]}
         row = self._row(step, largest)
         row["pressure_std"] = math.sqrt(max(row["pressure_std"], 0.0))
-        for name in RUNNING:
+        for name in self.running:
             row[name] += self.row[name]
         self.row = row.copy()
         at_edge, at_rim = map(bool, self._flags(self.most))
@@ -155,8 +161,8 @@ class Ledger:
         }
         row = self._row(steps, grown | {"pressure": most["pressure"]})
         row["pressure_std"] = np.sqrt(np.maximum(row["pressure_std"], 0.0))
-        for name in RUNNING:
-            row[name] = np.add.accumulate([self.row[name], *row[name]])[1:]
+        for name in self.running:
+            row[name] = np.add.accumulate([self.row[name], *np.broadcast_to(row[name], count)])[1:]
         table = np.stack([np.broadcast_to(values, count) for values in row.values()], axis=1)
         self.row = dict(zip(row, table[-1].tolist(), strict=True))
         at_edge, at_rim = (reaches.tolist() for reaches in self._flags(grown))
@@ -216,7 +222,37 @@ class Ledger:
                 row[f"archard_volume_{body}"] = row[f"archard_volume_{body}"] + depth * sheared
         if "bare" in total:
             row["bare_fraction"] = total["bare"] / count
+        if self._task.profiles is not None:
+            row |= self._of_materials(total, row)
         return row | {name: row[name] + lost for name, lost in self.before.items() if name in row}
+
+    def _of_materials(self, total: Mapping[str, Any], row: Mapping[str, Number]) -> dict[str, Any]:
+        """Return what each material bears and has lost; Archard's volumes are those of all of a body.
+
+        Without books of a step all cells are of the uppermost materials.
+        """
+        books, area, columns = total.get("materials"), self._grid.cell_area, dict[str, Any]()
+        for body, profile in zip(BODIES, self._task.profiles or (), strict=True):
+            names, archard = of_materials(body, profile), f"archard_volume_{body}"
+            parts: list[tuple[Any, ...]] = [(1.0, row["area_contact"], row[archard])]
+            if books is None:
+                parts += [(0.0, 0.0, 0.0)] * len(names)
+            else:
+                whole = area / (self._track_fraction if body == "disc" else 1.0)
+                of = {
+                    name: [v for key, v in books.items() if key.startswith(f"{name}_{body}_")]
+                    for name in BOOKS
+                }
+                columns[archard] = whole * sum(of["lost"])
+                parts = [
+                    (pressure / total["pressure"], area * cells, whole * lost)
+                    for cells, pressure, lost in zip(*of.values(), strict=True)
+                ]
+            columns |= {n: v for pair in zip(names, parts, strict=False) for n, v in zip(*pair, strict=True)}
+        if self._task.shears_unalike:
+            of_surfaces = row["area_contact"] * (self._task.surface_shear or math.nan)
+            columns["area_sheared"] = of_surfaces if books is None else area * books["shear_ratios"]
+        return columns
 
     def _inside(self, rows: int, columns: int) -> tuple[float, ...]:
         """Return the extents of what leaves so many rows and columns along each edge."""

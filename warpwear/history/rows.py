@@ -14,7 +14,7 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import PATCH_TABLES, UNITS
+from warpwear.history.quantities import PATCH_TABLES, unit_of
 
 Value = TypeVar("Value")
 
@@ -50,7 +50,7 @@ class History(Named[FloatArray]):
 
     def __repr__(self) -> str:
         steps = len(next(iter(self.values()), ()))
-        names = ", ".join(f"{name} [{UNITS.get(name, '?')}]" for name in self)
+        names = ", ".join(f"{name} [{unit_of(name)}]" for name in self)
         return f"<History of {steps} steps: {names}>"
 
 

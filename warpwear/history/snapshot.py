@@ -17,8 +17,9 @@ class Snapshot:
     distance [mm]. pressure [MPa], solved in the step that ends here. wear_counter, wear_disc: depths worn off
     [mm]. gap [mm], after the step's wear, without elastic deformation. plastic_disc: depth displaced for good
     [mm], of a swept disc that keeps its dents. bare: 1 where a cell was bare of film as the step began, else
-    0. slip: way of places in contact in a cycle of fretting [mm]. load_on_filled: share of the load on
-    points that the disc's file lacks. The last four are None where a run has none.
+    0. slip: way of places in contact in a cycle of fretting [mm]. material_counter, material_disc:
+    number of the layer that wear has bared, 0 the uppermost. load_on_filled: share of the load on
+    points that the disc's file lacks. Those from plastic_disc on are None where a run has none.
 
     Of a swept run the fields of the disc cover the track, shape (rows, ny), whose row number `row` lies under
     the first row of the others.
@@ -32,6 +33,8 @@ class Snapshot:
     plastic_disc: FloatArray | None = None
     bare: FloatArray | None = None
     slip: FloatArray | None = None
+    material_counter: FloatArray | None = None
+    material_disc: FloatArray | None = None
     row: int | None = None
     load_on_filled: float | None = None  # see `share_on`
     fresh: frozenset[str] = frozenset()  # names of fields that no later step changes

@@ -174,6 +174,11 @@ def _check_unknowns(study: Study, unknowns: Sequence[Unknown], data: Data) -> No
             "friction.coefficient; give it as an unknown with a prior, such as "
             "'friction.shear_strength=log-uniform 1 .. 100 MPa'"
         )
+    if data.distance.size and study.shears_unalike:
+        raise InputError(
+            "friction cannot be inferred of layers with a shear_strength or coefficient of their own: "
+            "allowed are measured volumes, diameters and roughness"
+        )
     columns = columns_for(law, 1.0, np.ones(1), np.ones(1))
     for factor in law.factors:
         if beyond := set(factor.columns) - set(columns):

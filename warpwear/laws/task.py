@@ -6,6 +6,7 @@ from typing import Literal, Protocol
 
 from warpwear.grid import FloatArray
 from warpwear.laws.archard import WearLaw, knots_of
+from warpwear.laws.depth_profile import DepthProfile, shears_unalike
 from warpwear.laws.elastic import Hertz
 from warpwear.laws.film import Film
 from warpwear.laws.fretting import Fretting
@@ -43,9 +44,9 @@ class ContactTask:
     """Holds the numbers of one contact, made from a study once; models read nothing else."""
 
     load: float  # F [N]
-    hardness: float  # largest pressure of a cell H [MPa]; inf without one
+    hardness: float  # largest pressure of an unworn cell H [MPa]; inf without one
     form: Form  # of the unworn counter-body
-    wear: tuple[WearLaw, WearLaw]  # of counter-body and disc
+    wear: tuple[WearLaw, WearLaw]  # of counter-body and disc, of their unworn surfaces
     compliance: float  # 1/k of the cells of the unworn contact, without wear [mm³/N]
     implicit: bool = True  # whether the wear of a step adds to its compliance
     rigid: bool = False  # whether there is no compliance at all: a bearing area
@@ -65,6 +66,8 @@ class ContactTask:
     static_area_every: int = 0  # steps between contacts that are also solved without wear; 0: none are
     pieces: Pieces | None = None  # by which bodies wear; None: all wear leaves at once
     fretting: Fretting | None = None  # what drives a fretting contact; None where nothing frets
+    #: What counter-body and disc are made of by worn depth; None where they are alike at all depths.
+    profiles: tuple[DepthProfile, DepthProfile] | None = None
 
     @property
     def dust(self) -> float:
@@ -108,10 +111,25 @@ class ContactTask:
         return sum(self.wear_per_contact(0.0, 1.0)) > 0.0
 
     @property
+    def shears_unalike(self) -> bool:
+        """Tell whether cells have a shear strength by their materials, or a part of their pressure."""
+        return shears_unalike(self.profiles or ())
+
+    @property
+    def surface_shear(self) -> float | None:
+        """Return the shear strength of unworn surfaces over the bodies'; None where pressures bound it."""
+        tops = [profile.materials[0] for profile in self.profiles or ()]
+        if not self.shears_unalike or any(math.isfinite(top.coefficient) for top in tops):
+            return None if self.shears_unalike else 1.0
+        assert self.profiles is not None
+        return min(top.shear_strength for top in tops) / self.profiles[0].materials[-1].shear_strength
+
+    @property
     def is_uniform(self) -> bool:
         """Tell whether, at rest, every cell has the same law: one stiffness, and wear in one proportion."""
         counter, disc = self.wear
         alike = self.distance_factor == "none" and self.film is None and not self.shears
+        alike = alike and (self.profiles is None or all(profile.is_uniform for profile in self.profiles))
         return alike and counter.in_proportion_to(disc) and not len(self.knots)
 
     @property
@@ -130,6 +148,8 @@ class ContactTask:
     def least_hardness(self) -> float:
         """Return the smallest cap of a cell [MPa]."""
         film = self.film
+        if self.profiles is not None:
+            return min(profile.least_hardness for profile in self.profiles)
         return self.hardness * (1.0 if film is None else min(film.cap_ratio_filmed, film.cap_ratio_bare))
 
     @property

@@ -32,6 +32,7 @@ CONDITIONS: dict[str, Callable[[Study], bool]] = {
     "friction constant": lambda study: study.friction.fitted == "coulomb",
     "friction not fitted": lambda study: study.friction.fitted is None,
     "empirical friction": lambda study: bool(study.friction.law_with().said),
+    "layered": lambda study: study.profiles is not None,
     "wear in pieces": lambda study: study.wear.sheds,
     "wear by pressure": lambda study: any(law.over_pressure[0] for law in study.wear_laws),
     "severe at the hardness": lambda study: (

@@ -6,10 +6,11 @@ from typing import Any, TypeAlias
 
 from warpwear.history.distances import with_unit
 from warpwear.history.quantities import printed
-from warpwear.laws.archard import said
+from warpwear.laws.archard import BODIES, CALLED, said
 from warpwear.page.words import disc_of, motion_of, source_of
 from warpwear.results.formats.forms import filled
 from warpwear.results.report import shown
+from warpwear.study.rules import um
 from warpwear.study.study import Study
 
 Line: TypeAlias = tuple[str, str, str]  # quantity, value and unit
@@ -26,9 +27,20 @@ def methods_of(study: Study, s: dict[str, Any]) -> str:
     """Write the paragraph that a paper's section on methods may begin with."""
     said_of: Any = {"slider": f"A {study.counter.title}", "disc": disc_of(study), "source": source_of(s)}
     said_of |= {"wear": said(study.wear_laws), "friction": study.friction.law_with().said}
+    layers = ["{1}'s {2} ({3}, {4})".format(*layer) for layer in layers_of(study)]
+    said_of["layers"] = "; the ".join(layers)
     said_of["motion"] = motion_of(study, s["distance_mm"])
     text = filled("methods.txt", escape=False, study=study, s=s, **said_of)
     return " ".join(text.split())
+
+
+def layers_of(study: Study) -> list[tuple[str, ...]]:
+    """List key and name of a body, name, thickness and wear coefficient of each of its layers."""
+    return [
+        (body, CALLED[body], layer.name, um(layer.thickness), printed(str(layer.wear.write())))
+        for body in BODIES
+        for layer in getattr(study, body).layers or ()
+    ]
 
 
 def table_of(study: Study, s: dict[str, Any], answers: Iterable[dict[str, str]]) -> list[Line]:
@@ -43,6 +55,12 @@ def table_of(study: Study, s: dict[str, Any], answers: Iterable[dict[str, str]])
         ("Cell", shown(s["cell_um"]), "µm"),
         *([("Hardness (cap of the pressure)", shown(hardness), "MPa")] if hardness else []),
         *((f"Wear coefficient, {b}", shown(k), unit) for b, k in s["wear_coefficient_mm3_per_Nm"].items()),
+        *(
+            (f"{what} of {name}, {body}", number, its_unit)
+            for body, _, name, *texts in layers_of(study)
+            for what, text in zip(("Thickness", "Wear coefficient"), texts, strict=True)
+            for number, _, its_unit in [text.partition(" ")]
+        ),
         *(
             (f"Wear of friction energy, {b}", shown(a), "mm³/J")
             for b, a in s.get("wear_coefficient_mm3_per_J", {}).items()
@@ -62,4 +80,5 @@ def latex_of(study: Study, methods: str, table: Iterable[Line]) -> str:
     """Write methods and table as LaTeX, with the laws of wear and friction between them."""
     laws: Any = {"wear": study.wear_laws[0].formula, "friction": study.friction.law_with().formula}
     laws |= {"name": study.study.name, "methods": methods, "table": table}
+    laws["layered"] = bool(study.counter.layers or study.disc.layers)
     return filled("paper.tex", {"tex": to_latex}, escape=False, **laws)

@@ -186,7 +186,15 @@ def checks_of(study: Study, s: dict[str, Any]) -> Lines:
     rows = [("load carried − load asked for, largest of a step", residual, balance, " N")]
     expected = "Σ K(p) p ΔL of its cells" if study.wear_laws[0].over_pressure[0] else "Archard's K F L"
     for body, value in s["conservation_relative"].items():
-        rows.append((f"worn volume of the {CALLED[body]} over {expected}, less 1", abs(value), CONSERVED, ""))
+        deep = getattr(study, body).has_depths  # then books of each cell stand for K F L
+        what = "what its materials lose by the pressures" if deep else expected
+        rows.append((f"worn volume of the {CALLED[body]} over {what}, less 1", abs(value), CONSERVED, ""))
+        off = s.get(f"layers_{body}", {}).get("volumes_over_K_less_FL")
+        if off is not None:
+            what = (
+                f"Σ V/K of the {CALLED[body]}'s materials, from pressures and depths alone, over F L, less 1"
+            )
+            rows.append((what, abs(off), CONSERVED, ""))
     if parts := s.get("track", {}).get("parts"):
         error = parts["estimated_error_at_most"]
         rows.append(("error of the area by the length of steps, estimated", error, STEPS, ""))

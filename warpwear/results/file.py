@@ -15,7 +15,7 @@ import numpy as np
 
 from warpwear.errors import OVERWRITE_IT, InputError, explained
 from warpwear.grid import FloatArray, IntArray
-from warpwear.history.quantities import FIELDS, OF_PIECES, UNITS, stress_columns
+from warpwear.history.quantities import FIELDS, OF_PIECES, UNITS, columns_of, stress_columns
 from warpwear.history.rows import History, Named
 from warpwear.history.snapshot import Snapshot
 from warpwear.results.check import ATTRIBUTES, check_content, check_fields, current, stored
@@ -166,7 +166,7 @@ class ResultFile:
     @property
     def units(self) -> dict[str, str]:
         """Map the name of a column, field or table to its unit, such as "mm^2"."""
-        return Named(UNITS)
+        return Named(UNITS | {column.name: column.units for column in columns_of(self.study)})
 
     x = _stored("grid/x", "Hold the centres of the cells along the sliding direction [mm], shape (nx,).")
     y = _stored("grid/y", "Hold the centres of the cells across the sliding direction [mm], shape (ny,).")

@@ -7,7 +7,7 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.errors import InputError
-from warpwear.history.quantities import FIELDS, PATCH_TABLES, UNITS, Quantity, per
+from warpwear.history.quantities import FIELDS, PATCH_TABLES, UNITS, Quantity, columns_of, per
 from warpwear.results.file import ResultFile
 
 COLUMNS = {quantity.name: quantity for quantity in per("step")}
@@ -27,7 +27,8 @@ def to_dataframe(result: ResultFile) -> Any:
     """
     frame = package("pandas", "to_dataframe").DataFrame(dict(result.history))
     frame.index.name = "step"
-    frame.attrs["units"] = {name: UNITS[name] for name in frame if name in UNITS}
+    units = UNITS | {column.name: column.units for column in columns_of(result.study)}
+    frame.attrs["units"] = {name: units[name] for name in frame if name in units}
     return frame
 
 
@@ -51,12 +52,12 @@ def to_xarray(result: ResultFile) -> Any:
 def courses(result: ResultFile, numbers: Sequence[int]) -> Any:
     """What `to_xarray` gives but for the fields, with the coordinates of snapshots of these numbers."""
     xarray = package("xarray", "to_xarray")
-    history = dict(result.history)
+    history, columns = dict(result.history), COLUMNS | {c.name: c for c in columns_of(result.study)}
     coordinates = {
         "step": ("step", np.arange(history["distance"].size), {"long_name": "row of the history"}),
         "step_distance": described(COLUMNS, "distance", ("step",), history.pop("distance")),
     }
-    data = {name: described(COLUMNS, name, ("step",), values) for name, values in history.items()}
+    data = {name: described(columns, name, ("step",), values) for name, values in history.items()}
     if result.study.study.model == "two-scale":
         tables = {table.name: table for table in PATCH_TABLES}
         data |= {name: described(tables, name, ("step", "patch"), getattr(result, name)) for name in tables}

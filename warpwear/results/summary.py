@@ -50,6 +50,7 @@ def summarise(result: ResultFile) -> list[Row]:
         *_energy(result, end),
         *summary_models.stresses(result),
         *_film(result),
+        *summary_models.layers(result),
         *_checks(result, end),
     ]
     verdict = verdict_of(result.study, record(rows), result.history)
@@ -341,6 +342,7 @@ def _checks(result: ResultFile, end: dict[str, float]) -> list[Row]:
     """Declare residuals, conservation, and what the run's own record and its assumptions are."""
     study, residuals = result.study, np.abs(result.history["load_residual"])
     expected = sum(study.wear_coefficients[1] * b.load * b.slides(end["distance"]) for b in study.blocks)
+    expected *= study.profiles is None  # K of a layered body is that of no depth alone
     off = {body: _off_archard(end, body) for body in BODIES}
     largest, assumed = float(residuals.max()), render.assumptions(study)
     all_of_them = f"{len(assumed)} in summary.json and 'warpwear show'"

@@ -10,6 +10,7 @@ from warpwear import lazy
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BY_NAME, MEASURES, OF_A_CYCLE
 from warpwear.laws.archard import BODIES, CALLED
+from warpwear.laws.depth_profile import DepthProfile, of_materials
 from warpwear.laws.fretting import HONEST_MEAN, regime_of
 from warpwear.laws.passes import WHEN, mean_over
 from warpwear.results.evolution import growth_of_view, settling, surface_evolution
@@ -17,6 +18,8 @@ from warpwear.results.file import ResultFile
 from warpwear.results.report import Row, entries, finite, record, shown
 from warpwear.results.track import both_directions, groove, is_short, roughness_in_track, scar_length
 
+#: Part of the area in contact that the uppermost layer has no more when it is half worn through.
+HALF = 0.5
 below = lazy.module("warpwear.contact.stress.stresses")
 
 
@@ -349,3 +352,37 @@ def stresses(result: ResultFile) -> list[Row]:
         beyond = {"yield_strength_MPa": limit, "depth_mm": deep, "volume_mm3": volume}
         rows.append(Row("beyond yield", "beyond_yield", beyond, sentence=text))
     return [Row("", "stress_below_disc", rows)]
+
+
+def layers(result: ResultFile) -> list[Row]:
+    """Declare the layers of both bodies; nothing where there are none."""
+    rows = [_layers_of(result, *pair) for pair in zip(BODIES, result.study.profiles or (), strict=False)]
+    return [row for row in rows if row is not None]
+
+
+def _layers_of(result: ResultFile, body: str, profile: DepthProfile) -> Row | None:
+    history, names = result.history, of_materials(body, profile)
+    if not names:
+        return None
+    bare = 1.0 - history[names[0][1]] / history["area_contact"]
+    first, half = (_first(history["distance"], bare > part) for part in (1.0e-9, HALF))
+    named = [*zip(profile.materials, names, strict=True)]
+    losses = {material.name: float(history[columns[2]][-1]) for material, columns in named}
+    carried = result.study.load_distance(body, float(history["distance"][-1]))
+    worn = sum(losses[m.name] / m.wear if m.wear else math.nan for m in profile.materials)
+    numbers: dict[str, Any] = {
+        "breakthrough_mm": first,
+        "half_breakthrough_mm": half,
+        "wear_volume_mm3": losses,
+        "load_share": {material.name: float(history[columns[0]][-1]) for material, columns in named},
+        "volumes_over_K_less_FL": finite(worn / carried - 1.0) if carried else None,
+    }
+    through = "none worn through" if first is None else f"first worn through after {shown(first)} mm"
+    through += "" if half is None else f", half of the contact after {shown(half)} mm"
+    parts = ", ".join(f"{name} {shown(volume)} mm³" for name, volume in losses.items())
+    return Row(f"{CALLED[body]}'s layers", f"layers_{body}", numbers, sentence=f"{through}; lost: {parts}")
+
+
+def _first(distance: Any, where: Any) -> float | None:
+    """Return the first distance [mm] of those where something holds; None where it never does."""
+    return float(distance[np.argmax(where)]) if where.any() else None

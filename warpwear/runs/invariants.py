@@ -30,6 +30,8 @@ OPEN = frozenset(("time", "cof", "area_static", "violation", "energy_gap", "ener
     "displacement_border",
     "energy_ratio",
 }
+#: What heights may be off by rounding [mm]: of 1 mm the last digit is 1e-16 mm.
+ROUNDING = 1.0e-15
 #: What follows from a gap below its bound.
 MISSED = "something has raised a surface and does not say so, and contact may have been missed"
 BODIES = (
@@ -86,7 +88,7 @@ class Invariants:
 
     def of_bounds(self, depth: float, row: Mapping[str, float]) -> Iterator[Violation]:
         """A gap that lies below the bound of its tile by a depth [mm], so that its tile may be missed."""
-        if depth > 0.0:
+        if depth > ROUNDING:
             yield Violation(
                 "bounds", f"a gap lies {depth:.3g} mm below the bound of its tile {_where(row)}", MISSED
             )

@@ -9,7 +9,7 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.history.quantities import UNITS
+from warpwear.history.quantities import UNITS, columns_of
 from warpwear.history.rows import Named
 from warpwear.history.snapshot import Snapshot
 from warpwear.runs.order import RunOrder
@@ -45,7 +45,7 @@ class RunStep:
     @property
     def units(self) -> dict[str, str]:
         """Map the name of a column or field to its unit, such as "mm^2"."""
-        return Named(UNITS)
+        return Named(UNITS | {column.name: column.units for column in columns_of(self._order.study)})
 
     @property
     def fields(self) -> dict[str, FloatArray]:

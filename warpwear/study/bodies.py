@@ -8,6 +8,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from warpwear.study.keys import Hardness, Length, LengthOrZero, Pressure, Rule, Section, key, needs, when
 from warpwear.study.materials import material
+from warpwear.study.sections.layers import LAYERED, Gradient, LayerSection
 from warpwear.study.units import Number, Quantity, Range, is_pair, is_quantity, one_by_one
 from warpwear.surfaces.form import Form, Given, form_of
 
@@ -42,12 +43,34 @@ class Body(Section):
     hardness: Hardness | None = key(
         None, "indentation hardness: a pressure, or a number of Vickers or Brinell, '200 HV'"
     )
+    layers: tuple[LayerSection, ...] | None = key(
+        None,
+        "layers over the body, from the surface down; its own keys are those of the substrate below them",
+        one_of="depth",
+        demands=LAYERED,
+    )
+    gradient: Gradient | None = key(
+        None,
+        "numbers by worn depth: a file of comma-separated columns, or its rows: depth in µm, K in mm^3/N/m "
+        "(wear.law = 'energy': mm^3/J) and hardness in MPa, or none; linear between rows, constant below the "
+        "last, which is the body itself",
+        one_of="depth",
+        demands=LAYERED,
+    )
 
     def _check(self) -> None:
-        """Fill in constants of the material, which do not count as given."""
+        """Fill in constants of the material, which do not count as given; refuse layers of one name."""
+        names = [layer.name for layer in self.layers or ()]
+        if self.layers is not None and len({*names}) != max(len(names), 1):
+            raise ValueError(f"layers: names must differ, and there must be one or more, not {names}")
         if self.material is not None:
             known = material(self.material)
             self.__dict__ |= {name: getattr(known, name) for name in CONSTANTS if getattr(self, name) is None}
+
+    @property
+    def has_depths(self) -> bool:
+        """True where its numbers differ by worn depth."""
+        return bool(self.layers or self.gradient)
 
     @property
     def elastic(self) -> tuple[float, float] | None:

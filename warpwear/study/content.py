@@ -1,9 +1,13 @@
 """The content of a study: its sections, and what follows from them."""
 
+import itertools
 import math
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
-from warpwear.laws.archard import WearLaw
+from warpwear.laws.archard import BODIES, WearLaw
+from warpwear.laws.depth_profile import DepthProfile, shears_unalike
 from warpwear.laws.elastic import Hertz, effective_modulus
 from warpwear.laws.film import Film, grown_cap
 from warpwear.laws.fretting import HONEST_MEAN, Fretting, displacement, softness_ratio
@@ -12,7 +16,9 @@ from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
 from warpwear.study.keys import value_of
 from warpwear.study.programme import Programme
+from warpwear.study.sections.layers import depth_profiles
 from warpwear.study.units import text
+from warpwear.surfaces.form import Form
 
 
 class Content(Programme):
@@ -21,9 +27,43 @@ class Content(Programme):
     Nothing here checks whether the sections agree: `warpwear.study.rules` does.
     """
 
-    def volume(self, law: WearLaw, distance: float) -> float:
-        """Return what a law wears off a body over the test's first distance [mm]: Σ K F ΔL [mm³]."""
+    def volumes(
+        self, distance: float, form: Form | None = None, extent: tuple[float, float] | None = None
+    ) -> tuple[float, float]:
+        """Return what counter-body and disc lose over the test's first distance [mm]: Σ K F ΔL [mm³].
+
+        Where K changes with depth it is an estimate, by the caps that a plane cuts off a form, by default the
+        counter-body's, over an extent, by default the domain's [mm].
+        """
+        form, extent = form or self.counter.form, extent or self.grid.sides
+        profiles = self.profiles or (None, None)
+        counter, disc = (
+            self._volume(law, distance)
+            if profile is None
+            else profile.volume(self.load_distance(body, distance), lambda v: form.deepest(v, extent))
+            for body, law, profile in zip(BODIES, self.wear_laws, profiles, strict=True)
+        )
+        return counter, disc
+
+    def load_distance(self, body: str, distance: float) -> float:
+        """Return F L [N mm] of the test's first distance [mm], a body's wear law relative to its K."""
+        return self._volume(replace(self.wear_laws[BODIES.index(body)], steady=1.0), distance)
+
+    def _volume(self, law: WearLaw, distance: float) -> float:
+        """Return Σ K F ΔL of a law over the test's first distance [mm³]."""
         return sum(b.load * law.wear_per_pressure(b.start, b.slides(distance)) for b in self.blocks)
+
+    @property
+    def profiles(self) -> tuple[DepthProfile, DepthProfile] | None:
+        """What counter-body and disc are made of by worn depth; None where both are alike at all depths."""
+        if not (self.counter.has_depths or self.disc.has_depths):
+            return None
+        hardness = self.contact.hardness
+        if hardness is None and self.study.model == "macro":
+            hardness = math.inf
+        resolved = partial(self.wear.resolved, hardness=self.wear_hardness, friction=self.friction)
+        limits = {"hardness": hardness, "shear_strength": self.friction.shear_strength}
+        return depth_profiles((self.counter, self.disc), self.wear_coefficients, resolved, **limits)
 
     def _check(self) -> None:
         """Give a force the stroke of the unworn bodies, by which distances count."""
@@ -76,7 +116,7 @@ class Content(Programme):
     @property
     def stroke_ratio(self) -> float:
         """Return the stroke over the width of smooth bodies' scar along sliding, or of their contact."""
-        worn = sum(self.volume(law, self.sliding.total) for law in self.wear_laws)
+        worn = sum(self.volumes(self.sliding.total))
         width = self.counter.form.worn(worn, self.grid.sides)[0]
         if self.hertz is not None:
             width = max(width, 2.0 * self.hertz.semi_axes[0])
@@ -140,22 +180,26 @@ class Content(Programme):
         return grown_cap(hardness, friction.film.shear_strength, friction.junction_growth), bare
 
     @property
+    def cell_caps(self) -> tuple[float, ...]:
+        """Largest pressures that cells may have [MPa]: `caps`, or of all pairs of materials that may meet.
+
+        The first pair is that of both surfaces.
+        """
+        if self.profiles is None:
+            return self.caps
+        counter, disc = ([m.hardness for m in profile.materials] for profile in self.profiles)
+        return tuple(min(pair) for pair in itertools.product(counter, disc))
+
+    @property
     def hardness(self) -> float:
-        """Largest pressure of any cell [MPa]: that of `caps` which is larger."""
-        return max(self.caps)
+        """Largest pressure of any cell [MPa]: that of `cell_caps` which is largest."""
+        return max(self.cell_caps)
 
     @property
     def film(self) -> Film | None:
         """The film that the bodies have; None without one."""
-        film, hardness = self.friction.film, self.hardness
-        if film is None:
-            return None
-        on = film.bodies in ("both", "counter"), film.bodies in ("both", "disc")
-        regrowth = math.inf if isinstance(film.regrowth, str) else film.regrowth
-        filmed, bared = (1.0 if cap == hardness else cap / hardness for cap in self.caps)
-        bare = self.friction.shear_strength
-        part = film.shear_strength / bare if bare else 1.0
-        return Film(film.thickness, on, regrowth, filmed, bared, part)
+        film = self.friction.film
+        return None if film is None else film.with_caps(self.caps, self.friction.shear_strength)
 
     @property
     def effective_modulus(self) -> float | None:
@@ -274,9 +318,9 @@ class Content(Programme):
         """What models, their history and their steps need of this study."""
         return ContactTask(
             load=self.contact.load,
-            hardness=self.hardness,
+            hardness=self.hardness if self.profiles is None else self.cell_caps[0],
             form=self.counter.form,
-            wear=self.wear_laws,
+            wear=self.surface_laws,
             compliance=1.0 / self.stiffness,
             implicit=self.stepping.scheme == "implicit",
             rigid=self.uses_bearing_area,
@@ -295,23 +339,13 @@ class Content(Programme):
             pieces=self.pieces,
             static_area_every=self.static_area_every,
             fretting=self.fretting,
+            profiles=self.profiles,
         )
-
-    @property
-    def static_area_every(self) -> int:
-        """Steps between contacts that are also solved without wear in the step; 0 where none are."""
-        elastic = self.contact.law == "half-space" and self.study.model == "micro"
-        return self.output.static_area_every if elastic else 0
 
     @property
     def pieces(self) -> Pieces | None:
         """The pieces by which bodies wear; None where all wear leaves at once."""
-        wear = self.wear
-        diameter = self.critical_junction if wear.particle == "critical" else wear.particle
-        if diameter is None or wear.particle_thickness is None:
-            return None
-        seed = wear.pending_seed if wear.pending_start == "uniform" else None
-        return Pieces(float(diameter), wear.particle_thickness, wear.dust_fraction, seed)
+        return self.wear.pieces(self.critical_junction)
 
     @property
     def uses_bulk_stiffness(self) -> bool:
@@ -319,11 +353,6 @@ class Content(Programme):
         if self.study.model == "two-scale":
             return self.patches.bulk == "spring" or self.patches.coupling == "load"
         return self.study.model == "macro"
-
-    @property
-    def samples_area(self) -> bool:
-        """True where patches stand for more than themselves, and fields cover only a part of the domain."""
-        return self.study.model == "two-scale" and self.patches.patch_width < self.patches.macro_cell
 
     @property
     def wear_coefficients(self) -> tuple[float, float]:
@@ -337,9 +366,24 @@ class Content(Programme):
         return self.wear.laws(self.wear_hardness, self.friction)
 
     @property
+    def surface_laws(self) -> tuple[WearLaw, WearLaw]:
+        """The laws by which the unworn surfaces of counter-body and disc wear, which layers may be."""
+        profiles = self.profiles or (None, None)
+        counter, disc = (
+            law if profile is None else replace(law, steady=profile.materials[0].wear)
+            for law, profile in zip(self.wear_laws, profiles, strict=True)
+        )
+        return counter, disc
+
+    @property
     def wears_by_area(self) -> bool:
         """True where cells in contact wear by their shear strength, whatever their pressure."""
         return self.wear.law == "energy" and self.friction.law == "shear-strength"
+
+    @property
+    def shears_unalike(self) -> bool:
+        """True where the shear of a cell follows from the layers that meet there."""
+        return shears_unalike(self.profiles or ())
 
     @property
     def wear_hardness(self) -> float:

@@ -23,13 +23,16 @@ PARABOLIC = 0.2
 STICKING = 0.05
 #: Part of the thickness of a piece that a cell at the hardness may lose in a step.
 OF_THICKNESS = 0.5
+#: Layers over the half width of the contact up to which the bodies below them decide how it yields.
+THIN = 0.05
 #: A hardness is seldom known better than this, relatively.
 SCATTER = 0.2
 
 
 def doubts(study: Content) -> Iterator[str]:
     """Yield a sentence about each thing that is computed as asked for, but whose numbers mislead."""
-    for doubt in (_of_mean, _of_track, _of_extent, _of_line_load, _of_seam, _of_hardness, _of_film):
+    of_whole = (_of_mean, _of_track, _of_extent, _of_line_load, _of_seam, _of_hardness, _of_film)
+    for doubt in (*of_whole, _of_layers):
         yield from doubt(study)
     of_parts = (_of_parabola, _of_pieces, _of_steps, _of_part)
     yield from dict.fromkeys(text for part in study.parts for doubt in of_parts for text in doubt(part))
@@ -80,6 +83,18 @@ def _of_film(study: Content) -> Iterator[str]:
             yield (
                 f"wear.{body} = 0: the {CALLED[body]} keeps its film, so no cell becomes bare by "
                 f"friction.film.bodies = '{film.bodies}'."
+            )
+
+
+def _of_layers(study: Content) -> Iterator[str]:
+    """Yield a sentence about layers so thick that the contact would feel their own elastic constants."""
+    half = min(study.hertz.semi_axes) if study.hertz is not None else math.inf
+    for body, profile in zip(BODIES, study.profiles or (), strict=False):
+        if not profile.graded and profile.depths[-1] > THIN * half:
+            yield (
+                f"{body}.layers are {um(profile.depths[-1])} thick, {profile.depths[-1] / half:.2g} of the "
+                f"contact's half width of {um(half)}: their own elastic constants, which would matter, are "
+                "not modelled."
             )
 
 

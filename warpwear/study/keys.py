@@ -89,7 +89,14 @@ class Demand:
 def attribute_of(study: BaseModel, name: str) -> Any:
     """Return the value of a dotted key or property; None where it, or its section, is not there."""
     value: Any = study
-    return reduce(lambda value, part: getattr(value, part, None), filter(None, name.split(".")), value)
+    return reduce(_attribute, filter(None, name.split(".")), value)
+
+
+def _attribute(value: Any, part: str) -> Any:
+    """Return a value's attribute, or of tables that of a number from 1; None where there is none."""
+    if isinstance(value, tuple) and part.isdecimal():
+        return dict(enumerate(value, 1)).get(int(part))
+    return getattr(value, part, None)
 
 
 def _is_given(study: BaseModel, name: str) -> bool:
@@ -102,6 +109,8 @@ def _is_given(study: BaseModel, name: str) -> bool:
 def _named(study: BaseModel, name: str) -> str:
     """Return a key with its value as a sentence names it, or a section in brackets."""
     value = attribute_of(study, name)
+    if name in TABLES:
+        return f"[[{name}]]"
     return f"[{name}]" if isinstance(value, BaseModel) else f"{name} = {_shown(study, name)}"
 
 
@@ -204,13 +213,16 @@ class Section(BaseModel):
         """Refuse keys that do not go together: raises ValueError with one sentence."""
 
 
+#: Keys that are lists of tables, whose keys have their number from 1 before them: block.2.load.
+TABLES = ("block", "counter.layers", "disc.layers")
+_NUMBER = re.compile(r"\.\d+(?=\.)")
 #: Most letters of a name that a message repeats.
 LONGEST_NAME = 80
 
 
 def no_such_key(model: type[BaseModel], name: str) -> str:
     """Return the sentence about a name that no key has, with one so called elsewhere or a near one beside."""
-    section, _, last = re.sub(r"\.\d+(?=\.)", "", name).rpartition(".")  # numbers are of blocks
+    section, _, last = _NUMBER.sub("", name).rpartition(".")
     last = last[:LONGEST_NAME]
     parts = {key: key.rpartition(".") for key in declarations(model)}
     siblings = {end: key for key, (above, _, end) in parts.items() if above == section}
@@ -221,9 +233,14 @@ def no_such_key(model: type[BaseModel], name: str) -> str:
     return f"'{short}' is no key of a study; {hint}"
 
 
+def plural(table: str) -> str:
+    """Return what the tables of `TABLES` are called: blocks, layers."""
+    return f"{table.rpartition('.')[2].removesuffix('s')}s"
+
+
 def key_of(model: type[BaseModel], name: str) -> FieldInfo | None:
     """Return the field of a dotted key; None where there is no such key."""
-    declared = declarations(model).get(name)
+    declared = declarations(model).get(_NUMBER.sub("", f"{name}.")[:-1])
     return declared.field if declared else None
 
 

@@ -11,7 +11,7 @@ from typing import Any
 from warpwear.errors import InputError, explained
 from warpwear.study.bodies import CONSTANTS
 from warpwear.study.content import Content
-from warpwear.study.keys import alternatives_of, declarations, no_such_key, value_of
+from warpwear.study.keys import TABLES, alternatives_of, declarations, no_such_key, plural, value_of
 from warpwear.study.motion import LENGTHS
 
 
@@ -73,7 +73,7 @@ def read_sections(path_or_preset: str | Path) -> dict[str, Any]:
                 sections = parse_toml(file.read(MOST_CHARACTERS + 1))
         except (ValueError, RecursionError) as error:  # also numbers of thousands of digits, endless nesting
             raise InputError(f"{path} is not TOML: {error}.") from error
-    for name in FILES:
+    for name in (*FILES, *TABULATED):
         if isinstance(file := value_of(sections, name), str):
             insert(sections, name, str(path.parent.resolve() / file))
     return sections
@@ -95,6 +95,8 @@ def _no_such_study(name: str) -> str:
 
 #: Keys that name a file, relative to the study's.
 FILES = tuple(name for name, key in declarations(Content).items() if key.is_file)
+#: Keys that may name a file of numbers, which become those of the study.
+TABULATED = ("counter.gradient", "disc.gradient")
 MACRO_CELL = "10 um"
 
 
@@ -175,13 +177,15 @@ def nested(names: Mapping[str, Any]) -> dict[str, Any]:
 
 def change(nested: dict[str, Any], flat: Mapping[str, Any]) -> None:
     """Set keys, {"grid.cell": "2 um"}, in place; keys that say the same in another way are dropped."""
-    numbered = {name.split(".")[1] for name in flat if name.startswith("block.")}
-    if numbered:
-        nested["block"] = {str(number): keys for number, keys in enumerate(nested.get("block", ()), 1)}
-    for number in numbered - nested["block"].keys() if numbered else ():
-        raise InputError(f"block.{number}: the study has {len(nested['block'])} blocks, numbered from 1.")
+    numbered = {table for table in TABLES if any(name.startswith(f"{table}.") for name in flat)}
+    for table in numbered:
+        rows = {str(number): keys for number, keys in enumerate(value_of(nested, table) or (), 1)}
+        insert(nested, table, rows)
+        named = (name[len(table) + 1 :].split(".")[0] for name in flat if name.startswith(f"{table}."))
+        for number in (number for number in named if number not in rows):
+            raise InputError(f"{table}.{number}: the study has {len(rows)} {plural(table)}, numbered from 1.")
     for name, value in flat.items():
-        for other in _dropped_by(name) - set(flat) - ({"block"} if numbered else set()):
+        for other in _dropped_by(name) - set(flat) - ({"block"} & numbered):
             _remove(nested, other)
         insert(nested, name, value)
         assumed = nested.get("assumed")
@@ -190,8 +194,9 @@ def change(nested: dict[str, Any], flat: Mapping[str, Any]) -> None:
         replaced = {name} | _dropped_by(name)
         for key in [k for k in assumed if k in replaced or k.startswith(f"{name}.")]:
             del assumed[key]
-    if numbered:
-        nested["block"] = [*nested["block"].values()]
+    for table in numbered:
+        if isinstance(rows := value_of(nested, table), dict):
+            insert(nested, table, [*rows.values()])
 
 
 def _dropped_by(name: str) -> set[str]:

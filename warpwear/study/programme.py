@@ -158,6 +158,17 @@ class Programme(Section):
         return ", ".join(parts[:NAMED]) + (f" and {len(parts) - NAMED} more" if len(parts) > NAMED else "")
 
     @property
+    def static_area_every(self) -> int:
+        """Steps between contacts that are also solved without wear in the step; 0 where none are."""
+        elastic = self.contact.law == "half-space" and self.study.model == "micro"
+        return self.output.static_area_every if elastic else 0
+
+    @property
+    def samples_area(self) -> bool:
+        """True where patches stand for more than themselves, and fields cover only a part of the domain."""
+        return self.study.model == "two-scale" and self.patches.patch_width < self.patches.macro_cell
+
+    @property
     def has_stresses(self) -> bool:
         """True where stresses below the surface are computed."""
         return self.output.stress_depths is not None
@@ -205,7 +216,8 @@ class Programme(Section):
             return True
         # A load larger by 0.1 % moves depths in pieces by as much as a jump does: no error bounds that.
         cycles = self.passes_at(self.sliding.total) / self.track.passes_of_cycle
-        return not self.wear.sheds and bool(cycles >= motion.FEWEST_CYCLES * (1.0 - WHOLE))
+        layered = self.counter.has_depths or self.disc.has_depths
+        return not (self.wear.sheds or layered) and bool(cycles >= motion.FEWEST_CYCLES * (1.0 - WHOLE))
 
     @property
     def increments(self) -> tuple[float, float, float]:

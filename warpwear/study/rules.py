@@ -51,6 +51,7 @@ def check(study: Content) -> None:
     _pieces(study)
     _hardness(study)
     _over_pressure(study)
+    rules_track.check_layers(study)
     _capacity(study)
     _tolerance(study)
     _stability(study)
@@ -298,7 +299,7 @@ def without_unit(study: Content) -> Iterator[str]:
 
 def _capacity(study: Content) -> None:
     load, cells, form = study.contact.load, study.cells, study.counter.form
-    least = min(study.caps)  # all cells may become bare
+    least = min(study.cell_caps)  # all cells may become bare
     inside = max(min(form.reach, 0.5 * cells.cell * min(cells.shape)) - cells.cell, 0.0)
     if load <= least * math.pi * inside**2:  # of a circle that lies in cells with a body: they carry it
         return

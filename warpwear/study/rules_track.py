@@ -1,11 +1,13 @@
-"""Rules of a track and of patches, and how wide what is worn will be."""
+"""Rules of a track, of patches and of layers, and how wide what is worn will be."""
 
 import math
 from collections.abc import Iterator
 
+from warpwear.laws.archard import BODIES
 from warpwear.laws.track import WHOLE
 from warpwear.study.content import Content
 from warpwear.study.motion import refuse_parts
+from warpwear.study.sections.layers import LayerSection
 from warpwear.surfaces.form import Form
 
 #: Extent over worn patch that a sentence recommends.
@@ -78,6 +80,62 @@ def check_patches(study: Content) -> None:
     refuse_parts("grid.extent", extent, patches.macro_cell, of=f"cells of {named}")
 
 
+#: How bodies move, or "patches", and the contact law, of studies whose steps follow materials by depth.
+FOLLOWED: tuple[tuple[str, str], ...] = tuple(
+    (how, law) for law in ("local", "half-space") for how in ("swept", "stationary")
+)
+
+
+def check_layers(study: Content) -> None:
+    """Refuse materials by depth that do not go with the rest: raises ValueError with one sentence."""
+    for body, law, profile in zip(BODIES, study.wear_laws, study.profiles or (None, None), strict=True):
+        section = getattr(study, body)
+        for number, layer in enumerate(section.layers or (), 1):
+            _check_layer(study, f"{body}.layers.{number}", layer)
+        if section.gradient is None or profile is None:
+            continue
+        graded = len(section.gradient[0]) > 2
+        if graded:
+            _check_hardness(study, f"{body}.gradient")
+        own, last = (law.steady, section.hardness), profile.materials[-1]
+        if not all(map(math.isclose, (last.wear, last.hardness), own) if graded else (last.wear == own[0],)):
+            numbers = " and ".join(f"{number:g}" for number in section.gradient[-1][1:])
+            raise ValueError(
+                f"{body}.gradient ends in {numbers}: allowed in wear.{body} and {body}.hardness, of the body "
+                "below it, are the same"
+            )
+    how = "patches" if study.study.model == "two-scale" else study.kinematics
+    if study.profiles is not None and (how, study.contact.law) not in FOLLOWED:
+        raise ValueError(
+            f"layers and gradients: steps of contact.law = '{study.contact.law}', {how}, do not follow them; "
+            f"allowed are {' or '.join(map(', '.join, FOLLOWED)) or 'none'}"
+        )
+
+
+def _check_layer(study: Content, named: str, layer: LayerSection) -> None:
+    friction = study.friction
+    if layer.hardness is not None:
+        _check_hardness(study, f"{named}.hardness")
+    if layer.wear.per_energy != (study.wear.law == "energy"):
+        raise ValueError(
+            f"{named}.wear = '{layer.wear.write()}' does not go with wear.law = '{study.wear.law}', whose "
+            f"unit is {study.wear.unit}"
+        )
+    for key in (key for key in ("shear_strength", "coefficient") if getattr(layer, key) is not None):
+        if friction.shear_strength is None:
+            raise ValueError(f"{named}.{key} needs friction.shear_strength, that of the bodies themselves")
+        if friction.initial_ratio is not None:
+            raise ValueError(f"{named}.{key} does not go with friction.initial_ratio; allowed is one of them")
+
+
+def _check_hardness(study: Content, named: str) -> None:
+    if study.contact.hardness is not None or study.study.model == "macro":
+        raise ValueError(
+            f"{named} does not go with contact.hardness, which is of all cells, nor with the macro model, "
+            "which has no other; allowed is one of them"
+        )
+
+
 def worn_patch(study: Content) -> float:
     """Return the wider of the `worn_widths` of the whole test [mm]."""
     return max(worn_widths(study))
@@ -98,15 +156,17 @@ def worn_widths(study: Content, distance: float | None = None) -> tuple[float, f
     total = study.sliding.total if distance is None else distance
     if form.is_flat:
         return domain
-    counter, disc = (study.volume(law, total) for law in study.wear_laws)
+    counter, disc = study.volumes(total)
     lap = study.sliding.lap
     at_rest = _held(form, form.worn(counter + disc, domain))
     if study.fretting is not None:
         return _of_fretting(study, at_rest)
     if not study.is_swept or lap is None:
         return at_rest
-    of_groove = Form(across=form.across)
-    groove = of_groove.worn(disc, (lap, domain[1]))[1] if total > lap and form.across else 0.0
+    of_groove, place = Form(across=form.across), (lap, domain[1])
+    groove = 0.0
+    if total > lap and form.across:
+        groove = of_groove.worn(study.volumes(total, of_groove, place)[1], place)[1]
     along, across = (
         min(max(moving, groove), still)
         for moving, still in zip(_held(form, form.worn(counter, domain)), at_rest, strict=True)

@@ -12,7 +12,16 @@ from pydantic import BaseModel, ValidationError
 from warpwear.errors import printable
 from warpwear.study.bodies import CONSTANTS
 from warpwear.study.content import Content
-from warpwear.study.keys import declarations, given_keys, inapplicable, key_of, no_such_key, section_in
+from warpwear.study.keys import (
+    TABLES,
+    declarations,
+    given_keys,
+    inapplicable,
+    key_of,
+    no_such_key,
+    plural,
+    section_in,
+)
 from warpwear.study.loading import FILES, insert
 from warpwear.study.materials import material
 from warpwear.study.units import is_quantity
@@ -43,9 +52,9 @@ def to_marked_toml(study: Content) -> str:
     lines: list[str] = []
     section = ""
     for name, value in _applicable(study):
-        if name == "block":  # tables, of which every key was given
+        if name in TABLES:  # of which every key was given
             lines += [
-                line for block in value for line in ("", "[[block]]", tomli_w.dumps(readable(block))[:-1])
+                line for table in value for line in ("", f"[[{name}]]", tomli_w.dumps(readable(table))[:-1])
             ]
             continue
         parent, _, key = name.rpartition(".")
@@ -83,18 +92,20 @@ def _applicable(study: Content) -> Iterator[tuple[str, Any]]:
     for name, value in study.resolved.items():
         insert(content, name, value)
 
-    blocks = [
-        {key: value for key, value in block.items() if value is not None} for block in content["block"] or ()
-    ]
-
     def walk(prefix: str, content: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-        for key, value in sorted(content.items(), key=lambda item: isinstance(item[1], dict)):
+        keys = sorted(content, key=lambda key: (isinstance(content[key], dict), prefix + key in TABLES))
+        for name, value in ((prefix + key, content[key]) for key in keys):
             if isinstance(value, dict):
-                yield from walk(f"{prefix}{key}.", value)
-            elif value is not None and prefix + key not in skipped:
-                yield prefix + key, value if prefix or key != "block" else blocks
+                yield from walk(f"{name}.", value)
+            elif value is not None and name not in skipped:
+                yield name, [_given(table) for table in value] if name in TABLES else value
 
     yield from walk("", content)
+
+
+def _given(table: dict[str, Any]) -> dict[str, Any]:
+    """Return the keys of a table that have a value."""
+    return {key: value for key, value in table.items() if value is not None}
 
 
 def readable(value: Any) -> Any:
@@ -131,9 +142,9 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     # A misspelt section is unknown and leaves the right one missing: the first is the cause.
     first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
     # Branches of a union (an int or one of some words) are pydantic's, not the user's.
-    of_block = first["loc"][:1] == ("block",)  # which people number from 1
+    of_table = next((t for t in TABLES if ".".join(map(str, first["loc"])).startswith(t)), "")
     name = ".".join(
-        str(p + of_block if isinstance(p, int) else p)
+        str(p + bool(of_table) if isinstance(p, int) else p)  # people number tables from 1
         for p in first["loc"]
         if p != "str" and not str(p).startswith(("literal[", "constrained-", "function-", "tuple[", "list["))
     )
@@ -143,8 +154,8 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
         return no_such_key(model, name)
     if kind == "missing":
         return f"{name} is missing{_expected(model, name)}."
-    if of_block and len(first["loc"]) == 1 and kind != "value_error":
-        return f"{name} = {text} is no list of blocks; write [[block]] and the keys of one below it."
+    if of_table and name == of_table and kind != "value_error":
+        return f"{name} = {text} is no list of {plural(name)}; write [[{name}]] and the keys of one below it."
     if kind in ("tuple_type", "list_type"):
         example = "'test-1.csv'" if kind == "list_type" else "'30 mm', '240 mm'"
         return f"{name} = {text}: must be a list in brackets, such as [{example}]."

@@ -72,7 +72,7 @@
   // ---- charts -------------------------------------------------------------------------------------
   let linear = false;
   const lines = new Map(); // arrays are decoded once
-  const pale = (name) => `rgba(${[1, 3, 5].map((i) => parseInt(colour(name).slice(i, i + 2), 16)).join()},0.2)`;
+  const pale = (name, part) => `rgba(${[1, 3, 5].map((i) => parseInt(colour(name).slice(i, i + 2), 16)).join()},${part})`;
   const logarithmic = (...arrays) => {
     const known = arrays.flatMap((array) => [...array].filter((v) => v > 0));
     const decades = Math.log10(Math.max(...known) / Math.min(...known));
@@ -93,9 +93,9 @@
         hovertemplate: many || line.marks === "markers" ? `${plain(line.name)}<br>%{x:.4~g}: %{y:.4~g}<extra></extra>` : "%{y:.4~g}",
       };
       if (!low) return [trace];
-      if (line.marks === "none") Object.assign(trace, { mode: "lines", line: { width: 0 }, hoverinfo: "skip", hovertemplate: null });
       const edge = { ...common, mode: "lines", line: { width: 0 }, showlegend: false, hoverinfo: "skip" };
-      return [{ ...edge, y: shownOf(low) }, { ...edge, y: shownOf(high), fill: "tonexty", fillcolor: pale(line.colour) }, trace];
+      const isBand = line.marks === "none", band = { ...edge, y: shownOf(high), fill: "tonexty", fillcolor: pale(line.colour, isBand ? line.opacity : 0.2) };
+      return [{ ...edge, y: shownOf(low) }, ...(isBand ? [{ ...band, name: trace.name, showlegend: trace.showlegend }] : [band, trace])];
     });
     const least = arrays.every(([, y]) => y.every((v) => !(v < 0)));
     const named = plot.lines.filter((line) => line.named);

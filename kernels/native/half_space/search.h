@@ -161,16 +161,17 @@ template <bool of_step, typename Solve> WARPWEAR_FN void yield(int slot, int slo
     });
 }
 
-// The share of a cell in what the preconditioner is given, and in what it gives: w = 1/sqrt(1 + b M/4) with
-// its compliance b and the largest coefficient M of the inverse. w M w is about the inverse with b then.
+// The share of a cell in what the preconditioner is given, and in what it gives: w = 1/sqrt(1 + b M) with
+// its compliance b and a coefficient M of the inverse, of longer waves than cells. w M w is about the inverse
+// with b then. Of all cells' compliance c no b is less than -c, so that 1 + b M stays positive.
 template <typename Solve> WARPWEAR_FN void weigh(int slot, int slots, Solve& solve)
 {
-    const Lanes quarter = 0.25 * solve.numbers.data[0].stiffness;
+    const Lanes stiffness = solve.numbers.data[0].longer_stiffness;
     each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&) {
         return [=](int i) {
             CONTRACT_FAST
             const Lanes one = 1.0, b = row.yields[i];
-            row.trial[i] = row.trial[i] / root_of(one + quarter * b);
+            row.trial[i] = row.trial[i] / root_of(one + stiffness * b);
         };
     });
 }

@@ -44,19 +44,48 @@ WARPWEAR_FN void stiffen(const Slide& slide, const Sources& sources, const Prope
     }
 }
 
+// K and the cap of the materials that meet, and the compliance by them beside that of all. Of a body that
+// wears by a mean of pressures all cells lend it alike.
+template <typename Slide, typename Sources, typename Properties>
+WARPWEAR_FN void look_at_materials(const Slide& slide, const Sources& sources, const Properties& cells,
+                                   int row, int under, const Span& span)
+{
+    const CellRow own(cells, row);
+    const Stored* const counter = row_of(sources.wear_counter, row);
+    const Stored* const disc = row_of(sources.wear_disc, under);
+    Stored *const k_counter = (Stored*)own.k_counter, *const k_disc = (Stored*)own.k_disc;
+    Stored* const cap_ratio = (Stored*)own.cap_ratio;
+    Stored* const yields = (Stored*)row_or_none(cells.yields, row);
+    const bool by_place = slide.window == 1, turned = slide.counter_moves == 1;
+    const double of_counter = by_place || turned ? slide.k_counter : 0.0;
+    const double of_disc = by_place || !turned ? slide.k_disc : 0.0;
+    const Lanes none = NO_LIMIT, one = 1.0;
+    for (int i = span.first; i < span.end; i += span.stride) {
+        if (k_counter) k_counter[i] = own.counter.number_at(RATIO, counter[i]);
+        if (k_disc) k_disc[i] = own.disc.number_at(RATIO, disc[i]);
+        if (yields)
+            yields[i] =
+                of_counter * own_or(k_counter, i, one) + of_disc * own_or(k_disc, i, one) - slide.compliance;
+        if (!cap_ratio) continue;
+        const Lanes cap = own.counter.count > 0 ? own.counter.number_at(CAP, counter[i]) : none;
+        cap_ratio[i] = smaller_of(cap, own.disc.count > 0 ? own.disc.number_at(CAP, disc[i]) : none);
+    }
+}
+
 // Make what cells of a row have of their own. What two sources set is multiplied here.
 template <typename Slide, typename Sources, typename Properties>
 WARPWEAR_FN void make_cells(const Slide& slide, const Sources& sources, const Properties& cells, int row,
                             int under, const Span& span)
 {
     if (cells.material.shape[0] > 0) look_at_film(slide, sources.films, cells, row, under, span);
+    if (sources.layered == 1) look_at_materials(slide, sources, cells, row, under, span);
     if (sources.stiffens == 1) stiffen(slide, sources, cells, row, under, span);
 }
 
 // Whether there is anything to make.
 template <typename Sources, typename Properties>
 WARPWEAR_FN bool makes(const Sources& sources, const Properties& cells)
-{ return cells.material.shape[0] > 0 || sources.stiffens == 1; }
+{ return cells.material.shape[0] > 0 || sources.layered == 1 || sources.stiffens == 1; }
 
 // The disc's row under a row of the contact; 0 where none moves.
 template <typename Slide, typename Sources>

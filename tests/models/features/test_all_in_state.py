@@ -26,7 +26,9 @@ FILM |= {"friction.shear_strength": "172 MPa", "friction.film.regrowth": "20 mm"
 FILM |= {"friction.junction_growth": 9.0, "contact.hardness": "590 MPa"}
 UNFILMED = ("track, bearing area", "patches, load")
 PIECES = {"wear.particle": "60 um", "wear.particle_thickness": "0.6 um"}
+LAYERS = {"disc.layers": [{"name": "coat", "thickness": "20 nm", "wear": "4e-4 mm^3/N/m"}]}
 CASES = STUDIES | {
+    "track, layers": STUDIES["track"].replace(LAYERS),
     **{f"{name}, film": study.replace(FILM) for name, study in STUDIES.items() if name not in UNFILMED},
     **{f"{name}, pieces": STUDIES[name].replace(PIECES) for name in ("track", "track, half-space")},
 }

@@ -63,6 +63,10 @@ CELL_BY_CELL = {
         "wear.running_in": "1 mm",
         "wear.initial_counter": "3e-3 mm^3/N/m",
     },
+    "layers": {
+        "disc.layers": [{"name": "coat", "thickness": "0.4 um", "wear": "2e-4 mm^3/N/m"}],
+        "counter.layers": [{"name": "skin", "thickness": "0.1 um", "wear": "2e-3 mm^3/N/m"}],
+    },
 }
 
 

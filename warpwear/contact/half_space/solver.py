@@ -44,6 +44,8 @@ ROUGH = 1.0e-3
 ROUGH_ITERATIONS = 100
 #: Tolerance from which single precision may be enough for a whole search.
 LOOSE = 1.0e-5
+#: Response to the waves by which cells of unlike compliance are preconditioned, over the shortest's.
+LONGER = 4.0
 
 
 @dataclass(frozen=True)
@@ -155,6 +157,7 @@ class BoundedPressure:
         self._influence.set_compliance(compliance, streak_compliance, streak_window)
         request = {
             Request.RESPONSE: self._influence.shortest_response + compliance,
+            Request.LONGER_RESPONSE: LONGER * self._influence.shortest_response + compliance,
             Request.AT_LOAD: loads is not None,
             Request.ANEW: not self.started,
             Request.ROUGH: self._rules.tolerance >= LOOSE,

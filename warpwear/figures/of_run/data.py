@@ -18,6 +18,7 @@ from warpwear.figures.wording import chosen
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.snapshot import Snapshot
 from warpwear.laws.archard import BODIES
+from warpwear.laws.depth_profile import DepthProfile, of_materials
 from warpwear.laws.patches import Patches
 from warpwear.models.patches.shares import SmoothContact
 from warpwear.results.evolution import SurfaceEvolution, spectrum_in_scar, surface_evolution
@@ -80,6 +81,12 @@ class FigureData:
     def name_of(self, body: str) -> str:
         """Return what a figure calls the body "counter" or "disc"."""
         return self.slider if body == "counter" else body
+
+    @property
+    def layered(self) -> dict[str, DepthProfile]:
+        """Return what bodies with layers are made of by worn depth, by "counter" and "disc"."""
+        pairs = zip(BODIES, self.study.profiles or (), strict=False)
+        return {body: profile for body, profile in pairs if of_materials(body, profile)}
 
     @property
     def shear(self) -> str:

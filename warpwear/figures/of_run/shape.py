@@ -171,7 +171,7 @@ def _profiles(data: FigureData, body: str) -> Figure:
         states = [(v.cuts[cut]["place"], 1e3 * sign * v.cuts[cut][body], after(v.distance)) for v in views]
         lines += lines_in_time(describe.BODIES[body], states)
         panels.append(Chart(title, Axis(label), Axis("height, µm"), lines, stretch_factor=1e3))
-    return Figure(_told(panels), legend=len(views) + 1, shared="y")
+    return Figure(told(panels), legend=len(views) + 1, shared="y")
 
 
 def cuts_of(data: FigureData) -> tuple[tuple[str, str, str], ...]:
@@ -179,7 +179,7 @@ def cuts_of(data: FigureData) -> tuple[tuple[str, str, str], ...]:
     return CUTS if data.study.cells.ny > 1 else CUTS[:1]
 
 
-def _told(panels: list[Chart]) -> list[Chart]:
+def told(panels: list[Chart]) -> list[Chart]:
     """Say over the first of some sections how much larger heights are drawn."""
     return [replace(panels[0], stretch_note=LARGER), *panels[1:]]
 
@@ -207,7 +207,7 @@ def profiles(data: FigureData) -> Figure:
         ]
         lines = [Line(cut["place"], 1e3 * y, name, look) for y, name, look in bodies[0 if worn else 2 :]]
         panels.append(Chart(title, Axis(label), heights, lines, stretch_factor=1e3))
-    return Figure(_told(panels), legend=4, shared="y")
+    return Figure(told(panels), legend=4, shared="y")
 
 
 def _seen(cut: Fields, approach: float) -> tuple[float, float]:

@@ -15,7 +15,7 @@ from warpwear import lazy
 from warpwear.errors import InputError, explained
 from warpwear.figures import describe
 from warpwear.figures.blocks import with_blocks
-from warpwear.figures.of_run import fields, fretting, history, shape, snapshots, stresses, track
+from warpwear.figures.of_run import fields, fretting, history, layers, shape, snapshots, stresses, track
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.words import FIGURES, Entry, first_of
 from warpwear.results.file import ResultFile
@@ -29,7 +29,7 @@ overlay = lazy.module("warpwear.figures.overlay")
 colours = lazy.module("matplotlib.colors")
 
 #: What declares the figures of a run; importing them fills `FIGURES`.
-DECLARED_IN = (history, fields, shape, snapshots, stresses, track, fretting)
+DECLARED_IN = (history, fields, layers, shape, snapshots, stresses, track, fretting)
 #: The file of captions beside figures, and its first line, by which it is known as ours.
 CAPTIONS, HEAD = "captions.md", "# Captions of the figures, by warpwear"
 #: Figures that are drawn by default.

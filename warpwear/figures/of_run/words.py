@@ -54,6 +54,7 @@ def _lost_nothing(*columns: str) -> Callable[[FigureData], bool]:
 NO_COURSE = Reason("no_course", lambda d: d.steps < 2)
 NO_COF = Reason("no_cof", lambda d: not np.isfinite(d.history["cof"]).any())
 NO_FILM = Reason("no_film", lambda d: d.study.film is None)
+NO_LAYERS = Reason("no_layers", lambda d: not d.layered)
 NO_TIME = Reason("no_time", lambda d: not np.isfinite(d.history["time"]).any())
 NO_RADIUS = Reason("no_radius", lambda d: not all(d.study.counter.form.rises))
 NO_STRESSES = Reason("no_stresses", lambda d: not d.study.has_stresses)
@@ -258,6 +259,7 @@ FIELDS: dict[str, Say] = {
     "blocks": _blocks,
     "critical": _critical,
     "smooth": _smooth,
+    "deepest": lambda d: _blocks(d).replace("largest", "deepest"),
     "groove": lambda d: d.groove,
     "plane": lambda d: d.study.output.stress_plane,
     "law": law_of,

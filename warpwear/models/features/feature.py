@@ -11,6 +11,7 @@ from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.pieces import PieceBook
+from warpwear.history.recorder import Ledger
 
 
 class Place(NamedTuple):
@@ -24,7 +25,7 @@ class Place(NamedTuple):
     cells: Arguments = None  # `CellProperties`
     bodies: Arguments = None
     tables: Arguments = None
-    pressure: Field = None  # of every cell [MPa], where it is stored
+    pressed: Arguments = None  # what a search leaves of a contact, where it is stored
 
 
 class Host(Protocol):
@@ -32,6 +33,7 @@ class Host(Protocol):
 
     gap: Field
     slides: Numbers
+    ledger: Ledger
 
     def make_gap(self) -> None:
         """Make the gap that cells meet, by the numbers in `slides`."""
@@ -83,6 +85,13 @@ class Feature:
     def wears(self, removals: tuple[float, float]) -> dict[str, Any]:
         """Return what of a `Slide` it changes in a part of a step that would wear by K ΔL [mm³/N]."""
         return {}
+
+    def ratios(self, window: int) -> tuple[float, float]:
+        """Return K of both bodies by which all cells lend compliance, over that of a step.
+
+        window: rows whose mean pressure wears one of both.
+        """
+        return 1.0, 1.0
 
     def note(self, contact: HalfSpaceContact) -> None:
         """Take note of a contact on the half-space that was solved under the load."""

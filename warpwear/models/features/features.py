@@ -1,7 +1,9 @@
 """All features of a contact, asked in one order, and what they make of its cells."""
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, contextmanager
+from copy import copy
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
@@ -18,6 +20,7 @@ from warpwear.laws.task import ContactTask
 from warpwear.models.features.feature import Feature, Place
 from warpwear.models.features.film import BareCells
 from warpwear.models.features.fretting import CyclicSlip
+from warpwear.models.features.materials import MaterialsByDepth
 from warpwear.models.features.particles import SlidingParticles
 from warpwear.models.features.recession import Recession, UnequalStiffness
 
@@ -40,10 +43,7 @@ class Features:
         self.by_name = dict(by_name)
         #: Columns of the history: a contact's own, and theirs.
         self.columns = give_columns(self.by_name.values(), own)
-        #: What cells have of their own, and what that is made from, for kernels.
-        self.cells: Arguments = arguments(CellProperties, **self._merged("properties"))
-        self.sources: Arguments = arguments(Sources, disc_rows=disc_rows, **self._merged("sources"))
-        self.pressed = self._merged("pressed")
+        self._merge(disc_rows=disc_rows)
         #: Adds to a program that bounds are made anew, after a feature that raises a surface.
         self.refresh: Callable[[Program], None] | None = None
 
@@ -65,21 +65,37 @@ class Features:
         periodic: as of `SlidingContact`. distances: factor of those that cells of the disc slide, where they
         differ. curve: of a roughness that the grid does not resolve. own: as of the class.
         """
-        found: dict[str, Feature] = {}
+        features: dict[str, Feature] = {}
         if task.film is not None:
-            found["film"] = BareCells.of(task, executor, bodies)
+            features["film"] = BareCells.of(task, executor, bodies)
         if task.pieces is not None:
-            found["particles"] = SlidingParticles(task.pieces, executor, bodies, periodic=periodic)
+            features["particles"] = SlidingParticles(task.pieces, executor, bodies, periodic=periodic)
         if task.fretting is not None:
-            found["fretting"] = CyclicSlip(task, executor)
+            features["fretting"] = CyclicSlip(task, executor)
         if curve is not None:
-            found["recession"] = Recession(curve, executor)
+            features["recession"] = Recession(curve, executor)
         if distances is not None:
-            found["distances"] = OwnDistances(distances)
-        if task.implicit and (curve is not None or distances is not None):
+            features["distances"] = OwnDistances(distances)
+        if task.profiles is not None:
+            features["materials"] = MaterialsByDepth(task, executor, bodies)
+        by_materials = task.profiles is not None and not task.half_space  # which has yields
+        if task.implicit and not (curve is None and distances is None and not by_materials):
             alike = curve is None and distances is not None and distances.shape[0] == 1
-            found["stiffness"] = UnequalStiffness(executor, bodies, curve, alike=alike)
-        return cls(found, own=own, disc_rows=bodies["disc"].shape[0] if "disc" in bodies else 0)
+            features["stiffness"] = UnequalStiffness(executor, bodies, curve, alike=alike)
+        return cls(features, own=own, disc_rows=bodies["disc"].shape[0] if "disc" in bodies else 0)
+
+    def _merge(self, *, disc_rows: int) -> None:
+        """Bring together what cells have of their own, and what that is made from, for kernels."""
+        self.cells: Arguments = arguments(CellProperties, **self._merged("properties"))
+        self.sources: Arguments = arguments(Sources, disc_rows=disc_rows, **self._merged("sources"))
+        self.pressed = self._merged("pressed")
+
+    def without(self, *names: str) -> "Features":
+        """Return the others alone, among the columns of all."""
+        others = copy(self)
+        others.by_name = {name: one for name, one in self.by_name.items() if name not in names}
+        others._merge(disc_rows=self.sources.disc_rows)
+        return others
 
     def __iter__(self) -> Iterator[Feature]:
         return iter(self.by_name.values())
@@ -120,6 +136,11 @@ class Features:
     def book(self) -> PieceBook | None:
         """Return the book of what has left the bodies piece by piece; None where nothing does."""
         return next((one.book for one in self if one.book is not None), None)
+
+    def ratios(self, window: int) -> tuple[float, float]:
+        """Return K of both bodies by which all cells lend compliance, over that of a step."""
+        counter, disc = zip((1.0, 1.0), *(one.ratios(window) for one in self), strict=True)
+        return math.prod(counter), math.prod(disc)
 
     def beside(self, columns: tuple[int, int]) -> tuple[int, int]:
         """Return the first column that they may change beside these, and the one after the last."""

@@ -194,8 +194,9 @@ class SlidingParticles(Feature):
 
     def before_wear(self, program: Program, place: Place) -> None:
         """Add that the wear by a stored pressure, or by that of the tiles listed, becomes pending."""
-        if place.pressure is not None:
-            program.launch(kernels.take_field, place.slides, self._both, place.pressure, **self._alone)
+        if place.pressed is not None:
+            pressure = place.pressed.pressure
+            program.launch(kernels.take_field, place.slides, self._both, pressure, **self._alone)
             return
         contact = place.springs, *place.listed, place.cells, place.bodies.gap
         program.launch(kernels.take_tiles, place.slides, self._both, *contact, **self._alone)

@@ -24,9 +24,11 @@ from warpwear.kernels.half_space import passes
 from warpwear.kernels.sliding import Bodies, OfRows, Slide
 from warpwear.kernels.sliding_steps import Steps
 from warpwear.kernels.wear_from_pressure import Pressed
+from warpwear.laws.archard import BODIES
 from warpwear.laws.task import ContactTask
 from warpwear.models.features.feature import Place
 from warpwear.models.features.features import Features
+from warpwear.models.features.materials import steps_above
 from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.part_length import PartLength
 from warpwear.models.track.step_means import Part, StepMeans
@@ -69,7 +71,7 @@ class SlidingHalfSpace:
     }
     SCRATCH: ClassVar = (
         *("gap", "slides", "_means", "_sums", "_maxima", "_mirror", "_rubbed", "_rubbed_means", "_row"),
-        *("_place", "_programs", "_static", "_caps"),
+        *("_place", "_programs", "_static", "_asked", "_unreached"),
     )
     #: Steps are made one by one, on a GPU too.
     in_blocks = False
@@ -101,11 +103,8 @@ class SlidingHalfSpace:
         self._half_space = WindowedHalfSpace(executor, modulus=task.modulus, **law)
         #: What the study adds to a step.
         self.features = Features.of(task, executor, self.state.fields, periodic=periodic)
-        cap_ratio = self.features.cells.cap_ratio
-        self._caps = {
-            "parts": cap_ratio,
-            "least_part": 1.0 if cap_ratio is None else task.least_hardness / task.hardness,
-        }
+        #: That which the next step asks: until a cell can reach another material, none of materials.
+        self._asked, self._unreached = self.features, self.features.without("materials")
         #: The gap, and a mean along x.
         has_means = moves or self.features.moves_pressure
         self.gap, self._means = executor.zeros(), executor.zeros(executor.grid.nx if has_means else 1)
@@ -120,7 +119,7 @@ class SlidingHalfSpace:
             counter_moves=int(self.features.moves_pressure),
             **task.shear_ratios,
         )
-        self._programs: dict[str, Program] = {}
+        self._programs: dict[tuple[str, bool], Program] = {}
         self._row = wp.zeros((1, len(self.features.columns)), dtype=wp.float64, device=executor.device)
         #: What features of a step work on.
         steps = arguments(Steps, executor.device, history=self._row)
@@ -177,6 +176,7 @@ class SlidingHalfSpace:
         """
         before, done, static = self.ledger.row, 0, math.nan
         means = StepMeans(self.task, self._track_fraction, before["distance"], increment)
+        self._begin_materials(means.part(0.0, 1.0))
         while done < cells:
             count = self._length.cells(cells - done)
             shift = self.state.row_of(row(done, count), periodic=self.periodic)
@@ -189,7 +189,7 @@ class SlidingHalfSpace:
             pressure = contact.pressure.copy() if with_pressure and done == cells else None
             sums, most = self._wear(contact, part)
             self._learn(sums, most)
-            row_of_part = self.features.row(part.increment, sums)
+            row_of_part = self._asked.row(part.increment, sums)
             means.add(
                 part,
                 contact,
@@ -197,7 +197,7 @@ class SlidingHalfSpace:
                 sums,
                 highest=most["pressure"],
                 error=self._length.error(count),
-                worn=self.features.worn(part.removals, row_of_part),
+                worn=self._asked.worn(part.removals, row_of_part),
                 row=row_of_part,
             )
         total, most = self._end_step(sums | means.total, most | {"pressure": means.highest})
@@ -207,16 +207,24 @@ class SlidingHalfSpace:
         step = self.ledger.enter(*entry, pressure=pressure)
         step.row.update(means.row, **({"area_static": static} if self._static else {}))
         self._steps_done += 1
-        self.state.columns = self.features.beside(self.ledger.columns)
+        self.state.columns = self._asked.beside(self.ledger.columns)
         return step
+
+    def _begin_materials(self, whole: Part) -> None:
+        """Choose what a step asks, by all of it."""
+        removals = dict(zip(BODIES, whole.removals, strict=True))
+        removals["disc"] *= self._track_fraction
+        above = steps_above(self.task, self._executor.grid.cell_area, self.ledger.most, removals)
+        self._asked = self._unreached if above else self.features
 
     def _begin_part(self, part: Part, shift: int) -> None:
         """Make the gap that the disc's cells meet in a part of a step."""
         shears = dict(zip(("shear_counter", "shear_disc"), part.shears, strict=True))
         self.slides.set(shift=shift, start=part.start, end=part.start + part.increment, **shears)
-        for one in self.features:
+        for one in self._asked:
             one.prepare(self, part.increment, part.removals)
-        self.slides.set(window=self.cells_passing(part.increment))
+        self.slides.set(window=self.cells_passing(part.increment), **self._wears(part))
+        self.slides.set(compliance=self._compliances(part)[0])
         self.make_gap()
 
     def _learn(self, total: Mapping[str, float], most: Mapping[str, float]) -> None:
@@ -243,27 +251,41 @@ class SlidingHalfSpace:
 
     def _solve(self, part: Part, *, certified: bool | None) -> HalfSpaceContact:
         """Solve the contact at the end of a part of a step, and let features take note of it."""
-        wears, window = self._wears(part), self.cells_passing(part.increment)
-        of_place, of_mean = wears["k_disc"], wears["k_counter"]
-        if self.features.moves_pressure:
-            of_place, of_mean = of_mean, of_place
-        own = of_mean if window == 1 else 0.0  # a mean over one cell changes nothing
+        own, along = self._compliances(part)
         solve = partial(self._half_space.solve, load=self.task.load, **self._caps)
         if self._lines is None:
             contact = solve(
                 self.gap,
-                compliance=of_place + own,
-                streak_compliance=of_mean - own,
-                streak_window=window,
-                yields=self.features.yields,
+                compliance=own,
+                streak_compliance=along,
+                streak_window=self.cells_passing(part.increment),
+                yields=self._asked.yields,
                 certified=certified,
             )
         else:
-            start = self._half_space.start
-            contact = self._lines.solve(solve, self.gap, start, (own, of_place), certified=certified)
-        for one in self.features:
+            wears, start = self._wears(part), self._half_space.start
+            removals = wears["k_counter"], wears["k_disc"]
+            contact = self._lines.solve(solve, self.gap, start, removals, certified=certified)
+        for one in self._asked:
             one.note(contact)
         return contact
+
+    def _compliances(self, part: Part) -> tuple[float, float]:
+        """Return what the wear of a part lends all cells by their pressure, and by its mean [mm³/N]."""
+        wears, window = self._wears(part), self.cells_passing(part.increment)
+        of_mean, of_place = (
+            wears[f"k_{b}"] * r for b, r in zip(BODIES, self._asked.ratios(window), strict=True)
+        )
+        if self._asked.moves_pressure:
+            of_place, of_mean = of_mean, of_place
+        own = of_mean if window == 1 else 0.0  # a mean over one cell changes nothing
+        return of_place + own, of_mean - own
+
+    @property
+    def _caps(self) -> dict[str, Any]:
+        """Parts of the hardness that cells bear, and the least of them."""
+        task, parts = self.task, self._asked.cells.cap_ratio
+        return {"parts": parts, "least_part": 1.0 if parts is None else task.least_hardness / task.hardness}
 
     def _static_area(self, solver: WindowedHalfSpace) -> float:
         """Return the area [mm²] of a contact on the last gap, without the compliance that wear lends it."""
@@ -273,7 +295,7 @@ class SlidingHalfSpace:
 
     def _add_gaps(self, program: Program) -> None:
         """Add the beginning of a part: what features have to do, and the gap that the disc meets."""
-        slides, features = self.slides.array, self.features
+        slides, features = self.slides.array, self._asked
         features.ask("before_search", program, self._place)
         worn = self.state.wear_disc if features.moves_pressure else self.state.wear_counter
         program.launch(wear_from_pressure.means, slides, worn, self._means)
@@ -290,9 +312,9 @@ class SlidingHalfSpace:
             gradient=contact.gradient_field,
             rubbed=self._rubbed,
             rubbed_means=self._rubbed_means,
-            cells=self.features.cells,
+            cells=self._asked.cells,
             cap=min(self.task.hardness, NO_CAP),
-            **self.features.pressed,
+            **self._asked.pressed,
         )
         if self.task.shears:
             program.launch(wear_from_pressure.part_of_step, slides, pressed)
@@ -300,16 +322,17 @@ class SlidingHalfSpace:
         if self._lines is not None:
             pressed.on_counter, pressed.on_disc = self._lines.counter, self._lines.disc
         program.launch(wear_from_pressure.means, slides, pressure, self._means)
-        self.features.ask("before_wear", program, self._place._replace(pressure=pressure))
+        self._asked.ask("before_wear", program, self._place._replace(pressed=pressed))
         tables = [arguments(OfRows, **self._of_rows), self._sums, self._maxima]
         program.launch(wear_from_pressure.wear, slides, self._layout, pressed, self._bodies, *tables)
 
     def _run(self, name: str, add: Callable[[Program], None]) -> None:
         """Run the program of a name; `add` writes it at first."""
-        if name not in self._programs:
-            program = self._programs[name] = Program(self._executor)
+        said = name, self._asked is self.features
+        if said not in self._programs:
+            program = self._programs[said] = Program(self._executor)
             add(program)
-        self._programs[name].run()
+        self._programs[said].run()
 
     def _wears(self, part: Part) -> dict[str, float]:
         """Return K ΔL of a part of a step as a `Slide` has it."""
@@ -317,7 +340,7 @@ class SlidingHalfSpace:
         dust = self.task.dust
         wears = {"k_counter": dust * counter, "k_disc": dust * disc}
         wears |= {"pending_counter": (1.0 - dust) * counter, "pending_disc": (1.0 - dust) * disc}
-        for one in self.features:
+        for one in self._asked:
             wears |= one.wears(part.removals)
         return wears
 
@@ -335,30 +358,30 @@ class SlidingHalfSpace:
         total = dict(zip(names_of(PressureSum), sums.sum(axis=1).tolist(), strict=True)) | wearing
         for name, rows in zip(("wear_disc", "pressed_disc"), of_rows, strict=True):
             total[name] = float(rows.sum())
-        if self.features:  # of all touched so far
+        if self._asked:  # of all touched so far
             self.slides.set(first_column=-most["first_column"], end_column=most["last_column"] + 1.0)
-            self._run("after", lambda program: self.features.ask("after_step", program, self._place))
+            self._run("after", lambda program: self._asked.ask("after_step", program, self._place))
         return total, most
 
     def _end_step(
         self, sums: Mapping[str, float], most: dict[str, float]
     ) -> tuple[dict[str, float], dict[str, float]]:
         """Let features end a step, and enter what they say among its sums and maxima."""
-        goes_on = bool(self.features)
+        goes_on = bool(self._asked)
         while goes_on:
-            self._run("between", lambda program: self.features.ask("between", program, self._place))
-            goes_on = self.features.drain()
-        self.features.end_steps(1)
+            self._run("between", lambda program: self._asked.ask("between", program, self._place))
+            goes_on = self._asked.drain()
+        self._asked.end_steps(1)
         own = zip(self.features.columns, self._row.numpy()[0].tolist(), strict=True)
         total = {name: value for name, value in sums.items() if name not in OF_FEATURES}
-        self.features.enter({**sums, **dict(own)}, total, most)
+        self._asked.enter({**sums, **dict(own)}, total, most)
         return total, most
 
     def cells_passing(self, increment: float) -> int:
         """Return the cells of the disc that pass one of the ball in an increment [mm]; under a flat all."""
         grid = self._executor.grid
-        if self.features.window is not None:
-            return self.features.window
+        if self._asked.window is not None:
+            return self._asked.window
         if not self._moves:
             return 1
         if self.task.form.is_flat:

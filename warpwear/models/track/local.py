@@ -24,6 +24,7 @@ from warpwear.laws.task import ContactTask
 from warpwear.models.booking import booked
 from warpwear.models.features.feature import Place
 from warpwear.models.features.features import Features
+from warpwear.models.features.materials import steps_above
 from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.programs import StepPrograms
 from warpwear.models.track.tiles import PerTile, SlidingTiles
@@ -71,7 +72,7 @@ class SlidingContact:
         "features": Features,
         "ledger": Ledger,
     }
-    SCRATCH: ClassVar = ("_slides", "_steps", "_programs", "_search")
+    SCRATCH: ClassVar = ("_slides", "_steps", "_programs", "_of_steps", "_search")
 
     def __init__(
         self,
@@ -149,21 +150,28 @@ class SlidingContact:
         if wears_alone:
             bounds["gap"] = self.tiles.gap.numbers
         numbers = {name: bound.numbers for name, bound in self._kept.items()}
-        self._programs = StepPrograms(
-            executor,
-            task,
-            self.tiles,
-            Place(
-                self._slides.array,
-                self._steps,
-                listed=(self.tiles.list, self.tiles.count),
-                bodies=bodies,
-                tables=arguments(StepTables, device, **tables),
-            ),
-            arguments(OfTiles, rows=totals, **bounds, **numbers),
-            self.features,
-            highest=lambda: NO_LIMIT if moves else self._highest,
+        place = Place(
+            self._slides.array,
+            self._steps,
+            listed=(self.tiles.list, self.tiles.count),
+            bodies=bodies,
+            tables=arguments(StepTables, device, **tables),
         )
+        # Until a cell can reach another material, steps are those of bodies without any.
+        unreached = [] if task.profiles is None else [self.features.without("materials", "stiffness")]
+        self._of_steps = [
+            StepPrograms(
+                executor,
+                task,
+                self.tiles,
+                place,
+                arguments(OfTiles, rows=totals, **bounds, **numbers),
+                features,
+                highest=lambda: NO_LIMIT if moves else self._highest,
+            )
+            for features in (self.features, *unreached)
+        ]
+        self._programs = self._of_steps[-1]
 
     @property
     def _factored(self) -> bool:
@@ -243,8 +251,9 @@ class SlidingContact:
         rows = moved % self.state.disc.shape[0]
         counter, disc = removals.T
         k_counter, k_disc = dust * counter, dust * track * disc
+        most = self._begin_materials(counter=k_counter, disc=k_disc)
         compliance = own + (k_counter + k_disc) * task.implicit
-        own_stiffness = self.features.cells.stiffness is not None
+        own_stiffness = self._programs.features.cells.stiffness is not None
         alike = [0.0 if own_stiffness else stiffness_of(one) for one in compliance.tolist()]
         ends = np.add.accumulate([row["distance"], *increments])
         depths = np.zeros((2, len(rows)))
@@ -276,6 +285,7 @@ class SlidingContact:
             self._steps.plan.assign(plan)
         rigid = bool(compliance[0] == 0.0)
         count = int(np.argmax((compliance == 0.0) != rigid)) or len(rows)  # a replay has steps of one kind
+        count = min(count, most)
         self._course.set(step=0, steps=count)
         if not self._course["is_begun"]:
             self._begin_at(plan[0])
@@ -289,13 +299,19 @@ class SlidingContact:
         worn = counter * at_hardness[0] + disc * at_hardness[1]
         return (own + worn * task.implicit) * task.hardness
 
+    def _begin_materials(self, **removals: FloatArray) -> int:
+        """Choose by K ΔL [mm³/N] the programs of the next steps, and return how many may be made by them."""
+        most = steps_above(self.task, self._executor.grid.cell_area, self.ledger.most, removals)
+        self._programs = self._of_steps[-1 if most else 0]
+        return most or len(removals["disc"])
+
     def _begin_at(self, step: Any) -> None:
         """Tell the device where the search of the first step begins."""
         smallest, limit = self.tiles.begin_at(int(step["shift"]))
         softest = step["stiffness"]
         if step["compliance"] > 0.0:
             self._slides.set(**{name: step[name] for name in ("own", "k_counter", "k_disc")})
-            softest = self.features.softest(self._executor, self._slides.array) or softest
+            softest = self._programs.features.softest(self._executor, self._slides.array) or softest
         self._course.set(smallest=smallest, first_limit=limit, softest=softest)
 
     def _booked(self, increments: Sequence[float], removals: FloatArray) -> Iterator[Step]:
@@ -309,7 +325,7 @@ class SlidingContact:
         total |= {RENAMED.get(name, name): columns[name] for name in sliding_steps.KEPT}
         most = {name: columns[f"most_{name}"] for name in MAXIMA}
         most |= {name: columns[name] for name in ("first_row", "last_row")}
-        self.features.enter(columns, total, most)
+        self._programs.features.enter(columns, total, most)
         *numbers, reference = (columns[name] for name in BALANCE)
         slid, removed = np.array(increments[:count]), tuple(removals[:count].T)
         steps = Entry(Balance(*numbers), slid, removed, reference, total, most)

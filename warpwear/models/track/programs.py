@@ -32,7 +32,7 @@ class StepPrograms:
         highest: Callable[[], float],
     ) -> None:
         self._executor, self._task, self._tiles, self._highest = executor, task, tiles, highest
-        self._place, self._of_tiles, self._features = place, of_tiles, features
+        self._place, self._of_tiles, self.features = place, of_tiles, features
         #: Searches by whether the cells are rigid; programs by that too, and whether threads share them.
         self._searches: dict[bool, LoadSearch] = {}
         self._said: dict[tuple[str, bool, bool], Program] = {}
@@ -40,7 +40,7 @@ class StepPrograms:
     def search(self, *, rigid: bool) -> LoadSearch:
         """Return the search of steps whose cells are rigid or not."""
         if rigid not in self._searches:
-            task, cells = self._task, self._features.cells
+            task, cells = self._task, self.features.cells
             search = LoadSearch(
                 self._executor,
                 self._place.bodies.gap,
@@ -66,6 +66,7 @@ class StepPrograms:
             records = 1 if name == "steps" else 2  # for one step alone recording does not pay
             program = Program(self._executor, shares=shares, records=records)
             self._said[name, rigid, shares] = program
+            self._tiles.features = self.features
             if name == "steps":
                 program.decide(sliding_steps.begin, steps)
                 with program.loop(steps.stepping):
@@ -83,11 +84,11 @@ class StepPrograms:
         whole: whether all cells are to be seen, not only those of the tiles listed.
         """
         place = self._place._replace(springs=search.springs)
-        with self._features.enclosing("at_beginning", program):
+        with self.features.enclosing("at_beginning", program):
             program.decide(sliding_steps.begin_search, search.springs, place.steps)
-            self._features.ask("before_search", program, place)
+            self.features.ask("before_search", program, place)
             if whole:
-                self._features.ask("make_all", program, place)
+                self.features.ask("make_all", program, place)
             self._tiles.make_listed(program)
             search.add_to(program)
             self._tiles.add_to(program)
@@ -97,21 +98,21 @@ class StepPrograms:
         """Add the end of a step: the wear of both bodies, what follows it, and its row."""
         place, tiles = self._place._replace(springs=search.springs), self._tiles
         slides, springs, listed, cells, bodies, tables, steps = (
-            *(place.slides, place.springs, place.listed, self._features.cells),
+            *(place.slides, place.springs, place.listed, self.features.cells),
             *(place.bodies, place.tables, place.steps),
         )
         with (
-            self._features.enclosing("at_beginning", program),
+            self.features.enclosing("at_beginning", program),
             program.branch(steps.solved),
         ):
-            self._features.ask("before_wear", program, place)
+            self.features.ask("before_wear", program, place)
             program.launch(
                 sliding.wear_step,
                 *(*listed, slides, springs, cells, bodies, self._of_tiles, tables),
                 chunks=lambda: tiles.chunks,
             )
-            self._features.ask("after_wear", program, place)
-        self._features.ask("between", program, place)
-        with self._features.enclosing("at_end", program):
+            self.features.ask("after_wear", program, place)
+        self.features.ask("between", program, place)
+        with self.features.enclosing("at_end", program):
             program.decide(sliding_steps.record, springs, steps, tables, self._of_tiles.rows)
-            self._features.ask("after_step", program, place)
+            self.features.ask("after_step", program, place)

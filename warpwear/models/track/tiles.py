@@ -60,7 +60,7 @@ class SlidingTiles(TileList):
         **dict.fromkeys(("lowest", "lowest_of_eight"), InFrame("counter")),
         **dict.fromkeys(("highest", "highest_of_row"), InFrame("disc")),
     }
-    SCRATCH: ClassVar = ("list", "count", "lists", "_slides", "_bodies", "_features")
+    SCRATCH: ClassVar = ("list", "count", "lists", "_slides", "_bodies", "features")
 
     def __init__(
         self,
@@ -73,7 +73,9 @@ class SlidingTiles(TileList):
         stays: bool = False,
     ) -> None:
         super().__init__(executor, least=least, limit=-NO_LIMIT, asked=-NO_LIMIT)
-        self._bodies, self._slides, self._features = bodies, slides, features
+        self._bodies, self._slides = bodies, slides
+        #: Those of the programs that are made next.
+        self.features = features
         device, nx, columns = executor.device, executor.grid.nx, executor.tiles_per_row
         self._depth: Field = wp.array([float(sliding.FIRST_DEPTH)], dtype=wp.float64, device=device)
         self.lowest = PerTile(nx, columns, device)  # of the counter-body
@@ -101,7 +103,7 @@ class SlidingTiles(TileList):
         with program.loop(self.listing):
             program.launch(
                 sliding.select,
-                *(self.lists.array, self._slides, self._bounds, self._features.sources, self._features.cells),
+                *(self.lists.array, self._slides, self._bounds, self.features.sources, self.features.cells),
                 *(self._bodies, self.list, self.count),
                 chunks=self._chunks_of_bounds,
             )
@@ -117,9 +119,9 @@ class SlidingTiles(TileList):
 
     def make_listed(self, program: Program) -> None:
         """Make what the cells listed have of their own, in a program, where a list serves several steps."""
-        made = self._features.cells.material is not None or self._features.sources.stiffens == 1
-        if self._bounds.stays and made:
-            place = self._slides, self._features.sources, self._features.cells
+        unlike = self.features.cells.material is not None or self.features.sources.stiffens == 1
+        if self._bounds.stays and unlike:
+            place = self._slides, self.features.sources, self.features.cells
             program.launch(film.make, self.list, self.count, *place, chunks=lambda: self.chunks)
 
     def refresh(self, program: Program) -> None:

@@ -1,10 +1,12 @@
 """[friction] and [junctions]: what shears."""
 
+import math
 from collections.abc import Mapping
 from functools import partial
 from types import MappingProxyType
 from typing import Annotated, Any, Literal
 
+from warpwear.laws.film import Film
 from warpwear.laws.friction import FRICTION_LAWS, KEYS, FrictionLaw
 from warpwear.study.keys import Demand, Length, Pressure, Section, attribute_of, excludes, key, needs, when
 from warpwear.study.units import Number, Quantity, Range
@@ -49,6 +51,13 @@ class FilmSection(Section):
         "sliding distance without wear of a body's cell after which its film is whole again",
         assumed="the film does not form anew during the test",
     )
+
+    def with_caps(self, caps: tuple[float, float], bare: float | None) -> Film:
+        """Return the film on cells. caps: with it and without it; bare: the strength of these [MPa]."""
+        on = self.bodies in ("both", "counter"), self.bodies in ("both", "disc")
+        regrowth = math.inf if isinstance(self.regrowth, str) else self.regrowth
+        filmed, bared = (1.0 if cap == max(caps) else cap / max(caps) for cap in caps)
+        return Film(self.thickness, on, regrowth, filmed, bared, self.shear_strength / bare if bare else 1.0)
 
 
 class Friction(Section):

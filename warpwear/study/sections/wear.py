@@ -10,6 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, PlainSerializer, PlainValidator
 
 from warpwear.laws.archard import BODIES, COEFFICIENTS, WEAR_LAWS, EnergyLaw, WearLaw
+from warpwear.laws.pieces import Pieces
 from warpwear.study.keys import Length, Pressure, Section, excludes, key, needs, when
 from warpwear.study.sections.friction import NOT_CONTACT, UNCHANGED, Friction
 from warpwear.study.units import NOT_NEGATIVE, Number, Quantity, Range, parse, text
@@ -182,6 +183,14 @@ class Wear(Section):
         """True where worn volume leaves in pieces."""
         return self.particle is not None
 
+    def pieces(self, critical: float | None) -> Pieces | None:
+        """Return the pieces by which bodies wear; None where all leaves at once. critical: their d* [mm]."""
+        diameter = critical if self.particle == "critical" else self.particle
+        if diameter is None or self.particle_thickness is None:
+            return None
+        seed = self.pending_seed if self.pending_start == "uniform" else None
+        return Pieces(float(diameter), self.particle_thickness, self.dust_fraction, seed)
+
     @property
     def unit(self) -> str:
         """Give the unit that coefficients have under the law."""
@@ -215,6 +224,14 @@ class Wear(Section):
             for one, alpha in zip((counter, disc), alphas, strict=True)
         )
         return counter, disc
+
+    def resolved(
+        self, coefficient: float | ArchardCoefficient, *, hardness: float, friction: Friction
+    ) -> float:
+        """Return K [mm²/N] of a coefficient, or of a number in its `unit`. hardness: as of `laws`."""
+        if not isinstance(coefficient, ArchardCoefficient):
+            coefficient = ArchardCoefficient(coefficient, per_energy=self.law == "energy")
+        return float(coefficient.resolved(hardness, friction.law_with().tractions[0]))
 
     @property
     def starts_apart(self) -> bool:

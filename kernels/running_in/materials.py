@@ -1,0 +1,58 @@
+"""Books of the materials of two bodies by worn depth: what each bears and loses in a step.
+
+They follow from pressures and from the materials that meet as a step begins, not from the pass that wears: by
+them its depths are checked. The loops are C++: native/running_in/materials.h.
+"""
+
+import warp as wp
+
+from warpwear.kernels import native_code
+from warpwear.kernels.balance import Springs
+from warpwear.kernels.cells import CellProperties, Cells
+from warpwear.kernels.running_in.sources import Sources
+from warpwear.kernels.sliding import Slide
+from warpwear.kernels.wear import total_of
+from warpwear.kernels.wear_from_pressure import Pressed
+
+wp.set_module_options(native_code.options("running_in/materials.h", "wear.h"))
+
+#: Materials of a body that have books of their own, and what is booked of each, in this order.
+BOOKED = 8
+BOOKS = ("cells", "pressure", "lost")
+#: Lines of the table of books: of the counter-body, of the disc, and the sum of the shear ratios.
+LINES = 2 * len(BOOKS) * BOOKED + 1
+
+
+@native_code.native_pass("book_materials")
+def book(
+    tiles: wp.array2d(dtype=wp.int32),
+    count: wp.array(dtype=wp.int32),
+    slides: wp.array(dtype=Slide),
+    springs: Springs,
+    sources: Sources,
+    cells: CellProperties,
+    gap: wp.array2d(dtype=Cells),
+    sums_out: wp.array2d(dtype=wp.float64),
+):
+    """Books, of the tiles listed and before they are worn, what each material bears and loses."""
+
+
+@native_code.native_pass("book_pressed")
+def book_pressed(
+    slides: wp.array(dtype=Slide),
+    pressed: Pressed,
+    sources: Sources,
+    sums_out: wp.array2d(dtype=wp.float64),
+):
+    """Books the same of a stored pressure."""
+
+
+@wp.kernel
+def record(
+    slides: wp.array(dtype=Slide),
+    sums_in: wp.array2d(dtype=wp.float64),
+    history_out: wp.array2d(dtype=wp.float64),
+    first_column: wp.int32,
+):
+    """Writes the sums of the books into the row of the step."""
+    total_of(sums_in, 1, history_out, slides[0].number, first_column)
