@@ -26,28 +26,28 @@ WARPWEAR_FN Lanes gap_of_tile(const Span& span, const Stored* counter, const Sto
 // of their own is made with the gap, but under a disc that lies still: see `make_listed`. The lowest gap of a
 // tile is noted; under a disc that lies still it stays known, as 0 where the gap was never made. The lowest
 // of eight tiles of the counter-body with the highest of the disc's row spares a CPU most bounds.
-template <typename Lists, typename Slides, typename Bounds, typename Sources, typename Properties,
+template <bool MAKES, typename Lists, typename Slides, typename Bounds, typename Sources, typename Properties,
           typename Bodies, typename List, typename Count>
-WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Slides& slides,
-                              const Bounds& bounds, const Sources& sources, const Properties& cells,
-                              const Bodies& bodies, const List& list, const Count& counts)
+WARPWEAR_FN void select_by(int slot, int slots, const Lists& lists, const Slides& slides,
+                           const Bounds& bounds, const Sources& sources, const Properties& cells,
+                           const Bodies& bodies, const List& list, const Count& counts)
 {
     const auto& step = wp::index(slides, 0);
     const double lift = (step.shear_counter + step.shear_disc) * step.most_shear_ratio;
     const double limit = wp::index(lists, 0).limit + lift;
     const int shift = step.shift, of_row = bodies.gap.shape[1] * OF_VECTOR;
     const int tiles = (of_row + OF_TILE - 1) / OF_TILE;
-    const bool stays = bounds.stays == 1, made_here = makes(sources, cells) && !stays;
+    const bool stays = bounds.stays == 1;
     for (int row = slot; row < bodies.gap.shape[0]; row += slots) {
         const int under = under_row(row, shift, bodies.disc.shape[0]);
         const Stored *const counter = row_of(bodies.counter, row), *const disc = row_of(bodies.disc, under);
         const Stored *const lowest = row_of(bounds.lowest, row), *const highest =
                                                                      row_of(bounds.highest, under);
         Stored *const gap = row_of(bodies.gap, row), *const of_tiles = row_of(bounds.gap, row);
-        const Stored* const shear_ratio = row_or_none(cells.shear_ratio, row);
+        const Stored* const shear_ratio = MAKES ? row_or_none(cells.shear_ratio, row) : nullptr;
         const auto lowest_gap = [&](int t) {
             const Span span = span_of_tile(t, of_row);
-            if (made_here) make_cells(step, sources, cells, row, under, span);
+            if (MAKES) make_cells(step, sources, cells, row, under, span);
             const Lanes apart = gap_of_tile(span, counter, disc, gap, shear_ratio, step);
             const double low = -of_team(most(-apart), false);
             if (lane_of_team() == 0) ((double*)of_tiles)[t] = low;
@@ -99,6 +99,23 @@ WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Sli
         wp::index(counts, row) = listed;
 #endif
     }
+}
+
+// The same, told whether cells have anything of their own to be made. MAKES: they do.
+template <typename Lists, typename Slides, typename Bounds, typename Sources, typename Properties,
+          typename Bodies, typename List, typename Count>
+WARPWEAR_FN void select_tiles(int slot, int slots, const Lists& lists, const Slides& slides,
+                              const Bounds& bounds, const Sources& sources, const Properties& cells,
+                              const Bodies& bodies, const List& list, const Count& counts)
+{
+    const auto by = [&](auto made) {
+        select_by<decltype(made)::value>(slot, slots, lists, slides, bounds, sources, cells, bodies, list,
+                                         counts);
+    };
+    if (makes(sources, cells) && bounds.stays == 0)
+        by(Is<true>());
+    else
+        by(Is<false>());
 }
 
 // Tiles that are listed in all. Every thread of a deciding slot gets the number.
@@ -175,7 +192,8 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(off)
 #endif
-    const auto step = wp::index(slides, 0);
+    const auto& step = wp::index(slides, 0);
+    const WearOfStep wear(step);
     const auto& law = wp::index(springs.law, 0);
     const double base = law.base, offset = law.offset, cap = law.cap, tie_width = law.tie_width;
     const double tie_pressure = law.tie_pressure, full_depth = step.full_depth, reference = step.reference;
@@ -234,7 +252,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
                     sums.of(TrackSum::RUBBED) += rubs;
                 }
                 const PerBody wearing = wearing_pressure(alike, p);
-                const PerBody lost = removal_of<OWN, RARE>(step, own, i, wearing,
+                const PerBody lost = removal_of<OWN, RARE>(wear, own, i, wearing,
                                                            {wear_counter[i], wear_disc[i]}, {rubs, rubs});
                 const Lanes s = counter[i] + lost.counter, a = wear_counter[i] + lost.counter;
                 const Lanes b = wear_disc[i] + lost.disc;

@@ -116,7 +116,8 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(fast)
 #endif
-    const auto slide = wp::index(slides, 0);
+    const auto& slide = wp::index(slides, 0);
+    const WearOfStep wear(slide);
     const double cap = pressed.cap, approach = slide.approach, reference = slide.reference;
     const int of_line = layout.vectors * OF_VECTOR, lines = bodies.counter.shape[1] / layout.vectors;
     const bool has_disc = bodies.disc.shape[0] > 0;
@@ -167,8 +168,7 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                 const PerBody sheared = {shears ? (Lanes)rubs_counter[i] : zero,
                                          shears ? (Lanes)rubs_disc[i] : zero};
                 const PerBody before = {wear_counter[i], has_disc ? (Lanes)wear_disc[i] : zero};
-                const PerBody lost =
-                    removal_of<true, true>(slide, own, i, {m, over_disc[i]}, before, sheared);
+                const PerBody lost = removal_of<true, true>(wear, own, i, {m, over_disc[i]}, before, sheared);
                 Lanes s = counter[i] + lost.counter, a = wear_counter[i] + lost.counter, by_slip = zero;
                 const Lanes was = shows ? wear_counter[i] : reached[i];
                 const Lanes most_here = cap * own_or(own.cap_ratio, i, one);
@@ -196,7 +196,7 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                 highest = larger_of(highest, p);
                 deepest_counter = larger_of(deepest_counter, a);
                 if (shears) summed.of(PressureSum::RUBBED) += (Lanes)rubs[i];
-                const Mask ever = m + was + slide.shear_counter * sheared.counter > zero;
+                const Mask ever = m + was + wear.shear_counter * sheared.counter > zero;
                 const Lanes column = columns_from(domain_column + v * LANES);
                 summed.counted(PressureSum::TOUCHED) += ever ? yes : no;
                 in_line = in_line | ever;
