@@ -11,8 +11,7 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.balance import Springs
-from warpwear.kernels.cells import NONE, CellProperties, Cells
-from warpwear.kernels.running_in.sources import Sources
+from warpwear.kernels.cells import NONE, CellProperties, Cells, Sources
 from warpwear.kernels.tiles import Listing
 
 wp.set_module_options(native_code.options("sliding.h"))

@@ -10,9 +10,8 @@ another. The loops are C++: native/wear_from_pressure.h.
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.cells import CellProperties, Cells, Layout
+from warpwear.kernels.cells import CellProperties, Cells, Layout, Sources
 from warpwear.kernels.contact import Bends
-from warpwear.kernels.running_in.sources import Sources
 from warpwear.kernels.sliding import Bodies, OfRows, Slide
 
 wp.set_module_options(native_code.options("wear_from_pressure.h"))

@@ -6,8 +6,7 @@ See `sources`.
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.cells import CellProperties, Cells
-from warpwear.kernels.running_in.sources import Sources
+from warpwear.kernels.cells import CellProperties, Cells, Sources
 from warpwear.kernels.sliding import Slide
 
 wp.set_module_options(native_code.options("running_in/sources.h"))

@@ -8,8 +8,7 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.balance import Springs
-from warpwear.kernels.cells import CellProperties, Cells
-from warpwear.kernels.running_in.sources import Sources
+from warpwear.kernels.cells import CellProperties, Cells, Sources
 from warpwear.kernels.sliding import Slide
 from warpwear.kernels.wear import total_of
 from warpwear.kernels.wear_from_pressure import Pressed

@@ -8,9 +8,8 @@ z(v) = m + s ln(q + (1 + q)(e^(v/s) − 1)) with q = e^(−m/s).
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.cells import LANES, ZERO, Cells
+from warpwear.kernels.cells import LANES, ZERO, Cells, Curve
 from warpwear.kernels.contact import Law
-from warpwear.kernels.running_in.sources import Curve
 
 wp.set_module_options(native_code.options("running_in/recession.h"))
 

@@ -139,7 +139,7 @@ def test_a_half_space_at_rest_is_that_of_the_dense_matrix(
     profiles: Profiles, increment: float, device: str
 ) -> None:
     """With K and the cap of each cell as a step begins; a cell that wears through is split by volume."""
-    grid, load = Grid(14, 11, 0.01), 30.0
+    grid, load = Grid(14, 11, 0.01), 55.0
     elastic = cases_half_space.dense_free(grid) * cases_half_space.MODULUS / HALF_SPACE["modulus"]
     heights = np.random.default_rng(3).normal(0.0, 3e-4, grid.shape)
     worn = [np.zeros(grid.shape), np.zeros(grid.shape)]

@@ -13,8 +13,7 @@ from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history.pieces import PieceBook
-from warpwear.kernels.cells import CellProperties
-from warpwear.kernels.running_in.sources import Sources
+from warpwear.kernels.cells import CellProperties, Sources
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
 from warpwear.models.features.feature import Feature, Place

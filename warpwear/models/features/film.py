@@ -10,8 +10,8 @@ from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.program import Program
 from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
+from warpwear.kernels.cells import Coat, Films
 from warpwear.kernels.running_in import film as kernels
-from warpwear.kernels.running_in.sources import Coat, Films
 from warpwear.laws.archard import BODIES
 from warpwear.laws.film import Film
 from warpwear.laws.task import ContactTask

@@ -104,7 +104,7 @@ class MaterialsByDepth(Feature):
             self.yields = self.properties["yields"] = executor.zeros()
         #: K over that of the uppermost materials: the mean under the last pressure, and at most.
         self.means: tuple[float, ...] = (1.0, 1.0)
-        self._largest = self.means
+        self._largest: tuple[float, ...] = (1.0, 1.0)
         #: Books of the parts of a step so far, and the distance that they go over [mm].
         self._of_parts, self._slid = np.zeros(kernels.LINES), 0.0
         if any(m.hardness != p.materials[0].hardness for p in task.profiles for m in p.materials):

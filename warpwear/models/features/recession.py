@@ -13,9 +13,9 @@ from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.program import Program
 from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
+from warpwear.kernels.cells import Curve
 from warpwear.kernels.running_in import film
 from warpwear.kernels.running_in import recession as kernels
-from warpwear.kernels.running_in.sources import Curve
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.models.features.feature import Feature, Place
 

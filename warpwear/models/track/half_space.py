@@ -252,7 +252,9 @@ class SlidingHalfSpace:
     def _solve(self, part: Part, *, certified: bool | None) -> HalfSpaceContact:
         """Solve the contact at the end of a part of a step, and let features take note of it."""
         own, along = self._compliances(part)
-        solve = partial(self._half_space.solve, load=self.task.load, **self._caps)
+        solve: Callable[..., HalfSpaceContact] = partial(
+            self._half_space.solve, load=self.task.load, **self._caps
+        )
         if self._lines is None:
             contact = solve(
                 self.gap,
