@@ -35,6 +35,10 @@ struct CellRow {
           counter(cells.materials_counter), disc(cells.materials_disc)
     {
     }
+
+    // Whether cells wear, bear or are counted by anything of their own.
+    CUDA_CALLABLE bool has_own() const
+    { return cap_ratio || k_counter || k_disc || material || counter.count > 0 || disc.count > 0; }
 };
 
 // What bears a cell: its own stiffness, or what all have alike.

@@ -106,12 +106,12 @@ WARPWEAR_FN void part_of_step(int slot, int slots, const Slides& slides, const P
 //
 // Where the pressure moves with the counter-body, that sees p, and the disc the mean. Cells with slips of
 // their own lose more by them, K dL over the distance of a cycle times p times the slip, and slip by more
-// then.
-template <typename Slides, typename Layout, typename Pressed, typename Bodies, typename OfRows,
+// then. OWN: whether cells have anything of their own.
+template <bool OWN, typename Slides, typename Layout, typename Pressed, typename Bodies, typename OfRows,
           typename Table>
-WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, const Layout& layout,
-                                  const Pressed& pressed, const Bodies& bodies, const OfRows& of_rows,
-                                  Table& sums, Table& maxima)
+WARPWEAR_FN void wear_cells_by_pressure(int slot, int slots, const Slides& slides, const Layout& layout,
+                                        const Pressed& pressed, const Bodies& bodies, const OfRows& of_rows,
+                                        Table& sums, Table& maxima)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(fast)
@@ -168,10 +168,10 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                 const PerBody sheared = {shears ? (Lanes)rubs_counter[i] : zero,
                                          shears ? (Lanes)rubs_disc[i] : zero};
                 const PerBody before = {wear_counter[i], has_disc ? (Lanes)wear_disc[i] : zero};
-                const PerBody lost = removal_of<true, true>(wear, own, i, {m, over_disc[i]}, before, sheared);
+                const PerBody lost = removal_of<OWN, true>(wear, own, i, {m, over_disc[i]}, before, sheared);
                 Lanes s = counter[i] + lost.counter, a = wear_counter[i] + lost.counter, by_slip = zero;
                 const Lanes was = shows ? wear_counter[i] : reached[i];
-                const Lanes most_here = cap * own_or(own.cap_ratio, i, one);
+                const Lanes most_here = cap * (OWN ? own_or(own.cap_ratio, i, one) : one);
                 if (slips) {
                     const Lanes slides_by = slip_ahead(slip[i], grown[i], ahead);
                     by_slip = p * slides_by;
@@ -192,7 +192,8 @@ WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, con
                 summed.counted(PressureSum::CONTACT) += p > zero ? yes : no;
                 summed.counted(PressureSum::CAPPED) += p >= most_here ? yes : no;
                 summed.of(PressureSum::WEAR_COUNTER) += a;
-                if (own.material) summed.of(PressureSum::BARE) += p > zero ? (Lanes)own.material[i] : zero;
+                if (OWN && own.material)
+                    summed.of(PressureSum::BARE) += p > zero ? (Lanes)own.material[i] : zero;
                 highest = larger_of(highest, p);
                 deepest_counter = larger_of(deepest_counter, a);
                 if (shears) summed.of(PressureSum::RUBBED) += (Lanes)rubs[i];
@@ -295,4 +296,17 @@ WARPWEAR_FN void straighten(int slot, int slots, const Bends& bends, double keep
             row_of(far, row)[i] = beyond;
         }
     leave_most(off, 0, slot, most(largest));
+}
+
+// The same, told whether cells have anything of their own.
+template <typename Slides, typename Layout, typename Pressed, typename Bodies, typename OfRows,
+          typename Table>
+WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, const Layout& layout,
+                                  const Pressed& pressed, const Bodies& bodies, const OfRows& of_rows,
+                                  Table& sums, Table& maxima)
+{
+    if (CellRow(pressed.cells, 0).has_own())
+        wear_cells_by_pressure<true>(slot, slots, slides, layout, pressed, bodies, of_rows, sums, maxima);
+    else
+        wear_cells_by_pressure<false>(slot, slots, slides, layout, pressed, bodies, of_rows, sums, maxima);
 }
