@@ -121,6 +121,8 @@ class MaterialsByDepth(Feature):
         self._slides, most = host.slides, host.ledger.most
         self._largest = tuple(
             profile.fastest_above(most[f"wear_{body}"]) / profile.materials[0].wear
+            if profile.materials[0].wear  # else nothing below it is ever reached
+            else 1.0
             for body, profile in self._profiles.items()
         )
 
