@@ -247,12 +247,12 @@ def carried(
     springs: Springs,
     gap: wp.array2d(dtype=Cells),
     stiffness: wp.array2d(dtype=Cells),
-    parts: wp.array2d(dtype=Cells),
+    cap_ratio: wp.array2d(dtype=Cells),
 ):
     """Sum of the pressures at the trial, of the stiffnesses of the cells between open and cap, and how far
     those stay so.
 
-    stiffness, parts of the cap: of every cell, or no rows where the search has one, and all bear the cap.
+    stiffness, cap_ratio: of every cell, or no rows where the search has one, and all bear the cap.
     """
 
 
@@ -282,7 +282,7 @@ def pressures_at(
     springs: Springs,
     gap: wp.array2d(dtype=Cells),
     stiffness: wp.array2d(dtype=Cells),
-    parts: wp.array2d(dtype=Cells),
+    cap_ratio: wp.array2d(dtype=Cells),
 ):
     """Return the pressures of the cells of a vector, at the end of a search; fields as of `carried`."""
     law = springs.law[0]
@@ -290,14 +290,14 @@ def pressures_at(
     s = Cells(springs.search[0].stiffness)
     if stiffness.shape[0] > 0:
         s = stiffness[wp.min(row, stiffness.shape[0] - 1), k]
-    part = Cells(ONE)
-    if parts.shape[0] > 0:
-        part = parts[row, k]
+    ratio = Cells(ONE)
+    if cap_ratio.shape[0] > 0:
+        ratio = cap_ratio[row, k]
     p = Cells(ZERO)
     for j in range(LANES):
         own = law  # of a cell that bears a part of the cap, also where it is tied with the approach
-        own.cap = law.cap * part[j]
-        own.tie_pressure = law.tie_pressure * part[j]
+        own.cap = law.cap * ratio[j]
+        own.tie_pressure = law.tie_pressure * ratio[j]
         if springs.bends.knots.shape[0] > 0:
             p[j] = bent_pressure_of(own, g[j], springs.bends)
         else:
@@ -314,7 +314,7 @@ def pressures(
     springs: Springs,
     gap: wp.array2d(dtype=Cells),
     stiffness: wp.array2d(dtype=Cells),
-    parts: wp.array2d(dtype=Cells),
+    cap_ratio: wp.array2d(dtype=Cells),
     pressure_out: wp.array2d(dtype=Cells),
 ):
     """Store the pressures of the cells listed, at the end of a search; fields as of `carried`."""
@@ -323,4 +323,4 @@ def pressures(
         for n in range(wp.tid() % wp.block_dim(), count[row], wp.block_dim()):
             t = tiles[row, n]
             for k in range(t * TILE_VECTORS, wp.min((t + 1) * TILE_VECTORS, gap.shape[1])):
-                pressure_out[row, k] = pressures_at(row, k, springs, gap, stiffness, parts)
+                pressure_out[row, k] = pressures_at(row, k, springs, gap, stiffness, cap_ratio)

@@ -247,7 +247,7 @@ def counted_below(
     count: wp.array(dtype=wp.int32),
     springs: Springs,
     gap: wp.array2d(dtype=Cells),
-    parts: wp.array2d(dtype=Cells),
+    cap_ratio: wp.array2d(dtype=Cells),
 ):
     """Counts cells in contact at the trial, in cells at the cap: of each its part of it, if it has one.
 

@@ -186,7 +186,7 @@ class Fields:
     response: wp.array2d(dtype=Cells)  # of the gradient to it [mm]
     gathered: wp.array2d(dtype=wp.float32)  # descent that was extended and gathered; no rows where none is
     cap: wp.float64  # H [MPa]
-    fractions: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear all of it
+    cap_ratio: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear all of it
     yields: wp.array2d(dtype=Cells)  # compliance of each cell [mm/MPa]; no rows where none has its own
 
 

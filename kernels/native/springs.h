@@ -39,12 +39,13 @@ WARPWEAR_FN void visit_listed(const int* tiles, int listed, int of_row, const Vi
 
 // What cells carry at an approach base + offset: the sum of the pressures, of the stiffnesses of the cells
 // that are neither open nor capped, and how near one is to changing that [MPa]. OWN: whether cells have a
-// stiffness of their own; PARTED: whether they have a part of the cap. alike: stiffness, or `Bend`, of all.
-template <bool OWN, bool PARTED, typename List, typename Count, typename Spring, typename Field,
+// stiffness of their own; OWN_CAPS: whether they have a cap of their own. alike: stiffness, or `Bend`, of
+// all.
+template <bool OWN, bool OWN_CAPS, typename List, typename Count, typename Spring, typename Field,
           typename Table>
 WARPWEAR_FN void carry_by(int slot, int slots, const List& list, const Count& counts, double base,
                           double offset, double cap, const Spring& alike, const Field& gap_in,
-                          const Field& stiffness_in, const Field& parts_in, Table& trial)
+                          const Field& stiffness_in, const Field& cap_ratio_in, Table& trial)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(off)
@@ -57,7 +58,7 @@ WARPWEAR_FN void carry_by(int slot, int slots, const List& list, const Count& co
         if (listed == 0) continue;
         const Stored* const gap = row_of(gap_in, row);
         const Stored* const own = OWN ? row_of(stiffness_in, row) : nullptr;
-        const Stored* const parts = PARTED ? row_of(parts_in, row) : nullptr;
+        const Stored* const cap_ratio = OWN_CAPS ? row_of(cap_ratio_in, row) : nullptr;
         visit_listed(&wp::index(list, row, 0), listed, of_row, [&](const int (&at)[AT_ONCE]) {
             Lanes g[AT_ONCE];
 #pragma unroll
@@ -66,7 +67,7 @@ WARPWEAR_FN void carry_by(int slot, int slots, const List& list, const Count& co
             for (int j = 0; j < AT_ONCE; ++j) {
                 if (AT_ONCE > 1 && at[j] < 0) continue;
                 const auto& s = spring_at<OWN>(own, at[j], alike);
-                const Lanes most_here = PARTED ? Lanes(cap * parts[at[j]]) : Lanes(cap);
+                const Lanes most_here = OWN_CAPS ? Lanes(cap * cap_ratio[at[j]]) : Lanes(cap);
                 const Lanes overlap = (base - g[j]) + offset;
                 const Lanes q = on_spring(overlap, s), p = clipped(q, most_here);
                 pressure += p;
@@ -88,23 +89,23 @@ template <bool IS> struct Is {
 // The same of a search: a field of no rows says that the cells share one stiffness, or that all bear the cap.
 template <typename List, typename Count, typename Springs, typename Field>
 WARPWEAR_FN void carry(int slot, int slots, const List& list, const Count& counts, Springs& springs,
-                       const Field& gap, const Field& stiffness, const Field& parts)
+                       const Field& gap, const Field& stiffness, const Field& cap_ratio)
 {
     const auto& search = wp::index(springs.search, 0);
-    const auto by = [&](auto own, auto parted, const auto& alike) {
-        carry_by<decltype(own)::value, decltype(parted)::value>(slot, slots, list, counts, search.base,
-                                                                search.bracket.offset, springs.cap, alike,
-                                                                gap, stiffness, parts, springs.trial);
+    const auto by = [&](auto own, auto own_caps, const auto& alike) {
+        carry_by<decltype(own)::value, decltype(own_caps)::value>(slot, slots, list, counts, search.base,
+                                                                  search.bracket.offset, springs.cap, alike,
+                                                                  gap, stiffness, cap_ratio, springs.trial);
     };
     const bool bends = springs.bends.knots.shape[0] > 0, own = stiffness.shape[0] > 0;
-    const bool parted = parts.shape[0] > 0;
+    const bool own_caps = cap_ratio.shape[0] > 0;
     const Lanes alike = search.stiffness;
-    if (bends && !parted) return by(Is<false>(), Is<false>(), bend_of(springs.bends));
+    if (bends && !own_caps) return by(Is<false>(), Is<false>(), bend_of(springs.bends));
     if (bends) return by(Is<false>(), Is<true>(), bend_of(springs.bends));
-    if (!own && !parted) by(Is<false>(), Is<false>(), alike);
-    if (own && !parted) by(Is<true>(), Is<false>(), alike);
-    if (!own && parted) by(Is<false>(), Is<true>(), alike);
-    if (own && parted) by(Is<true>(), Is<true>(), alike);
+    if (!own && !own_caps) by(Is<false>(), Is<false>(), alike);
+    if (own && !own_caps) by(Is<true>(), Is<false>(), alike);
+    if (!own && own_caps) by(Is<false>(), Is<true>(), alike);
+    if (own && own_caps) by(Is<true>(), Is<true>(), alike);
 }
 
 // Up to where the cells inside the bracket of a bearing area are looked at: as far as all tiles are listed,
@@ -120,17 +121,17 @@ template <typename Springs> WARPWEAR_FN double inside_up_to(const Springs& sprin
 // The cells below the trial of a search, each as the part of the cap that it bears; the lowest and the
 // highest gap listed; and how many lie inside the bracket, see above. Those are gathered in the slot's line
 // of `near`, as far as it has room, so that what follows may count them there: on a CPU in vectors as they
-// stand in the row, without the others. Nothing is gathered where cells bear parts of the cap.
+// stand in the row, without the others. Nothing is gathered where cells bear ratios of the cap.
 template <typename List, typename Count, typename Springs, typename Field>
 WARPWEAR_FN void count_level(int slot, int slots, const List& list, const Count& counts,
-                             const Springs& springs, const Field& gap_in, const Field& parts_in)
+                             const Springs& springs, const Field& gap_in, const Field& cap_ratio_in)
 {
     const auto& search = wp::index(springs.search, 0);
     const double level = search.bracket.offset, from = search.bracket.low, to = inside_up_to(springs);
     const int of_row = gap_in.shape[1] * OF_VECTOR, room = springs.near.shape[1] * OF_VECTOR;
     const Lanes zero = 0.0, one = 1.0, absent = ABSENT, none = -ABSENT;
     const Counts no = 0, yes = 1;
-    const bool parted = parts_in.shape[0] > 0, gathers = springs.near.shape[0] > 0;
+    const bool own_caps = cap_ratio_in.shape[0] > 0, gathers = springs.near.shape[0] > 0;
     Stored* const near = gathers ? row_of(springs.near, slot) : nullptr;
 #if defined(__CUDA_ARCH__)
     __shared__ int places;
@@ -143,13 +144,13 @@ WARPWEAR_FN void count_level(int slot, int slots, const List& list, const Count&
     Counts inside = 0;
     for (int row = slot; row < gap_in.shape[0]; row += slots) {
         const Stored* const gap = row_of(gap_in, row);
-        const Stored* const parts = parted ? row_of(parts_in, row) : nullptr;
+        const Stored* const cap_ratio = own_caps ? row_of(cap_ratio_in, row) : nullptr;
         visit_listed(&wp::index(list, row, 0), wp::index(counts, row), of_row, [&](const int (&at)[AT_ONCE]) {
 #pragma unroll
             for (int j = 0; j < AT_ONCE; ++j) {
                 if (AT_ONCE > 1 && at[j] < 0) continue;
                 const Lanes g = gap[at[j]];
-                below += g < level ? (parted ? Lanes(parts[at[j]]) : one) : zero;
+                below += g < level ? (own_caps ? Lanes(cap_ratio[at[j]]) : one) : zero;
                 const Lanes there = g < 0.5 * ABSENT ? g : none; // places without a surface do not count
                 lowest = lowest < g ? lowest : g;
                 highest = highest > there ? highest : there;

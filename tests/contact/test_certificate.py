@@ -189,7 +189,7 @@ class Solved:
         else:
             assert what.asked is not None
             options["mean_pressure"] = what.asked if self._rows else float(what.asked[0])
-        self.contact: HalfSpaceContact = self.solver.solve(self.gap, parts=self.fractions, **options)
+        self.contact: HalfSpaceContact = self.solver.solve(self.gap, cap_ratio=self.fractions, **options)
         self.pressure = self._parts_of(self.contact.pressure)
 
     def _stored(self, values: FloatArray, padding: float) -> FloatArray:
@@ -219,7 +219,7 @@ class Solved:
             load,
             what.gaps.reshape(len(what.gaps), -1).std(axis=1),
             cap=what.hardness,
-            fractions=self.fractions,
+            cap_ratio=self.fractions,
         )
 
 

@@ -283,7 +283,7 @@ def test_a_start_on_wider_cells_leads_to_the_same_contact_in_less(
     found, work = [], []
     with Executor(grid, device=device) as executor:
         if math.isfinite(hardness):
-            asked["parts"] = executor.field(draw.uniform(0.5, 1.0, shape), padding=1.0)
+            asked["cap_ratio"] = executor.field(draw.uniform(0.5, 1.0, shape), padding=1.0)
         for least in (10**6, 16):
             for name in ("LEAST_SIDE", "LEAST_SIDE_ON_GPU"):
                 monkeypatch.setattr(half_space_solver, name, least)

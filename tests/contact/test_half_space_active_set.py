@@ -101,7 +101,7 @@ def test_few_moves_reach_the_pressure_of_many_steps(boundary: str, streak: float
                 compliance=0.01,
                 streak_compliance=streak,
                 streak_window=4,
-                parts=executor.field(parts) if parted else None,
+                cap_ratio=executor.field(parts) if parted else None,
             )
             found.append((contact, contact.pressure.copy()))
     (few, pressure), (many, of_many) = found

@@ -42,7 +42,7 @@ class Drawn:
             hardness=CAP,
             rules=SearchRules(scattered=0.0, every=1),
             fields=self.fields,
-            fractions=executor.field(self.caps / CAP, padding=1.0) if parted else None,
+            cap_ratio=executor.field(self.caps / CAP, padding=1.0) if parted else None,
             groups=1,
             tiled=tiled,
         )

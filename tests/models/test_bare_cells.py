@@ -48,7 +48,9 @@ def test_a_foundation_with_caps(device: str, threads: int) -> None:
         own = executor.field(parts, padding=1.0)
         tiles = Tiles(executor, field, field, least=10.0)
         stiffness = executor.field(np.full((1, 1), 1.0 / compliance), padding=1.0 / compliance)
-        search = LoadSearch(executor, field, tiles, load=load, hardness=590.0, stiffness=stiffness, parts=own)
+        search = LoadSearch(
+            executor, field, tiles, load=load, hardness=590.0, stiffness=stiffness, cap_ratio=own
+        )
         found = search.solve()
         pressure = search.pressures().copy()
     low, high = gap.min(), gap.max() + 1.0
@@ -69,7 +71,9 @@ def test_a_bearing_area_with_caps(device: str, threads: int) -> None:
         field = executor.field(gap.copy(), padding=PADDING)
         tiles = Tiles(executor, field, field, least=10.0)
         own, tolerance = executor.field(parts, padding=1.0), 590.0 * grid.cell_area
-        search = LoadSearch(executor, field, tiles, load=load, hardness=590.0, tolerance=tolerance, parts=own)
+        search = LoadSearch(
+            executor, field, tiles, load=load, hardness=590.0, tolerance=tolerance, cap_ratio=own
+        )
         found = search.solve()
         pressure = search.pressures().copy()
     below = gap < found.approach
@@ -87,7 +91,7 @@ def test_tied_cells_share_what_is_missing_by_their_caps(device: str) -> None:
         field = executor.field(gap, padding=PADDING)
         tiles = Tiles(executor, field, field, least=10.0)
         own = executor.field(parts, padding=1.0)
-        search = LoadSearch(executor, field, tiles, load=load, hardness=590.0, parts=own, tolerance=1e-6)
+        search = LoadSearch(executor, field, tiles, load=load, hardness=590.0, cap_ratio=own, tolerance=1e-6)
         search.solve()
         pressure = search.pressures()
         assert_allclose(pressure, 0.5 * 590.0 * parts, rtol=1e-9)
@@ -125,11 +129,13 @@ def test_a_half_space_with_a_field_of_caps(
         solver = HalfSpace(executor, modulus=modulus, boundary=boundary, hardness=1.1, tolerance=1e-11)
         parts = executor.field(cap / 1.1, padding=1.0)
         field = executor.field(gap, padding=PADDING)
-        found = solver.solve(field, mean_pressure=mean, compliance=compliance, parts=parts)
+        found = solver.solve(field, mean_pressure=mean, compliance=compliance, cap_ratio=parts)
         pressure, approach = found.pressure.copy(), found.approach
         # From a pressure that the caps have fallen below.
         solver.solve(field, mean_pressure=mean, compliance=compliance)
-        again = solver.solve(field, mean_pressure=mean, compliance=compliance, parts=parts).pressure.copy()
+        again = solver.solve(
+            field, mean_pressure=mean, compliance=compliance, cap_ratio=parts
+        ).pressure.copy()
     dense = cases_half_space.dense_free if boundary == "free" else cases_half_space.dense_periodic
     matrix = dense(grid) + compliance * np.eye(grid.cells)
     expected = by_active_sets(matrix, approach - gap.ravel(), cap.ravel()).reshape(grid.shape)
@@ -152,9 +158,9 @@ def test_the_window_of_a_half_space_takes_its_caps_along(device: str) -> None:
         field, own = executor.field(gap, padding=PADDING), executor.field(parts, padding=1.0)
         windowed = WindowedHalfSpace(executor, **options, tolerance=1e-11)
         for load in (20.0, 60.0, 5.0):  # larger than the window of the last one, and smaller
-            found = windowed.solve(field, load=load, parts=own, least_part=0.4)
+            found = windowed.solve(field, load=load, cap_ratio=own, least_cap_ratio=0.4)
             whole = HalfSpace(executor, **options, tolerance=1e-11)
-            every = whole.solve(field, mean_pressure=load / grid.area, parts=own)
+            every = whole.solve(field, mean_pressure=load / grid.area, cap_ratio=own)
             assert_allclose(found.pressure, every.pressure, atol=1e-8)
         assert windowed._window is not None
         assert windowed._window.end_row - windowed._window.first_row < 80

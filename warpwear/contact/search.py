@@ -32,8 +32,8 @@ class LoadSearch:
     """Searches for the approach at which a gap carries a load, in passes over its listed tiles.
 
     stiffness: 1/c of every cell [N/mm³], one row for all or one a row of cells; None where each search has
-    one for all. parts: of the hardness, that cells bear; None: all of it. tolerance: of a bearing area [N],
-    whose cells do not yield; None for springs. knots: of `Bends`, where K goes with the
+    one for all. cap_ratio: of the hardness, that cells bear; None: all of it. tolerance: of a bearing area
+    [N], whose cells do not yield; None for springs. knots: of `Bends`, where K goes with the
     pressure. It is made before anything is worn.
     """
 
@@ -46,7 +46,7 @@ class LoadSearch:
         load: float,
         hardness: float,
         stiffness: Field | None = None,
-        parts: Field | None = None,
+        cap_ratio: Field | None = None,
         tolerance: float | None = None,
         knots: FloatArray = NO_KNOTS,
     ) -> None:
@@ -54,8 +54,8 @@ class LoadSearch:
         self.is_rigid = tolerance is not None
         self._executor, self._tiles = executor, tiles
         none, slots = executor.zeros(0), executor.slots_of(executor.grid.nx)
-        self._gap, self._parts, self._stiffness = gap, parts or none, stiffness or none
-        gathers = self.is_rigid and self._parts.shape[0] == 0
+        self._gap, self._cap_ratio, self._stiffness = gap, cap_ratio or none, stiffness or none
+        gathers = self.is_rigid and self._cap_ratio.shape[0] == 0
         #: For kernels.
         self.springs = arguments(
             balance.Springs,
@@ -73,7 +73,7 @@ class LoadSearch:
         #: What the pressures follow from, when a search has ended.
         self.law: Field = self.springs.law
         if self.is_rigid:
-            self._launch_once(bearing.counted_below, self.springs, gap, parts)
+            self._launch_once(bearing.counted_below, self.springs, gap, cap_ratio)
             self.springs.highest = float(self.springs.trial.numpy()[2].max())
 
     def add_to(self, program: Program, judge: Any = None, *state: Any) -> None:
@@ -84,7 +84,9 @@ class LoadSearch:
         """
         if judge is None:
             judge = bearing.judge_area if self.is_rigid else balance.judge
-        fields = [self._gap, self._parts] if self.is_rigid else [self._gap, self._stiffness, self._parts]
+        fields = (
+            [self._gap, self._cap_ratio] if self.is_rigid else [self._gap, self._stiffness, self._cap_ratio]
+        )
         look, tiles = bearing.counted_below if self.is_rigid else balance.carried, self._tiles
         with program.loop(self.springs.searching):
             tiles.add_to(program)
@@ -116,7 +118,7 @@ class LoadSearch:
             for name in law.dtype.names:
                 law[name] = getattr(at, name)
             self.law.assign(law)
-        self._launch_once(balance.pressures, self.springs, self._gap, self._stiffness, self._parts, field)
+        self._launch_once(balance.pressures, self.springs, self._gap, self._stiffness, self._cap_ratio, field)
         return self._executor.to_numpy(field)
 
     def _launch_once(self, kernel: Any, *arguments: Any) -> None:

@@ -7,18 +7,18 @@
 
 // Where the cells of a row lie, and their caps.
 struct ProofRow {
-    const Stored *pressure, *gap, *displacement, *fractions;
+    const Stored *pressure, *gap, *displacement, *cap_ratio;
     Lanes cap;
 
     template <typename Fields>
     CUDA_CALLABLE ProofRow(const Fields& fields, int row)
         : pressure(row_of(fields.pressure, row)), gap(row_of(fields.gap, row)),
-          displacement(row_of(fields.response, row)), fractions(nullptr), cap(fields.cap)
+          displacement(row_of(fields.response, row)), cap_ratio(nullptr), cap(fields.cap)
     {
-        if (fields.fractions.shape[0] > 0) fractions = row_of(fields.fractions, row);
+        if (fields.cap_ratio.shape[0] > 0) cap_ratio = row_of(fields.cap_ratio, row);
     }
 
-    CUDA_CALLABLE Lanes cap_of(int i) const { return fractions ? cap * fractions[i] : cap; }
+    CUDA_CALLABLE Lanes cap_of(int i) const { return cap_ratio ? cap * cap_ratio[i] : cap; }
     CUDA_CALLABLE Lanes left(int i) const { return gap[i] + displacement[i]; }
 };
 

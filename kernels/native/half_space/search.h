@@ -19,7 +19,7 @@ static const double ROUNDING_OF_SUM = 4.0e-16;
 // Where the cells of a row lie, and their caps.
 struct SearchRow {
     Stored *pressure, *gradient, *trial, *step, *response;
-    const Stored *gap, *fractions, *yields;
+    const Stored *gap, *cap_ratio, *yields;
     const StoredSingle* gathered;
     Lanes cap;
     int number;
@@ -28,15 +28,15 @@ struct SearchRow {
     CUDA_CALLABLE SearchRow(const Fields& fields, int row)
         : pressure(row_of(fields.pressure, row)), gradient(row_of(fields.gradient, row)),
           trial(row_of(fields.trial, row)), step(row_of(fields.step, row)),
-          response(row_of(fields.response, row)), gap(row_of(fields.gap, row)), fractions(nullptr),
+          response(row_of(fields.response, row)), gap(row_of(fields.gap, row)), cap_ratio(nullptr),
           yields(nullptr), gathered(nullptr), cap(fields.cap), number(row)
     {
-        if (fields.fractions.shape[0] > 0) fractions = row_of(fields.fractions, row);
+        if (fields.cap_ratio.shape[0] > 0) cap_ratio = row_of(fields.cap_ratio, row);
         if (fields.yields.shape[0] > 0) yields = row_of(fields.yields, row);
         if (fields.gathered.shape[0] > 0) gathered = (const StoredSingle*)&wp::index(fields.gathered, row, 0);
     }
 
-    CUDA_CALLABLE Lanes cap_of(int i) const { return fractions ? cap * fractions[i] : cap; }
+    CUDA_CALLABLE Lanes cap_of(int i) const { return cap_ratio ? cap * cap_ratio[i] : cap; }
 };
 
 // Visit every cell of a slot. `of_row` takes a row and the group that carries its load, and returns what is
@@ -251,9 +251,9 @@ template <typename Solve> WARPWEAR_FN void scatter(int slot, int slots, Solve& s
         if (row % every) continue;
         const SearchRow here(solve.fields, row);
         const double* const p = (const double*)here.pressure;
-        const double* const fractions = (const double*)here.fractions;
+        const double* const cap_ratio = (const double*)here.cap_ratio;
         const auto is_between = [&](int i) {
-            const double cap = fractions ? solve.fields.cap * fractions[i] : solve.fields.cap;
+            const double cap = cap_ratio ? solve.fields.cap * cap_ratio[i] : solve.fields.cap;
             return (p[i] > 0.0) & (p[i] < cap);
         };
         for (int i = lane_of_slot(); i < cells; i += width_of_slot()) {

@@ -38,7 +38,7 @@ LEAST_SINGLE = 2**14
 class Search:
     """Looks for a pressure under one operator, on one gap.
 
-    fields: arrays of `solve.Fields` by name; its gap is from the mean planes [mm]. fractions: parts of the
+    fields: arrays of `solve.Fields` by name; its gap is from the mean planes [mm]. cap_ratio: parts of the
     hardness that cells bear; None: all of it. yields: compliance of each cell beside the operator's [mm/MPa];
     None: none. groups: 1, all rows together, or as
     many as the executor has rows, each of which has a load of its own. tiled: whether gradients are extended
@@ -54,7 +54,7 @@ class Search:
         hardness: float,
         rules: SearchRules,
         fields: Mapping[str, Field],
-        fractions: Field | None,
+        cap_ratio: Field | None,
         yields: Field | None = None,
         groups: int,
         tiled: bool | None = None,
@@ -84,7 +84,7 @@ class Search:
                 device,
                 **fields,
                 cap=min(hardness, NO_CAP),
-                fractions=executor.zeros(0) if fractions is None else fractions,
+                cap_ratio=executor.zeros(0) if cap_ratio is None else cap_ratio,
                 yields=executor.zeros(0) if yields is None else yields,
                 gathered=gathered,
             ),
@@ -188,7 +188,7 @@ class Search:
     def _renew(self, program: Program) -> None:
         """Compute the gradient anew from the present pressure."""
         search = self._solve
-        if search.fields.fractions.shape[0]:
+        if search.fields.cap_ratio.shape[0]:
             self._pass(program, passes.bound)
         with self._only_if(program, Flag.RENEWS_EXACTLY, self._single):
             self._respond(program, "pressure", single=False)

@@ -108,7 +108,7 @@ class BoundedPressure:
         names = "pressure", "gradient", "trial", "step", "response"
         self._fields = {name: executor.zeros() for name in names}
         self._search: Search | None = None
-        #: Gap, cap fractions, compliances of cells and groups that the search is said for.
+        #: Gap, cap ratios, compliances of cells and groups that the search is said for.
         self._said: tuple[Any, ...] = ()
         #: Whether the next solve starts from what `pressure_field` holds; else from nothing.
         self.started = False
@@ -131,7 +131,7 @@ class BoundedPressure:
         compliance: float = 0.0,
         streak_compliance: float = 0.0,
         streak_window: int | None = None,
-        parts: Field | None = None,
+        cap_ratio: Field | None = None,
         yields: Field | None = None,
         certified: bool | None = True,
         then: Callable[[Search], Program] | None = None,
@@ -143,8 +143,8 @@ class BoundedPressure:
         the mean planes [mm]. compliance: c of every cell beside the half-space's [mm/MPa]: K ΔL of both
         bodies for an implicit step of wear. streak_compliance: K ΔL of a body that the other slides over,
         under pressures averaged along x, see `Influence`. streak_window: cells of that mean; None: the whole
-        line. parts: of the hardness, 0 < part ≤ 1, that cells bear; None: all of it. yields: compliance that
-        each cell has beside these [mm/MPa]; None: none. certified: whether to certify the pressure, for one
+        line. cap_ratio: of the hardness, 0 < ratio ≤ 1, that cells bear; None: all of it. yields: compliance
+        that each cell has beside these [mm/MPa]; None: none. certified: whether to certify the pressure, for one
         more pair of transforms; None: if it is found from nothing. then: the program that follows a search
         before the host looks.
 
@@ -153,7 +153,7 @@ class BoundedPressure:
         """
         loads = self._loads(mean_pressure, approach)
         certified = not self.started if certified is None else certified
-        search = self._search_for(gap, parts, yields, groups=isinstance(mean_pressure, np.ndarray))
+        search = self._search_for(gap, cap_ratio, yields, groups=isinstance(mean_pressure, np.ndarray))
         self._influence.set_compliance(compliance, streak_compliance, streak_window)
         request = {
             Request.RESPONSE: self._influence.shortest_response + compliance,
@@ -185,9 +185,11 @@ class BoundedPressure:
         """Return the displacement under the pressure that was certified last [mm]; lost in a solve."""
         return self._fields["response"]
 
-    def _search_for(self, gap: Field, parts: Field | None, yields: Field | None, *, groups: bool) -> Search:
+    def _search_for(
+        self, gap: Field, cap_ratio: Field | None, yields: Field | None, *, groups: bool
+    ) -> Search:
         """Return the search for contacts with a gap, caps and compliances; it is said once for each."""
-        said = gap.ptr, *(None if field is None else field.ptr for field in (parts, yields)), groups
+        said = gap.ptr, *(None if field is None else field.ptr for field in (cap_ratio, yields)), groups
         if self._search is None or said != self._said:
             self._search = None  # and its memory, before the next takes its own
             self._search = Search(
@@ -196,7 +198,7 @@ class BoundedPressure:
                 hardness=self._hardness,
                 rules=self._rules,
                 fields={"gap": gap, **self._fields},
-                fractions=parts,
+                cap_ratio=cap_ratio,
                 yields=yields,
                 groups=self._executor.grid.nx if groups else 1,
             )
@@ -266,7 +268,7 @@ class HalfSpace(BoundedPressure):
         datum = executor.grid.nx * executor.grid.cell if datum is None else datum
         elastic: dict[str, Any] = {"modulus": modulus, "boundary": boundary, "datum": datum}
         self._like = elastic | {name: options[name] for name in ("hardness", "rules") if name in options}
-        #: The solver on wide cells, and its gap, cap fractions and compliances, as far as there are such.
+        #: The solver on wide cells, and its gap, cap ratios and compliances, as far as there are such.
         self._wide: HalfSpace | None = None
         self._wide_fields: dict[str, Field] = {}
         super().__init__(executor, Influence(executor, **elastic), **options)
@@ -282,7 +284,7 @@ class HalfSpace(BoundedPressure):
     def _start(self, gap: Field, *, streak_window: int | None = None, then: Any = None, **where: Any) -> int:
         """Start from the contact on cells twice as wide, of whose transforms four count as one."""
         fine, fields = self._executor, {"gap": gap}
-        fields |= {name: where.pop(name) for name in ("parts", "yields") if where.get(name) is not None}
+        fields |= {name: where.pop(name) for name in ("cap_ratio", "yields") if where.get(name) is not None}
         if self._wide is None or self._wide_fields.keys() != fields.keys():
             # Of an odd number of cells the last wide one goes over the edge.
             coarse = Grid(-(-fine.grid.nx // 2), -(-fine.grid.ny // 2), 2.0 * fine.grid.cell)

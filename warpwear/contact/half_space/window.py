@@ -134,7 +134,7 @@ class OnWindow:
         device, threads = str(whole.device), whole.threads
         self._whole, self._part = whole, Executor(grid, device=device, threads=threads, fields_needed=0.0)
         self.solver = HalfSpace(self._part, **law)
-        #: Gap, cap fractions and compliances of cells there, as far as there are such.
+        #: Gap, cap ratios and compliances of cells there, as far as there are such.
         self.fields: dict[str, Field] = {}
         #: Row and vector of the whole grid where it begins.
         self.first = wp.zeros(2, dtype=wp.int32, device=whole.device)
@@ -243,19 +243,19 @@ class WindowedHalfSpace:
         load: float,
         streak_compliance: float = 0.0,
         streak_window: int | None = None,
-        parts: Field | None = None,
+        cap_ratio: Field | None = None,
         yields: Field | None = None,
-        least_part: float = 1.0,
+        least_cap_ratio: float = 1.0,
         certified: bool | None = True,
         compliance: float = 0.0,
     ) -> HalfSpaceContact:
         """Solve the contact at a load [N], otherwise as `solver.BoundedPressure.solve` does.
 
-        Fields are of the whole grid; the gradient is NaN beyond the window. least_part: no smaller is among
-        the parts. Raises InputError for a load that not all cells at the least of their caps carry.
+        Fields are of the whole grid; the gradient is NaN beyond the window. least_cap_ratio: the smallest
+        cap_ratio. Raises InputError for a load that not all cells at the least of their caps carry.
         """
-        whole, least = self._executor.grid, least_part * self._hardness
-        there = {"gap": gap, "parts": parts, "yields": yields}
+        whole, least = self._executor.grid, least_cap_ratio * self._hardness
+        there = {"gap": gap, "cap_ratio": cap_ratio, "yields": yields}
         fields = {name: field for name, field in there.items() if field is not None}
         wear = {"compliance": compliance, "streak_compliance": streak_compliance}
         options: dict[str, Any] = {**wear, "streak_window": streak_window}

@@ -165,7 +165,7 @@ class HalfSpacePatches(Model):
 
     def _solve(self, removal: float, *, certified: bool | None, **loads: Any) -> HalfSpaceContact:
         """Solve the contact of the patches visited. removal: as of `_press`."""
-        solve: Any = partial(self._solver.solve, parts=self._features.cells.cap_ratio, **loads)
+        solve: Any = partial(self._solver.solve, cap_ratio=self._features.cells.cap_ratio, **loads)
         if self._lines is None:
             contact: HalfSpaceContact = solve(self.gap, compliance=removal, certified=certified)
             return contact

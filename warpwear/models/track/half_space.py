@@ -286,8 +286,11 @@ class SlidingHalfSpace:
     @property
     def _caps(self) -> dict[str, Any]:
         """Parts of the hardness that cells bear, and the least of them."""
-        task, parts = self.task, self._asked.cells.cap_ratio
-        return {"parts": parts, "least_part": 1.0 if parts is None else task.least_hardness / task.hardness}
+        task, ratio = self.task, self._asked.cells.cap_ratio
+        return {
+            "cap_ratio": ratio,
+            "least_cap_ratio": 1.0 if ratio is None else task.least_hardness / task.hardness,
+        }
 
     def _static_area(self, solver: WindowedHalfSpace) -> float:
         """Return the area [mm²] of a contact on the last gap, without the compliance that wear lends it."""

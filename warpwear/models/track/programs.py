@@ -48,7 +48,7 @@ class StepPrograms:
                 load=task.load,
                 hardness=task.hardness,
                 stiffness=None if rigid else cells.stiffness,
-                parts=cells.cap_ratio,
+                cap_ratio=cells.cap_ratio,
                 tolerance=task.load_tolerance if rigid else None,
                 knots=task.knots,
             )
