@@ -144,9 +144,9 @@ class BoundedPressure:
         bodies for an implicit step of wear. streak_compliance: K ΔL of a body that the other slides over,
         under pressures averaged along x, see `Influence`. streak_window: cells of that mean; None: the whole
         line. cap_ratio: of the hardness, 0 < ratio ≤ 1, that cells bear; None: all of it. yields: compliance
-        that each cell has beside these [mm/MPa]; None: none. certified: whether to certify the pressure, for one
-        more pair of transforms; None: if it is found from nothing. then: the program that follows a search
-        before the host looks.
+        that each cell has beside these [mm/MPa]; None: none. certified: whether to certify the pressure, for
+        one more pair of transforms; None: if it is found from nothing. then: the program that follows a
+        search before the host looks.
 
         Raises InputError for a load that the hardness cannot carry, ConvergenceError where the tolerance is
         not met.
