@@ -25,8 +25,7 @@ LEFT_OUT = {
     "docs/how-to/inference.md": {"warpwear.infer(": "takes a minute; tests/inference runs one like it"},
     "docs/developer/programs.md": {"program.loop(": "a part of warpwear/contact/search.py"},
     "docs/developer/kernels.md": {
-        "def carried(": "a part of kernels/half_space/passes.py",
-        "def wear_slot(": "a part of kernels/wear.py",
+        "def carried(": "tests/docs/test_kernels_page.py runs it",
         "compile_aot_module(": "takes half a minute",
     },
 }
