@@ -1,13 +1,13 @@
 """The pass that the page on kernels shows does what the page says."""
 
 import importlib.util
+import re
 import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 import warp as wp
-from test_code_blocks import boxes
 
 from warpwear.kernels import native_code
 
@@ -23,9 +23,10 @@ from warpwear.kernels.cells import Cells
 def test_the_pass_that_is_shown_adds_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, device: str) -> None:
     headers = shutil.copytree(native_code.FOLDER, tmp_path / "native")
     monkeypatch.setattr(native_code, "FOLDER", headers)
-    (header,) = boxes(PAGE, "cpp")
+    page = PAGE.read_text(encoding="utf-8")
+    (header,) = re.findall(r"```cpp\n(.*?)```", page, re.DOTALL)
     (headers / "my_pass.h").write_text(header, encoding="utf-8")
-    (source,) = (box for box in boxes(PAGE, "python") if "def carried(" in box)
+    (source,) = re.findall(r"```python\n(wp.set_module_options.*?)```", page, re.DOTALL)
     (tmp_path / "shown.py").write_text(IMPORTS + source, encoding="utf-8")
     spec = importlib.util.spec_from_file_location("shown", tmp_path / "shown.py")
     assert spec is not None
