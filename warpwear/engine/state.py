@@ -12,7 +12,7 @@ in `restored()`. What else steps change of it is made anew before it is read: th
 """
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, Protocol, get_args, get_origin
 
@@ -67,6 +67,45 @@ def frames(part: Part) -> dict[str, Frame]:
     entries = _Entries(whole=True)
     _saved(part, "", entries)
     return entries.frames
+
+
+def check(part: Any, name: str, others: Collection[Any] = (), *, framed: bool = False) -> None:
+    """Raise TypeError for an array that a part does not declare, or has in its state without a frame.
+
+    name: of the part. others: arrays that it uses and are another's. framed: whether it lies in one. Members of mappings, sequences and
+    structs are gone through; a part whose state is a property may keep it as it likes.
+    """
+    scratch = getattr(part, "SCRATCH", ())
+    known = {id(one) for one in others} | {id(getattr(part, n, None)) for n in (*part.STATE, *scratch)}
+    hides = any(isinstance(getattr(type(part), n, None), property) for n in part.STATE)
+    for member, value in () if hides else vars(part).items():
+        if member not in scratch and member not in part.STATE and _has_array(value, known):
+            raise TypeError(f"neither STATE nor SCRATCH of {name} has {member}, which holds an array")
+    for member, kind in part.STATE.items():
+        if hasattr(value := getattr(part, member), "STATE"):
+            check(value, f"{name}.{member}", others, framed=framed or isinstance(kind, InFrame))
+    entries = _Entries(whole=True)
+    _saved(part, "", entries)
+    unframed = (
+        () if framed else {path for path, a in entries.arrays.items() if a.size} - entries.frames.keys()
+    )
+    if unframed:
+        raise TypeError(f"STATE of {name} declares no frame (InFrame) of {', '.join(sorted(unframed))}")
+
+
+def _has_array(value: Any, known: set[int]) -> bool:
+    """Tell whether a value is or holds an array that is not known."""
+    if id(value) in known:
+        return False
+    if isinstance(value, wp.array | np.ndarray) or hasattr(value, "STATE"):
+        return True
+    if isinstance(value, Mapping):
+        return any(_has_array(item, known) for item in value.values())
+    if isinstance(value, list | tuple):
+        return any(_has_array(item, known) for item in value)
+    if hasattr(value, "_cls") and hasattr(value, "__ctype__"):  # a struct of Warp
+        return any(_has_array(getattr(value, member), known) for member in value._cls.vars)
+    return False
 
 
 def restore(part: Part, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:

@@ -340,6 +340,11 @@ class Content(Programme):
             static_area_every=self.static_area_every,
             fretting=self.fretting,
             profiles=self.profiles,
+            features={
+                name: law
+                for section in vars(self).values()
+                for name, law in getattr(section, "features", {}).items()
+            },
         )
 
     @property

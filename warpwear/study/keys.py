@@ -31,13 +31,14 @@ class Rule:
     """One condition under which a key is used; see `when`."""
 
     name: str  # dotted key of a study, or a property of its content or of a section
-    values: tuple[Any, ...]  # of that, under which the key is used
+    values: tuple[Any, ...]  # of that, under which the key is used; none: whatever is true
     otherwise: str  # end of the sentence about a key that is not used; {} is the value
 
     def why_not(self, study: BaseModel) -> str | None:
         """Return the end of the sentence about a key that the study does not use; None where it may."""
         value = attribute_of(study, self.name)
-        return None if value in self.values else self.otherwise.format(value)
+        holds = value in self.values if self.values else bool(value)
+        return None if holds else self.otherwise.format(value)
 
 
 def when(name: str, *values: Any, otherwise: str | None = None) -> tuple[Rule, ...]:
@@ -47,7 +48,7 @@ def when(name: str, *values: Any, otherwise: str | None = None) -> tuple[Rule, .
     tuples, which add up.
     """
     label = "sliding.kinematics" if name == "kinematics" else name  # as the study comes to it
-    return (Rule(name, values or (True,), otherwise or f"does not apply to {label} = '{{}}'"),)
+    return (Rule(name, values, otherwise or f"does not apply to {label} = '{{}}'"),)
 
 
 @dataclass(frozen=True)
@@ -117,8 +118,8 @@ def _named(study: BaseModel, name: str) -> str:
 def _shown(study: BaseModel, name: str) -> str:
     """Return the value of a key as a sentence shows it: words in quotes, numbers with their unit."""
     value = attribute_of(study, name)
-    if isinstance(value, str):
-        return f"'{value}'"
+    if isinstance(value, str | bool):
+        return _one_of([value])
     written = value_of(study.model_dump(), name)
     if isinstance(written, list | tuple):
         return ", ".join(map(str, written))
@@ -135,15 +136,16 @@ def _example(name: str, field: FieldInfo | None) -> str:
 
 def _one_of(values: Iterable[Any]) -> str:
     """Return values as a list in a sentence: 'a', 'b' or 'c'."""
-    *first, last = (f"'{value}'" for value in values)
+    *first, last = (str(v).lower() if isinstance(v, bool) else f"'{v}'" for v in values)
     return f"{', '.join(first)} or {last}" if first else last
 
 
 def _allowed(study: BaseModel, name: str, barred: tuple[Any, ...]) -> str:
     """Return the values of a key that are left where some are barred."""
     options = get_args(declarations(type(study))[name].field.annotation)
-    options = tuple(get_args(option) or (option,) for option in options)  # or None
-    return _one_of(value for value in chain(*options) if value not in (*barred, type(None)))
+    options = tuple(get_args(option) or (option,) for option in options or (bool,))  # or None
+    left = (v for option in options for v in ((True, False) if option == (bool,) else option))
+    return _one_of(value for value in left if not isinstance(value, type) and value not in barred)
 
 
 def needs(name: str, *values: Any, of: Any = (), **others: Any) -> tuple[Demand, ...]:

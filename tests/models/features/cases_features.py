@@ -90,7 +90,7 @@ class Debris(Feature):
     def before_wear(self, program: Program, place: Place) -> None:
         program.decide(note, place.slides, self.first_column, place.steps.history)
 
-    def after_step(self, program: Program, place: Place) -> None:
+    def after_part(self, program: Program, place: Place) -> None:
         program.launch(lay, place.slides, self.of_step, self.depth, place.bodies.disc)
 
     def enter(self, columns: Mapping[str, FloatArray], total: dict[str, Any], most: dict[str, Any]) -> None:

@@ -14,8 +14,7 @@ from warpwear.kernels.cells import Coat, Films
 from warpwear.kernels.running_in import film as kernels
 from warpwear.laws.archard import BODIES
 from warpwear.laws.film import Film
-from warpwear.laws.task import ContactTask
-from warpwear.models.features.feature import Feature, Place
+from warpwear.models.features.feature import Feature, Place, Site
 
 #: What is kept of every cell of a body whose film forms anew.
 KEPT = ("whole", "seen", "rubbed")
@@ -23,7 +22,7 @@ KEPT = ("whole", "seen", "rubbed")
 AS = {"counter": "counter", "disc": "disc", "both": "counter"}
 
 
-class BareCells(Feature):
+class BareCells(Feature, name="film"):
     """Keeps track of the cells that wear has bared, of bodies one of which may move under the other.
 
     wear: of each body that carries a film, by name [mm]: of shape (nx, ny), or of more rows, displaced by
@@ -34,7 +33,8 @@ class BareCells(Feature):
     STATE: ClassVar = {
         "healing": {"counter": InFrame("counter"), "disc": InFrame("disc"), "both": InFrame("contact")}
     }
-    SCRATCH: ClassVar = ("bare", "properties", "sources")
+    SCRATCH: ClassVar = ("bare",)
+    jumps = True
 
     def __init__(
         self,
@@ -73,10 +73,11 @@ class BareCells(Feature):
         self.sources = {"films": films}
 
     @classmethod
-    def of(cls, task: ContactTask, executor: Executor, bodies: Mapping[str, Field]) -> Self:
+    def of(cls, site: Site) -> Self | None:
         """Follow the film of a task on a ball and a disc that wear apart, or in one proportion: `worn`."""
-        film = task.film
-        assert film is not None
+        task, executor, bodies, film = site.task, site.executor, site.bodies, site.task.film
+        if film is None:
+            return None
         if "worn" not in bodies:
             coated = {body: bodies[f"wear_{body}"] for body, on in zip(BODIES, film.on, strict=True) if on}
             listed = task.pieces is None and not task.half_space
@@ -89,7 +90,7 @@ class BareCells(Feature):
         """Add a look at which of all cells are bare as a step begins."""
         program.launch(kernels.look, place.slides, place.sources, place.cells)
 
-    def after_step(self, program: Program, place: Place) -> None:
+    def after_part(self, program: Program, place: Place) -> None:
         """Add a note of what the step has worn."""
         if not self._heals:
             return

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.kernels import wear_from_pressure
 from warpwear.laws.task import ContactTask
-from warpwear.models.features.feature import Feature, Host
+from warpwear.models.features.feature import Feature, Host, Site
 
 optimize = lazy.module("scipy.optimize")
 
@@ -25,7 +25,7 @@ TOLERANCE = 1.0e-9
 SAME = 1.0e-9
 
 
-class CyclicSlip(Feature):
+class CyclicSlip(Feature, name="fretting"):
     """Knows what cells slip in a cycle, and how much of the wear of both bodies is a mean along x.
 
     All of the contact may slide, by `rigid` [mm] in a cycle; cells slip by lengths of their own beside that,
@@ -34,12 +34,13 @@ class CyclicSlip(Feature):
     """
 
     moves_pressure = True
+    jumps = True
     NUMBERS: ClassVar = ("_jump", "rigid", "force", "border", "_stuck", "_approach", "_first")
     STATE: ClassVar = {
         **dict.fromkeys(("slips", "grown"), InFrame("contact")),
         **dict.fromkeys(NUMBERS, float),
     }
-    SCRATCH: ClassVar = ("yields", "_solver")
+    SCRATCH: ClassVar = ("_solver",)
 
     def __init__(self, task: ContactTask, executor: Executor) -> None:
         assert task.fretting is not None
@@ -63,6 +64,11 @@ class CyclicSlip(Feature):
         if not slides:
             law: dict[str, Any] = {"boundary": task.boundary, "hardness": task.hardness}
             self._solver = HalfSpace(executor, modulus=task.modulus, tolerance=TOLERANCE, **law)
+
+    @classmethod
+    def of(cls, site: Site) -> Self | None:
+        """Follow the fretting of a task."""
+        return None if site.task.fretting is None else cls(site.task, site.executor)
 
     def restored(self) -> None:
         """Slide as this drive does, whatever another one did."""

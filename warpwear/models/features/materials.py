@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import warp as wp
@@ -14,7 +14,7 @@ from warpwear.kernels.running_in import materials as kernels
 from warpwear.laws.archard import BODIES
 from warpwear.laws.depth_profile import DepthProfile
 from warpwear.laws.task import ContactTask
-from warpwear.models.features.feature import Feature, Host, Place
+from warpwear.models.features.feature import Feature, Host, Place, Site
 
 #: Stands for no limit [1].
 NONE = 1.0e300
@@ -71,24 +71,21 @@ def steps_above(
     return min(int(np.searchsorted(d, p.first_interface)) for d, p in zip(depths, task.profiles, strict=True))
 
 
-class MaterialsByDepth(Feature):
+class MaterialsByDepth(Feature, name="materials"):
     """Gives cells K and the cap of the materials that meet there; books what each bears and loses.
 
     On the half-space the mean of K lends a compliance to all cells, and each has the deviation from it.
     """
 
     STATE: ClassVar = {"means": tuple}
-    SCRATCH: ClassVar = (
-        "_books",
-        "_of_parts",
-        "_slid",
-        "_slides",
-        "_largest",
-        "properties",
-        "sources",
-        "yields",
-    )
+    SCRATCH: ClassVar = ("_books", "_of_parts", "_slid", "_slides", "_largest")
     columns = COLUMNS
+    jumps = True
+
+    @classmethod
+    def of(cls, site: Site) -> Self | None:
+        """Follow the profiles of a task."""
+        return None if site.task.profiles is None else cls(site.task, site.executor, site.bodies)
 
     def __init__(self, task: ContactTask, executor: Executor, bodies: Mapping[str, Field]) -> None:
         assert task.profiles is not None
@@ -154,7 +151,7 @@ class MaterialsByDepth(Feature):
         contact = place.slides, place.springs, place.sources, place.cells, place.bodies.gap
         program.launch(kernels.book, *place.listed, *contact, self._books)
 
-    def between(self, program: Program, place: Place) -> None:
+    def end_step(self, program: Program, place: Place) -> None:
         """Add that the books go into the row of the step."""
         program.decide(kernels.record, place.slides, self._books, place.steps.history, self.first_column)
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import warp as wp
@@ -21,7 +21,7 @@ from warpwear.kernels.sliding import Slide
 from warpwear.laws.archard import BODIES
 from warpwear.laws.pieces import ROUNDS
 from warpwear.laws.pieces import Pieces as PieceLaw
-from warpwear.models.features.feature import Feature, Place
+from warpwear.models.features.feature import Feature, Place, Site
 
 #: What a row of the history says of each body.
 OF_BODY = ("pieces", "wear", "pending", "deepest")
@@ -38,7 +38,7 @@ class Pending:
     """
 
     STATE: ClassVar = {"pending": Field, "overflow": np.ndarray, "_of_rows": Field}
-    SCRATCH: ClassVar = ("body",)
+    SCRATCH: ClassVar = ("body", "_footprint")
 
     def __init__(
         self,
@@ -127,7 +127,7 @@ class Pending:
         self.body.counts.assign(host)
 
 
-class SlidingParticles(Feature):
+class SlidingParticles(Feature, name="particles"):
     """Particles of both bodies of a contact that slides or lies still.
 
     The table of pieces may get full while they leave: `drain` empties it after each replay, and tells whether
@@ -135,7 +135,7 @@ class SlidingParticles(Feature):
     """
 
     STATE: ClassVar = {"counter": InFrame("counter"), "disc": InFrame("disc"), "book": PieceBook}
-    SCRATCH: ClassVar = ("_both", "_release")
+    SCRATCH: ClassVar = ("_both", "_release", "_footprint")
     columns = COLUMNS
     book: PieceBook
     changes_heights = True
@@ -173,6 +173,12 @@ class SlidingParticles(Feature):
             pieces=(room, shedding.COLUMNS),
             begins=wp.array([1], dtype=wp.int32, device=device),
         )
+
+    @classmethod
+    def of(cls, site: Site) -> Self | None:
+        """Follow the particles of a task."""
+        law = site.task.pieces
+        return None if law is None else cls(law, site.executor, site.bodies, periodic=site.periodic)
 
     def beside(self, columns: tuple[int, int]) -> tuple[int, int]:
         """First column of those given, and the one after the last, where pieces of them may lie too."""

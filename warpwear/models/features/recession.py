@@ -7,7 +7,7 @@ Letters 70, 2022, doi 10.1007/s11249-022-01602-6); the equations here follow fro
 """
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.program import Program
@@ -17,10 +17,10 @@ from warpwear.kernels.cells import Curve
 from warpwear.kernels.running_in import film
 from warpwear.kernels.running_in import recession as kernels
 from warpwear.laws.bearing_curve import Logistic
-from warpwear.models.features.feature import Feature, Place
+from warpwear.models.features.feature import Feature, Place, Site
 
 
-class Recession(Feature):
+class Recession(Feature, name="recession"):
     """What a logistic bearing curve adds to the steps of a disc that lies still."""
 
     STATE: ClassVar = {"extra_depth": InFrame("disc")}
@@ -30,6 +30,11 @@ class Recession(Feature):
         self._curve = for_kernels(curve)
         #: By which the surface stands deeper than its mean worn depth [mm].
         self.extra_depth = executor.zeros()
+
+    @classmethod
+    def of(cls, site: Site) -> Self | None:
+        """Follow the bearing curve of a disc."""
+        return None if site.curve is None else cls(site.curve, site.executor)
 
     def before_wear(self, program: Program, place: Place) -> None:
         """Add a count of the cells' area that bears in a solved contact: Σ φ over the cells in contact."""
@@ -46,6 +51,18 @@ class Recession(Feature):
         total["bearing"] = columns["bearing"]
 
 
+class OwnDistances(Feature, name="distances"):
+    """Cells of the disc slide distances of their own while it lies still: their K has a factor."""
+
+    def __init__(self, factor: Field) -> None:
+        self.properties = {"k_disc": factor}
+
+    @classmethod
+    def of(cls, site: Site) -> Self | None:
+        """Follow the distances of a site."""
+        return None if site.distances is None else cls(site.distances)
+
+
 class UnequalStiffness(Feature):
     """The stiffness 1/c of every cell where what wears it in a step differs from cell to cell.
 
@@ -53,7 +70,8 @@ class UnequalStiffness(Feature):
     of every cell with the list of its tile.
     """
 
-    SCRATCH: ClassVar = ("properties", "sources", "_stiffness")
+    SCRATCH: ClassVar = ("_stiffness",)
+    jumps = True
 
     def __init__(
         self, executor: Executor, bodies: Mapping[str, Field], curve: Logistic | None, *, alike: bool

@@ -245,7 +245,7 @@ class HalfSpacePatches(Model):
             *tables,
             slots=self.patches.count,
         )
-        self._features.ask("after_step", program, self._place)
+        self._features.ask("after_part", program, self._place)
         return program
 
 

@@ -99,6 +99,7 @@ class SlidingContact:
             executor,
             self.state.fields,
             periodic=periodic,
+            track_fraction=track_fraction,
             distances=self._factor() if self._factored else None,
             curve=bearing_curve,
             own=COLUMNS,
