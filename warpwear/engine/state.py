@@ -72,8 +72,9 @@ def frames(part: Part) -> dict[str, Frame]:
 def check(part: Any, name: str, others: Collection[Any] = (), *, framed: bool = False) -> None:
     """Raise TypeError for an array that a part does not declare, or has in its state without a frame.
 
-    name: of the part. others: arrays that it uses and are another's. framed: whether it lies in one. Members of mappings, sequences and
-    structs are gone through; a part whose state is a property may keep it as it likes.
+    name: of the part. others: arrays that it uses and are another's. framed: whether it lies in one. Members
+    of mappings, sequences and structs are gone through; a part whose state is a property may keep it as it
+    likes.
     """
     scratch = getattr(part, "SCRATCH", ())
     known = {id(one) for one in others} | {id(getattr(part, n, None)) for n in (*part.STATE, *scratch)}

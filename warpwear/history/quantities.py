@@ -10,12 +10,14 @@ import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
+from itertools import chain
 from typing import Any, Literal
 
 from warpwear.grid import FloatArray, Frame
 from warpwear.history.arrangements import ARRANGEMENTS
 from warpwear.laws.archard import BODIES, CALLED
 from warpwear.laws.depth_profile import of_materials
+from warpwear.study.keys import attribute_of, section_in
 from warpwear.study.study import Study
 
 #: What a quantity has one value for: a step; a step and patch; a cell of a snapshot; a snapshot; a depth at
@@ -57,12 +59,15 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
 class Quantity:
     """Declare one quantity of a result.
 
-    only: a name of `ONLY`, None where all runs have it. frame: what the cells of a field lie on; of a column
-    of the history, the body over whose cells it is summed; None of others.
+    only: a name of `ONLY`, or a dotted key or property of studies that have it where that is true; None where
+    all runs have it. frame: what the cells of a field lie on; of a column
+    of the history, the body over whose cells it is summed; None of others. lowers: 1 of depths that the disc
+    lies lower by, −1 of those it lies higher by. signed: whether a field may be negative.
 
     Where people see it: label names it alone, short beside others of its family, whose name stands at the
     axis. Its values times factor are in shown_unit. log: whether an axis of values over decades is
-    logarithmic. colour: a name of `warpwear.figures.describe`; dash: how its line is drawn.
+    logarithmic. colour: a name of `warpwear.figures.describe`; dash: how its line is drawn. map: whether a
+    figure shows it over the disc, or over the contact.
     entry: keys of its end value in a run's summary, with dots between them.
     """
 
@@ -72,6 +77,8 @@ class Quantity:
     per: Per = "step"
     only: str | None = None
     frame: Frame | None = None
+    lowers: float = 0.0
+    signed: bool = False
     label: str = ""
     family: str = ""
     short: str = ""
@@ -81,10 +88,18 @@ class Quantity:
     colour: str = "NEUTRAL"
     dash: str = "solid"
     entry: str = ""
+    map: bool = False
 
     def applies_to(self, study: Study) -> bool:
         """Tell whether a run of the study has the quantity."""
-        return self.only is None or ONLY[self.only][1](study)
+        if self.only in ONLY:
+            return ONLY[self.only][1](study)
+        return self.only is None or bool(attribute_of(study, self.only))
+
+    @property
+    def runs(self) -> str:
+        """Return what the runs that have it are called; empty where all have it."""
+        return ONLY[self.only][0] if self.only in ONLY else self.only or ""
 
     @property
     def unit(self) -> str:
@@ -176,12 +191,17 @@ def _quantities() -> Iterator[Quantity]:
     declared: dict[Any, Any] = tomllib.loads(
         (files("warpwear.history") / "quantities.toml").read_text(encoding="utf-8")
     )
-    for where, meanings in declared.items():
+    sections = (section_in(info.annotation) for info in Study.model_fields.values())
+    own = (getattr(section, "QUANTITIES", {}) for section in dict.fromkeys(sections))
+    for where, meanings in chain(declared.items(), *(quantities.items() for quantities in own)):
         what, _, only = where.partition(", ")
         for heading, meaning in meanings.items():
             name, unit = heading.rstrip("]").split(" [")
-            units, _, frame = unit.partition(", ")
-            yield Quantity(name, units, meaning, what, only or None, frame or None, **LOOKS.get(name, {}))
+            units, frame, mark = (*unit.split(", "), "", "")[:3]
+            marks = {"lowers": {"lowers": 1.0, "raises": -1.0}.get(mark, 0.0), "signed": mark == "signed"}
+            about = LOOKS.get(name, {}) | (meaning if isinstance(meaning, dict) else {"meaning": meaning})
+            place: dict[str, Any] = {"per": what, "only": only or None, "frame": frame or None}
+            yield Quantity(name, units, **about, **marks, **place)
 
 
 QUANTITIES = tuple(_quantities())

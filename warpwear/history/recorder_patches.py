@@ -130,5 +130,6 @@ class PatchLedger(Ledger):
         }
         worn = fields.pop("worn")
         counter, disc = (part * worn for part in self._fractions)
-        snapshot = Snapshot(distance, step.pressure, counter, disc, **fields)
+        fields |= {"pressure": step.pressure, "wear_counter": counter, "wear_disc": disc}
+        snapshot = Snapshot.of(distance, fields)
         return replace(snapshot, fresh=frozenset(snapshot.fields))  # all are made for it

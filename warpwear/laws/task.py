@@ -55,10 +55,11 @@ class FeatureLaw:
 
 
 #: Members of a task by which area and scar do not cease to go with the sum of both wears.
-PLAIN = frozenset(
-    "load hardness form compliance implicit rigid load_tolerance distance_factor keeps_dents bulk_stiffness "
-    "bulk_updated uses_bulk_stiffness prescribed_loads half_space modulus boundary static_area_every".split()
-)
+PLAIN = {
+    *("load", "hardness", "form", "compliance", "implicit", "rigid", "load_tolerance", "distance_factor"),
+    *("keeps_dents", "bulk_stiffness", "bulk_updated", "uses_bulk_stiffness", "prescribed_loads"),
+    *("half_space", "modulus", "boundary", "static_area_every"),
+}
 
 
 @dataclass(frozen=True)

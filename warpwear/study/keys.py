@@ -202,7 +202,11 @@ def key(default: Any = ..., meaning: str = "", **declared: Any) -> Any:
 
 
 class Section(BaseModel):
-    """A section is frozen and takes no key that is not declared; `_check` says whether its numbers agree."""
+    """A section is frozen and takes no key that is not declared; `_check` says whether its numbers agree.
+
+    Its `features` are laws of a contact by the names of features, those that its keys ask for; `QUANTITIES`
+    are what only runs with these have, as in `history/quantities.toml`, or with their looks in a dictionary.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
 

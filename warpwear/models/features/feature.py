@@ -1,8 +1,8 @@
 """What a study may add to the steps of a contact: each feature adds its part to a program, and books it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, ClassVar, NamedTuple, Protocol
 
@@ -128,7 +128,7 @@ class Feature:
 
     @classmethod
     def of(cls, site: Site) -> "Feature | None":
-        """Return that of a task, by default made of its law and the site; None where it does not ask for it."""
+        """Return that of a task, by default made of its law and the site; None where none asks for it."""
         law, make = site.task.features.get(cls.name), cls
         return None if law is None else make(law, site)
 

@@ -11,8 +11,8 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine import state
+from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.history import quantities

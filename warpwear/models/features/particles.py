@@ -141,13 +141,20 @@ class SlidingParticles(Feature, name="particles"):
     changes_heights = True
 
     def __init__(
-        self, law: PieceLaw, executor: Executor, bodies: Mapping[str, Field], *, periodic: bool
+        self,
+        law: PieceLaw,
+        executor: Executor,
+        bodies: Mapping[str, Field],
+        *,
+        periodic: bool,
+        track_fraction: float = 1.0,
     ) -> None:
         cell, device = executor.grid.cell, executor.device
         if law.dust < 1.0:
             self.window = 1  # particles cut what a mean would smear; where all is dust none leaves
         places, bowl = law.footprint(cell)
         self.law, self._executor, self.margin = law, executor, law.margin(cell)
+        self._track_fraction = track_fraction
         self._footprint = arguments(
             kernels.Footprint,
             along=wp.array(places[:, 0], dtype=wp.int32, device=device),
@@ -177,8 +184,10 @@ class SlidingParticles(Feature, name="particles"):
     @classmethod
     def of(cls, site: Site) -> Self | None:
         """Follow the particles of a task."""
-        law = site.task.pieces
-        return None if law is None else cls(law, site.executor, site.bodies, periodic=site.periodic)
+        if site.task.pieces is None:
+            return None
+        track: dict[str, Any] = {"periodic": site.periodic, "track_fraction": site.track_fraction}
+        return cls(site.task.pieces, site.executor, site.bodies, **track)
 
     def beside(self, columns: tuple[int, int]) -> tuple[int, int]:
         """First column of those given, and the one after the last, where pieces of them may lie too."""
@@ -223,7 +232,9 @@ class SlidingParticles(Feature, name="particles"):
         """Enter what has left each body, what is worn of it and pending."""
         for body in BODIES:
             pieces, wear, pending, most[f"wear_{body}"] = (columns[f"{name}_{body}"] for name in OF_BODY)
-            total |= {f"pieces_{body}": pieces, f"wear_{body}": wear, f"pending_{body}": pending}
+            whole = self._track_fraction if body == "disc" else 1.0
+            total |= {f"pieces_{body}": pieces / whole, f"wear_{body}": wear}
+            total[f"pending_volume_{body}"] = pending
 
     def drain(self) -> bool:
         """Enter the pieces that have left into the book; tell whether the program is to go on in its step."""

@@ -365,7 +365,7 @@ class SlidingHalfSpace:
         sums, maxima, *of_rows = self._mirror.read()
         most = dict(zip(MAXIMA, maxima.max(axis=1).tolist(), strict=True))
         total = dict(zip(names_of(PressureSum), sums.sum(axis=1).tolist(), strict=True)) | wearing
-        for name, rows in zip(("wear_disc", "pressed_disc"), of_rows, strict=True):
+        for name, rows in zip(("wear_disc", "plastic_volume_disc"), of_rows, strict=True):
             total[name] = float(rows.sum())
         if self._asked:  # of all touched so far
             self.slides.set(first_column=-most["first_column"], end_column=most["last_column"] + 1.0)

@@ -9,7 +9,7 @@ from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray
 from warpwear.history.pieces import PieceBook
 from warpwear.history.recorder import Step
-from warpwear.history.snapshot import Snapshot
+from warpwear.history.snapshot import Snapshot, lowered
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
 from warpwear.laws.track import Track
@@ -134,13 +134,20 @@ class SweptModel(Model):
         state, to_numpy = self.contact.state, self._executor.to_numpy
         row = self._row
         disc = to_numpy(state.disc)
-        return Snapshot(
-            distance,
-            pressure=step.pressure,
-            wear_counter=to_numpy(state.wear_counter),
-            wear_disc=to_numpy(state.wear_disc),
-            gap=to_numpy(state.counter) - self._track.beneath(disc, row),
-            plastic_disc=to_numpy(state.plastic_disc) if self.contact.task.keeps_dents else None,
-            row=row if self._track.moves else None,
-            **self.contact.features.fields(step.pressure),
-        )
+        fields = {
+            "pressure": step.pressure,
+            "wear_counter": to_numpy(state.wear_counter),
+            "wear_disc": to_numpy(state.wear_disc),
+            "gap": to_numpy(state.counter) - self._track.beneath(disc, row),
+        }
+        fields |= {"plastic_disc": to_numpy(state.plastic_disc)} if self.contact.task.keeps_dents else {}
+        fields |= self.contact.features.fields(step.pressure)
+        return Snapshot.of(distance, fields, row=row if self._track.moves else None)
+
+    def off_heights(self, snapshot: Snapshot, unworn: FloatArray) -> float:
+        """Compare the disc of a track with what a snapshot says of it, see `Model.off_heights`."""
+        if snapshot.row is None:
+            return 0.0
+        lower, others = snapshot.wear_disc, lowered(snapshot.own)
+        lost = lower if others is None else lower + others
+        return float(np.abs(unworn - lost - self._executor.to_numpy(self.contact.state.disc)).max())

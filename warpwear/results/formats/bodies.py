@@ -147,8 +147,7 @@ class Job:
             if body != TRACK:
                 self._kept[body] = worn_heights(self.result, snapshot, body)
             else:
-                lost = snapshot.wear_disc + (0.0 if snapshot.plastic_disc is None else snapshot.plastic_disc)
-                self._kept[body] = self.result.track_heights() - lost
+                self._kept[body] = self.result.track_heights() - np.add(*self.result.track_loss(number))
         heights: FloatArray = self._kept[body]
         return heights
 
