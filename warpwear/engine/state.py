@@ -98,15 +98,13 @@ def _has_array(value: Any, known: set[int]) -> bool:
     """Tell whether a value is or holds an array that is not known."""
     if id(value) in known:
         return False
-    if isinstance(value, wp.array | np.ndarray) or hasattr(value, "STATE"):
-        return True
     if isinstance(value, Mapping):
-        return any(_has_array(item, known) for item in value.values())
+        value = [*value.values()]
+    elif hasattr(value, "_cls") and hasattr(value, "__ctype__"):  # a struct of Warp
+        value = [getattr(value, member) for member in value._cls.vars]
     if isinstance(value, list | tuple):
         return any(_has_array(item, known) for item in value)
-    if hasattr(value, "_cls") and hasattr(value, "__ctype__"):  # a struct of Warp
-        return any(_has_array(getattr(value, member), known) for member in value._cls.vars)
-    return False
+    return isinstance(value, wp.array | np.ndarray) or hasattr(value, "STATE")
 
 
 def restore(part: Part, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:

@@ -17,7 +17,7 @@ from warpwear.grid import FloatArray, Frame
 from warpwear.history.arrangements import ARRANGEMENTS
 from warpwear.laws.archard import BODIES, CALLED
 from warpwear.laws.depth_profile import of_materials
-from warpwear.study.keys import attribute_of, section_in
+from warpwear.study.keys import section_in, uses
 from warpwear.study.study import Study
 
 #: What a quantity has one value for: a step; a step and patch; a cell of a snapshot; a snapshot; a depth at
@@ -40,18 +40,12 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
         "tracks that keep their dents",
         lambda study: study.is_swept and study.sliding.plastic == "keep",
     ),
-    "programme": ("programmes of blocks", lambda study: study.block is not None),
     "film": ("runs with a film", lambda study: study.film is not None),
-    "pieces": ("wear in pieces", lambda study: study.wear.sheds),
     "by area": (
         "wear of friction energy by a shear strength, layers of a shear strength",
         lambda study: study.wears_by_area or study.shears_unalike,
     ),
-    "layers of the counter-body": ("counter-bodies with layers", lambda study: bool(study.counter.layers)),
-    "layers of the disc": ("discs with layers", lambda study: bool(study.disc.layers)),
-    "stresses": ("runs with stresses (output.stress_depths)", lambda study: study.has_stresses),
     "fatigue": ("runs with fatigue limits", lambda study: study.fatigue is not None),
-    "static area": ("output.static_area_every", lambda study: study.static_area_every > 0),
 }
 
 
@@ -59,10 +53,10 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
 class Quantity:
     """Declare one quantity of a result.
 
-    only: a name of `ONLY`, or a dotted key or property of studies that have it where that is true; None where
-    all runs have it. frame: what the cells of a field lie on; of a column
-    of the history, the body over whose cells it is summed; None of others. lowers: 1 of depths that the disc
-    lies lower by, −1 of those it lies higher by. signed: whether a field may be negative.
+    only: a name of `ONLY`, or a dotted key that runs use which have it; None where all have it. frame: what
+    the cells of a field lie on; of a column of the history, the body over whose cells it is summed; None of
+    others. lowers: 1 of depths that the disc lies lower by, −1 of those it lies higher by. signed: whether a
+    field may be negative.
 
     Where people see it: label names it alone, short beside others of its family, whose name stands at the
     axis. Its values times factor are in shown_unit. log: whether an axis of values over decades is
@@ -94,7 +88,7 @@ class Quantity:
         """Tell whether a run of the study has the quantity."""
         if self.only in ONLY:
             return ONLY[self.only][1](study)
-        return self.only is None or bool(attribute_of(study, self.only))
+        return self.only is None or uses(study, self.only)
 
     @property
     def runs(self) -> str:
@@ -132,68 +126,19 @@ def axis(label: str, unit: str) -> str:
     return f"{label}, {unit or '–'}"
 
 
-def _look(label: str, colour: str = "NEUTRAL", dash: str = "solid", **others: Any) -> dict[str, Any]:
-    return {"label": label, "colour": colour, "dash": dash, **others}
-
-
-def _of_bodies(prefix: str, label: str, **others: Any) -> dict[str, dict[str, Any]]:
-    """Declare how a quantity of both bodies is shown, each by a colour and dash of its own."""
-    lines, others = {"counter": ("COUNTER", "dash"), "disc": ("DISC", "solid")}, {"family": label} | others
-    return {
-        f"{prefix}_{body}": _look(f"{label} of the {CALLED[body]}", *line, short=body, **others)
-        for body, line in lines.items()
-    }
-
-
-_AREA: dict[str, Any] = {"family": "area", "log": True}
-_PRESSURE: dict[str, Any] = {"family": "pressure in contact", "log": True}
-_STRESS: dict[str, Any] = {"family": "largest stress of the depth"}
-_OF_CYCLE: dict[str, Any] = {"family": "equivalent shear stress"}
-_MICRONS: dict[str, Any] = {"factor": 1.0e3, "shown_unit": "µm"}
+_DECLARED: dict[str, Any] = tomllib.loads(
+    (files("warpwear.history") / "quantities.toml").read_text(encoding="utf-8")
+)
 #: Name of a quantity -> how it is shown, of those that figures and tables for people have.
-LOOKS: dict[str, dict[str, Any]] = {
-    "distance": _look("sliding distance"),
-    "approach": _look("approach of the bodies", **_MICRONS),
-    "load": _look("normal load"),
-    "area_contact": _look("area in contact", "CONTACT", short="in contact", **_AREA),
-    "area_plastic": _look("area at hardness", "HARDNESS", "dot", short="at hardness", **_AREA),
-    "area_sheared": _look("area that shears and wears", "CONTACT", "dash", short="sheared", **_AREA),
-    "area_touched": _look("area ever touched", "TOUCHED", "dash", short="ever touched", **_AREA),
-    "area_nominal": _look("nominal area (scar)", "NOMINAL", "dashdot", short="nominal (scar)", **_AREA),
-    "area_cumulative": _look("running sum of areas", "SUM", "longdash", short="running sum", **_AREA),
-    "area_static": _look("area without wear in the step", short="without wear in the step", log=True),
-    "patch_along": _look("scar, along sliding"),
-    "patch_across": _look("scar, across sliding"),
-    "pressure_mean": _look("mean pressure in contact", "MEAN_PRESSURE", short="mean", **_PRESSURE),
-    "pressure_max": _look("largest pressure in contact", dash="dot", short="largest", **_PRESSURE),
-    **_of_bodies("wear_volume", "worn volume", factor=1.0e3, shown_unit="10⁻³ mm³"),
-    **_of_bodies("wear_depth", "deepest wear", family="depth of the deepest cell", **_MICRONS),
-    "cof": _look("coefficient of friction"),
-    "friction_energy": _look("energy dissipated by friction"),
-    "tangential_force": _look("amplitude of the tangential force"),
-    "displacement": _look("amplitude of the displacement", **_MICRONS),
-    "energy": _look("energy of a cycle"),
-    "energy_ratio": _look("energy ratio of a cycle"),
-    "slip_mean": _look("mean slip of a cycle", **_MICRONS),
-    "stick_area": _look("stick area", "CONTACT"),
-    "slip": _look("slip of a cycle", **_MICRONS),
-    "bare_fraction": _look("bare fraction of the area in contact", "DISC"),
-    "mises": _look("von Mises' stress", "COUNTER", short="von Mises", **_STRESS),
-    "max_shear": _look("largest shear stress", "CONTACT", short="shear", **_STRESS),
-    "principal": _look("largest principal stress", "DISC", short="σ₁, tension", **_STRESS),
-    "crossland": _look("Crossland's shear stress", "COUNTER", short="Crossland", **_OF_CYCLE),
-    "dang_van": _look("Dang Van's shear stress", "DISC", short="Dang Van", **_OF_CYCLE),
-    "diameter": _look("diameter as cut", **_MICRONS),
-}
+LOOKS: dict[str, dict[str, Any]] = _DECLARED.pop("looks")
+#: Name of an end value -> what is said of it, of which a column of the history has the rest.
+ENDS_DECLARED: dict[str, dict[str, Any]] = _DECLARED.pop("ends")
 
 
 def _quantities() -> Iterator[Quantity]:
-    declared: dict[Any, Any] = tomllib.loads(
-        (files("warpwear.history") / "quantities.toml").read_text(encoding="utf-8")
-    )
     sections = (section_in(info.annotation) for info in Study.model_fields.values())
     own = (getattr(section, "QUANTITIES", {}) for section in dict.fromkeys(sections))
-    for where, meanings in chain(declared.items(), *(quantities.items() for quantities in own)):
+    for where, meanings in chain(_DECLARED.items(), *(quantities.items() for quantities in own)):
         what, _, only = where.partition(", ")
         for heading, meaning in meanings.items():
             name, unit = heading.rstrip("]").split(" [")
@@ -248,7 +193,7 @@ def columns_of(study: Study) -> tuple[Quantity, ...]:
     for body, profile in zip(BODIES, study.profiles or (), strict=False):
         for names, material in zip(of_materials(body, profile), profile.materials, strict=False):
             of = f"{material.name} of the {CALLED[body]}"
-            only, pairs = f"layers of the {CALLED[body]}", zip(names, OF_A_MATERIAL.values(), strict=True)
+            only, pairs = f"{body}.layers", zip(names, OF_A_MATERIAL.values(), strict=True)
             columns += [Quantity(name, unit, f"{meaning} {of}", only=only) for name, (unit, meaning) in pairs]
     return tuple(columns)
 
@@ -263,5 +208,5 @@ def stress_columns(study: Study) -> list[str]:
         q.name
         for what in ("depth", "plane")
         for q in per(what)
-        if q.only == "stresses" or q.applies_to(study)
+        if q.only == "output.stress_depths" or q.applies_to(study)
     ]

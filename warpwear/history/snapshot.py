@@ -69,9 +69,9 @@ class Snapshot:
 
     def lasting(self) -> "Snapshot":
         """Return a snapshot of its own: fields that a later step changes are copied."""
-        kept = {k: v if k in self.fresh else v.copy() for k, v in self.fields.items()}
-        own = {name: kept.pop(name) for name in self.own}
-        return replace(self, own=own, **kept)
+        copies = {k: v if k in self.fresh else v.copy() for k, v in self.fields.items()}
+        own = {name: copies.pop(name) for name in self.own}
+        return replace(self, own=own, **copies)
 
     def __repr__(self) -> str:
         nx, ny = self.pressure.shape

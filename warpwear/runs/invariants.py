@@ -90,10 +90,10 @@ class Invariants:
             if abs(row[worn] + row.get(pending, 0.0) - row[expected]) > allowed:
                 yield self._not_conserved(row, worn, row[expected])
         for law in self._laws:
-            for what, found, due in law.balances(row):
-                if not abs(found - due) <= CONSERVATION * abs(due) + ROUNDING * row["area_touched"]:
+            for what, volume, due in law.balances(row):
+                if not abs(volume - due) <= CONSERVATION * abs(due) + ROUNDING * row["area_touched"]:
                     yield Violation(
-                        what, f"{what} = {found:.9g} mm³ {_where(row)}, where {due:.9g} mm³ are due"
+                        what, f"{what} = {volume:.9g} mm³ {_where(row)}, where {due:.9g} mm³ are due"
                     )
         if (touches_edge and not self._study.repeats) or touches_rim:
             yield self._outside(row, rim=touches_rim)

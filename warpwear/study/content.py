@@ -14,7 +14,7 @@ from warpwear.laws.fretting import HONEST_MEAN, Fretting, displacement, softness
 from warpwear.laws.junctions import critical_junction, junction_strength
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
-from warpwear.study.keys import value_of
+from warpwear.study.keys import uses, value_of
 from warpwear.study.programme import Programme
 from warpwear.study.sections.layers import depth_profiles
 from warpwear.study.units import text
@@ -344,6 +344,7 @@ class Content(Programme):
                 name: law
                 for section in vars(self).values()
                 for name, law in getattr(section, "features", {}).items()
+                if uses(self, name)
             },
         )
 

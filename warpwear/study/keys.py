@@ -93,6 +93,12 @@ def attribute_of(study: BaseModel, name: str) -> Any:
     return reduce(_attribute, filter(None, name.split(".")), value)
 
 
+def uses(study: BaseModel, name: str) -> bool:
+    """Tell whether a study uses a key or section: it says something, and applies under the choices made."""
+    declared = declarations(type(study)).get(name, Declared())
+    return bool(attribute_of(study, name)) and declared.why_not(study) is None
+
+
 def _attribute(value: Any, part: str) -> Any:
     """Return a value's attribute, or of tables that of a number from 1; None where there is none."""
     if isinstance(value, tuple) and part.isdecimal():
@@ -204,8 +210,8 @@ def key(default: Any = ..., meaning: str = "", **declared: Any) -> Any:
 class Section(BaseModel):
     """A section is frozen and takes no key that is not declared; `_check` says whether its numbers agree.
 
-    Its `features` are laws of a contact by the names of features, those that its keys ask for; `QUANTITIES`
-    are what only runs with these have, as in `history/quantities.toml`, or with their looks in a dictionary.
+    Its `features` are laws of features of a contact, by the dotted keys that ask for them and name them;
+    `QUANTITIES` are what runs with these have, as `history/quantities.toml` says it, their looks included.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)

@@ -6,9 +6,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 import pytest
-from cases_features import STUDIES, Debris, attach, model_of, needs_transforms
+from cases_features import PARTICLES, STEPS, STUDIES, Debris, attach, model_of, needs_transforms, rows_of
 from cases_track import small
-from test_columns import PARTICLES, STEPS, rows_of
 
 import warpwear
 from warpwear.engine.executor import Executor, arguments
@@ -46,15 +45,19 @@ for _hook in HOOKS:
     setattr(Witness, _hook, lambda self, program, place, hook=_hook: self._count(hook, program))
 
 
-def registered(monkeypatch: pytest.MonkeyPatch, name: str, kind: Any) -> list[Any]:
-    """Let every contact have a feature that is made of its site; return those made."""
+LAW = FeatureLaw()
+
+
+def registered(monkeypatch: pytest.MonkeyPatch, kind: Any, law: FeatureLaw = LAW) -> list[Any]:
+    """Let every contact have a feature by the name of a key, which is made of its site; return those made."""
     made: list[Any] = []
 
-    def of(site: Site) -> Feature:
+    def make(_: Any, site: Site) -> Feature:
         made.append(kind(site))
         return made[-1]
 
-    monkeypatch.setitem(Feature.REGISTERED, name, type(name, (), {"of": of}))
+    monkeypatch.setattr(Wear, "features", property(lambda _: {"wear.disc": law}), raising=False)
+    monkeypatch.setitem(Feature.REGISTERED, "wear.disc", make)
     return made
 
 
@@ -63,7 +66,7 @@ def registered(monkeypatch: pytest.MonkeyPatch, name: str, kind: Any) -> list[An
 def test_how_often_hooks_are_asked(law: str, room: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """One of them exactly once a step, however full the table of pieces gets; the others as they say."""
     monkeypatch.setattr(particles, "ROOM", room)
-    made = registered(monkeypatch, "a witness", Witness)
+    made = registered(monkeypatch, Witness)
     rows_of(law, "cpu")
     seen = made[-1].seen
     assert seen["end_step"] == STEPS
@@ -79,7 +82,7 @@ def test_features_know_what_part_of_the_stroke_their_disc_is(
 ) -> None:
     study = STUDIES[case]
     needs_transforms(study, "cpu")
-    made = registered(monkeypatch, "a witness", Witness)
+    made = registered(monkeypatch, Witness)
     with Executor(study.cells, threads=1) as executor:
         model_of(study, executor)
     assert made[-1].site.track_fraction == study.track.track_fraction < 1.0
@@ -218,11 +221,14 @@ class Pile(FeatureLaw):
 
 
 def test_laws_of_sections_have_a_feature_and_a_balance(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Wear, "features", property(lambda _: {"pile": Pile()}), raising=False)
-    with pytest.raises(TypeError, match=r"^no feature is called pile$"):
-        warpwear.run(small("full"))
-    registered(monkeypatch, "pile", lambda _: Feature())
+    made = registered(monkeypatch, lambda _: Feature(), Pile())
     with pytest.raises(InvariantError, match=r"^piled = \S+ mm³ after .*, where \S+ mm³ are due"):
         warpwear.run(small("full"))
-    with pytest.raises(TypeError, match=r"^patches follow no pile, and their keys do not say so$"):
+    with pytest.raises(TypeError, match=r"^patches follow no wear.disc, and their keys do not say so$"):
         warpwear.run(STUDIES["patches"])
+    made.clear()
+    del Feature.REGISTERED["wear.disc"]
+    with pytest.raises(TypeError, match=r"^no feature is called wear.disc$"):
+        warpwear.run(small("full"))
+    monkeypatch.setattr(Wear, "features", property(lambda _: {"wear.dust_fraction": Pile()}))
+    assert small("full", wear__dust_fraction=0.1).contact_task.features == {}  # it applies to particles alone

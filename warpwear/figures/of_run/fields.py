@@ -145,8 +145,8 @@ def _declare_map(quantity: Quantity) -> None:
         low, high = min(float(field.min()) for field in fields), max(float(field.max()) for field in fields)
         scale = Scale(quantity.axis, low if quantity.signed else 0.0, high if high > low else 1.0)
         notes = [f"{field.max():.3g} {quantity.unit} at most" for field in fields]
-        shown = fields if quantity.signed else [*map(positive, fields)]
-        return of_views(data, quantity.label.capitalize(), shown, notes, scale=scale)
+        drawn = fields if quantity.signed else [*map(positive, fields)]
+        return of_views(data, quantity.label.capitalize(), drawn, notes, scale=scale)
 
     declare.__name__, declare.__module__ = f"{quantity.name}_map", __name__
     declare.__doc__ = f"{quantity.label.capitalize()} {{when}}: {quantity.meaning}.{{blocks}}"

@@ -48,6 +48,14 @@ class Site:
     distances: Field | None = None
     curve: Logistic | None = None
 
+    @property
+    def laws(self) -> dict[str, Any]:
+        """Return the laws of features by their names; None where nothing asks for them."""
+        task = self.task
+        own = {"film": task.film, "particles": task.pieces, "fretting": task.fretting}
+        own |= {"materials": task.profiles, "recession": self.curve, "distances": self.distances}
+        return own | task.features
+
 
 class Host(Protocol):
     """What a host on the half-space lends a feature before the wear of a part of a step."""
@@ -125,12 +133,6 @@ class Feature:
         if name:
             cls.name = name
             cls.REGISTERED[name] = cls
-
-    @classmethod
-    def of(cls, site: Site) -> "Feature | None":
-        """Return that of a task, by default made of its law and the site; None where none asks for it."""
-        law, make = site.task.features.get(cls.name), cls
-        return None if law is None else make(law, site)
 
     @property
     def first_column(self) -> int:

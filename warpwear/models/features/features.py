@@ -73,10 +73,10 @@ class Features:
         Raises TypeError for a law that no feature follows, or none of patches.
         """
         site = Site(task, executor, bodies, **others)
-        made = {name: kind.of(site) for name, kind in Feature.REGISTERED.items()}
-        features = {name: one for name, one in made.items() if one is not None}
-        if lost := task.features.keys() - features.keys():
+        laws = {name: law for name, law in site.laws.items() if law is not None}
+        if lost := laws.keys() - Feature.REGISTERED.keys():
             raise TypeError(f"no feature is called {', '.join(sorted(lost))}")
+        features = {n: make(laws[n], site) for n, make in Feature.REGISTERED.items() if n in laws}
         if "worn" in bodies and task.features:
             raise TypeError(f"patches follow no {', '.join(task.features)}, and their keys do not say so")
         curve, distances = site.curve, site.distances

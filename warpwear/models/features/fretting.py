@@ -2,19 +2,19 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 
 from warpwear import lazy
 from warpwear.contact.half_space.solver import HalfSpace, HalfSpaceContact
-from warpwear.engine.executor import Executor, Field
+from warpwear.engine.executor import Field
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import launch_once
 from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.kernels import wear_from_pressure
-from warpwear.laws.task import ContactTask
+from warpwear.laws.fretting import Fretting
 from warpwear.models.features.feature import Feature, Host, Site
 
 optimize = lazy.module("scipy.optimize")
@@ -42,10 +42,10 @@ class CyclicSlip(Feature, name="fretting"):
     }
     SCRATCH: ClassVar = ("_solver",)
 
-    def __init__(self, task: ContactTask, executor: Executor) -> None:
-        assert task.fretting is not None
-        assert task.modulus is not None  # both checked with the study
-        self._drive, self._load, self._executor = task.fretting, task.load, executor
+    def __init__(self, drive: Fretting, site: Site) -> None:
+        task, executor = site.task, site.executor
+        assert task.modulus is not None  # checked with the study
+        self._drive, self._load, self._executor = drive, task.load, executor
         slides = not (self._drive.of_body or self._drive.force)
         #: What cells slip in a cycle by their gaps [mm]; no rows where all slide alike.
         self.slips = executor.zeros(0) if slides else executor.zeros()
@@ -64,11 +64,6 @@ class CyclicSlip(Feature, name="fretting"):
         if not slides:
             law: dict[str, Any] = {"boundary": task.boundary, "hardness": task.hardness}
             self._solver = HalfSpace(executor, modulus=task.modulus, tolerance=TOLERANCE, **law)
-
-    @classmethod
-    def of(cls, site: Site) -> Self | None:
-        """Follow the fretting of a task."""
-        return None if site.task.fretting is None else cls(site.task, site.executor)
 
     def restored(self) -> None:
         """Slide as this drive does, whatever another one did."""

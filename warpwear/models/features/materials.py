@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
 
-from warpwear.engine.executor import Executor, Field
+from warpwear.engine.executor import Field
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.kernels.running_in import materials as kernels
@@ -82,14 +82,9 @@ class MaterialsByDepth(Feature, name="materials"):
     columns = COLUMNS
     jumps = True
 
-    @classmethod
-    def of(cls, site: Site) -> Self | None:
-        """Follow the profiles of a task."""
-        return None if site.task.profiles is None else cls(site.task, site.executor, site.bodies)
-
-    def __init__(self, task: ContactTask, executor: Executor, bodies: Mapping[str, Field]) -> None:
-        assert task.profiles is not None
-        self._executor, self._profiles = executor, dict(zip(BODIES, task.profiles, strict=True))
+    def __init__(self, profiles: tuple[DepthProfile, DepthProfile], site: Site) -> None:
+        task, executor, bodies = site.task, site.executor, site.bodies
+        self._executor, self._profiles = executor, dict(zip(BODIES, profiles, strict=True))
         self._wear = {body: bodies[f"wear_{body}"] for body in BODIES}
         self.properties: dict[str, Field] = {}
         for body, profile in self._profiles.items():
@@ -104,7 +99,7 @@ class MaterialsByDepth(Feature, name="materials"):
         self._largest: tuple[float, ...] = (1.0, 1.0)
         #: Books of the parts of a step so far, and the distance that they go over [mm].
         self._of_parts, self._slid = np.zeros(kernels.LINES), 0.0
-        if any(m.hardness != p.materials[0].hardness for p in task.profiles for m in p.materials):
+        if any(m.hardness != p.materials[0].hardness for p in profiles for m in p.materials):
             self.properties["cap_ratio"] = self._ones()
         self.sources = {f"wear_{body}": field for body, field in self._wear.items()} | {"layered": 1}
         slots = executor.slots_of(executor.grid.nx)

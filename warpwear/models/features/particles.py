@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
@@ -140,21 +140,14 @@ class SlidingParticles(Feature, name="particles"):
     book: PieceBook
     changes_heights = True
 
-    def __init__(
-        self,
-        law: PieceLaw,
-        executor: Executor,
-        bodies: Mapping[str, Field],
-        *,
-        periodic: bool,
-        track_fraction: float = 1.0,
-    ) -> None:
+    def __init__(self, law: PieceLaw, site: Site) -> None:
+        executor, bodies, periodic = site.executor, site.bodies, site.periodic
         cell, device = executor.grid.cell, executor.device
         if law.dust < 1.0:
             self.window = 1  # particles cut what a mean would smear; where all is dust none leaves
         places, bowl = law.footprint(cell)
         self.law, self._executor, self.margin = law, executor, law.margin(cell)
-        self._track_fraction = track_fraction
+        self._track_fraction = site.track_fraction
         self._footprint = arguments(
             kernels.Footprint,
             along=wp.array(places[:, 0], dtype=wp.int32, device=device),
@@ -180,14 +173,6 @@ class SlidingParticles(Feature, name="particles"):
             pieces=(room, shedding.COLUMNS),
             begins=wp.array([1], dtype=wp.int32, device=device),
         )
-
-    @classmethod
-    def of(cls, site: Site) -> Self | None:
-        """Follow the particles of a task."""
-        if site.task.pieces is None:
-            return None
-        track: dict[str, Any] = {"periodic": site.periodic, "track_fraction": site.track_fraction}
-        return cls(site.task.pieces, site.executor, site.bodies, **track)
 
     def beside(self, columns: tuple[int, int]) -> tuple[int, int]:
         """First column of those given, and the one after the last, where pieces of them may lie too."""

@@ -7,7 +7,7 @@ Letters 70, 2022, doi 10.1007/s11249-022-01602-6); the equations here follow fro
 """
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.program import Program
@@ -26,15 +26,10 @@ class Recession(Feature, name="recession"):
     STATE: ClassVar = {"extra_depth": InFrame("disc")}
     changes_heights = True
 
-    def __init__(self, curve: Logistic, executor: Executor) -> None:
+    def __init__(self, curve: Logistic, site: Site) -> None:
         self._curve = for_kernels(curve)
         #: By which the surface stands deeper than its mean worn depth [mm].
-        self.extra_depth = executor.zeros()
-
-    @classmethod
-    def of(cls, site: Site) -> Self | None:
-        """Follow the bearing curve of a disc."""
-        return None if site.curve is None else cls(site.curve, site.executor)
+        self.extra_depth = site.executor.zeros()
 
     def before_wear(self, program: Program, place: Place) -> None:
         """Add a count of the cells' area that bears in a solved contact: Σ φ over the cells in contact."""
@@ -54,13 +49,8 @@ class Recession(Feature, name="recession"):
 class OwnDistances(Feature, name="distances"):
     """Cells of the disc slide distances of their own while it lies still: their K has a factor."""
 
-    def __init__(self, factor: Field) -> None:
+    def __init__(self, factor: Field, site: Site) -> None:
         self.properties = {"k_disc": factor}
-
-    @classmethod
-    def of(cls, site: Site) -> Self | None:
-        """Follow the distances of a site."""
-        return None if site.distances is None else cls(site.distances)
 
 
 class UnequalStiffness(Feature):
