@@ -69,29 +69,21 @@ def frames(part: Part) -> dict[str, Frame]:
     return entries.frames
 
 
-def check(part: Any, name: str, others: Collection[Any] = (), *, framed: bool = False) -> None:
+def check(part: Any, name: str, others: Collection[Any] = ()) -> None:
     """Raise TypeError for an array that a part does not declare, or has in its state without a frame.
 
-    name: of the part. others: arrays that it uses and are another's. framed: whether it lies in one. Members
-    of mappings, sequences and structs are gone through; a part whose state is a property may keep it as it
-    likes.
+    name: of the part. others: arrays that it uses and are another's. Members of mappings, sequences and
+    structs are gone through; of parts of it those in its state.
     """
-    scratch = getattr(part, "SCRATCH", ())
-    known = {id(one) for one in others} | {id(getattr(part, n, None)) for n in (*part.STATE, *scratch)}
-    hides = any(isinstance(getattr(type(part), n, None), property) for n in part.STATE)
-    for member, value in () if hides else vars(part).items():
-        if member not in scratch and member not in part.STATE and _has_array(value, known):
+    declared = {*part.STATE, *getattr(part, "SCRATCH", ())}
+    known = {id(one) for one in others} | {id(getattr(part, member, None)) for member in declared}
+    for member, value in vars(part).items():
+        if member not in declared and _has_array(value, known):
             raise TypeError(f"neither STATE nor SCRATCH of {name} has {member}, which holds an array")
-    for member, kind in part.STATE.items():
-        if hasattr(value := getattr(part, member), "STATE"):
-            check(value, f"{name}.{member}", others, framed=framed or isinstance(kind, InFrame))
     entries = _Entries(whole=True)
     _saved(part, "", entries)
-    unframed = (
-        () if framed else {path for path, a in entries.arrays.items() if a.size} - entries.frames.keys()
-    )
-    if unframed:
-        raise TypeError(f"STATE of {name} declares no frame (InFrame) of {', '.join(sorted(unframed))}")
+    if lost := {path for path, values in entries.arrays.items() if values.size} - entries.frames.keys():
+        raise TypeError(f"STATE of {name} declares no frame (InFrame) of {', '.join(sorted(lost))}")
 
 
 def _has_array(value: Any, known: set[int]) -> bool:

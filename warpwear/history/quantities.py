@@ -86,14 +86,14 @@ class Quantity:
 
     def applies_to(self, study: Study) -> bool:
         """Tell whether a run of the study has the quantity."""
-        if self.only in ONLY:
-            return ONLY[self.only][1](study)
-        return self.only is None or uses(study, self.only)
+        only = self.only or ""
+        return ONLY[only][1](study) if only in ONLY else not only or uses(study, only)
 
     @property
     def runs(self) -> str:
         """Return what the runs that have it are called; empty where all have it."""
-        return ONLY[self.only][0] if self.only in ONLY else self.only or ""
+        only = self.only or ""
+        return ONLY[only][0] if only in ONLY else only
 
     @property
     def unit(self) -> str:

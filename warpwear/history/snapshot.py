@@ -1,7 +1,7 @@
 """A snapshot holds the fields of one moment of a run."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Self
 
@@ -35,7 +35,7 @@ class Snapshot:
     wear_counter: FloatArray
     wear_disc: FloatArray
     gap: FloatArray
-    own: Mapping[str, FloatArray] = field(default_factory=dict)
+    own: dict[str, FloatArray] = field(default_factory=dict)
     row: int | None = None
     load_on_filled: float | None = None  # see `share_on`
     fresh: frozenset[str] = frozenset()  # names of fields that no later step changes
@@ -43,8 +43,7 @@ class Snapshot:
     @property
     def fields(self) -> dict[str, FloatArray]:
         """Name -> field, of those that there are; units in `warpwear.history.quantities`."""
-        named = {name: values for name, values in vars(self).items() if name in FIELDS}
-        return named | self.own
+        return {name: getattr(self, name) for name in NAMED} | self.own
 
     def __getattr__(self, name: str) -> FloatArray | None:
         """Return a field of a feature; None where the run has none."""
@@ -65,13 +64,13 @@ class Snapshot:
             like = values["wear_disc" if FIELDS[name].frame == "disc" else "pressure"]
             if one.shape != like.shape:
                 raise TypeError(f"{name} is of {one.shape} cells, where its frame has {like.shape}")
-        return cls(distance, own=own, **{name: values[name] for name in NAMED}, **others)
+        return cls(distance, *(values[name] for name in NAMED), own, **others)
 
     def lasting(self) -> "Snapshot":
         """Return a snapshot of its own: fields that a later step changes are copied."""
         copies = {k: v if k in self.fresh else v.copy() for k, v in self.fields.items()}
-        own = {name: copies.pop(name) for name in self.own}
-        return replace(self, own=own, **copies)
+        others = {name: getattr(self, name) for name in ("row", "load_on_filled", "fresh")}
+        return Snapshot.of(self.distance, copies, **others)
 
     def __repr__(self) -> str:
         nx, ny = self.pressure.shape
@@ -114,10 +113,9 @@ class Snapshot:
     @property
     def lost_beneath(self) -> FloatArray:
         """Return by how much the disc lies lower under the ball's domain [mm]: what is worn, and the rest."""
-        others = lowered(self.own)
-        if others is None:
-            return self.wear_beneath
-        return np.asarray(self.wear_beneath + (others if self.row is None else self.beneath(others)))
+        cut = np.asarray if self.row is None else self.beneath
+        own = {name: cut(self.own[name]) for name in LOWERING if name in self.own}
+        return np.asarray(self.wear_beneath + lowered(own))
 
     def beneath(self, field: Any) -> Any:
         """Cut the part under the ball's domain, shape (nx, ny), out of a field of the track, (rows, ny)."""
@@ -126,10 +124,9 @@ class Snapshot:
         return np.asarray(field[rows])
 
 
-def lowered(fields: Mapping[str, Any], rows: slice = slice(None)) -> FloatArray | None:
-    """Return by how much the disc lies lower beside its wear [mm], by fields; None where none says so."""
-    depths = [FIELDS[n].lowers * fields[n][rows] for n in LOWERING if n in fields]
-    return np.asarray(sum(depths[1:], depths[0])) if depths else None
+def lowered(fields: Mapping[str, Any], rows: slice = slice(None)) -> Any:
+    """Return by how much the disc lies lower beside its wear [mm], by fields; 0 where none says so."""
+    return sum(FIELDS[name].lowers * fields[name][rows] for name in LOWERING if name in fields)
 
 
 def extents(where: BoolArray) -> tuple[slice, slice]:

@@ -336,8 +336,7 @@ class ResultFile:
             at_hand, name = self.at_hand.get(number), list(file["snapshots"])[number]
             group = at_hand.fields if at_hand else file["snapshots"][name]
             worn: FloatArray = group["wear_disc"][rows]
-            others = lowered(group, rows)
-            return worn, np.zeros_like(worn) if others is None else others
+            return worn, np.zeros_like(worn) + lowered(group, rows)
 
     @property
     def record(self) -> dict[str, Any]:

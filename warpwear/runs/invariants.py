@@ -92,9 +92,8 @@ class Invariants:
         for law in self._laws:
             for what, volume, due in law.balances(row):
                 if not abs(volume - due) <= CONSERVATION * abs(due) + ROUNDING * row["area_touched"]:
-                    yield Violation(
-                        what, f"{what} = {volume:.9g} mm³ {_where(row)}, where {due:.9g} mm³ are due"
-                    )
+                    due_to = f"where {due:.9g} mm³ are due"
+                    yield Violation(what, f"{what} = {volume:.9g} mm³ {_where(row)}, {due_to}")
         if (touches_edge and not self._study.repeats) or touches_rim:
             yield self._outside(row, rim=touches_rim)
 
@@ -106,11 +105,8 @@ class Invariants:
     def of_heights(self, depth: float, row: Mapping[str, float]) -> Iterator[Violation]:
         """A disc that is off the heights that results have of it by a depth [mm]."""
         if depth > OF_STEPS:
-            yield Violation(
-                "heights",
-                f"the disc is off its wear by {depth:.3g} mm {_where(row)}: something lowers or raises it, "
-                "and no field of a cell says so",
-            )
+            why = "something lowers or raises it, and no field of a cell says so"
+            yield Violation("heights", f"the disc is off its wear by {depth:.3g} mm {_where(row)}: {why}")
 
     def of_bounds(self, depth: float, row: Mapping[str, float]) -> Iterator[Violation]:
         """A gap that lies below the bound of its tile by a depth [mm], so that its tile may be missed."""

@@ -62,10 +62,8 @@ class CycleJumps:
         study = order.study
         self.model, self._begin = model, begin
         if lost := [one.name for one in model.contact.features if not one.jumps]:
-            raise InputError(
-                f"stepping.jump = {study.stepping.jump!r} does not go with {', '.join(lost)}, which acts in "
-                "each step."
-            )
+            why = f"does not go with {', '.join(lost)}, which acts in each step"
+            raise InputError(f"stepping.jump = {study.stepping.jump!r} {why}.")
         self._legs, self._total = study.legs, study.sliding.total
         self._stops = study.snapshot_distances
         self._ends = [block.end for block in order.blocks]

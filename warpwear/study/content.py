@@ -316,6 +316,7 @@ class Content(Programme):
     @property
     def contact_task(self) -> ContactTask:
         """What models, their history and their steps need of this study."""
+        laws = (pair for section in vars(self).values() for pair in getattr(section, "features", {}).items())
         return ContactTask(
             load=self.contact.load,
             hardness=self.hardness if self.profiles is None else self.cell_caps[0],
@@ -340,12 +341,7 @@ class Content(Programme):
             static_area_every=self.static_area_every,
             fretting=self.fretting,
             profiles=self.profiles,
-            features={
-                name: law
-                for section in vars(self).values()
-                for name, law in getattr(section, "features", {}).items()
-                if uses(self, name)
-            },
+            features={name: law for name, law in laws if uses(self, name)},
         )
 
     @property

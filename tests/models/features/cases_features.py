@@ -111,7 +111,7 @@ def attach(monkeypatch: pytest.MonkeyPatch, kind: type[Debris] = Debris) -> list
         rows = bodies["disc"].shape[0]
         made.append(kind(executor, rows))
         by_name = {"debris": made[-1], **of(task, executor, bodies, **options).by_name}
-        return Features(by_name, own=options.get("own", ()), disc_rows=rows)
+        return Features(by_name, own=options.get("own", ()), bodies=bodies)
 
     monkeypatch.setattr(Features, "of", with_debris)
     return made

@@ -98,7 +98,7 @@ def test_an_array_is_declared_wherever_it_is_kept() -> None:
             with pytest.raises(TypeError, match=r"^neither STATE nor SCRATCH of one has kept, which holds"):
                 Features({"one": one})
         one.kept = [field]  # type: ignore[attr-defined]
-        Features({"one": one}, others=[field])
+        Features({"one": one}, bodies={"disc": field})
         one.kept = arguments(Curve, middle=1.0)  # type: ignore[attr-defined]
         Features({"one": one})
 

@@ -150,7 +150,8 @@ def _declare_map(quantity: Quantity) -> None:
 
     declare.__name__, declare.__module__ = f"{quantity.name}_map", __name__
     declare.__doc__ = f"{quantity.label.capitalize()} {{when}}: {quantity.meaning}.{{blocks}}"
-    words.figure(words.without(quantity.name), *words.FIELD, essential=True, section="maps")(declare)
+    without = words.Reason("no_field", lambda data: not quantity.applies_to(data.study))
+    words.figure(without, *words.FIELD, essential=True, section="maps")(declare)
 
 
 for _quantity in FIELDS.values():

@@ -17,7 +17,6 @@ from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.view import PASSES, last_at_hardness
 from warpwear.figures.wording import listed
 from warpwear.history.distances import with_unit
-from warpwear.history.quantities import FIELDS as FIELDS_OF_CELLS
 from warpwear.results.formats.forms import prose
 from warpwear.study.rules import FEWEST_ACROSS
 
@@ -50,13 +49,6 @@ def _is_smooth(data: FigureData) -> bool:
 def _lost_nothing(*columns: str) -> Callable[[FigureData], bool]:
     """Test whether none of these columns of the history ends above zero."""
     return lambda data: not any(data.history[name][-1] > 0.0 for name in columns)
-
-
-def without(field: str) -> Reason:
-    """Make the reason against a figure of a field that not all runs have."""
-    quantity = FIELDS_OF_CELLS[field]
-    SENTENCES[f"no_{field}"] = f"a run has its {quantity.label} only with {quantity.runs}"
-    return Reason(f"no_{field}", lambda d: not quantity.applies_to(d.study))
 
 
 NO_COURSE = Reason("no_course", lambda d: d.steps < 2)

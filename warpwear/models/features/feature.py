@@ -52,9 +52,9 @@ class Site:
     def laws(self) -> dict[str, Any]:
         """Return the laws of features by their names; None where nothing asks for them."""
         task = self.task
-        own = {"film": task.film, "particles": task.pieces, "fretting": task.fretting}
+        own: dict[str, Any] = {"film": task.film, "particles": task.pieces, "fretting": task.fretting}
         own |= {"materials": task.profiles, "recession": self.curve, "distances": self.distances}
-        return own | task.features
+        return {**own, **task.features}
 
 
 class Host(Protocol):
@@ -95,7 +95,7 @@ class Feature:
     """
 
     #: Those that studies may ask for, by the names of their laws in a task.
-    REGISTERED: ClassVar[dict[str, type["Feature"]]] = {}
+    REGISTERED: ClassVar[dict[str, Any]] = {}
     name: ClassVar[str] = ""
     #: What steps change of it, and what else is an array, see `warpwear.engine.state`.
     STATE: ClassVar[Mapping[str, Any]] = {}

@@ -3,10 +3,11 @@
 import importlib
 import math
 import pkgutil
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from copy import copy
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -24,16 +25,17 @@ from warpwear.models.features.feature import Feature, Place, Site
 from warpwear.models.features.recession import UnequalStiffness
 
 # Features are asked in the order of their files, each of which registers its own.
-for _, file, _ in pkgutil.iter_modules(folder.__path__, f"{folder.__name__}."):
-    importlib.import_module(file)
+for file in pkgutil.iter_modules(folder.__path__, f"{folder.__name__}."):
+    importlib.import_module(file.name)
+
+NONE: Mapping[str, Field] = MappingProxyType({})
 
 
 class Features:
     """Holds the features of a contact by name, in the order in which each is asked.
 
     by_name: of which no two set one property of cells or write one column. own: columns of the history before
-    theirs. disc_rows: of a disc that is displaced by rows; 0 where none is. others: arrays that they use and
-    are another's.
+    theirs. bodies: as of a `Site`.
 
     Raises ValueError for two that set or write the same, TypeError for one that does not declare what it has.
     """
@@ -42,19 +44,14 @@ class Features:
     SCRATCH: ClassVar = ("cells", "sources", "pressed")
 
     def __init__(
-        self,
-        by_name: Mapping[str, Feature],
-        *,
-        own: tuple[str, ...] = (),
-        disc_rows: int = 0,
-        others: Iterable[Field] = (),
+        self, by_name: Mapping[str, Feature], *, own: tuple[str, ...] = (), bodies: Mapping[str, Field] = NONE
     ) -> None:
         self.by_name = dict(by_name)
         #: Columns of the history: a contact's own, and theirs.
         self.columns = give_columns(self.by_name, own)
         for name, one in self.by_name.items():
-            check(one, name, [*others])
-        self._merge(disc_rows=disc_rows)
+            check(one, name, bodies.values())
+        self._merge(disc_rows=bodies["disc"].shape[0] if "disc" in bodies else 0)
         #: Adds to a program that bounds are made anew, after a feature that raises a surface.
         self.refresh: Callable[[Program], None] | None = None
 
@@ -76,16 +73,15 @@ class Features:
         laws = {name: law for name, law in site.laws.items() if law is not None}
         if lost := laws.keys() - Feature.REGISTERED.keys():
             raise TypeError(f"no feature is called {', '.join(sorted(lost))}")
-        features = {n: make(laws[n], site) for n, make in Feature.REGISTERED.items() if n in laws}
         if "worn" in bodies and task.features:
             raise TypeError(f"patches follow no {', '.join(task.features)}, and their keys do not say so")
+        features = {n: make(laws[n], site) for n, make in Feature.REGISTERED.items() if n in laws}
         curve, distances = site.curve, site.distances
         by_materials = task.profiles is not None and not task.half_space  # which has yields
         if task.implicit and not (curve is None and distances is None and not by_materials):
             alike = curve is None and distances is not None and distances.shape[0] == 1
             features["stiffness"] = UnequalStiffness(executor, bodies, curve, alike=alike)
-        rows = bodies["disc"].shape[0] if "disc" in bodies else 0
-        return cls(features, own=own, disc_rows=rows, others=[*bodies.values(), distances])
+        return cls(features, own=own, bodies=bodies)
 
     def _merge(self, *, disc_rows: int) -> None:
         """Bring together what cells have of their own, and what that is made from, for kernels."""
@@ -205,7 +201,7 @@ class Features:
         Raises TypeError where one has written more columns than it declares.
         """
         for name, one in self.by_name.items():
-            if one.columns and np.any(columns[end_of(name)]):
+            if one.columns and np.any(columns.get(end_of(name), 0.0)):
                 raise TypeError(f"{name} writes more columns of the history than it declares")
             one.enter(columns, total, most)
 
@@ -224,7 +220,7 @@ def end_of(name: str) -> str:
     return f"end of {name}"
 
 
-def check(one: Feature, name: str, others: Iterable[Any]) -> None:
+def check(one: Feature, name: str, others: Collection[Any]) -> None:
     """Raise TypeError for a feature that does not declare what it has. others: arrays that are another's."""
     state.check(one, name, others)
     if asks(one, "between") and not asks(one, "drain"):

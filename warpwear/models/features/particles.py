@@ -38,7 +38,7 @@ class Pending:
     """
 
     STATE: ClassVar = {"pending": Field, "overflow": np.ndarray, "_of_rows": Field}
-    SCRATCH: ClassVar = ("body", "_footprint")
+    SCRATCH: ClassVar = ("body",)
 
     def __init__(
         self,
