@@ -64,7 +64,8 @@ class Snapshot:
             like = values["wear_disc" if FIELDS[name].frame == "disc" else "pressure"]
             if one.shape != like.shape:
                 raise TypeError(f"{name} is of {one.shape} cells, where its frame has {like.shape}")
-        return cls(distance, *(values[name] for name in NAMED), own, **others)
+        named: dict[str, Any] = {name: values[name] for name in NAMED}
+        return cls(distance, own=own, **named, **others)
 
     def lasting(self) -> "Snapshot":
         """Return a snapshot of its own: fields that a later step changes are copied."""
