@@ -147,6 +147,12 @@ def test_a_host_that_does_not_follow_layers_refuses_them(monkeypatch: pytest.Mon
         layered(preset="two-scale")
 
 
+def test_loads_of_patches_that_are_prescribed_refuse_layers() -> None:
+    assert layered(preset="two-scale").profiles
+    with pytest.raises(InputError, match=r"does not go with patches\.coupling = 'load', which prescribes"):
+        layered({"patches.coupling": "load"}, preset="two-scale")
+
+
 def test_extents_know_the_layers() -> None:
     """A coat that lasts leaves a scar as narrow as its K makes it; one worn through is all but not there."""
     plain = Study.load("track")

@@ -231,7 +231,8 @@ class Ledger:
 
         Without books of a step all cells are of the uppermost materials.
         """
-        books, area, columns = total.get("materials"), self._grid.cell_area, dict[str, Any]()
+        books, columns = total.get("materials"), dict[str, Any]()
+        area = self._weight * self._grid.cell_area
         for body, profile in zip(BODIES, self._task.profiles or (), strict=True):
             names, archard = of_materials(body, profile), f"archard_volume_{body}"
             parts: list[tuple[Any, ...]] = [(1.0, row["area_contact"], row[archard])]

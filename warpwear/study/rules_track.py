@@ -82,7 +82,7 @@ def check_patches(study: Content) -> None:
 
 #: How bodies move, or "patches", and the contact law, of studies whose steps follow materials by depth.
 FOLLOWED: tuple[tuple[str, str], ...] = tuple(
-    (how, law) for law in ("local", "half-space") for how in ("swept", "stationary")
+    (how, law) for law in ("local", "half-space") for how in ("swept", "stationary", "patches")
 )
 
 

@@ -93,7 +93,7 @@ class BareCells(Feature):
         """Add a note of what the step has worn."""
         if not self._heals:
             return
-        if self._listed:
+        if self._listed and place.listed:  # patches have no list
             program.launch(kernels.rub_tiles, *place.listed, place.slides, place.sources)
         else:
             program.launch(kernels.rub, place.slides, place.sources, self._executor.grid.nx)

@@ -160,11 +160,12 @@ class MaterialsByDepth(Feature):
 
     def enter(self, columns: Mapping[str, FloatArray], total: dict[str, Any], most: dict[str, Any]) -> None:
         """Enter the books of the step."""
-        total["materials"] = {name: columns[name] for name in self.columns}
-        if self._slid:
-            lines = self._of_parts / np.where(IS_DEPTH, 1.0, self._slid)
-            total["materials"] = dict(zip(self.columns, lines.tolist(), strict=True))
-            self._of_parts, self._slid = np.zeros(kernels.LINES), 0.0
+        if not self._slid:
+            total["materials"] = {name: columns[name] for name in self.columns}
+            return
+        lines = self._of_parts / np.where(IS_DEPTH, 1.0, self._slid)
+        total["materials"] = dict(zip(self.columns, lines.tolist(), strict=True))
+        self._of_parts, self._slid = np.zeros(kernels.LINES), 0.0
 
     def fields(self, pressure: FloatArray) -> dict[str, FloatArray]:
         """Return the number of the material at the worn depth of both bodies' cells, 0 of the uppermost."""
