@@ -118,8 +118,6 @@ REFUSED: list[tuple[dict[str, Any], tuple[dict[str, Any], ...], str]] = [
     ({"sliding.plastic": "keep"}, (COAT,), "does not go with sliding.plastic = 'keep'"),
     ({"friction.area": "nominal"}, (COAT,), "does not go with friction.area = 'nominal'"),
     (BARE | {"friction.junction_growth": 9.0}, (COAT,), "does not go with friction.junction_growth"),
-    (BARE | {"friction.film.thickness": "9 nm", "friction.film.shear_strength": "9 MPa"},
-     (COAT | {"coefficient": 0.1},), r"does not go with \[friction.film\]"),
     ({"disc.gradient": [[0, 1e-4], [9, 1.27e-3]]}, (COAT,), "disc.gradient exclude each other"),
     ({"disc.layers": None, "disc.gradient": [[0, 1e-4], [9, 1e-3]]}, (), "ends in 0.001: allowed in"),
     ({"disc.layers": None, "disc.gradient": [[1, 1e-4], [9, 1.27e-3]]}, (), "rising from 0"),

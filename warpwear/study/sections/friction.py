@@ -112,6 +112,17 @@ class Friction(Section):
         + NO_BEARING_CURVE
         + needs("caps_pressure", what="a finite contact.hardness", why=", which it lowers"),
     )
+    largest_coefficient: Annotated[float, Number(Range(most=3.0))] | None = key(
+        None,
+        "largest part of its pressure that shears a cell, whatever its strength; if not given there is none",
+        applies=SHEARS,
+        demands=BARE_STRENGTH
+        + NO_BEARING_CURVE
+        + excludes("wear.law", "energy", why=", which wears cells in contact by one strength")
+        + excludes("friction.initial_ratio", why=": what runs in is no strength of a cell")
+        + excludes("friction.area", *NOT_CONTACT, why=": cells shear where they are in contact")
+        + excludes("study.model", "two-scale", why=", whose patches keep no books of shear"),
+    )
     film: FilmSection | None = key(None, "a film that wear breaks", demands=BARE_STRENGTH + NO_BEARING_CURVE)
 
     @property
