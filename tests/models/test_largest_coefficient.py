@@ -18,7 +18,7 @@ from warpwear.laws.film import Film, grown_cap
 from warpwear.laws.task import ContactTask
 from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.models.track.local import SlidingContact
-from warpwear.surfaces.form import Ball, Form
+from warpwear.surfaces.form import Ball
 
 TAU, MU, RADIUS = 200.0, 0.4, 5.0
 LAWS = [SlidingContact, pytest.param(SlidingHalfSpace, marks=pytest.mark.transforms)]
@@ -63,7 +63,7 @@ def test_under_a_ball_it_is_the_integral_of_the_lesser(law: type[Any], device: s
 
 @of_laws
 def test_each_cell_is_sheared_by_the_least_of_film_layers_and_pressure(law: type[Any]) -> None:
-    """Over a rough disc that moves: of one step the sum follows from its pressure and the depths before it."""
+    """Over a rough disc that moves: the sum of a step follows from its pressure and the depths before it."""
     coat = DepthProfile(
         (0.0, 4e-5), (Material(1e-9, shear_strength=120.0, name="coat"), Material(2e-9, shear_strength=TAU))
     )
@@ -99,3 +99,98 @@ def test_each_cell_is_sheared_by_the_least_of_film_layers_and_pressure(law: type
         )
         assert 0 < filmed[pressure > 0.0].mean() < 1 or not has_film
         assert step.row["area_sheared"] == pytest.approx(shear.sum() / TAU * grid.cell_area, rel=1e-12)
+
+
+BOUND = {
+    "friction.shear_strength": "100 MPa",
+    "friction.area": "contact",
+    "friction.largest_coefficient": 0.3,
+}
+FLAT = {
+    "counter.radius": "inf mm",
+    "disc.synthetic.kind": "flat",
+    "grid.cell": "20 um",
+    "grid.extent": "0.4 mm",
+}
+SWEPT = {
+    "sliding.kinematics": "swept",
+    "sliding.stroke": "1 mm",
+    "sliding.track": "0.4 mm",
+    "sliding.shift": 2,
+}
+HALF_SPACE = {"contact.law": "half-space", "contact.boundary": "periodic"}
+SEVERE = {f"wear.severe_{body}": "2e-3 mm^3/N/m" for body in ("counter", "disc")} | {"wear.law": "transition"}
+SEVERE |= {"wear.transition_pressure": "300 MPa", "wear.transition_width": "90 MPa"}
+WAYS = {
+    "rest": {},
+    "half-space": HALF_SPACE,
+    "track": SWEPT,
+    "track, half-space": SWEPT | HALF_SPACE,
+    "severe": SEVERE,
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("load", [8.0, 90.0])
+def test_a_flat_contact_has_the_lesser_of_both(way: str, load: float) -> None:
+    """Friction is min(τ A, μ F), at rest and over a track; ploughing adds to it."""
+    keys = FLAT | BOUND | {"friction.ploughing": 0.1, "contact.load": f"{load} N", "sliding.distance": "3 mm"}
+    study = Study.load("v3-fine").replace(keys | {"output.snapshots": []} | WAYS[way])
+    cof = warpwear.run(study).history["cof"]
+    assert cof == pytest.approx(0.1 + min(100.0 * 0.16 / load, 0.3), rel=1e-9)
+
+
+def test_bounded_shear_leaves_all_but_friction_as_it_is() -> None:
+    """Heights, pressures and a film; friction is at most the bound, and less where it is beyond."""
+    film = {"friction.film.thickness": "20 nm", "friction.film.shear_strength": "30 MPa"}
+    for more in ({}, film, SEVERE):
+        plain = small("rotating").replace({**BOUND, "friction.largest_coefficient": None} | more)
+        one, bound, far = (
+            warpwear.run(plain.replace({"friction.largest_coefficient": largest})).history
+            for largest in (None, 0.1, 3.0)
+        )
+        same = [name for name in one if name not in ("cof", "friction_energy")]
+        assert all(np.array_equal(one[name], bound[name]) for name in same)
+        assert np.all(bound["cof"] < 0.1 + 1e-12)
+        assert one["cof"].min() > bound["cof"].max()
+        assert np.all(far["cof"] <= one["cof"] * (1.0 + 1e-12))
+        assert far["cof"] == pytest.approx(one["cof"], rel=0.1)
+
+
+def test_junctions_grow_by_the_shear_that_is_left() -> None:
+    """The cap solves p² + α min(τ, μ p)² = H²."""
+    for tau, mu in ((40.0, 0.1), (172.0, 0.1), (172.0, 0.6), (500.0, 0.3)):
+        cap = grown_cap(590.0, tau, 9.0, mu)
+        assert cap**2 + 9.0 * min(tau, mu * cap) ** 2 == pytest.approx(590.0**2, rel=1e-12)
+    study = Study.load("v3-fine").replace(BOUND | {"friction.junction_growth": 9.0})
+    assert study.hardness == pytest.approx(max(np.sqrt(590.0**2 - 9e4), 590.0 / np.sqrt(1.81)))
+    strong = {"friction.shear_strength": "500 MPa"}
+    assert study.replace(strong).hardness == pytest.approx(590.0 / np.sqrt(1.81))
+    with pytest.raises(InputError, match="leaves cells of 590 MPa hardness no pressure"):
+        study.replace(strong | {"friction.largest_coefficient": None})
+
+
+REFUSED: list[tuple[dict[str, Any], str]] = [
+    ({"friction.shear_strength": None}, "needs friction.shear_strength"),
+    ({"friction.area": "nominal"}, "which shears the cells in contact"),
+    (
+        {"friction.initial_ratio": 2.0, "friction.running_in": "9 mm"},
+        "does not go with friction.largest_coeff",
+    ),
+    (
+        {"wear.law": "energy", "wear.counter": "1e-4 mm^3/J", "wear.disc": "1e-4 mm^3/J"},
+        "wear.law = 'energy'",
+    ),
+]
+
+
+@pytest.mark.parametrize(("changes", "sentence"), REFUSED, ids=[s for _, s in REFUSED])
+def test_what_it_does_not_go_with_is_refused(changes: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence) as error:
+        Study.load("v3-fine").replace(BOUND | changes)
+    assert "\n" not in str(error.value)
+
+
+def test_patches_refuse_it() -> None:
+    with pytest.raises(InputError, match="whose patches keep no books of shear"):
+        Study.load("two-scale").replace(BOUND)

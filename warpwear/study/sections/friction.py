@@ -17,8 +17,9 @@ UNCHANGED: Mapping[str, Any] = MappingProxyType({})
 
 
 def no_cell_by_cell(why: str, of: tuple[str, ...] = ()) -> tuple[Demand, ...]:
-    """Return the demand that neither a film nor growing junctions give each cell its own shear strength."""
-    return excludes("friction.film", of=of, why=why) + excludes("friction.junction_growth", of=of, why=why)
+    """Return the demand that no film, growing junctions or bound give each cell its own shear strength."""
+    ways = ("film", "junction_growth", "largest_coefficient")
+    return tuple(demand for way in ways for demand in excludes(f"friction.{way}", of=of, why=why))
 
 
 fitted_key = partial(
@@ -119,8 +120,6 @@ class Friction(Section):
         demands=BARE_STRENGTH
         + NO_BEARING_CURVE
         + excludes("wear.law", "energy", why=", which wears cells in contact by one strength")
-        + excludes("friction.initial_ratio", why=": what runs in is no strength of a cell")
-        + excludes("friction.area", *NOT_CONTACT, why=": cells shear where they are in contact")
         + excludes("study.model", "two-scale", why=", whose patches keep no books of shear"),
     )
     film: FilmSection | None = key(None, "a film that wear breaks", demands=BARE_STRENGTH + NO_BEARING_CURVE)
