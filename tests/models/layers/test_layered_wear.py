@@ -10,6 +10,8 @@ import reference
 from cases_layered import CASE, COAT, HALF_SPACE, PLAIN, SKIN, Profiles, layered, task_of
 from numpy.testing import assert_allclose
 
+import warpwear
+from warpwear import Study
 from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
@@ -294,3 +296,26 @@ def test_layers_of_the_bodies_own_k_are_a_film() -> None:
     assert 0.05 < bare < 0.95
     sheared = other.row["area_contact"] * (0.25 + 0.75 * bare)
     assert step.row["area_sheared"] == pytest.approx(sheared, rel=1e-9)
+
+
+RUNNING_IN = {"sliding.distance": "60 mm", "output.snapshots": [], "wear.particle": None}
+RUNNING_IN |= {"friction.junction_growth": 0.0, "grid.cell": "8 um", "sliding.shift": 3}
+
+
+@pytest.mark.transforms
+@pytest.mark.parametrize("law", ["half-space", "local"])
+def test_layers_of_a_films_numbers_are_the_preset_running_in(law: str) -> None:
+    """A film of 10 nm on both bodies, or a layer on each with its K: all columns of both, friction too.
+
+    A short and coarse copy, without pieces and growing junctions, which bodies with layers do not have.
+    """
+    filmed = Study.load("running-in").replace(RUNNING_IN | {"contact.law": law})
+    layer = {"name": "film", "thickness": "10 nm", "shear_strength": "40 MPa"}
+    own = {body: getattr(filmed.wear, body).write() for body in ("counter", "disc")}
+    keys = {f"{body}.layers": [layer | {"wear": wear}] for body, wear in own.items()}
+    studies = filmed, filmed.replace(keys | {"friction.film": None})
+    one, other = (warpwear.run(study).history for study in studies)
+    assert one["bare_fraction"][0] == 0.0
+    assert one["bare_fraction"].max() > 0.9
+    for name in one.keys() - {"bare_fraction"}:
+        assert_allclose(other[name], one[name], rtol=1e-9, atol=1e-12, err_msg=name)
