@@ -29,7 +29,6 @@ LAYERED = (
     + excludes("patches.coupling", "load", why=", which prescribes loads by one K")
     + excludes("friction.junction_growth", why=", by which caps follow from one shear strength")
     + excludes("friction.area", *NOT_CONTACT, why=": materials shear where they are in contact")
-    + needs("stepping.jump", "auto", 1, why=": cycles wear through layers unalike")
     + excludes("sliding.plastic", "keep", why=", whose dents are as deep as one hardness lets them be")
 )
 
