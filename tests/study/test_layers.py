@@ -114,7 +114,6 @@ REFUSED: list[tuple[dict[str, Any], tuple[dict[str, Any], ...], str]] = [
     ({"wear.law": "running-in", "wear.running_in": "9 mm", "wear.initial_disc": "1e-3 mm^3/N/m"}, (COAT,),
      r"\[\[disc.layers\]\] needs wear.law = 'archard', 'exponential' or 'energy', not 'running-in'"),
     ({"stepping.scheme": "explicit"}, (COAT,), "does not go with stepping.scheme = 'explicit'"),
-    ({"stepping.jump": 9}, (COAT,), "needs stepping.jump = 'auto' or '1', not 9"),
     ({"sliding.plastic": "keep"}, (COAT,), "does not go with sliding.plastic = 'keep'"),
     ({"friction.area": "nominal"}, (COAT,), "does not go with friction.area = 'nominal'"),
     (BARE | {"friction.junction_growth": 9.0}, (COAT,), "does not go with friction.junction_growth"),
@@ -124,6 +123,7 @@ REFUSED: list[tuple[dict[str, Any], tuple[dict[str, Any], ...], str]] = [
     ({"disc.layers": None, "disc.gradient": "nowhere.csv"}, (), "cannot be read"),
     ({"disc.layers": "dlc"}, (), "is no list of layers"),
     ({"disc.layers": []}, (), "one or more"),
+    ({}, tuple(COAT | {"name": f"c{n}"} for n in range(8)), "8 are too many; allowed are 7, or a grad"),
 ]  # fmt: skip
 
 

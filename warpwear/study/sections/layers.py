@@ -17,8 +17,8 @@ from warpwear.study.sections.friction import NOT_CONTACT
 from warpwear.study.sections.wear import BY_AREA, ArchardCoefficient, WearCoefficient
 from warpwear.study.units import Number, Range
 
-#: Most rows of a gradient.
-MOST_ROWS = 1000
+#: Most rows of a gradient, and layers of a body: with the substrate, that books are kept of.
+MOST_ROWS, MOST_LAYERS = 1000, 7
 #: What is computed of materials by depth, and what is not.
 LAYERED = (
     needs("wear.law", "archard", "exponential", "energy", why=": others have one K of a body")
