@@ -225,11 +225,8 @@ class Ledger:
         if self._task.profiles is not None:
             row |= self._of_materials(total, row)
         if self._task.shears_unalike:
-            of_surfaces, books = (
-                row["area_contact"] * (self._task.surface_shear or math.nan),
-                total.get("materials"),
-            )
-            row["area_sheared"] = of_surfaces if books is None else area * books["shear_ratios"]
+            books, of_surfaces = total.get("materials"), self._task.surface_shear or math.nan
+            row["area_sheared"] = area * books["shear_ratios"] if books else row["area_contact"] * of_surfaces
         return row | {name: row[name] + lost for name, lost in self.before.items() if name in row}
 
     def _of_materials(self, total: Mapping[str, Any], row: Mapping[str, Number]) -> dict[str, Any]:

@@ -199,7 +199,8 @@ class FrictionLaw(Scales):
         What "the" shear strength is depends on the area that it was calibrated with; H/(3√3) is the usual
         estimate from hardness.
         """
-        if self.values["coefficient"] <= self.values[PLOUGHING]:  # nothing is left to shear
+        # Nothing is left to shear, or what shears is not in proportion to the strength.
+        if self.values["coefficient"] <= self.values[PLOUGHING] or self.values[LARGEST]:
             return {}
         strengths = {
             f"{area}_{when}": self.strength_for(history, when, area=area, load=load, laps=laps)

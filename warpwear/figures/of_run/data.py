@@ -130,7 +130,7 @@ class FigureData:
         snapshot, window = self.snapshot(index), self.window
         row = self.row_of(snapshot.distance)
         pressure = window.largest(snapshot.pressure)
-        caps: Any = self._caps(snapshot) * (1.0 - 1e-9)
+        caps = self._caps(snapshot) * (1.0 - 1e-9)
         # The bearing area scales its pressure to the load, so that the hardness is met within a tolerance.
         if self.history["area_plastic"][row] >= self.history["area_contact"][row] * (1.0 - 1e-9):
             caps = 0.0
