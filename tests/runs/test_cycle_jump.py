@@ -120,4 +120,5 @@ def test_the_error_told_holds_across_the_breakthrough_of_a_coat() -> None:
     assert len(table) == 20
     assert len(jumped) >= 15
     assert np.mean(jumped) >= 0.9
+    assert max(told for _, told, _ in table.values()) <= 0.005
     assert max(off for *_, off in table.values()) <= 1.0e-12
