@@ -151,6 +151,15 @@ def test_loads_of_patches_that_are_prescribed_refuse_layers() -> None:
         layered({"patches.coupling": "load"}, preset="two-scale")
 
 
+def test_a_film_lies_on_layers_but_not_on_patches() -> None:
+    film = BARE | {"friction.film.thickness": "9 nm", "friction.film.shear_strength": "9 MPa"}
+    assert layered(film).contact_task.film is not None
+    with pytest.raises(
+        InputError, match=r"disc.layers\]\] does not go with \[friction.film\], which patches"
+    ):
+        layered(film, preset="two-scale")
+
+
 def test_extents_know_the_layers() -> None:
     """A coat that lasts leaves a scar as narrow as its K makes it; one worn through is all but not there."""
     plain = Study.load("track")

@@ -191,5 +191,5 @@ def test_what_it_does_not_go_with_is_refused(changes: dict[str, Any], sentence: 
 
 
 def test_patches_refuse_it() -> None:
-    with pytest.raises(InputError, match="whose patches keep no books of shear"):
+    with pytest.raises(InputError, match="whose patches do not follow it"):
         Study.load("two-scale").replace(BOUND)

@@ -120,7 +120,7 @@ class Friction(Section):
         demands=BARE_STRENGTH
         + NO_BEARING_CURVE
         + excludes("wear.law", "energy", why=", which wears cells in contact by one strength")
-        + excludes("study.model", "two-scale", why=", whose patches keep no books of shear"),
+        + excludes("study.model", "two-scale", why=", whose patches do not follow it"),
     )
     film: FilmSection | None = key(None, "a film that wear breaks", demands=BARE_STRENGTH + NO_BEARING_CURVE)
 
