@@ -97,6 +97,7 @@ def _of_run(folder: Path) -> tuple[Dissipation, str, list[Row]]:
     """Find what a run dissipates, say where that is from, and what it wears. Raises InputError."""
     with Result.open(folder) as result:
         history, finished = result.history, result.finished
+        by_area = result.study.wears_by_area
     slid, cof = float(history["distance"][-1]), history["cof"]
     if slid == 0.0:
         raise InputError(f"{folder} is a static contact: nothing slides, and no energy is dissipated")
@@ -104,9 +105,7 @@ def _of_run(folder: Path) -> tuple[Dissipation, str, list[Row]]:
         raise InputError(f"{folder} has no coefficient of friction: it was stopped before its τ0 was fixed")
     load = float(history["load"][-1])
     work = Dissipation(
-        energy=float(
-            friction_energy(history["distance"], cof, history["load"], of_steps="area_sheared" in history)[-1]
-        ),
+        energy=float(friction_energy(history["distance"], cof, history["load"], of_steps=by_area)[-1]),
         distance=slid,
         load=load,
         cof_end=float(cof[-1]),

@@ -42,7 +42,7 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
     "film": ("runs with a film", lambda study: study.film is not None),
     "pieces": ("wear in pieces", lambda study: study.wear.sheds),
     "by area": (
-        "wear of friction energy by a shear strength, layers of a shear strength",
+        "wear of friction energy by a shear strength, layers of one, friction.largest_coefficient",
         lambda study: study.wears_by_area or study.shears_unalike,
     ),
     "layers of the counter-body": ("counter-bodies with layers", lambda study: bool(study.counter.layers)),

@@ -212,9 +212,7 @@ class RunOrder:
         """Make the history of its rows, with the coefficient of friction and its energy."""
         history = {name: rows.column(name) for name in self.columns}
         cof = self.cof_of(history, finished=finished)
-        energy = friction_energy(
-            history["distance"], cof, history["load"], of_steps="area_sheared" in history
-        )
+        energy = friction_energy(history["distance"], cof, history["load"], of_steps=self.study.wears_by_area)
         if self.study.fretting is not None:
             energy = 1.0e-3 * np.cumsum(history["energy"] * history["cycles"])
         return history | {"cof": cof, "friction_energy": energy}

@@ -216,8 +216,7 @@ class Programme(Section):
             return True
         # A load larger by 0.1 % moves depths in pieces by as much as a jump does: no error bounds that.
         cycles = self.passes_at(self.sliding.total) / self.track.passes_of_cycle
-        layered = self.counter.has_depths or self.disc.has_depths
-        return not (self.wear.sheds or layered) and bool(cycles >= motion.FEWEST_CYCLES * (1.0 - WHOLE))
+        return not self.wear.sheds and bool(cycles >= motion.FEWEST_CYCLES * (1.0 - WHOLE))
 
     @property
     def increments(self) -> tuple[float, float, float]:
