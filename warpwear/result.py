@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from warpwear import lazy
+from warpwear.errors import InputError
 from warpwear.lazy import resolve
 from warpwear.results.evolution import SurfaceEvolution, surface_evolution
 from warpwear.results.file import ResultFile
@@ -19,6 +20,10 @@ content, html = lazy.module("warpwear.page.content"), lazy.module("warpwear.page
 PLOTTER = "warpwear.figures.of_run.table:Plotter"
 #: Writes files for other software.
 EXPORT = "warpwear.results.export:export"
+#: Films the run.
+FILM = "warpwear.figures.of_run.film:animate"
+#: Pixels an inch of the pictures that stand in a page made again.
+PAGE_DPI = 200
 #: Figures that a notebook shows, those of a run without a course; pixels an inch.
 COURSES, FIELDS, DPI = ("cof", "areas", "pressure"), ("pressure_map",), 100
 
@@ -55,6 +60,25 @@ class Result(ResultFile):
         """
         paths: list[Path] = resolve(EXPORT)(self, folder, **options)
         return paths
+
+    def animate(self, out: str | Path | None = None, **options: Any) -> Path:
+        """Film the run, a frame a snapshot; return the path of the .mp4 or .gif file.
+
+        out: by default animation.mp4 in the run folder. options: frames_per_second, overwrite, as
+        `warpwear animate` has them. Raises InputError.
+        """
+        path: Path = resolve(FILM)(self, out, **options)
+        return path
+
+    def write_page(self) -> Path:
+        """Write report.html into the run's folder again: all of it on one page. Raises InputError."""
+        if self.folder is None:
+            raise InputError("a page needs the folder of its run: run with out")
+        shown_here = content.content_of(self, summarise(self), self.plot)
+        wanted = set(content.statics(shown_here)) & set(self.plot.names())
+        pictures = {name: self.plot.png(name, dpi=PAGE_DPI) for name in sorted(wanted)}
+        path: Path = content.write_page(self.folder, content.made_here(shown_here, pictures))
+        return path
 
     @cached_property
     def plot(self) -> Any:

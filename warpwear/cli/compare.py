@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from warpwear.cli.options import BAND_OVER, EXPERIMENTS, FORMAT, PATH
-from warpwear.cli.places import comparison_folder, comparison_scar, comparison_table, gathered, options
+from warpwear.cli.places import compared, comparison_folder, comparison_table, gathered
 from warpwear.cli.surface import prepared, with_preparation
 
 
@@ -60,14 +60,10 @@ def compare(
     the load too, where runs differ in it), mean pressure, worn volumes, worn profiles. compare.html
     shows all of it on one page.
     """
-    preparation = prepared(settings)
-    if scar is None:
-        needless = {"before": before, **preparation}
-        options.refuse({f"--{key.replace('_', '-')}": v for key, v in needless.items()}, "needs --scar")
-    files = None if scar is None else comparison_scar.ScarFiles(scar, before, preparation)
-    gathered.check_number(folders, experiments, files)
+    gathered.check_number(folders, experiments, scar)
     comparison_folder.check_out(out, file_format=file_format, overwrite=overwrite)
-    comparison = gathered.gather(folders, experiments, scar=files, **settings)
+    how = prepared(settings) | settings
+    comparison = compared.compare(*folders, experiments=experiments, scar=scar, before=before, **how)
     click.echo(comparison_table.to_text(comparison))
-    for path in comparison_folder.write(comparison, out, file_format=file_format, overwrite=overwrite):
+    for path in comparison.write(out, file_format=file_format, overwrite=overwrite):
         click.echo(path)

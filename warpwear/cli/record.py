@@ -1,12 +1,13 @@
 """Declare the command `warpwear record`."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
 from warpwear.cli.options import FORMAT, PATH
-from warpwear.cli.places import record_command
+from warpwear.cli.places import records, written
 
 
 @click.command()
@@ -28,4 +29,35 @@ def record(files: tuple[Path, ...], **options: Any) -> None:
     error, energy, friction loops, and what was left out. `compare`, `calibrate` and `bayes` read
     the same files.
     """
-    click.echo(record_command.describe(files, **options))
+    click.echo(describe(files, **options))
+
+
+def describe(
+    files: Sequence[Path],
+    *,
+    as_json: bool = False,
+    out: Path | None = None,
+    file_format: str = "png",
+    overwrite: bool = False,
+    **options: Any,
+) -> str:
+    """Say what a record of friction holds, as text for people or as JSON, and write its folder.
+
+    out: the folder, None for a name made from the file's, and with as_json for none. Raises InputError.
+    """
+    first, end = files[0].resolve(), ""
+    own = Path(f"{first.name if first.is_dir() else first.stem}-record")
+    folder = out if out is not None else None if as_json else own
+    if out is None and folder is not None and folder.exists() and not overwrite:
+        # the numbers are asked for all the same
+        end = f"{folder} is there already and was not written again: --overwrite replaces it"
+        folder = None
+    if folder is not None:
+        records.check_out(folder, file_format=file_format, overwrite=overwrite)
+    report = records.read_record(files if len(files) > 1 else files[0], **options)
+    if folder is not None:
+        report.write(folder, file_format=file_format, overwrite=overwrite)
+        end = f"written to {folder}/: {records.PAGE}, {records.TABLE}, {records.MARK}, figures"
+    if as_json:
+        return str(written.to_json(report.numbers))
+    return "\n".join([report.text, *([end] if end else [])])

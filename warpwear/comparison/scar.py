@@ -13,7 +13,7 @@ from warpwear.comparison.groups import RunData
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.snapshot import extents
-from warpwear.measured.surface_command import worn_in
+from warpwear.measured.surface import worn_in
 from warpwear.measured.surface_report import patch_rows
 from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution

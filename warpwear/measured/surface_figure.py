@@ -1,14 +1,11 @@
 """Draw measured surfaces, worn tracks and worn balls: panels of one column's width in a stack."""
 
-from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale
-from warpwear.figures.paint import paint
-from warpwear.figures.style import write_figure
 from warpwear.grid import FloatArray
 from warpwear.measured.surface_report import SurfaceReport
 from warpwear.results.report import VALUES, record
@@ -30,11 +27,6 @@ ROW, SHEET = 2.4, 2.7
 UNWRITTEN = ("as read", "done", "filtered", "rms slope", "warning")
 #: Lines at zero, and through what is found.
 ZERO, MARK = Look(width=0.6), Look(describe.NEUTRAL, "dash", 0.8)
-
-
-def save(figure: Figure, path: Path) -> None:
-    """Write a figure in the format that the path's ending names."""
-    write_figure(paint(figure), path)
 
 
 def surface_figure(report: SurfaceReport) -> Figure:
