@@ -25,12 +25,12 @@ from warpwear.measured.friction.record import FrictionRecord as FrictionRecord
 from warpwear.measured.friction.record import read_record as read_record
 from warpwear.measured.report import Report as Report
 from warpwear.measured.surface import MeasuredProfile as MeasuredProfile
-from warpwear.measured.surface import MeasuredSurface as MeasuredSurface
 from warpwear.measured.surface import WornBody as WornBody
 from warpwear.measured.surface import read_profile as read_profile
 from warpwear.measured.surface import read_surface as read_surface
 from warpwear.measured.surface import read_worn as read_worn
 from warpwear.measured.surface import worn_cap as worn_cap
+from warpwear.measured.surface_report import MeasuredSurface as MeasuredSurface
 from warpwear.result import Result as Result
 from warpwear.runs.run import run as run
 from warpwear.runs.run import steps as steps

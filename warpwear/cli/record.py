@@ -32,32 +32,24 @@ def record(files: tuple[Path, ...], **options: Any) -> None:
     click.echo(describe(files, **options))
 
 
-def describe(
-    files: Sequence[Path],
-    *,
-    as_json: bool = False,
-    out: Path | None = None,
-    file_format: str = "png",
-    overwrite: bool = False,
-    **options: Any,
-) -> str:
+def describe(files: Sequence[Path], **choices: Any) -> str:
     """Say what a record of friction holds, as text for people or as JSON, and write its folder.
 
-    out: the folder, None for a name made from the file's, and with as_json for none. Raises InputError.
+    choices: options of the command; the folder is by default named after the file, and with as_json there is
+    none. Raises InputError.
     """
-    first, end = files[0].resolve(), ""
-    own = Path(f"{first.name if first.is_dir() else first.stem}-record")
-    folder = out if out is not None else None if as_json else own
-    if out is None and folder is not None and folder.exists() and not overwrite:
-        # the numbers are asked for all the same
-        end = f"{folder} is there already and was not written again: --overwrite replaces it"
-        folder = None
+    overwrite, as_json = choices.pop("overwrite", False), choices.pop("as_json", False)
+    how = {"file_format": choices.pop("file_format", "png"), "overwrite": overwrite}
+    folder, first, end = choices.pop("out", None), files[0].resolve(), ""
+    if folder is None and not as_json:
+        folder = Path(f"{first.name if first.is_dir() else first.stem}-record")
+        if folder.exists() and not overwrite:  # the numbers are asked for all the same
+            end = f"{folder} is there already and was not written again: --overwrite replaces it"
+            folder = None
     if folder is not None:
-        records.check_out(folder, file_format=file_format, overwrite=overwrite)
-    report = records.read_record(files if len(files) > 1 else files[0], **options)
+        records.check_out(folder, **how)
+    report = records.read_record(files if len(files) > 1 else files[0], **choices)
     if folder is not None:
-        report.write(folder, file_format=file_format, overwrite=overwrite)
+        report.write(folder, **how)
         end = f"written to {folder}/: {records.PAGE}, {records.TABLE}, {records.MARK}, figures"
-    if as_json:
-        return str(written.to_json(report.numbers))
-    return "\n".join([report.text, *([end] if end else [])])
+    return written.to_json(report.numbers) if as_json else "\n".join(filter(None, [report.text, end]))

@@ -72,14 +72,12 @@ def describe(file: Path | None, preparation: Mapping[str, Any], **choices: Any) 
     preparation: as of `prepared`. choices: other options of the command. Raises InputError.
     """
     o = options.Options(choices)
-    measured.check_together(o)
-    if o["--figure"] and o["--no-figure"]:
-        raise InputError("--figure and --no-figure exclude each other")
-    if not o["--ball"]:
-        o.refuse("--diagonals", why="needs --ball")
     if (file is None) != (o["--diagonals"] is not None):
         what = "FILE is missing" if file is None else "--diagonals stand for FILE"
         raise InputError(f"{what}: allowed is a measured surface, or --ball with --radius and --diagonals")
+    measured.check_together(o)
+    if o["--figure"] and o["--no-figure"]:
+        raise InputError("--figure and --no-figure exclude each other")
     kind = "track" if o["--track"] else "ball" if o["--ball"] else "scar" if o["--before"] else None
     figure, notice = o["--figure"], ""
     if figure is not None:
@@ -90,12 +88,12 @@ def describe(file: Path | None, preparation: Mapping[str, Any], **choices: Any) 
             notice = f"{figure} is there already and was not drawn again: --overwrite replaces it"
             figure = None
     report = _report(file, kind, preparation, o)
-    if figure is not None and file is not None:
+    if figure is not None:
         report.save_figure(figure, overwrite=o["--overwrite"])
         notice = f"written to {figure}"
     if o["as_json"]:
         return measured.with_options(written.to_json(report.numbers))
-    return "\n".join([report.text, *([notice] if notice else [])])
+    return "\n".join(filter(None, [report.text, notice]))
 
 
 def _report(file: Path | None, kind: str | None, how: Mapping[str, Any], o: Any) -> Any:

@@ -1,6 +1,6 @@
 """List what one begins with: the studies with a name, and the materials."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,11 +14,10 @@ from warpwear.study.study import Study
 class Catalogue:
     """A catalogue has entries by name; `print` shows them.
 
-    entries: by name. rows: what a data frame has of each. text: for people.
+    entries: by name, the constants of a material, or name, description and model of a preset.
     """
 
     entries: Mapping[str, Any]
-    rows: Sequence[Mapping[str, Any]]
     text: str
 
     def __repr__(self) -> str:
@@ -26,7 +25,7 @@ class Catalogue:
 
     def to_dataframe(self) -> Any:
         """Return a pandas.DataFrame with a row an entry. Raises InputError where pandas is not installed."""
-        return package("pandas", "to_dataframe").DataFrame(self.rows)
+        return package("pandas", "to_dataframe").DataFrame([vars(one) for one in self.entries.values()])
 
 
 def materials() -> Catalogue:
@@ -51,7 +50,7 @@ def materials() -> Catalogue:
             f"hardness {1e-3 * each.hardness:.3g} GPa"
         )
         lines += [f"    {value}: {source}" for value, source in each.sources.items()]
-    return Catalogue(known, [vars(each) for each in known.values()], "\n".join(lines))
+    return Catalogue(known, "\n".join(lines))
 
 
 def studies() -> Catalogue:
@@ -60,13 +59,13 @@ def studies() -> Catalogue:
     Returns
     -------
     Catalogue
-        The studies by name.
+        Name, description and model of each; `Study.load` makes one.
 
     Examples
     --------
-    >>> warpwear.studies().entries["track"].kinematics
-    'swept'
+    >>> warpwear.studies().entries["track"].model
+    'micro'
     """
-    known = {name: Study.load(name) for name in presets()}
-    rows = [{"name": name, "description": study.study.description} for name, study in known.items()]
-    return Catalogue(known, rows, "\n".join(f"{row['name']:<10} {row['description']}" for row in rows))
+    known = {name: Study.load(name).study for name in presets()}
+    lines = [f"{name:<10} {about.description}" for name, about in known.items()]
+    return Catalogue(known, "\n".join(lines))

@@ -24,8 +24,8 @@ class Report:
     text: as the command prints it. rows: of which the numbers are made. draw: declares the figure.
     """
 
-    text: str
-    rows: Sequence[Row]
+    text: str = ""
+    rows: Sequence[Row] = ()
     draw: Callable[[], Figure] | None = None
 
     def __repr__(self) -> str:

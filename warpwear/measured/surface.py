@@ -1,8 +1,8 @@
 """Read measured surfaces, profiles and worn bodies, and say what is in them."""
 
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypedDict, Unpack, get_args
@@ -11,12 +11,11 @@ import numpy as np
 from pydantic import ValidationError
 
 from warpwear.errors import InputError, named_in_python
-from warpwear.grid import FloatArray
 from warpwear.measured import profile_report, surface_report
 from warpwear.measured.options import Options, flag, optional, quantity, refuse, with_unit
 from warpwear.measured.report import Report
 from warpwear.measured.surface_figure import groove_figure, patch_figure, surface_figure, track_figure
-from warpwear.measured.surface_report import LAMBDA_C, LAMBDA_S
+from warpwear.measured.surface_report import LAMBDA_C, LAMBDA_S, MeasuredSurface
 from warpwear.results.report import Row, lines
 from warpwear.study.bodies import Disc
 from warpwear.study.loading import value_of_text
@@ -27,8 +26,6 @@ from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.preparation import degree_of
 from warpwear.surfaces.profiles.profile import Parameters, Profile, parameters, profile_in
 from warpwear.surfaces.reading import HoldsAProfile
-from warpwear.surfaces.roughness import Bearing
-from warpwear.surfaces.spectrum import Spectrum
 from warpwear.surfaces.worn.ball import cap_of_diagonals, find_worn_ball
 from warpwear.surfaces.worn.find_scar import find_scar
 from warpwear.surfaces.worn.registration import Difference, difference
@@ -41,15 +38,14 @@ LENGTHS, LISTS, NUMBERS = ("pixel", "crop", "s_filter", "l_filter"), ("pixel", "
 LINE = ("pixel", "height_unit", "height_sign", "array", "level")
 #: Names of keys that sentences about [disc] name.
 KEYS = re.compile(rf"\bdisc\.({'|'.join(Disc.model_fields)})\b")
-#: Option -> the kind of worn body that it is for, and options that exclude each other.
-NEEDED = {"--radius": "ball", "--track-width": "track", "--track-length": "track"}
-APART = (
-    ("--track", "--ball"),
-    ("--line", "--ball"),
-    ("--line", "--scar"),
-    ("--line", "--before"),
-    ("--before", "--ball"),
-)
+#: Option -> the one that it needs, and pairs that exclude each other.
+NEEDED = {
+    "--diagonals": "--ball",
+    "--radius": "--ball",
+    "--track-width": "--track",
+    "--track-length": "--track",
+}
+APART = {"--track": ("--ball",), "--line": ("--ball", "--scar", "--before"), "--before": ("--ball",)}
 OF_MAPS = "is for a map of heights, and this is a profile"
 
 #: A number in mm, or text with its unit.
@@ -75,34 +71,6 @@ class HowToRead(TypedDict, total=False):
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class MeasuredSurface(Report):
-    """A measured surface has heights, roughness and a spectrum; `print` shows what `warpwear surface` prints.
-
-    surface: heights at any points, for `run(study, surface=...)`. bearing: parameters of the core [mm, %].
-    spectrum: wavelength [mm] and density [mm⁴] of the waves in all directions, (bins,).
-    """
-
-    surface: Measured
-    bearing: Bearing
-    spectrum: Spectrum
-
-    @property
-    def heights(self) -> FloatArray:
-        """Heights [mm] less the form, axis 0 along sliding, (nx, ny), filled where points are missing."""
-        return self.surface.levelled
-
-    @property
-    def missing(self) -> BoolArray:
-        """Return which points were not measured, shape (nx, ny)."""
-        return np.isnan(self.surface.measured)
-
-    @property
-    def pixel(self) -> tuple[float, float]:
-        """Return the distances of the points along both axes [mm]."""
-        return self.surface.pixel
-
-
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class MeasuredProfile(Report):
     """A measured profile has heights over places [mm], (n,), and parameters of ISO 21920 [mm]."""
 
@@ -114,11 +82,16 @@ class MeasuredProfile(Report):
 class WornBody(Report):
     """A worn body has lost a volume, or a groove in a profile a section; `numbers` has them with errors.
 
-    body: the track, scar or ball by its arrays. missing: points that were not measured.
+    body: a Track, a Patch or a WornBall, by its arrays. source: the map that it is in, or the profile.
+    missing: points that were not measured, shape (nx, ny). changed: how an earlier measurement was laid over
+    it, if there is one. degree: of the polynomial taken off beside it.
     """
 
     body: Any
+    source: Any
     missing: BoolArray
+    changed: Difference | None = None
+    degree: int = 0
 
 
 @named_in_python()
@@ -160,14 +133,7 @@ def read_surface(
     """
     cut_off, short = quantity("--lambda-c", lambda_c, "mm"), quantity("--lambda-s", lambda_s, "mm")
     report = surface_report.examine(_read(path, how), cut_off=cut_off, short=short)
-    return MeasuredSurface(
-        text=with_options("\n".join(report.text)),
-        rows=report.rows,
-        draw=partial(surface_figure, report),
-        surface=report.surface,
-        bearing=report.bearing,
-        spectrum=report.spectrum,
-    )
+    return replace(report, text=with_options(report.text), draw=partial(surface_figure, report))
 
 
 @named_in_python()
@@ -293,7 +259,7 @@ def read_worn(
         beside = " through the profile beside the groove"
         rows = [*profile_report.profile_rows(worn.source, degree, beside), *profile_report.groove_rows(body)]
         text, draw = profile_report.profile_lines(rows), partial(groove_figure, body)
-        return _worn_body(text, rows, draw, body, missing)
+        return replace(worn, text=with_options("\n".join(text)), rows=rows, draw=draw)
     own, done = worn.source.record(), f"polynomial of degree {degree} through the surface beside the {kind} "
     done += "taken off"
     rows = [Row("", "surface", own)]
@@ -311,11 +277,8 @@ def read_worn(
         rows.append(Row("by two diagonals", "by_two_diagonals", cap, note=", were the patch flat"))
     text = [*surface_report.file_lines(own, *([] if kind == "ball" else [done])), *lines(rows)]
     figure: Any = track_figure if kind == "track" else patch_figure
-    return _worn_body(text, rows, partial(figure, body, filled=missing), body, missing)
-
-
-def _worn_body(text: Iterable[str], rows: list[Row], draw: Any, body: Any, missing: BoolArray) -> WornBody:
-    return WornBody(text=with_options("\n".join(text)), rows=rows, draw=draw, body=body, missing=missing)
+    draw = partial(figure, body, filled=missing)
+    return replace(worn, text=with_options("\n".join(text)), rows=rows, draw=draw)
 
 
 @named_in_python()
@@ -351,28 +314,13 @@ def worn_cap(first: Length, second: Length, *, radius: Length) -> Report:
 
 def check_together(o: Options) -> None:
     """Raise InputError where options exclude or need each other; track, scar and ball say the kind."""
-    for one, other in APART:
-        if o[one] and o[other]:
-            raise InputError(f"{one} and {other} exclude each other")
-    for option, kind in NEEDED.items():
-        if not o[kind]:
-            o.refuse(option, why=f"needs --{kind}")
-
-
-@dataclass(frozen=True, eq=False)
-class Worn:
-    """A worn body was found in a file.
-
-    body: a Track, a Patch or a WornBall; source: the map that it is in, or the profile; missing: points that
-    were not measured, shape (nx, ny); changed: what an earlier measurement was laid over, if there is one;
-    degree: of the polynomial taken off beside it.
-    """
-
-    body: Any
-    source: Any
-    missing: BoolArray
-    changed: Difference | None = None
-    degree: int = 0
+    for one, others in APART.items():
+        for other in others:
+            if o[one] and o[other]:
+                raise InputError(f"{one} and {other} exclude each other")
+    for option, needed in NEEDED.items():
+        if not o[needed]:
+            o.refuse(option, why=f"needs {needed}")
 
 
 def worn_in(
@@ -384,7 +332,7 @@ def worn_in(
     width: float | None = None,
     radius: float | None = None,
     line: str | None = None,
-) -> Worn:
+) -> WornBody:
     """Find the worn track, scar or ball in a file, a track also in a profile across it.
 
     before: the same place before it was worn; width of a track, radius of a ball [mm], None to find them;
@@ -402,7 +350,8 @@ def worn_in(
         profile = profile_report.line_of(surface, line)
     if profile is not None:
         refuse({"--before": before}, OF_MAPS)
-        return Worn(find_groove(profile, degree=degree, width=width), profile, profile.missing, None, degree)
+        groove = find_groove(profile, degree=degree, width=width)
+        return WornBody(body=groove, source=profile, missing=profile.missing, degree=degree)
     heights, pixel, changed = surface.measured, surface.pixel, None
     if before is not None:
         earlier = _read(before, {**preparation, "level": "none", "crop": None})
@@ -416,7 +365,8 @@ def worn_in(
     else:
         hurst = ROUGH if changed is None else CHANGED
         body = find_scar(heights, pixel=pixel, degree=degree, hurst=hurst)
-    return Worn(body, surface, np.isnan(heights), changed, degree)
+    missing = np.isnan(heights)
+    return WornBody(body=body, source=surface, missing=missing, changed=changed, degree=degree)
 
 
 def _profile_in(file: str | Path, preparation: Preparation) -> Profile:
