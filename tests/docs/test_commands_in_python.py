@@ -15,7 +15,7 @@ from click.testing import CliRunner
 from warpwear.cli.main import commands
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGE = DOCS / "how-to" / "commands-in-python.md"
+PAGE = DOCS / "reference" / "commands-in-python.md"
 #: Commands whose rows are not run here, which takes a minute; tests/inference runs one like it.
 LEFT_OUT = ("calibrate bayes",)
 #: Commands of which the page has no row yet.

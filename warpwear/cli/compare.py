@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from warpwear.cli.options import BAND_OVER, EXPERIMENTS, FORMAT, PATH
-from warpwear.cli.places import compared, comparison_folder, comparison_table, gathered
+from warpwear.cli.places import compared, comparison_folder, comparison_table
 from warpwear.cli.surface import prepared, with_preparation
 
 
@@ -60,10 +60,12 @@ def compare(
     the load too, where runs differ in it), mean pressure, worn volumes, worn profiles. compare.html
     shows all of it on one page.
     """
-    gathered.check_number(folders, experiments, scar)
+    how = prepared(settings)
+    compared.check_choice(folders, experiments, scar, {"before": before, **how})
     comparison_folder.check_out(out, file_format=file_format, overwrite=overwrite)
-    how = prepared(settings) | settings
-    comparison = compared.compare(*folders, experiments=experiments, scar=scar, before=before, **how)
+    comparison = compared.compare(
+        *folders, experiments=experiments, scar=scar, before=before, **how, **settings
+    )
     click.echo(comparison_table.to_text(comparison))
     for path in comparison.write(out, file_format=file_format, overwrite=overwrite):
         click.echo(path)

@@ -1,12 +1,12 @@
 """Compare runs and measurements, for Python and for `warpwear compare`."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Unpack
 
 from warpwear.comparison.folder import write
-from warpwear.comparison.gather import Comparison, gather
+from warpwear.comparison.gather import Comparison, check_number, gather
 from warpwear.comparison.scar import ScarFiles
 from warpwear.comparison.table import UNITS, to_text
 from warpwear.comparison.table import columns as values_of
@@ -91,8 +91,16 @@ def compare(
     >>> warpwear.compare("4 N", "8 N").to_dataframe()["area_contact"].round(3).to_list()
     [0.015, 0.026]
     """
-    if scar is None:
-        refuse({flag(key): value for key, value in {"before": before, **how}.items()}, "needs --scar")
+    check_choice(folders, experiments, scar, {"before": before, **how})
     files = None if scar is None else ScarFiles(Path(scar), None if before is None else Path(before), how)
     settings: Any = {"band_over": band_over, "speed": speed, "stroke": stroke, "columns": columns}
     return ComparedRuns(**vars(gather(folders, experiments, scar=files, **settings)))
+
+
+def check_choice(
+    folders: Sequence[str | Path], experiments: Sequence[str | Path], scar: object, of_scar: Mapping[str, Any]
+) -> None:
+    """Raise InputError for fewer than two, and for options of a scar where there is none."""
+    if scar is None:
+        refuse({flag(key): value for key, value in of_scar.items()}, "needs --scar")
+    check_number(folders, experiments, scar)

@@ -44,7 +44,7 @@ class ScarFiles:
 
     after: Path
     before: Path | None = None
-    preparation: Mapping[str, str | None] = field(default_factory=dict)
+    preparation: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from warpwear.errors import InputError, in_python
+from warpwear.errors import OVERWRITE_IT, InputError, in_python
 from warpwear.figures.describe import Figure
 from warpwear.figures.paint import paint
 from warpwear.figures.style import write_figure
@@ -68,8 +68,8 @@ def save(figure: Figure, path: Path) -> None:
 def check_figure(path: Path, *, overwrite: bool) -> None:
     """Raise InputError for a figure that cannot be written."""
     if path.suffix.lower() not in FORMATS:
-        raise InputError(f"--figure is {path}: allowed endings are {', '.join(FORMATS)}")
+        raise InputError(f"the figure is {path}: allowed endings are {', '.join(FORMATS)}")
     if not path.parent.is_dir():
-        raise InputError(f"--figure is {path}: the folder {path.parent} does not exist")
+        raise InputError(f"the figure is {path}: the folder {path.parent} does not exist")
     if path.exists() and not overwrite:
-        raise InputError(f"{path} is there already: give another --figure, or --overwrite")
+        raise InputError(f"{path} is there already: give another name, or {OVERWRITE_IT}")
