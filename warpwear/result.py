@@ -62,16 +62,41 @@ class Result(ResultFile):
         return paths
 
     def animate(self, out: str | Path | None = None, **options: Any) -> Path:
-        """Film the run, a frame a snapshot; return the path of the .mp4 or .gif file.
+        """Film the run, a frame a snapshot.
 
-        out: by default animation.mp4 in the run folder. options: frames_per_second, overwrite, as
-        `warpwear animate` has them. Raises InputError.
+        Parameters
+        ----------
+        out
+            A .mp4 file, which needs ffmpeg, or a .gif file; by default animation.mp4 or .gif in the folder.
+        **options
+            frames_per_second, by default 5; overwrite, whether to replace a file that is there.
+
+        Returns
+        -------
+        Path
+            Of the film.
+
+        Raises
+        ------
+        InputError
+            For fewer than two snapshots, and for what cannot be written.
         """
         path: Path = resolve(FILM)(self, out, **options)
         return path
 
     def write_page(self) -> Path:
-        """Write report.html into the run's folder again: all of it on one page. Raises InputError."""
+        """Write report.html into the run's folder again: all of it on one page.
+
+        Returns
+        -------
+        Path
+            Of the page.
+
+        Raises
+        ------
+        InputError
+            For a run in memory, and where a file of others has the page's name.
+        """
         if self.folder is None:
             raise InputError("a page needs the folder of its run: run with out")
         shown_here = content.content_of(self, summarise(self), self.plot)

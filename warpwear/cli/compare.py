@@ -29,16 +29,7 @@ from warpwear.cli.surface import prepared, with_preparation
 @click.option("--scar", type=PATH, help="The worn disc, a measured surface, to lay over the computed scars.")
 @click.option("--before", type=PATH, help="The same place of --scar before it was worn.")
 @with_preparation()
-def compare(
-    folders: tuple[Path, ...],
-    experiments: tuple[Path, ...],
-    out: Path,
-    file_format: str,
-    overwrite: bool,
-    scar: Path | None,
-    before: Path | None,
-    **settings: Any,
-) -> None:
+def compare(folders: tuple[Path, ...], out: Path, file_format: str, overwrite: bool, **settings: Any) -> None:
     """Lay the runs in DIR... and measured courses of friction over each other.
 
     DIR is the folder of a run, or of a sweep for all its runs. With
@@ -60,12 +51,11 @@ def compare(
     the load too, where runs differ in it), mean pressure, worn volumes, worn profiles. compare.html
     shows all of it on one page.
     """
-    how = prepared(settings)
-    compared.check_choice(folders, experiments, scar, {"before": before, **how})
+    how, scar = prepared(settings), settings["scar"]
+    of_scar = {"before": settings["before"], **how}
+    compared.check_choice(folders, settings["experiments"], scar, of_scar)
     comparison_folder.check_out(out, file_format=file_format, overwrite=overwrite)
-    comparison = compared.compare(
-        *folders, experiments=experiments, scar=scar, before=before, **how, **settings
-    )
+    comparison = compared.compare(*folders, **settings, **how)
     click.echo(comparison_table.to_text(comparison))
     for path in comparison.write(out, file_format=file_format, overwrite=overwrite):
         click.echo(path)

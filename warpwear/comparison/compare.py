@@ -33,10 +33,26 @@ class ComparedRuns(Comparison):
         return frame
 
     def write(self, folder: str | Path, *, file_format: str = "png", overwrite: bool = False) -> list[Path]:
-        """Write figures, page and tables into a folder, all of them or none; return their paths.
+        """Write page, tables and figures into a folder, all of them or none.
 
-        file_format: png, pdf or svg. overwrite: replace the comparison that the folder holds. Raises
-        InputError.
+        Parameters
+        ----------
+        folder
+            A new or an empty one, or with overwrite that of a comparison.
+        file_format
+            Of the figures: "png", "pdf" or "svg".
+        overwrite
+            Whether to replace the comparison that the folder holds.
+
+        Returns
+        -------
+        list of Path
+            Of all files.
+
+        Raises
+        ------
+        InputError
+            For a folder that holds other files, or another format.
         """
         return write(self, Path(folder), file_format=file_format, overwrite=overwrite)
 

@@ -48,7 +48,25 @@ class Report:
         return paint(self._declared())
 
     def save_figure(self, path: str | Path, *, overwrite: bool = False) -> Path:
-        """Write the figure to a .png, .pdf or .svg file, and return its path. Raises InputError."""
+        """Write the figure to a file.
+
+        Parameters
+        ----------
+        path
+            Ends in .png, .pdf or .svg.
+        overwrite
+            Whether to replace a file that is there.
+
+        Returns
+        -------
+        Path
+            Of the figure.
+
+        Raises
+        ------
+        InputError
+            For another ending, a folder that does not exist, or a file that is there.
+        """
         path = Path(path)
         check_figure(path, overwrite=overwrite)
         save(self._declared(), path)

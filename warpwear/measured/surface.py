@@ -302,6 +302,10 @@ def worn_cap(first: Length, second: Length, *, radius: Length) -> Report:
     InputError
         For lengths that are not positive, or diagonals wider than the ball.
 
+    References
+    ----------
+    ASTM G99, for the volume of a flat cap.
+
     Examples
     --------
     >>> warpwear.worn_cap(0.80, "820 um", radius="3 mm")

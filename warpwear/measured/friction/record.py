@@ -46,11 +46,27 @@ class FrictionRecord(Report):
         """
         return package("pandas", "to_dataframe").read_csv(io.StringIO(table_of(self.analysis)))
 
-    @named_in_python()
     def write(self, folder: str | Path, *, file_format: str = "png", overwrite: bool = False) -> list[Path]:
-        """Write page, table, JSON and figures into a folder, all of them or none; return their paths.
+        """Write page, tables and figures into a folder, all of them or none.
 
-        file_format: png, pdf or svg. overwrite: replace the record that the folder holds. Raises InputError.
+        Parameters
+        ----------
+        folder
+            A new or an empty one, or with overwrite that of a record.
+        file_format
+            Of the figures: "png", "pdf" or "svg".
+        overwrite
+            Whether to replace the record that the folder holds.
+
+        Returns
+        -------
+        list of Path
+            Of all files.
+
+        Raises
+        ------
+        InputError
+            For a folder that holds other files, or another format.
         """
         folder, figures = Path(folder), figures_of(self.analysis)
         check_out(folder, file_format=file_format, overwrite=overwrite)
