@@ -54,7 +54,7 @@ def test_every_command_has_a_row_of_ten_lines_at_most() -> None:
         command.make_context(name, given)
         shown.add(name)
         assert len(python.strip().splitlines()) <= 10, python
-    assert names(commands) - shown == WITHOUT_ROW
+    assert names(commands) - shown <= WITHOUT_ROW
 
 
 def test_rows_do_what_the_commands_do(

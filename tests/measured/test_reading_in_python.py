@@ -30,6 +30,8 @@ def test_a_number_is_in_mm_and_a_text_has_its_unit(rough: Path) -> None:
     assert np.array_equal(text.heights, number.heights)
     assert text.heights.shape == (100, 80)
     assert not text.missing.any()
+    wide = warpwear.read_surface(rough, extend="mirror", **GIVEN).surface  # as `run(surface=...)` takes it
+    assert np.isfinite(wide.heights(np.linspace(-0.3, 0.3, 5), np.linspace(0.0, 0.1, 2))).all()
     track = [warpwear.read_worn(rough, "track", track_width=w, **GIVEN) for w in (0.2, "200 um")]
     assert track[0].numbers == track[1].numbers
 

@@ -68,6 +68,7 @@ class HowToRead(TypedDict, total=False):
     level: int | Literal["none", "plane", "sphere", "cylinder"]
     s_filter: Length
     l_filter: Length
+    extend: Literal["refuse", "mirror", "periodic"]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -108,7 +109,8 @@ def read_surface(
         Cut-offs of the roughness profiles [mm], or text with a unit.
     **how
         How it is read and prepared, by the keys of [disc]: pixel, height_unit, array, height_sign, crop,
-        sliding_axis, outliers, level, s_filter, l_filter. Lengths are numbers in mm, or text such as "8 um".
+        sliding_axis, outliers, level, s_filter, l_filter, extend. Lengths are numbers in mm, or text such as
+        "8 um".
 
     Returns
     -------
