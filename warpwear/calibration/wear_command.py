@@ -9,7 +9,7 @@ from typing import Any
 from warpwear.calibration import wear as volumes
 from warpwear.errors import InputError
 from warpwear.measured.options import Options, optional, quantity
-from warpwear.measured.surface_command import Kind, Preparation, worn_in
+from warpwear.measured.surface import Kind, Preparation, worn_in
 from warpwear.results.report import Row, lines, record, scientific, times, to_json
 from warpwear.study.units import NOT_NEGATIVE
 

@@ -48,7 +48,7 @@ def main(arguments: list[str] | None = None) -> None:
         status = commands.main(arguments, prog_name="warpwear", standalone_mode=False, obj=started)
         sys.stdout.flush()
     except (InputError, ConvergenceError) as error:
-        _fail(str(error), at_once=isinstance(error.__cause__, MemoryError))
+        _fail(getattr(error, "sentence", str(error)), at_once=isinstance(error.__cause__, MemoryError))
     except MemoryError:
         hint = "larger cells (grid.cell) or a smaller grid.extent are needed."
         _fail(f"the memory ran out; {hint}", at_once=True)

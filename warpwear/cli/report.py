@@ -6,12 +6,10 @@ from typing import Any
 import click
 
 from warpwear.cli.options import DEVICE, FOLDER, PATH, THREADS
-from warpwear.cli.places import results, run_page, summaries, thesis_page
+from warpwear.cli.places import results, thesis_page
 
 #: Name of the command that takes a run folder; no folder has to be called so.
 OF_A_RUN = "DIR"
-#: Dots per inch of the pictures that stand in a page made again.
-DPI = 200
 
 
 class _Reports(click.Group):
@@ -37,11 +35,7 @@ def report() -> None:
 def of_a_run(folder: Path) -> None:
     """Write report.html into the folder of a run: its numbers, plots, assumptions and limits on one page."""
     with results.Result.open(folder) as result:
-        content = run_page.content_of(result, summaries.summarise(result), result.plot)
-        wanted = set(run_page.statics(content)) & set(result.plot.names())
-        pictures = {name: result.plot.png(name, dpi=DPI) for name in sorted(wanted)}
-        page = run_page.made_here(content, pictures)
-        click.echo(run_page.write_page(result.folder or folder, page))
+        click.echo(result.write_page())
 
 
 @report.command()

@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from warpwear.cli.options import FOLDER, FORMAT, PATH, repeated
-from warpwear.cli.places import exported, film, results
+from warpwear.cli.places import results
 
 
 @click.command()
@@ -45,7 +45,7 @@ def animate(folder: Path, out: Path | None, fps: float, overwrite: bool) -> None
     not installed the default is gif.
     """
     with results.Result.open(folder) as result:
-        click.echo(film.animate(result, out, frames_per_second=fps, overwrite=overwrite))
+        click.echo(result.animate(out, frames_per_second=fps, overwrite=overwrite))
 
 
 @click.command("export")
@@ -84,5 +84,5 @@ def export_command(folder: Path, out: Path | None, overwrite: bool, crate: bool,
         if crate:
             options["formats"] = (*(options["formats"] or ()), "crate")
         settings = {name: value for name, value in options.items() if value not in (None, ())}
-        for path in exported.export(result, where, overwrite=overwrite, **settings):
+        for path in result.export(where, overwrite=overwrite, **settings):
             click.echo(path)

@@ -79,9 +79,12 @@ class Study(Content):
             sentences.append(f"output.snapshots that no step ends at: {late} mm.")
         return sentences
 
-    def to_toml(self) -> str:
-        """Return the whole study after defaults, as TOML that `load` reads back without loss."""
-        return text.to_toml(self)
+    def to_toml(self, *, marked: bool = False) -> str:
+        """Return the whole study after defaults, as TOML that `load` reads back without loss.
+
+        marked: for people instead, with defaults marked and the reasons of what is assumed.
+        """
+        return text.to_marked_toml(self) if marked else text.to_toml(self)
 
     @classmethod
     def load(cls, path_or_preset: str | Path) -> Self:

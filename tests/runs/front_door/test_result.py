@@ -103,6 +103,8 @@ def test_a_result_is_pickled_as_its_path(folder: Path, monkeypatch: pytest.Monke
         assert in_memory.path is None
         with pytest.raises(InputError, match="in memory cannot be pickled; give the run a folder"):
             pickle.dumps(in_memory)
+        with pytest.raises(InputError, match="a page needs the folder of its run: run with out"):
+            in_memory.write_page()
 
 
 def test_a_closed_result_says_so(folder: Path) -> None:
