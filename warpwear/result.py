@@ -6,12 +6,14 @@ from pathlib import Path
 from typing import Any
 
 from warpwear import lazy
+from warpwear.grid import FloatArray
 from warpwear.lazy import resolve
 from warpwear.results.evolution import SurfaceEvolution, surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.frames import to_dataframe, to_xarray
 from warpwear.results.report import record
 from warpwear.results.summary import summarise
+from warpwear.study.surface import surface_in
 
 content, html = lazy.module("warpwear.page.content"), lazy.module("warpwear.page.html")
 
@@ -30,6 +32,13 @@ class Result(ResultFile):
     def summary(self) -> dict[str, Any]:
         """What `summary.json` says: scar, depths, volumes, areas, residuals, conservation, assumptions."""
         return record(summarise(self))
+
+    def unworn_disc(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Return the disc's heights before any wear over its mean plane [mm], at x × y [mm].
+
+        They are made, or read, again. Raises InputError where the file of a measured disc is gone.
+        """
+        return surface_in(self.study).heights(x, y)
 
     @property
     def surface_evolution(self) -> SurfaceEvolution:

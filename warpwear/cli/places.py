@@ -2,7 +2,6 @@
 
 from warpwear.lazy import module
 
-coefficients = module("warpwear.thesis.coefficients")
 comparison_folder = module("warpwear.comparison.folder")
 comparison_scar = module("warpwear.comparison.scar")
 comparison_table = module("warpwear.comparison.table")
@@ -27,5 +26,4 @@ study_types = module("warpwear.study.study")
 summaries = module("warpwear.results.summary")
 surface_command = module("warpwear.measured.surface_command")
 sweep_command = module("warpwear.sweeps.command")
-thesis_page = module("warpwear.thesis.report")
 wear_command = module("warpwear.calibration.wear_command")

@@ -63,7 +63,7 @@ class Study(Content):
 
     def _repr_html_(self) -> str:
         """Return a notebook's view of the study: its keys, with the assumptions marked."""
-        return f"<div>{escape(repr(self))}<pre>{escape(text.to_marked_toml(self))}</pre></div>"
+        return f"<div>{escape(repr(self))}<pre>{escape(self.to_toml(marked=True))}</pre></div>"
 
     def refuse_blocks(self, what: str) -> None:
         """Raise InputError for a programme of blocks, in the name of what goes by one load alone."""
@@ -79,9 +79,9 @@ class Study(Content):
             sentences.append(f"output.snapshots that no step ends at: {late} mm.")
         return sentences
 
-    def to_toml(self) -> str:
-        """Return the whole study after defaults, as TOML that `load` reads back without loss."""
-        return text.to_toml(self)
+    def to_toml(self, *, marked: bool = False) -> str:
+        """Return all keys that apply as a TOML file. marked: for people, as `warpwear show` prints it."""
+        return text.to_marked_toml(self) if marked else text.to_toml(self)
 
     @classmethod
     def load(cls, path_or_preset: str | Path) -> Self:
