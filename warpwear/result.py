@@ -26,7 +26,10 @@ COURSES, FIELDS, DPI = ("cof", "areas", "pressure"), ("pressure_map",), 100
 
 
 class Result(ResultFile):
-    """A run: its history, its snapshots, its figures. Open one with `Result.open(path)`."""
+    """A run: its history, its snapshots, its figures.
+
+    `Result(path)` and `Result.open(path)` open the one in a run folder. Raises InputError.
+    """
 
     @cached_property
     def summary(self) -> dict[str, Any]:

@@ -37,17 +37,6 @@ RECORD: dict[str, type | tuple[type, ...]] = {
 }
 
 
-def current(name: str) -> str:
-    """Return today's name of a column or a field: earlier results call the counter-body sphere."""
-    return name.replace("sphere", "counter")
-
-
-def stored(group: Any, name: str) -> str:
-    """Return the name that a column or a field of today has in a group of a result, or would have."""
-    former = name.replace("counter", "sphere")
-    return former if former != name and former in group else name
-
-
 def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
     """Raise ValueError, naming it, for the first thing that no run of the study writes.
 
@@ -63,7 +52,7 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
     if not steps:
         raise ValueError("its history has no step")
     history = _item(file, "history", h5py.Group)
-    lacking = {column.name for column in quantities.columns_of(study)} - {*map(current, history)}
+    lacking = {column.name for column in quantities.columns_of(study)} - {*history}
     lacking -= {name for later in LATER if later <= lacking for name in later}
     if lacking:
         raise ValueError(f"its history has no {', '.join(sorted(lacking))}")
@@ -111,7 +100,7 @@ def check_snapshots(file: h5py.File, study: Study) -> None:
         if study.is_swept and not isinstance(attributes["row"], int | np.integer):
             raise ValueError(f"the row of its {place} is {attributes['row']!r}")
         for field, quantity in quantities.FIELDS.items():
-            if stored(file[place], field) in file[place] or quantity.only is None:
+            if field in file[place] or quantity.only is None:
                 _numbers(file, f"{place}/{field}", (rows if quantity.frame == "disc" else nx, ny))
 
 
@@ -159,12 +148,11 @@ def _item(file: h5py.File, path: str, kind: type) -> Any:
     """Return the group or the dataset at a path, each part of which leads on within this file."""
     place: Any = file
     for name in path.split("/"):
-        part = stored(place, name)
-        if not isinstance(place, h5py.Group) or part not in place:
+        if not isinstance(place, h5py.Group) or name not in place:
             raise ValueError(f"it lacks {path}")
-        if isinstance(place.get(part, getlink=True), h5py.ExternalLink):
+        if isinstance(place.get(name, getlink=True), h5py.ExternalLink):
             raise ValueError(f"its {path} lies in another file")
-        place = place[part]
+        place = place[name]
     if not isinstance(place, kind):
         raise ValueError(f"its {path} {'is no group' if kind is h5py.Group else 'holds no numbers'}")
     return place
