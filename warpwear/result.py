@@ -65,8 +65,7 @@ class Result(ResultFile):
         options: formats, such as ["vti", "x3p"]; snapshot, bodies, fields, points, overwrite,
         as `warpwear export` has them. Raises InputError.
         """
-        paths: list[Path] = resolve(EXPORT)(self, folder, **options)
-        return paths
+        return resolve(EXPORT)(self, folder, **options)
 
     @cached_property
     def plot(self) -> Any:
@@ -90,5 +89,4 @@ def _to_html(result: Result) -> str:
     ]
     pictures = [(name, base64.b64encode(plot.png(name, dpi=DPI)).decode("ascii")) for name in names]
     top = content.top_of(result.study, result.summary)
-    fragment: str = html.render("notebook.html", {}, **top, pictures=pictures)
-    return fragment
+    return html.render("notebook.html", {}, **top, pictures=pictures)

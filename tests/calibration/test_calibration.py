@@ -12,7 +12,6 @@ from warpwear.calibration.wear import (
     WearCalibration,
     cap,
     circular_track,
-    diameter_of_cap,
     groove,
     segment,
     volume_given,
@@ -133,12 +132,6 @@ def test_the_numbers_of_the_thesis():
     assert k_of(cap(0.8, radius=3.0)) == pytest.approx(3.5e-4, abs=0.05e-4)
 
 
-@pytest.mark.parametrize("diameter", [1e-3, 0.8, 5.999, 6.0])
-def test_diameter_of_cap_turns_cap_round(diameter):
-    again = diameter_of_cap(cap(diameter, radius=3.0).volume, radius=3.0)
-    assert again == pytest.approx(diameter, rel=1e-9)
-
-
 @pytest.mark.parametrize(
     "call",
     [
@@ -149,7 +142,6 @@ def test_diameter_of_cap_turns_cap_round(diameter):
         lambda: wear_coefficient([cap(1e-9, radius=3.0)], load=8.0, distance=1.0),
         lambda: circular_track(6.0, radius=3.0, track_radius=10.0),
         lambda: circular_track(1.0, radius=3.0, track_radius=0.4),
-        lambda: diameter_of_cap(60.0, radius=3.0),
         lambda: wear_coefficient([volume_given(1.0)], load=8.0, distance=math.nan),
         lambda: wear_coefficient([volume_given(1e300)], load=1e-300, distance=1e-10),
     ],

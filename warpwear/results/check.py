@@ -26,12 +26,12 @@ ATTRIBUTES: dict[str, type | tuple[type, ...]] = {
 }
 #: Columns that no step has without a contact.
 AREAS = ("area_contact", "area_touched", "area_cumulative", "area_nominal")
-#: Columns that the results of earlier versions lack, all of a set.
-LATER = ({"parts", "area_error"}, {"friction_energy"}, {"violation", "energy_gap", "energy_gap_relative"})
 #: What a run records beside numbers, with what it has to be.
 RECORD: dict[str, type | tuple[type, ...]] = {
     "surface": dict,
+    "files": dict,
     "warnings": list,
+    "notes": list,
     "elapsed_s": (int, float),
     "made_with": dict,
 }
@@ -53,7 +53,6 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
         raise ValueError("its history has no step")
     history = _item(file, "history", h5py.Group)
     lacking = {column.name for column in quantities.columns_of(study)} - {*history}
-    lacking -= {name for later in LATER if later <= lacking for name in later}
     if lacking:
         raise ValueError(f"its history has no {', '.join(sorted(lacking))}")
     shapes: dict[str, Shape] = {f"history/{name}": (steps,) for name in history}
@@ -121,10 +120,7 @@ def _check_record(record: Any) -> None:
     for name, kind in RECORD.items():
         if not isinstance(record.get(name), kind):
             raise ValueError(f"the {name} of its record is {record.get(name)!r:.40}")
-    if not isinstance(record.get("files", {}), dict):
-        raise ValueError(f"the files of its record are {record['files']!r:.40}")
-    notes = record.get("notes", [])  # which results of earlier versions lack
-    if not isinstance(notes, list) or not all(isinstance(note, str) for note in record["warnings"] + notes):
+    if not all(isinstance(note, str) for note in record["warnings"] + record["notes"]):
         raise ValueError("a warning or a note of its record is no text")
 
 

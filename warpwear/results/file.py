@@ -219,8 +219,7 @@ class ResultFile:
         with self._reading() as file:
             if otherwise and name not in file:
                 raise InputError(f"the run {otherwise.format(model=self.study.study.model)}.")
-            values: FloatArray = file[name][rows]
-            return values
+            return file[name][rows]
 
     @cached_property
     def study(self) -> Study:
@@ -363,8 +362,7 @@ class ResultFile:
         name = f"{make.__module__}.{make.__qualname__}"
         if name not in self._derived:
             self._derived[name] = make(self)
-        derived: Derived = self._derived[name]
-        return derived
+        return self._derived[name]
 
     def take_over(self, same: "ResultFile") -> None:
         """Keep what was made of the same result before it was moved, so that it is not made again."""

@@ -275,8 +275,7 @@ def _page_of(result: Result, rows: list[Row], paths: list[Path]) -> bytes:
     """Make the page of a run whose figures are drawn. paths: of these."""
     content = pages.content_of(result, rows, result.plot)
     names = pages.statics(content)
-    page: bytes = pages.made_here(content, {p.stem: p.read_bytes() for p in paths if p.stem in names})
-    return page
+    return pages.made_here(content, {p.stem: p.read_bytes() for p in paths if p.stem in names})
 
 
 def steps(

@@ -203,5 +203,4 @@ def filter_of(
     kinds: type[Any] = CupyFilter
     if executor.device.is_cpu:
         kinds = Convolution if fits(shape) else ScipyFilter
-    filtered: Filter = kinds(executor, grids or Grids.whole(executor), table, shape, kind, within=within)
-    return filtered
+    return kinds(executor, grids or Grids.whole(executor), table, shape, kind, within=within)

@@ -149,8 +149,7 @@ class Job:
             else:
                 lost = snapshot.wear_disc + (0.0 if snapshot.plastic_disc is None else snapshot.plastic_disc)
                 self._kept[body] = self.result.track_heights() - lost
-        heights: FloatArray = self._kept[body]
-        return heights
+        return self._kept[body]
 
     def body(self, name: str, number: int) -> Body:
         """Return a worn body at the snapshot of a number, reduced to `points`."""
