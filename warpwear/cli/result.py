@@ -1,4 +1,4 @@
-"""The commands that take the folder of a run: `warpwear plot`, `animate` and `export`."""
+"""The commands that take the folder of a run: `warpwear plot`, `report`, `animate` and `export`."""
 
 from pathlib import Path
 from typing import Any
@@ -6,7 +6,10 @@ from typing import Any
 import click
 
 from warpwear.cli.options import FOLDER, FORMAT, PATH, repeated
-from warpwear.cli.places import exported, film, results
+from warpwear.cli.places import exported, film, results, run_page, summaries
+
+#: Dots per inch of the pictures that stand in a page made again.
+DPI = 200
 
 
 @click.command()
@@ -30,6 +33,21 @@ def plot(folder: Path, names: tuple[str, ...], file_format: str) -> None:
         for reason in dict.fromkeys(left_out.values()):
             missing = ", ".join(name for name, why in left_out.items() if why == reason)
             click.echo(f"note: no {missing}: {reason}", err=True)
+
+
+@click.command()
+@FOLDER
+def report(folder: Path) -> None:
+    """Write report.html into the folder of a run again: the page that a run leaves.
+
+    It shows numbers, plots, assumptions and limits in a single file that needs no network.
+    """
+    with results.Result.open(folder) as result:
+        content = run_page.content_of(result, summaries.summarise(result), result.plot)
+        wanted = set(run_page.statics(content)) & set(result.plot.names())
+        pictures = {name: result.plot.png(name, dpi=DPI) for name in sorted(wanted)}
+        page = run_page.made_here(content, pictures)
+        click.echo(run_page.write_page(result.folder or folder, page))
 
 
 @click.command()
