@@ -46,8 +46,7 @@ def report(folder: Path) -> None:
         content = run_page.content_of(result, summaries.summarise(result), result.plot)
         wanted = set(run_page.statics(content)) & set(result.plot.names())
         pictures = {name: result.plot.png(name, dpi=DPI) for name in sorted(wanted)}
-        page = run_page.made_here(content, pictures)
-        click.echo(run_page.write_page(result.folder or folder, page))
+        click.echo(run_page.write_page(result.folder or folder, run_page.made_here(content, pictures)))
 
 
 @click.command()

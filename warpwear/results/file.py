@@ -354,8 +354,7 @@ class ResultFile:
     def record(self) -> dict[str, Any]:
         """What the run recorded beside numbers: the surface, notices and warnings, elapsed time."""
         with self._reading() as file:
-            record: dict[str, Any] = json.loads(file.attrs.get("record", "{}"))
-            return record
+            return json.loads(file.attrs.get("record", "{}"))
 
     def once(self, make: Callable[[Self], Derived]) -> Derived:
         """What a function makes of this result; it is called the first time only."""

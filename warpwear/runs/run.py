@@ -267,8 +267,7 @@ def _draw(result: Result, rows: list[Row] | None, options: RunOptions, painter: 
         drawn = painter.pictures()
         paths = result.plot.save_all(options.out / manifest.FIGURES, plots=options.plots, drawn=drawn)
         if rows is not None:
-            page = drawn.get(manifest.PAGE) or _page_of(result, rows, paths)
-            pages.write_page(options.out, page)
+            pages.write_page(options.out, drawn.get(manifest.PAGE) or _page_of(result, rows, paths))
 
 
 def _page_of(result: Result, rows: list[Row], paths: list[Path]) -> bytes:

@@ -145,8 +145,7 @@ class CupyFilter(PaddedFilter):
             self._plans = [
                 cufft.PlanNd(shape, None, 1, 0, None, 1, 0, way, count, "C", 1, None) for way in (there, back)
             ]
-            waves = cupy.asarray(self.waves)
-            self._waves = waves.view(cupy.complex128 if double else cupy.complex64)
+            self._waves = cupy.asarray(self.waves).view(cupy.complex128 if double else cupy.complex64)
         self._cupy = cupy
         self._warm()
 

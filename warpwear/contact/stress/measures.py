@@ -14,8 +14,7 @@ from warpwear.laws.elastic import LEAST_TORSION
 
 def hydrostatic(stress: FloatArray) -> FloatArray:
     """Return the mean of the normal stresses, positive in tension."""
-    mean: FloatArray = stress[:3].mean(axis=0)
-    return mean
+    return stress[:3].mean(axis=0)
 
 
 def _second(stress: FloatArray) -> FloatArray:

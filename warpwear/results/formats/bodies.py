@@ -137,8 +137,7 @@ class Job:
         if self._kept.get("number") != number:
             self._kept.clear()
             self._kept.update(number=number, snapshot=self.result.snapshot(number))
-        snapshot: Snapshot = self._kept["snapshot"]
-        return snapshot
+        return self._kept["snapshot"]
 
     def _heights(self, body: str, number: int) -> FloatArray:
         """Return heights of a worn body at the snapshot of a number [mm], the track's over all its rows."""
