@@ -142,8 +142,8 @@ class StoredCheckpoint:
         self.heights_differ = False
         with self.reading():
             about = json.loads(file["about"][()])
-            kept = "version", "study", "device", "surface", "kinds", "counter", "files"
-            self._about = {name: about[name] for name in (*OF_THE_RUN, *kept)}
+            names = *OF_THE_RUN, "version", "study", "device", "surface", "kinds", "counter", "files"
+            self._about = {name: about[name] for name in names}
             self._order = RunOrder(Study.stored(about["study"]))
             self._rows = Rows(map(str, file["rows"].attrs["columns"]), file["rows"][()])
             if not isinstance(self._about["device"], str):
