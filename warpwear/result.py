@@ -7,12 +7,14 @@ from typing import Any
 
 from warpwear import lazy
 from warpwear.errors import InputError
+from warpwear.grid import FloatArray
 from warpwear.lazy import resolve
 from warpwear.results.evolution import SurfaceEvolution, surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.frames import to_dataframe, to_xarray
 from warpwear.results.report import record
 from warpwear.results.summary import summarise
+from warpwear.study.surface import surface_in
 
 content, html = lazy.module("warpwear.page.content"), lazy.module("warpwear.page.html")
 
@@ -29,12 +31,22 @@ COURSES, FIELDS, DPI = ("cof", "areas", "pressure"), ("pressure_map",), 100
 
 
 class Result(ResultFile):
-    """A run: its history, its snapshots, its figures. Open one with `Result.open(path)`."""
+    """A run: its history, its snapshots, its figures.
+
+    `Result(path)` and `Result.open(path)` open the one in a run folder. Raises InputError.
+    """
 
     @cached_property
     def summary(self) -> dict[str, Any]:
         """What `summary.json` says: scar, depths, volumes, areas, residuals, conservation, assumptions."""
         return record(summarise(self))
+
+    def unworn_disc(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Return the disc's heights before any wear over its mean plane [mm], at x × y [mm].
+
+        They are made, or read, again. Raises InputError where the file of a measured disc is gone.
+        """
+        return surface_in(self.study).heights(x, y)
 
     @property
     def surface_evolution(self) -> SurfaceEvolution:
@@ -58,8 +70,7 @@ class Result(ResultFile):
         options: formats, such as ["vti", "x3p"]; snapshot, bodies, fields, points, overwrite,
         as `warpwear export` has them. Raises InputError.
         """
-        paths: list[Path] = resolve(EXPORT)(self, folder, **options)
-        return paths
+        return resolve(EXPORT)(self, folder, **options)
 
     def animate(self, out: str | Path | None = None, **options: Any) -> Path:
         """Film the run, a frame a snapshot.
@@ -127,5 +138,4 @@ def _to_html(result: Result) -> str:
     ]
     pictures = [(name, base64.b64encode(plot.png(name, dpi=DPI)).decode("ascii")) for name in names]
     top = content.top_of(result.study, result.summary)
-    fragment: str = html.render("notebook.html", {}, **top, pictures=pictures)
-    return fragment
+    return html.render("notebook.html", {}, **top, pictures=pictures)

@@ -8,7 +8,6 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.laws.archard import BODIES
-from warpwear.laws.friction import friction_energy
 from warpwear.measured.options import COF, Options, number, quantity
 from warpwear.result import Result
 from warpwear.results.report import Row, lines, record, table, to_json
@@ -97,7 +96,6 @@ def _of_run(folder: Path) -> tuple[Dissipation, str, list[Row]]:
     """Find what a run dissipates, say where that is from, and what it wears. Raises InputError."""
     with Result.open(folder) as result:
         history, finished = result.history, result.finished
-        by_area = result.study.wears_by_area
     slid, cof = float(history["distance"][-1]), history["cof"]
     if slid == 0.0:
         raise InputError(f"{folder} is a static contact: nothing slides, and no energy is dissipated")
@@ -105,7 +103,7 @@ def _of_run(folder: Path) -> tuple[Dissipation, str, list[Row]]:
         raise InputError(f"{folder} has no coefficient of friction: it was stopped before its τ0 was fixed")
     load = float(history["load"][-1])
     work = Dissipation(
-        energy=float(friction_energy(history["distance"], cof, history["load"], of_steps=by_area)[-1]),
+        energy=float(history["friction_energy"][-1]),
         distance=slid,
         load=load,
         cof_end=float(cof[-1]),

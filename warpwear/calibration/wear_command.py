@@ -73,8 +73,7 @@ def calibrate_wear(preparation: Preparation, *, as_json: bool, **texts: Any) -> 
     if options["--diameter"] is not None:
         if options["--radius"] is not None:
             raise InputError("--radius and --diameter exclude each other: both say how large the ball is")
-        radius = 0.5 * quantity("--diameter", options["--diameter"], "mm")
-        options["radius"] = f"{radius!r} mm"
+        options["radius"] = f"{0.5 * quantity('--diameter', options['--diameter'], 'mm')!r} mm"
     source, standard = _source(options), options["--standard"]
     _check(source, options, preparation)
     load, distance = options.load, options.distance

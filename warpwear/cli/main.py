@@ -15,8 +15,7 @@ from warpwear.cli.calibrate import calibrate
 from warpwear.cli.compare import compare
 from warpwear.cli.new import new
 from warpwear.cli.record import record
-from warpwear.cli.report import report
-from warpwear.cli.result import animate, export_command, plot
+from warpwear.cli.result import animate, export_command, plot, report
 from warpwear.cli.run import run
 from warpwear.cli.study import list_materials, show, studies
 from warpwear.cli.surface import surface

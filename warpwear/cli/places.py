@@ -2,7 +2,6 @@
 
 from warpwear.lazy import module
 
-coefficients = module("warpwear.thesis.coefficients")
 compared = module("warpwear.comparison.compare")
 comparison_folder = module("warpwear.comparison.folder")
 comparison_table = module("warpwear.comparison.table")
@@ -23,6 +22,5 @@ study_files = module("warpwear.study.loading")
 study_types = module("warpwear.study.study")
 summaries = module("warpwear.results.summary")
 sweep_command = module("warpwear.sweeps.command")
-thesis_page = module("warpwear.thesis.report")
 wear_command = module("warpwear.calibration.wear_command")
 written = module("warpwear.results.report")

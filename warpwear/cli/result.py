@@ -1,4 +1,4 @@
-"""The commands that take the folder of a run: `warpwear plot`, `animate` and `export`."""
+"""The commands that take the folder of a run: `warpwear plot`, `report`, `animate` and `export`."""
 
 from pathlib import Path
 from typing import Any
@@ -30,6 +30,17 @@ def plot(folder: Path, names: tuple[str, ...], file_format: str) -> None:
         for reason in dict.fromkeys(left_out.values()):
             missing = ", ".join(name for name, why in left_out.items() if why == reason)
             click.echo(f"note: no {missing}: {reason}", err=True)
+
+
+@click.command()
+@FOLDER
+def report(folder: Path) -> None:
+    """Write report.html into the folder of a run again: the page that a run leaves.
+
+    It shows numbers, plots, assumptions and limits in a single file that needs no network.
+    """
+    with results.Result.open(folder) as result:
+        click.echo(result.write_page())
 
 
 @click.command()

@@ -135,8 +135,7 @@ def _align(document: Any) -> None:
     for section in document.values():
         for key, item in section.items() if isinstance(section, Table) else ():
             if item.trivia.comment and not isinstance(item, Table):
-                length = len(f"{key} = {item.as_string()}")
-                item.trivia.comment_ws = " " * max(COLUMN - length, 2)
+                item.trivia.comment_ws = " " * max(COLUMN - len(f"{key} = {item.as_string()}"), 2)
 
 
 def _study(sections: dict[str, Any], folder: Path) -> Study:

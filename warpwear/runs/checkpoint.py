@@ -142,10 +142,8 @@ class StoredCheckpoint:
         self.heights_differ = False
         with self.reading():
             about = json.loads(file["about"][()])
-            self._about = {
-                name: about[name] for name in (*OF_THE_RUN, "version", "study", "device", "surface", "kinds")
-            }
-            self._about |= {name: about.get(name) for name in ("counter", "files")}
+            names = *OF_THE_RUN, "version", "study", "device", "surface", "kinds", "counter", "files"
+            self._about = {name: about[name] for name in names}
             self._order = RunOrder(Study.stored(about["study"]))
             self._rows = Rows(map(str, file["rows"].attrs["columns"]), file["rows"][()])
             if not isinstance(self._about["device"], str):
@@ -196,7 +194,7 @@ class StoredCheckpoint:
 
     def refuse_other_files(self, files: Mapping[str, str]) -> None:
         """Raises InputError where files are not what they were. files: their digests by keys."""
-        if self._about["files"] not in (None, files):  # which checkpoints of earlier versions lack
+        if self._about["files"] != files:
             raise InputError(
                 f"{self._path} cannot go on: a file that {' or '.join(files)} names is not what it was when "
                 f"the run began; {RESUME_IT} with the file as it was, or {OVERWRITE_IT}."

@@ -116,8 +116,7 @@ class Content(Programme):
     @property
     def stroke_ratio(self) -> float:
         """Return the stroke over the width of smooth bodies' scar along sliding, or of their contact."""
-        worn = sum(self.volumes(self.sliding.total))
-        width = self.counter.form.worn(worn, self.grid.sides)[0]
+        width = self.counter.form.worn(sum(self.volumes(self.sliding.total)), self.grid.sides)[0]
         if self.hertz is not None:
             width = max(width, 2.0 * self.hertz.semi_axes[0])
         return (self.sliding.stroke or 0.0) / width

@@ -204,8 +204,7 @@ class Programme(Section):
         lap = min(lap for lap in laps if lap is not None)
         most = max(1, min(motion.MOST_SHIFT, math.floor(lap / cell / motion.STEPS_OF_STROKE * (1.0 + WHOLE))))
         cells = most if sliding.track == "full" else round(float(sliding.track) / cell)
-        fits = (n for n in range(most, most // 2, -1) if cells % n == 0)
-        return sliding.shift or next(fits, most)
+        return sliding.shift or next((n for n in range(most, most // 2, -1) if cells % n == 0), most)
 
     @property
     def jumps(self) -> bool:
