@@ -23,6 +23,7 @@ class Surfaces:
     layout: Layout
     lowest: wp.array2d(dtype=wp.float64)  # gap in every tile of a patch before any wear [mm]
     cells_of_patch: wp.float64
+    cap: wp.float64  # largest pressure of an unworn cell [MPa]
     gap: wp.array2d(dtype=Cells)  # [mm]
     unworn: wp.array2d(dtype=Cells)
     cells: CellProperties

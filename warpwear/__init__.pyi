@@ -1,5 +1,7 @@
 """Public names, each with where it is made; `__init__.py` imports one when it is first asked for."""
 
+from warpwear.comparison.compare import ComparedRuns as ComparedRuns
+from warpwear.comparison.compare import compare as compare
 from warpwear.contact.array.contact import ArrayContact as ArrayContact
 from warpwear.contact.array.shear import ShearCertificate as ShearCertificate
 from warpwear.contact.array.shear import ShearedContact as ShearedContact
@@ -8,6 +10,10 @@ from warpwear.contact.array.tangential import solve_tangential as solve_tangenti
 from warpwear.contact.certificate import Certificate as Certificate
 from warpwear.contact.stress.stresses import Stresses as Stresses
 from warpwear.contact.stress.stresses import stresses as stresses
+from warpwear.drafts.draft import new_study as new_study
+from warpwear.drafts.known import Catalogue as Catalogue
+from warpwear.drafts.known import materials as materials
+from warpwear.drafts.known import studies as studies
 from warpwear.errors import ConvergenceError as ConvergenceError
 from warpwear.errors import InputError as InputError
 from warpwear.errors import InvariantError as InvariantError
@@ -15,6 +21,16 @@ from warpwear.errors import StudyWarning as StudyWarning
 from warpwear.history.snapshot import Snapshot as Snapshot
 from warpwear.inference.infer import infer as infer
 from warpwear.inference.result import Inference as Inference
+from warpwear.measured.friction.record import FrictionRecord as FrictionRecord
+from warpwear.measured.friction.record import read_record as read_record
+from warpwear.measured.report import Report as Report
+from warpwear.measured.surface import MeasuredProfile as MeasuredProfile
+from warpwear.measured.surface import WornBody as WornBody
+from warpwear.measured.surface import read_profile as read_profile
+from warpwear.measured.surface import read_surface as read_surface
+from warpwear.measured.surface import read_worn as read_worn
+from warpwear.measured.surface import worn_cap as worn_cap
+from warpwear.measured.surface_report import MeasuredSurface as MeasuredSurface
 from warpwear.result import Result as Result
 from warpwear.runs.run import run as run
 from warpwear.runs.run import steps as steps

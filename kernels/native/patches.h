@@ -82,15 +82,15 @@ WARPWEAR_FN void on_springs_of(const Steps& steps, const Visit& visit)
     visit(bend, bend); // such steps do not look ahead
 }
 
-// What the cells of a patch carry at its trial approach.
-template <typename Spring, typename Steps, typename Curves, typename Surfaces>
-WARPWEAR_FN void carry_on(int patch, const Spring& spring, const Steps& steps, Curves& curves,
+// What the cells of a patch carry at its trial approach. OWN: whether they have a stiffness each.
+template <bool OWN, typename Spring, typename Steps, typename Curves, typename Surfaces>
+WARPWEAR_FN void carry_on(int patch, const Spring& alike, const Steps& steps, Curves& curves,
                           const Surfaces& surfaces)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(off)
 #endif
-    const double cap = steps.load.hardness, stiffness = wp::index(steps.now, 0).stiffness;
+    const double cap = surfaces.cap, stiffness = wp::index(steps.now, 0).stiffness;
     const double base = wp::index(curves.base, patch), offset = wp::index(curves.offset, patch);
     if (!((base - wp::index(curves.lowest, patch)) + offset > 0.0)) {
         if (lane_of_slot() == 0) give_nothing(curves, patch, base, offset);
@@ -99,6 +99,7 @@ WARPWEAR_FN void carry_on(int patch, const Spring& spring, const Steps& steps, C
     const int of_line = surfaces.layout.vectors * OF_VECTOR;
     const Stored* const gap = row_of(surfaces.gap, patch);
     const Stored* const cap_ratio = row_or_none(surfaces.cells.cap_ratio, patch);
+    const Stored* const own = row_or_none(surfaces.cells.stiffness, patch);
     const Lanes zero = 0.0;
     Lanes pressure = 0.0, between = 0.0, nearest = ABSENT;
     double beside = ABSENT; // of the tiles that are skipped
@@ -111,10 +112,15 @@ WARPWEAR_FN void carry_on(int patch, const Spring& spring, const Steps& steps, C
         const int i = line * of_line + place;
         const Lanes most_here = cap_ratio ? Lanes(cap * cap_ratio[i]) : Lanes(cap);
         const Lanes overlap = (base - Lanes(gap[i])) + offset;
+        const auto& spring = spring_at<OWN>(own, i, alike);
         const Lanes q = on_spring(overlap, spring), p = clipped(q, most_here);
         pressure += p;
-        between += p > zero && q < most_here ? slope_on_spring(overlap, spring) : zero;
-        const Lanes near = to_bound(q, most_here, spring);
+        Lanes slope = slope_on_spring(overlap, spring), near = to_bound(q, most_here, spring);
+        if (OWN) { // counted over the stiffness of all
+            slope *= stiffness_of(spring) / stiffness;
+            near = near / slope;
+        }
+        between += p > zero && q < most_here ? slope : zero;
         nearest = nearest < near ? nearest : near;
     });
     leave_each(
@@ -127,8 +133,11 @@ WARPWEAR_FN void carry_on(int patch, const Spring& spring, const Steps& steps, C
 template <typename Steps, typename Curves, typename Surfaces>
 WARPWEAR_FN void carry_patch(int patch, int, const Steps& steps, Curves& curves, const Surfaces& surfaces)
 {
-    on_springs_of(steps,
-                  [&](const auto& spring, const auto&) { carry_on(patch, spring, steps, curves, surfaces); });
+    const bool own = surfaces.cells.stiffness.shape[0] > 0;
+    on_springs_of(steps, [&](const auto& spring, const auto&) {
+        own ? carry_on<true>(patch, spring, steps, curves, surfaces)
+            : carry_on<false>(patch, spring, steps, curves, surfaces);
+    });
 }
 
 // Lay the pressures of a patch at its solved approach, and what both bodies have lost there.
@@ -136,19 +145,24 @@ template <typename Steps, typename Curves, typename Surfaces, typename Field>
 WARPWEAR_FN void press_patch(int patch, int slots, const Steps& steps, const Curves& curves,
                              const Surfaces& surfaces, Field& pressure_out)
 {
-    const double cap = steps.load.hardness;
+    const double cap = surfaces.cap;
     const double base = wp::index(curves.base, patch), offset = wp::index(curves.offset, patch);
     const bool touches = (base - wp::index(curves.lowest, patch)) + offset > 0.0;
     const Stored* const gap = row_of(surfaces.gap, patch);
     const Stored* const cap_ratio = row_or_none(surfaces.cells.cap_ratio, patch);
     Stored* const pressure = row_of(pressure_out, patch);
+    const Stored* const own = row_or_none(surfaces.cells.stiffness, patch);
     const Lanes zero = 0.0;
-    on_springs_of(steps, [&](const auto& spring, const auto&) {
+    const auto press = [&](auto is_own, const auto& alike) {
         for (int i = lane_of_slot(); i < surfaces.gap.shape[1] * OF_VECTOR; i += width_of_slot()) {
             const Lanes most_here = cap_ratio ? Lanes(cap * cap_ratio[i]) : Lanes(cap);
+            const auto& spring = spring_at<decltype(is_own)::value>(own, i, alike);
             const Lanes p = clipped(on_spring((base - Lanes(gap[i])) + offset, spring), most_here);
             pressure[i] = touches ? p : zero;
         }
+    };
+    on_springs_of(steps, [&](const auto& spring, const auto&) {
+        own ? press(Is<true>(), spring) : press(Is<false>(), spring);
     });
 }
 
@@ -211,8 +225,8 @@ WARPWEAR_FN void wear_patch(int patch, int slots, const Steps& steps, Curves& cu
         if (steps.looks_ahead) give_nothing(curves, patch, base_next, offset_next);
         return;
     }
-    const WearBy by = {base,      offset,        steps.load.hardness, 0.0,
-                       0.0,       now.stiffness, now.removal,         now.reference,
+    const WearBy by = {base,      offset,        surfaces.cap,      0.0,
+                       0.0,       now.stiffness, now.removal,       now.reference,
                        base_next, offset_next,   now.stiffness_next};
     const int of_line = surfaces.layout.vectors * OF_VECTOR;
     const Stored* const unworn = row_of(surfaces.unworn, patch);

@@ -8,7 +8,6 @@ import numpy as np
 
 from warpwear.errors import InputError
 from warpwear.laws.archard import BODIES
-from warpwear.laws.friction import friction_energy
 from warpwear.measured.options import COF, Options, number, quantity
 from warpwear.result import Result
 from warpwear.results.report import Row, lines, record, table, to_json
@@ -104,9 +103,7 @@ def _of_run(folder: Path) -> tuple[Dissipation, str, list[Row]]:
         raise InputError(f"{folder} has no coefficient of friction: it was stopped before its τ0 was fixed")
     load = float(history["load"][-1])
     work = Dissipation(
-        energy=float(
-            friction_energy(history["distance"], cof, history["load"], of_steps="area_sheared" in history)[-1]
-        ),
+        energy=float(history["friction_energy"][-1]),
         distance=slid,
         load=load,
         cof_end=float(cof[-1]),

@@ -71,8 +71,7 @@ def _read(file: Path) -> tuple[FloatArray, FloatArray]:
 
 def _of_loop(place: FloatArray, force: FloatArray, load: float) -> list[Row]:
     """Declare coefficient, slip and compliance of a loop. Raises InputError for one without an area."""
-    following = np.roll(place, -1) - place
-    energy = abs(float(np.sum(0.5 * (force + np.roll(force, -1)) * following)))
+    energy = abs(float(np.sum(0.5 * (force + np.roll(force, -1)) * (np.roll(place, -1) - place))))
     tip, most = float(place.max()), float(force.max())
     crossings = _at_no_force(place, force)
     if energy <= ROUNDING * most * tip or crossings.size < 2:

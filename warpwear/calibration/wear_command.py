@@ -9,7 +9,7 @@ from typing import Any
 from warpwear.calibration import wear as volumes
 from warpwear.errors import InputError
 from warpwear.measured.options import Options, optional, quantity
-from warpwear.measured.surface_command import Kind, Preparation, worn_in
+from warpwear.measured.surface import Kind, Preparation, worn_in
 from warpwear.results.report import Row, lines, record, scientific, times, to_json
 from warpwear.study.units import NOT_NEGATIVE
 
@@ -73,8 +73,7 @@ def calibrate_wear(preparation: Preparation, *, as_json: bool, **texts: Any) -> 
     if options["--diameter"] is not None:
         if options["--radius"] is not None:
             raise InputError("--radius and --diameter exclude each other: both say how large the ball is")
-        radius = 0.5 * quantity("--diameter", options["--diameter"], "mm")
-        options["radius"] = f"{radius!r} mm"
+        options["radius"] = f"{0.5 * quantity('--diameter', options['--diameter'], 'mm')!r} mm"
     source, standard = _source(options), options["--standard"]
     _check(source, options, preparation)
     load, distance = options.load, options.distance

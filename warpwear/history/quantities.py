@@ -2,7 +2,7 @@
 
 The columns of the history, the fields of a snapshot, the tables of patches and of roughness, the headers of
 CSV files, the attributes in HDF5 files, `Result.units`, the axes of figures and the table of the docs
-follow from this. Names, units and meanings stand in `quantities.toml`.
+follow from this. All of it stands in `quantities.toml`.
 """
 
 import re
@@ -42,7 +42,7 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
     ),
     "film": ("runs with a film", lambda study: study.film is not None),
     "by area": (
-        "wear of friction energy by a shear strength, layers of a shear strength",
+        "wear of friction energy by a shear strength, layers of one, friction.largest_coefficient",
         lambda study: study.wears_by_area or study.shears_unalike,
     ),
     "fatigue": ("runs with fatigue limits", lambda study: study.fatigue is not None),
@@ -130,7 +130,7 @@ _DECLARED: dict[str, Any] = tomllib.loads(
     (files("warpwear.history") / "quantities.toml").read_text(encoding="utf-8")
 )
 #: Name of a quantity -> how it is shown, of those that figures and tables for people have.
-LOOKS: dict[str, dict[str, Any]] = _DECLARED.pop("looks")
+LOOKS: dict[str, dict[str, Any]] = _DECLARED.pop("look")
 #: Name of an end value -> what is said of it, of which a column of the history has the rest.
 ENDS_DECLARED: dict[str, dict[str, Any]] = _DECLARED.pop("ends")
 

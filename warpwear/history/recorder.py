@@ -220,6 +220,9 @@ class Ledger:
             row["bare_fraction"] = total["bare"] / count
         if self._task.profiles is not None:
             row |= self._of_materials(total, row)
+        if self._task.shears_unalike:
+            books, of_surfaces = total.get("materials"), self._task.surface_shear or math.nan
+            row["area_sheared"] = area * books["shear_ratios"] if books else row["area_contact"] * of_surfaces
         return row | {name: row[name] + lost for name, lost in self.before.items() if name in row}
 
     def _of_materials(self, total: Mapping[str, Any], row: Mapping[str, Number]) -> dict[str, Any]:
@@ -227,7 +230,8 @@ class Ledger:
 
         Without books of a step all cells are of the uppermost materials.
         """
-        books, area, columns = total.get("materials"), self._grid.cell_area, dict[str, Any]()
+        books, columns = total.get("materials"), dict[str, Any]()
+        area = self._weight * self._grid.cell_area
         for body, profile in zip(BODIES, self._task.profiles or (), strict=True):
             names, archard = of_materials(body, profile), f"archard_volume_{body}"
             parts: list[tuple[Any, ...]] = [(1.0, row["area_contact"], row[archard])]
@@ -245,9 +249,6 @@ class Ledger:
                     for cells, pressure, lost in zip(*of.values(), strict=True)
                 ]
             columns |= {n: v for pair in zip(names, parts, strict=False) for n, v in zip(*pair, strict=True)}
-        if self._task.shears_unalike:
-            of_surfaces = row["area_contact"] * (self._task.surface_shear or math.nan)
-            columns["area_sheared"] = of_surfaces if books is None else area * books["shear_ratios"]
         return columns
 
     def _inside(self, rows: int, columns: int) -> tuple[float, ...]:

@@ -11,16 +11,20 @@ from warpwear.grid import FloatArray
 from warpwear.history.quantities import PATCH_TABLES
 from warpwear.history.recorder import Ledger, Step, divided
 from warpwear.history.snapshot import Snapshot
+from warpwear.laws.archard import BODIES
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
 
 
 @dataclass(frozen=True, eq=False)
 class Worn:
-    """Hold what a step did to the patches; of loads and areas one value a patch."""
+    """Hold what a step did to the patches; of loads and areas one value a patch.
+
+    "worn" is by both bodies, of which each may have its own instead, "wear_counter" and "wear_disc".
+    """
 
     total: dict[str, float]  # over all patches, by the names of `kernels.cells.PATCH_SUMS`
-    most: dict[str, float]  # by those of `PATCH_MAXIMA`; "worn" is by both bodies
+    most: dict[str, float]  # by those of `PATCH_MAXIMA`
     loads: FloatArray  # [N]
     areas: FloatArray  # in contact [mm²]
     approach: tuple[float, float]  # of the bodies, base and offset [mm]
@@ -62,7 +66,7 @@ class PatchBook:
 
 
 class PatchLedger(Ledger):
-    """Keep the books of patches whose counter-body and disc wear in one proportion.
+    """Keep the books of patches, whose counter-body and disc may wear in one proportion.
 
     patches: in the order of the macro cells, in which the book has them.
     """
@@ -104,7 +108,9 @@ class PatchLedger(Ledger):
         worn: of patches in the order of the macro cells. pressure: on the domain [MPa], where it was asked
         for. Raises ConvergenceError where the pressures do not add up to the load.
         """
-        total, most = (divided(both, self._fractions) for both in (worn.total, worn.most))
+        total, most = (
+            divided(both, self._fractions) if "worn" in both else both for both in (worn.total, worn.most)
+        )
         if len(self._task.knots):
             total["wearing_counter"] = total["pressure_times_factor"] = total["wearing"]
         load, approach = self._task.load, sum(worn.approach)
@@ -119,8 +125,8 @@ class PatchLedger(Ledger):
         """Return the fields after a step that was asked for its pressure, at its distance [mm].
 
         Over the whole domain; what no patch covers has neither pressure nor wear, and no gap (NaN). stored:
-        gap, what both bodies have worn of it [mm], and which cells are bare of film, as `patches` stores
-        them, in whatever order.
+        gap, what both bodies have worn of it, or each [mm], and fields of features, as `patches` stores them,
+        in whatever order.
         """
         assert step.pressure is not None
         fields: dict[str, Any] = {
@@ -128,8 +134,8 @@ class PatchLedger(Ledger):
             for name, values in stored.items()
             if values is not None
         }
-        worn = fields.pop("worn")
-        counter, disc = (part * worn for part in self._fractions)
-        fields |= {"pressure": step.pressure, "wear_counter": counter, "wear_disc": disc}
-        snapshot = Snapshot.of(distance, fields)
+        if "worn" in fields:
+            worn = fields.pop("worn")
+            fields |= {f"wear_{b}": part * worn for b, part in zip(BODIES, self._fractions, strict=True)}
+        snapshot = Snapshot.of(distance, fields | {"pressure": step.pressure})
         return replace(snapshot, fresh=frozenset(snapshot.fields))  # all are made for it

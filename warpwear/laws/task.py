@@ -43,11 +43,13 @@ class Form(Protocol):
 class FeatureLaw:
     """Says what a study adds to a contact: the law of a feature, which a section has under its name.
 
-    Unless it says otherwise, its cells are not alike, and area and scar do not go with the sum of both wears.
+    Unless it says otherwise, its cells are not alike, area and scar do not go with the sum of both wears, and
+    no step may stand for many (jumps), as if all that it does followed from the distance that it slides.
     """
 
     is_uniform: ClassVar[bool] = False
     scales: ClassVar[bool] = False
+    jumps: ClassVar[bool] = False
 
     def balances(self, row: Mapping[str, float]) -> Iterable[tuple[str, float, float]]:
         """Yield what columns of a row that it adds are, what they come to, and what they are due to [mm³]."""
@@ -92,6 +94,7 @@ class ContactTask:
     #: What counter-body and disc are made of by worn depth; None where they are alike at all depths.
     profiles: tuple[DepthProfile, DepthProfile] | None = None
     features: Mapping[str, FeatureLaw] = field(default_factory=dict)  # what sections add beside, by name
+    largest_shear: float = math.inf  # of a cell over its pressure and the bodies' strength [1/MPa]
 
     @property
     def dust(self) -> float:
@@ -137,13 +140,14 @@ class ContactTask:
     @property
     def shears_unalike(self) -> bool:
         """Tell whether cells have a shear strength by their materials, or a part of their pressure."""
-        return shears_unalike(self.profiles or ())
+        return shears_unalike(self.profiles or (), self.largest_shear)
 
     @property
     def surface_shear(self) -> float | None:
-        """Return the shear strength of unworn surfaces over the bodies'; None where pressures bound it."""
+        """Return the shear strength of unworn surfaces over the bodies'; None where cells of these differ."""
         tops = [profile.materials[0] for profile in self.profiles or ()]
-        if not self.shears_unalike or any(math.isfinite(top.coefficient) for top in tops):
+        bounds = (self.largest_shear, *(top.coefficient for top in tops))
+        if not self.shears_unalike or self.film is not None or min(bounds) < math.inf:
             return None if self.shears_unalike else 1.0
         assert self.profiles is not None
         return min(top.shear_strength for top in tops) / self.profiles[0].materials[-1].shear_strength
@@ -153,6 +157,7 @@ class ContactTask:
         """Tell whether, at rest, every cell has the same law: one stiffness, and wear in one proportion."""
         counter, disc = self.wear
         alike = self.distance_factor == "none" and self.film is None and not self.shears
+        alike = alike and not self.shears_unalike
         laws = (*(self.profiles or ()), *self.features.values())
         alike = alike and all(law.is_uniform for law in laws)
         return alike and counter.in_proportion_to(disc) and not len(self.knots)

@@ -13,7 +13,7 @@ from warpwear.laws.film import Film, grown_cap
 from warpwear.laws.fretting import HONEST_MEAN, Fretting, displacement, softness_ratio
 from warpwear.laws.junctions import critical_junction, junction_strength
 from warpwear.laws.pieces import Pieces
-from warpwear.laws.task import ContactTask
+from warpwear.laws.task import ContactTask, FeatureLaw
 from warpwear.study.keys import uses, value_of
 from warpwear.study.programme import Programme
 from warpwear.study.sections.layers import depth_profiles
@@ -116,8 +116,7 @@ class Content(Programme):
     @property
     def stroke_ratio(self) -> float:
         """Return the stroke over the width of smooth bodies' scar along sliding, or of their contact."""
-        worn = sum(self.volumes(self.sliding.total))
-        width = self.counter.form.worn(worn, self.grid.sides)[0]
+        width = self.counter.form.worn(sum(self.volumes(self.sliding.total)), self.grid.sides)[0]
         if self.hertz is not None:
             width = max(width, 2.0 * self.hertz.semi_axes[0])
         return (self.sliding.stroke or 0.0) / width
@@ -174,10 +173,11 @@ class Content(Programme):
     def caps(self) -> tuple[float, float]:
         """Largest pressures of a cell with its film and without [MPa], which growing junctions lower."""
         friction, hardness = self.friction, self.indentation_hardness
-        bare = grown_cap(hardness, friction.shear_strength or 0.0, friction.junction_growth)
+        grown = friction.junction_growth, friction.largest_coefficient or math.inf
+        bare = grown_cap(hardness, friction.shear_strength or 0.0, *grown)
         if friction.film is None:
             return bare, bare
-        return grown_cap(hardness, friction.film.shear_strength, friction.junction_growth), bare
+        return grown_cap(hardness, friction.film.shear_strength, *grown), bare
 
     @property
     def cell_caps(self) -> tuple[float, ...]:
@@ -316,7 +316,6 @@ class Content(Programme):
     @property
     def contact_task(self) -> ContactTask:
         """What models, their history and their steps need of this study."""
-        laws = (pair for section in vars(self).values() for pair in getattr(section, "features", {}).items())
         return ContactTask(
             load=self.contact.load,
             hardness=self.hardness if self.profiles is None else self.cell_caps[0],
@@ -341,7 +340,21 @@ class Content(Programme):
             static_area_every=self.static_area_every,
             fretting=self.fretting,
             profiles=self.profiles,
-            features={name: law for name, law in laws if uses(self, name)},
+            largest_shear=self.largest_shear,
+            features=self.features,
+        )
+
+    @property
+    def features(self) -> dict[str, FeatureLaw]:
+        """The laws of features of its sections, by the keys that ask for them."""
+        laws = (pair for section in vars(self).values() for pair in getattr(section, "features", {}).items())
+        return {name: law for name, law in laws if uses(self, name)}
+
+    @property
+    def jumps(self) -> bool:
+        """True where a computed cycle may stand for more than itself: of itself not of what acts in steps."""
+        return super().jumps and (
+            self.stepping.jump != "auto" or all(f.jumps for f in self.features.values())
         )
 
     @property
@@ -384,8 +397,14 @@ class Content(Programme):
 
     @property
     def shears_unalike(self) -> bool:
-        """True where the shear of a cell follows from the layers that meet there."""
-        return shears_unalike(self.profiles or ())
+        """True where the shear of a cell follows from the layers that meet there, or is bounded."""
+        return shears_unalike(self.profiles or (), self.largest_shear)
+
+    @property
+    def largest_shear(self) -> float:
+        """Largest shear of a cell over its pressure and the bodies' strength [1/MPa]; infinite without."""
+        largest, strength = self.friction.largest_coefficient, self.friction.shear_strength
+        return largest / strength if largest and strength else math.inf
 
     @property
     def wear_hardness(self) -> float:

@@ -28,7 +28,10 @@ UNFILMED = ("track, bearing area", "patches, load")
 PIECES = {"wear.particle": "60 um", "wear.particle_thickness": "0.6 um"}
 LAYERS = {"disc.layers": [{"name": "coat", "thickness": "20 nm", "wear": "4e-4 mm^3/N/m"}]}
 CASES = STUDIES | {
-    "track, layers": STUDIES["track"].replace(LAYERS),
+    **{
+        f"{name}, layers": STUDIES[name].replace(LAYERS)
+        for name in ("track", "patches", "patches, half-space")
+    },
     **{f"{name}, film": study.replace(FILM) for name, study in STUDIES.items() if name not in UNFILMED},
     **{f"{name}, pieces": STUDIES[name].replace(PIECES) for name in ("track", "track, half-space")},
 }

@@ -207,9 +207,12 @@ def test_a_law_of_a_feature_scales_and_is_uniform_only_where_it_says_so() -> Non
 
 
 def test_what_acts_in_each_step_does_not_go_with_jumps(monkeypatch: pytest.MonkeyPatch) -> None:
-    attach(monkeypatch)
-    monkeypatch.setattr(Debris, "name", "debris")
-    with pytest.raises(InputError, match=r"^stepping.jump = 4 does not go with debris, which acts in"):
+    """Where cycles jump by themselves each is computed then."""
+    study = small("full", sliding__distance="20 m")
+    assert study.jumps
+    registered(monkeypatch, lambda _: Feature())
+    assert not study.jumps
+    with pytest.raises(InputError, match=r"^stepping.jump = 4 does not go with wear.disc, which acts in"):
         warpwear.run(small("full").replace({"stepping.jump": 4}))
 
 

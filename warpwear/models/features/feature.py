@@ -53,7 +53,8 @@ class Site:
         """Return the laws of features by their names; None where nothing asks for them."""
         task = self.task
         own: dict[str, Any] = {"film": task.film, "particles": task.pieces, "fretting": task.fretting}
-        own |= {"materials": task.profiles, "recession": self.curve, "distances": self.distances}
+        shears = () if task.shears_unalike else None  # whatever bodies are made of
+        own |= {"materials": task.profiles or shears, "recession": self.curve, "distances": self.distances}
         return {**own, **task.features}
 
 
@@ -100,8 +101,6 @@ class Feature:
     #: What steps change of it, and what else is an array, see `warpwear.engine.state`.
     STATE: ClassVar[Mapping[str, Any]] = {}
     SCRATCH: ClassVar[tuple[str, ...]] = ()
-    #: Whether a step may stand for many, as what it does follows from the distance that it slides alone.
-    jumps: ClassVar[bool] = False
     #: What cells have of their own by it, by the names of `CellProperties`, and what that is made from, by
     #: those of `Sources`.
     properties: Mapping[str, Field] = MappingProxyType({})

@@ -77,7 +77,8 @@ class Features:
             raise TypeError(f"patches follow no {', '.join(task.features)}, and their keys do not say so")
         features = {n: make(laws[n], site) for n, make in Feature.REGISTERED.items() if n in laws}
         curve, distances = site.curve, site.distances
-        by_materials = task.profiles is not None and not task.half_space  # which has yields
+        materials: Any = features.get("materials")
+        by_materials = materials is not None and materials.gives and not task.half_space  # which has yields
         if task.implicit and not (curve is None and distances is None and not by_materials):
             alike = curve is None and distances is not None and distances.shape[0] == 1
             features["stiffness"] = UnequalStiffness(executor, bodies, curve, alike=alike)

@@ -32,7 +32,6 @@ class BareCells(Feature, name="film"):
         "healing": {"counter": InFrame("counter"), "disc": InFrame("disc"), "both": InFrame("contact")}
     }
     SCRATCH: ClassVar = ("bare",)
-    jumps = True
 
     def __init__(self, film: Film, site: Site) -> None:
         task, executor, thickness = site.task, site.executor, film.thickness
@@ -78,7 +77,7 @@ class BareCells(Feature, name="film"):
         """Add a note of what the step has worn."""
         if not self._heals:
             return
-        if self._listed:
+        if self._listed and place.listed:  # patches have no list
             program.launch(kernels.rub_tiles, *place.listed, place.slides, place.sources)
         else:
             program.launch(kernels.rub, place.slides, place.sources, self._executor.grid.nx)

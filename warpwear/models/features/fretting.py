@@ -34,7 +34,6 @@ class CyclicSlip(Feature, name="fretting"):
     """
 
     moves_pressure = True
-    jumps = True
     NUMBERS: ClassVar = ("_jump", "rigid", "force", "border", "_stuck", "_approach", "_first")
     STATE: ClassVar = {
         **dict.fromkeys(("slips", "grown"), InFrame("contact")),

@@ -1,4 +1,7 @@
-"""Bodies have materials by worn depth: K and the cap of cells, and what each material bears and loses."""
+"""Bodies have materials by worn depth: K and the cap of cells, and what each material bears and loses.
+
+Where pressures or materials bound it, the shear of cells is booked too.
+"""
 
 import math
 from collections.abc import Mapping
@@ -18,6 +21,8 @@ from warpwear.models.features.feature import Feature, Host, Place, Site
 
 #: Stands for no limit [1].
 NONE = 1.0e300
+#: K of both bodies, as cells and steps have it.
+KS = ("k_counter", "k_disc")
 #: Lines of the books, as the history has them.
 COLUMNS = (
     *(f"{kind}_{body}_{m}" for body in BODIES for kind in kernels.BOOKS for m in range(kernels.BOOKED)),
@@ -80,19 +85,18 @@ class MaterialsByDepth(Feature, name="materials"):
     STATE: ClassVar = {"means": tuple}
     SCRATCH: ClassVar = ("_books", "_of_parts", "_slid", "_slides", "_largest")
     columns = COLUMNS
-    jumps = True
 
     def __init__(self, profiles: tuple[DepthProfile, DepthProfile], site: Site) -> None:
         task, executor, bodies = site.task, site.executor, site.bodies
-        self._executor, self._profiles = executor, dict(zip(BODIES, profiles, strict=True))
+        self._executor, self._profiles = executor, dict(zip(BODIES, profiles, strict=False))
         self._wear = {body: bodies[f"wear_{body}"] for body in BODIES}
         self.properties: dict[str, Field] = {}
         for body, profile in self._profiles.items():
             numbers = depth_numbers(profile, task.hardness)
             self.properties[f"materials_{body}"] = wp.array(numbers, dtype=wp.float64, device=executor.device)
-            if not profile.is_uniform:
+            if any(m.wear != profile.materials[0].wear for m in profile.materials):
                 self.properties[f"k_{body}"] = self._ones()
-        if task.half_space:
+        if task.half_space and not set(KS).isdisjoint(self.properties):
             self.yields = self.properties["yields"] = executor.zeros()
         #: K over that of the uppermost materials: the mean under the last pressure, and at most.
         self.means: tuple[float, ...] = (1.0, 1.0)
@@ -101,9 +105,15 @@ class MaterialsByDepth(Feature, name="materials"):
         self._of_parts, self._slid = np.zeros(kernels.LINES), 0.0
         if any(m.hardness != p.materials[0].hardness for p in profiles for m in p.materials):
             self.properties["cap_ratio"] = self._ones()
-        self.sources = {f"wear_{body}": field for body, field in self._wear.items()} | {"layered": 1}
+        self.sources = {f"wear_{body}": field for body, field in self._wear.items()}
+        self.sources |= {"layered": int(self.gives), "largest_shear": min(task.largest_shear, NONE)}
         slots = executor.slots_of(executor.grid.nx)
         self._books = wp.zeros((kernels.LINES, slots), dtype=wp.float64, device=executor.device)
+
+    @property
+    def gives(self) -> bool:
+        """Tell whether cells have K or a cap of their own by their materials."""
+        return not {*KS, "cap_ratio"}.isdisjoint(self.properties)
 
     def _ones(self) -> Field:
         return self._executor.field(np.ones(self._executor.grid.shape), padding=1.0)
@@ -121,7 +131,7 @@ class MaterialsByDepth(Feature, name="materials"):
     def ratios(self, window: int) -> tuple[float, float]:
         """Return the means of K, and the largest of a body that wears by a mean of pressures."""
         means = list(self.means)
-        if window > 1:
+        if window > 1 and self._profiles:
             by_mean = self._slides["counter_moves"]
             means[by_mean] = self._largest[by_mean]
         return means[0], means[1]
@@ -131,10 +141,13 @@ class MaterialsByDepth(Feature, name="materials"):
         lines = self._books.numpy().sum(axis=1)
         self._of_parts += np.where(IS_DEPTH, 1.0, increment) * lines
         self._slid += increment
-        of_bodies = lines[:-1].reshape(len(BODIES), len(kernels.BOOKS), -1).sum(axis=2)
-        expected = [self._slides[f"k_{body}"] * p for body, (_, p, _) in zip(BODIES, of_bodies, strict=True)]
-        pairs = zip(of_bodies[:, -1].tolist(), expected, strict=True)
-        self.means = tuple(float(lost / by_top) if lost > 0.0 < by_top else 1.0 for lost, by_top in pairs)
+        of_bodies = lines[:-1].reshape(len(BODIES), len(kernels.BOOKS), -1).sum(axis=2).tolist()
+        expected = [self._slides[name] * p for name, (_, p, _) in zip(KS, of_bodies, strict=True)]
+        pairs = zip(KS, (lost for *_, lost in of_bodies), expected, strict=True)
+        self.means = tuple(
+            lost / by_top if name in self.properties and lost > 0.0 < by_top else 1.0
+            for name, lost, by_top in pairs
+        )
         return {}
 
     def before_wear(self, program: Program, place: Place) -> None:
@@ -152,11 +165,12 @@ class MaterialsByDepth(Feature, name="materials"):
 
     def enter(self, columns: Mapping[str, FloatArray], total: dict[str, Any], most: dict[str, Any]) -> None:
         """Enter the books of the step."""
-        total["materials"] = {name: columns[name] for name in self.columns}
-        if self._slid:
-            lines = self._of_parts / np.where(IS_DEPTH, 1.0, self._slid)
-            total["materials"] = dict(zip(self.columns, lines.tolist(), strict=True))
-            self._of_parts, self._slid = np.zeros(kernels.LINES), 0.0
+        if not self._slid:
+            total["materials"] = {name: columns[name] for name in self.columns}
+            return
+        lines = self._of_parts / np.where(IS_DEPTH, 1.0, self._slid)
+        total["materials"] = dict(zip(self.columns, lines.tolist(), strict=True))
+        self._of_parts, self._slid = np.zeros(kernels.LINES), 0.0
 
     def fields(self, pressure: FloatArray) -> dict[str, FloatArray]:
         """Return the number of the material at the worn depth of both bodies' cells, 0 of the uppermost."""

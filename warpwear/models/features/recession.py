@@ -61,7 +61,6 @@ class UnequalStiffness(Feature):
     """
 
     SCRATCH: ClassVar = ("_stiffness",)
-    jumps = True
 
     def __init__(
         self, executor: Executor, bodies: Mapping[str, Field], curve: Logistic | None, *, alike: bool

@@ -1,11 +1,12 @@
 """The fine cells of all patches have places, a gap, and what the study adds to them."""
 
-from typing import ClassVar
+from dataclasses import replace
+from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
 
-from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.engine.state import InFrame
@@ -39,7 +40,7 @@ class PatchContact:
         self.lowest: FloatArray = lowest.min(axis=1)
         #: Worn by both bodies [mm], where a feature asks for it.
         self._worn = executor.zeros(0 if task.film is None else None)
-        self.features = Features.of(task, executor, {"worn": self._worn})
+        self.features = Features.of(replace(task, profiles=None), executor, {"worn": self._worn})
         #: The step, and how many cells of each patch were bare under its pressure.
         self.slides = Numbers(
             Slide, executor.device, written=False, rows=patches.count, end_column=executor.vectors * LANES
@@ -51,11 +52,18 @@ class PatchContact:
             layout=layout_of(executor, patches),
             lowest=wp.array(lowest, dtype=wp.float64, device=executor.device),
             cells_of_patch=float(patches.side**2),
+            cap=task.hardness,
             gap=self.gap,
             unworn=self.initial,
             cells=self.features.cells,
             trial=(3, patches.count),
         )
+
+    def surfaces_of(self, cells: Arguments) -> Arguments:
+        """Return the surfaces as kernels take them with other `CellProperties`."""
+        kind: Any = kernels.Surfaces
+        members = {name: getattr(self.surfaces, name) for name in kind.vars}
+        return arguments(kind, **members | {"cells": cells})
 
     def ask(self, hook: str, program: Program) -> None:
         """Let features add to a program what they do before a step or after it, of what is worn then."""

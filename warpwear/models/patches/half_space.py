@@ -14,44 +14,29 @@ from functools import cached_property, partial
 from typing import Any, ClassVar
 
 import numpy as np
-import warp as wp
 
 from warpwear.contact.certificate import columns_of
 from warpwear.contact.half_space.influence import Influence
-from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.solver import BoundedPressure, HalfSpaceContact
-from warpwear.engine.executor import Executor, arguments
-from warpwear.engine.numbers import Numbers
-from warpwear.engine.program import Program
+from warpwear.engine.executor import Executor
 from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
 from warpwear.history.snapshot import Snapshot
 from warpwear.kernels import wear_from_pressure
-from warpwear.kernels.cells import (
-    LANES,
-    PADDING,
-    PATCH_MAXIMA,
-    PATCH_SUMS,
-    PressureMost,
-    PressureSum,
-)
-from warpwear.kernels.sliding import Bodies, OfRows, Slide
-from warpwear.kernels.wear_from_pressure import Pressed
+from warpwear.kernels.cells import PADDING
 from warpwear.laws.patches import Patches
 from warpwear.laws.task import ContactTask
-from warpwear.models.features.feature import Place
 from warpwear.models.features.features import Features
 from warpwear.models.model import Model
 from warpwear.models.patches.shares import SmoothContact
-from warpwear.models.unworn import gap_over, layout_of
+from warpwear.models.patches.wear import PatchWear
+from warpwear.models.unworn import gap_over
 from warpwear.models.wear_lines import WearLines
 
 #: Growth of the approach in a step, as is thought before it, over what the last mean pressure would wear off.
 GROWTH_GUESS = 2.0
-#: The wear of both bodies, which the kernel takes for the counter-body's.
-OF_BOTH = {"worn": "wear_counter"}
 
 
 class HalfSpacePatches(Model):
@@ -74,8 +59,9 @@ class HalfSpacePatches(Model):
         "_reached": float,
         "visited": int,
         "_features": Features,
+        "_wears": PatchWear,
     }
-    SCRATCH: ClassVar = ("_sums", "_maxima", "_slides", "_place", "_influence")
+    SCRATCH: ClassVar = ("_influence",)
 
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.task, self._executor = task, executor
@@ -92,12 +78,13 @@ class HalfSpacePatches(Model):
             first_column=patches.first_column[self._order],
         )
         self.lowest: FloatArray = of_patches[self._order]  # before any wear [mm]
-        self.gap, self._layout = (
-            gap_over(task.form, heights, executor, self.patches),
-            layout_of(executor, self.patches),
-        )
-        self.worn = executor.zeros()  # by both bodies [mm]
-        self._features = Features.of(task, executor, {"worn": self.worn})
+        self.gap = gap_over(task.form, heights, executor, self.patches)
+        self.worn = executor.zeros()  # by both bodies, as long as that is not kept apart [mm]
+        #: The task until a cell can reach another material.
+        self._unlayered = replace(task, profiles=None)
+        self._features = Features.of(self._unlayered, executor, {"worn": self.worn})
+        shared = {"gap": self.gap, "worn": self.worn, "together": self._features}
+        self._wears = PatchWear(task, self.patches, executor, self._ledger, **shared)
         #: Cells where there is a surface, summed over the patches up to each.
         self._cells = np.cumsum((executor.to_numpy(self.gap) < PADDING).sum(axis=1))
         assert task.modulus is not None  # checked with the study
@@ -108,19 +95,8 @@ class HalfSpacePatches(Model):
         #: Largest approach so far [mm].
         self._reached = float(of_patches.min())
         executor.load(wear_from_pressure.wear)
-        self._sums, self._maxima = (
-            wp.zeros((len(lines), executor.grid.nx), dtype=wp.float64, device=executor.device)
-            for lines in (PressureSum, PressureMost)
-        )
-        self._slides = Numbers(
-            Slide, executor.device, written=False, window=1, end_column=executor.vectors * LANES
-        )
         #: Finds what wears cells whose K goes with their pressure; None where none does.
         self._lines = WearLines(task.knots, executor) if len(task.knots) else None
-        self._look = Program(executor)
-        self._place = Place(self._slides.array)
-        self._features.ask("make_all", self._look, self._place)
-        self._wearing: Program | None = None
 
     def advance(self, increment: float, *, with_pressure: bool = False, then: float | None = None) -> Step:
         """Solve the contact at the end of an increment [mm], and wear both bodies.
@@ -128,18 +104,16 @@ class HalfSpacePatches(Model):
         Raises ConvergenceError when the contact cannot be solved.
         """
         removals = self.task.wear_per_pressure(self._ledger.row["distance"], increment)
-        start, certified = self._ledger.row["distance"], self.certified or None
-        self._slides.set(start=start, end=start + increment)
-        self._look.run()
+        lends, certified = self._wears.begin(increment, removals), self.certified or None
         if self._smooth is None:
             self._influence.set_bulk(1.0 / self._ledger.foundation)
-            contact = self._share(sum(removals), certified=certified)
+            contact = self._share(lends, certified=certified)
             approach = contact.approach
         else:
-            contact = self._press(self._smooth, sum(removals), certified=certified)
+            contact = self._press(self._smooth, lends, certified=certified)
             approach = self._smooth.approach
         pressure = self.patches.on_domain(contact.pressure) if with_pressure else None
-        worn = self._wear(contact, sum(removals), approach)
+        worn = self._wear(contact, increment, approach)
         step = self._ledger.enter_worn(worn, increment, removals, pressure)
         step.row.update(columns_of(contact.certificate))
         return step
@@ -148,7 +122,7 @@ class HalfSpacePatches(Model):
         """Return the fields after the last step, which was asked for its pressure, at its distance [mm]."""
         assert step.pressure is not None
         read = self._executor.to_numpy
-        fields = {"gap": read(self.gap), "worn": read(self.worn)} | self._features.fields(step.pressure)
+        fields = self._wears.fields(step.pressure, gap=read(self.gap), worn=read(self.worn))
         return self._ledger.snapshot(step, distance, self.patches, **fields)
 
     def below_bounds(self) -> float:
@@ -165,9 +139,11 @@ class HalfSpacePatches(Model):
 
     def _solve(self, removal: float, *, certified: bool | None, **loads: Any) -> HalfSpaceContact:
         """Solve the contact of the patches visited. removal: as of `_press`."""
-        solve: Any = partial(self._solver.solve, cap_ratio=self._features.cells.cap_ratio, **loads)
+        features = self._wears.features
+        solve: Any = partial(self._solver.solve, cap_ratio=features.cells.cap_ratio, **loads)
         if self._lines is None:
-            contact: HalfSpaceContact = solve(self.gap, compliance=removal, certified=certified)
+            own = {"compliance": removal, "yields": features.yields}
+            contact: HalfSpaceContact = solve(self.gap, certified=certified, **own)
             return contact
         start = self._solver.pressure_field if self._solver.started else None
         return self._lines.solve(solve, self.gap, start, (removal, 0.0), certified=certified)
@@ -181,7 +157,8 @@ class HalfSpacePatches(Model):
         certified = certified or not self._solver.started  # of the last of its solves
         needed = self._below(self._reached + GROWTH_GUESS * removal * self._ledger.row["pressure_mean"])
         # As many as carry the load at the hardness.
-        carriers = load / self.task.least_hardness * self._influence.cells
+        least = (self.task if self._wears.is_apart else self._unlayered).least_hardness
+        carriers = load / least * self._influence.cells
         needed = max(needed, int(np.searchsorted(self._cells, carriers, side="right")) + 1)
         transforms = 0
         while True:
@@ -198,55 +175,14 @@ class HalfSpacePatches(Model):
         """Count the patches that had their lowest point below an approach or at it before any wear [mm]."""
         return int(np.searchsorted(self.lowest, approach, side="right"))
 
-    def _wear(self, contact: HalfSpaceContact, removal: float, approach: float) -> Worn:
-        """Wear both bodies by the pressure of the contact; sums are in the order of the macro cells."""
-        # The scatter is summed about a value near the mean.
-        reference, visited = self._ledger.row["pressure_mean"], self.visited
-        self._slides.set(rows=visited, k_counter=removal, reference=reference)
-        wearing = self._lines.press(contact.pressure_field)["wearing_counter"] if self._lines else 0.0
-        if self._wearing is None:
-            self._wearing = self._wear_program(contact)
-        self._wearing.run()
-        table, maxima = (numbers.numpy()[:, :visited] for numbers in (self._sums, self._maxima))
-        sums = {name: np.zeros(self.patches.count) for name in PATCH_SUMS if name != "wearing"}
-        for name, values in sums.items():
-            values[self._order[:visited]] = table[PressureSum[OF_BOTH.get(name, name).upper()]]
-        sums["wearing"] = np.array([wearing])
-        most = {
-            name: float(maxima[PressureMost[OF_BOTH.get(name, name).upper()]].max()) for name in PATCH_MAXIMA
-        }
-        worn = self._ledger.worn(
-            sums, most, approach=(approach, 0.0), reference=reference, evaluations=contact.transforms
-        )
-        self._features.enter({"bare": float(table[PressureSum.BARE].sum())}, worn.total, worn.most)
-        return worn
-
-    def _wear_program(self, contact: HalfSpaceContact) -> Program:
-        """Make the program by which bodies wear under the pressure that the solver leaves."""
-        pressed = arguments(
-            Pressed,
-            pressure=contact.pressure_field,
-            means=contact.pressure_field,
-            gradient=contact.gradient_field,
-            cells=self._features.cells,
-            cap=min(self.task.hardness, NO_CAP),
-        )
-        if self._lines:
-            pressed.on_counter = pressed.on_disc = self._lines.counter
-        program = Program(self._executor)
-        tables = arguments(OfRows), self._sums, self._maxima
-        bodies = arguments(Bodies, counter=self.gap, wear_counter=self.worn)
-        program.launch(
-            wear_from_pressure.wear,
-            self._slides.array,
-            self._layout,
-            pressed,
-            bodies,
-            *tables,
-            slots=self.patches.count,
-        )
-        self._features.ask("after_part", program, self._place)
-        return program
+    def _wear(self, contact: HalfSpaceContact, increment: float, approach: float) -> Worn:
+        """Wear both bodies by the pressure of the contact."""
+        lines, pressure = self._lines, contact.pressure_field
+        wearing = lines.press(pressure)["wearing_counter"] if lines else 0.0
+        on_both = lines.counter if lines else None
+        self._wears.wear(pressure, visited=self.visited, gradient=contact.gradient_field, on_both=on_both)
+        numbers = {"approach": (approach, 0.0), "evaluations": contact.transforms}
+        return self._wears.worn(self._order[: self.visited], increment, wearing=wearing, **numbers)
 
 
 class PatchInfluence(Influence):

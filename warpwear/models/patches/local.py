@@ -9,7 +9,7 @@ import warp as wp
 
 from warpwear.contact.balance import stiffness_of
 from warpwear.contact.search import bends_of
-from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.engine.tiles import of_tiles
@@ -27,6 +27,7 @@ from warpwear.laws.task import ContactTask
 from warpwear.models.model import Model
 from warpwear.models.patches.cells import PatchContact
 from warpwear.models.patches.shares import LoadSharing, SmoothContact
+from warpwear.models.patches.wear import PatchWear
 
 #: Work of a patch where no cell has touched yet, over that of one where all have.
 LEAST_WORK = 0.05
@@ -50,6 +51,7 @@ class TwoScaleModel(Model):
         "sharing": LoadSharing,
         "_memory": Numbers,
         "_courses": dict,
+        "_wears": PatchWear,
     }
     SCRATCH: ClassVar = ("_books", "_now", "_steps", "_state", "_work", "_chunks", "_pressure")
 
@@ -60,6 +62,9 @@ class TwoScaleModel(Model):
         self.contact = PatchContact(task, patches, heights, executor)
         self._ledger = PatchLedger(task, patches)
         self.book = self._ledger.book
+        contact = self.contact
+        shared = {"gap": contact.gap, "unworn": contact.initial, "together": contact.features}
+        self._wears = PatchWear(task, patches, executor, self._ledger, **shared)
         self._smooth = SmoothContact(task, patches, executor) if task.prescribed_loads else None
         lowest = self.contact.lowest
         self.sharing = LoadSharing(
@@ -110,24 +115,26 @@ class TwoScaleModel(Model):
         self._chunks: list[tuple[int, int]] = []
         self._find, self._wear, self._many = (Program(executor) for _ in range(3))
         self.contact.ask("make_all", self._find)
-        self._add_find(self._find)
+        self._add_find(self._find, contact.surfaces)
         self._add_wear(self._wear)
         self.contact.ask("after_part", self._wear)
         flags = self.sharing.flags
         with self._many.loop(flags.stepping):
-            self._add_find(self._many)
+            self._add_find(self._many, contact.surfaces)
             with self._many.branch(flags.balanced):
                 self._add_wear(self._many)
         self._pressure: Field = None
         self._press_program = Program(executor)
+        #: Search and pressures of bodies whose wear is kept apart.
+        self._find_apart: Program | None = None
 
-    def _add_find(self, program: Program) -> None:
+    def _add_find(self, program: Program, surfaces: Arguments) -> None:
         """Add the search for the approaches of a step to a program."""
         curves, smooth = self.sharing.curves, self._smooth
         state = self._state
 
         def evaluate() -> None:
-            self._pass(program, passes.carried, self._steps, curves, self.contact.surfaces)
+            self._pass(program, passes.carried, self._steps, curves, surfaces)
 
         if smooth is None:
             program.decide(kernels.begin, *state)
@@ -154,7 +161,11 @@ class TwoScaleModel(Model):
         return not self.contact.features
 
     def replay(self, increments: Sequence[float], then: float | None) -> tuple[int, Iterator[Step]]:
-        """Make steps on the device, fewer where the contact grows to the edge."""
+        """Make steps on the device, fewer where the contact grows to the edge, or to another material."""
+        count = self._wears.together(increments)
+        if not count:
+            return super().replay(increments, then)
+        increments, then = increments[:count], increments[count] if count < len(increments) else then
         removals = self._begin(increments, then)
         self._many.run()
         results = zip(self._results(self._now["number"]), increments, removals, strict=False)
@@ -174,6 +185,8 @@ class TwoScaleModel(Model):
         Raises ConvergenceError when the load cannot be shared.
         """
         distance, features = self._ledger.row["distance"], self.contact.features
+        if not self._wears.together([increment]):
+            return self._advance_apart(increment, with_pressure=with_pressure)
         removals = self._begin([increment], then)
         self.contact.slides.set(start=distance, end=distance + increment)
         self._find.run()
@@ -185,13 +198,40 @@ class TwoScaleModel(Model):
         features.enter({"bare": float(self.contact.bare.numpy().sum())}, worn.total, worn.most)
         return self._ledger.enter_worn(worn, increment, removals[0], pressure)
 
+    def _advance_apart(self, increment: float, *, with_pressure: bool) -> Step:
+        """Make a step as `advance` does, of bodies whose wear is kept apart."""
+        wears, sharing = self._wears, self.sharing
+        (removals,) = self._begin([increment], None)
+        for load in (sharing.load, self._steps.load):  # of patches, whose cells may have other caps by now
+            load.hardness = min(max(m.hardness for m in p.materials) for p in self.task.profiles or ())
+        self._memory.set(ahead=-1.0)  # what was evaluated ahead is of cells with nothing of their own
+        wears.begin(increment, removals)
+        if self._find_apart is None:
+            self._pressure, self._find_apart = self._executor.zeros(), Program(self._executor)
+            surfaces = self.contact.surfaces_of(wears.features.cells)
+            self._add_find(self._find_apart, surfaces)
+            self._find_apart.decide(kernels.foresee, *self._state)
+            inputs = self._steps, sharing.curves, surfaces, self._pressure
+            self._pass(self._find_apart, passes.pressures, *inputs)
+        self._find_apart.run()
+        self.check()
+        pressure = self.patches.on_domain(self._executor.to_numpy(self._pressure)) if with_pressure else None
+        wears.wear(self._pressure, visited=self.patches.count, gradient=self._pressure)
+        search = sharing.search.values
+        numbers = {
+            "evaluations": search["evaluations"],
+            "approach": (search["common_base"], search["bracket"][0]),
+        }
+        worn = wears.worn(np.arange(self.patches.count), increment, **numbers)
+        return self._ledger.enter_worn(worn, increment, removals, pressure)
+
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """Return the fields after the last step, which was asked for its pressure, at its distance [mm]."""
         assert step.pressure is not None
         read = self._executor.to_numpy
         gap, initial = read(self.contact.gap), read(self.contact.initial)
-        fields = self.contact.features.fields(step.pressure)
-        return self._ledger.snapshot(step, distance, self.patches, gap=gap, worn=gap - initial, **fields)
+        fields = self._wears.fields(step.pressure, gap=gap, worn=gap - initial)
+        return self._ledger.snapshot(step, distance, self.patches, **fields)
 
     def below_bounds(self) -> float:
         """Compare with the lowest gap of every tile before any wear, see `Model.below_bounds`."""

@@ -137,8 +137,7 @@ class Job:
         if self._kept.get("number") != number:
             self._kept.clear()
             self._kept.update(number=number, snapshot=self.result.snapshot(number))
-        snapshot: Snapshot = self._kept["snapshot"]
-        return snapshot
+        return self._kept["snapshot"]
 
     def _heights(self, body: str, number: int) -> FloatArray:
         """Return heights of a worn body at the snapshot of a number [mm], the track's over all its rows."""
@@ -148,8 +147,7 @@ class Job:
                 self._kept[body] = worn_heights(self.result, snapshot, body)
             else:
                 self._kept[body] = self.result.track_heights() - np.add(*self.result.track_loss(number))
-        heights: FloatArray = self._kept[body]
-        return heights
+        return self._kept[body]
 
     def body(self, name: str, number: int) -> Body:
         """Return a worn body at the snapshot of a number, reduced to `points`."""
