@@ -213,11 +213,12 @@ template <typename Line> struct Sums {
     CUDA_CALLABLE inline Lanes& of(Line line) { return numbers[int(line)]; }
     CUDA_CALLABLE inline Counts& counted(Line line) { return cells[int(line)]; }
 
-    // What the slot leaves in its column of the table.
-    template <typename Table> CUDA_CALLABLE inline void list(Left* left, Table& table, int slot) const
+    // What the slot leaves in its column of the table: in the first lines, where the others stay 0.
+    template <int FIRST = LINES, typename Table>
+    CUDA_CALLABLE inline void list(Left* left, Table& table, int slot) const
     {
 #pragma unroll
-        for (int line = 0; line < LINES; ++line)
+        for (int line = 0; line < FIRST; ++line)
             left[line] = {total(numbers[line]) + count(cells[line]), &wp::index(table, line, slot), true};
     }
 };

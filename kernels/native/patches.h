@@ -253,7 +253,7 @@ WARPWEAR_FN void wear_patch(int patch, int slots, const Steps& steps, Curves& cu
         });
     });
     const Extents extents = extents_of(patch, surfaces, by, now, was_reached);
-    leave_wear(books, patch, sums, extents, by.stiffness_next, 0.0, 0.0, beside);
+    leave_wear<Bend>(books, patch, sums, extents, by.stiffness_next, 0.0, 0.0, beside);
     if (steps.looks_ahead)
         give_answer(curves.answer, patch, books.ahead, surfaces.cells_of_patch, by.stiffness_next);
 }

@@ -181,8 +181,8 @@ WARPWEAR_FN void total_rows(int row, int under, bool presses, const OfTiles& of_
 // it lifts the approach, so cells that stand out less than that were in contact for a part of the step, and
 // bear nothing at its end. Bounds and sums of the tiles and rows are made anew; tiles that
 // do not touch stay as they are, where their lowest gaps are known. Each sum grows lane by lane, in the order
-// of the cells. alike: stiffness, or `Bend`, of all. OWN: cells have a K, a stiffness or a cap each; RARE:
-// they have more of their own, shear, keep their dents, or belong to a ball that does not wear.
+// of the cells. alike: stiffness, or `Bend`, of all. OWN: the disc's cells have a K each; RARE: cells have
+// more of their own, shear, keep their dents, or belong to a ball that does not wear.
 template <bool OWN, bool RARE, typename Spring, typename List, typename Count, typename Slides,
           typename Springs, typename Properties, typename Bodies, typename OfTiles, typename Tables>
 WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& list, const Count& counts,
@@ -231,8 +231,9 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
             Lanes was_touched[OF_TILE / TEAM];
             for (int i = first + lane_of_team(); i < last; i += TEAM) {
                 const Lanes overlap = (base - gap[i]) + offset;
-                const auto& spring = spring_at<OWN>(own.stiffness, i, alike);
-                const Lanes cap_ratio = OWN ? own_or(own.cap_ratio, i, one) : one, cap_here = cap * cap_ratio;
+                const auto& spring = spring_at<RARE>(own.stiffness, i, alike);
+                const Lanes cap_ratio = RARE ? own_or(own.cap_ratio, i, one) : one,
+                            cap_here = cap * cap_ratio;
                 Lanes p = clipped(on_spring(overlap - tie_width, spring), cap_here);
                 p = size_of(overlap) > tie_width ? p : tie_pressure * cap_ratio;
                 Lanes d = disc[i];
@@ -252,6 +253,8 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
                     sums.of(TrackSum::RUBBED) += rubs;
                 }
                 const PerBody wearing = wearing_pressure(alike, p);
+                sums.of(TrackSum::PRESSURE_TIMES_FACTOR) +=
+                    OWN ? wearing.disc * k_disc_at<RARE>(own, i) : wearing.disc;
                 const PerBody lost = removal_of<OWN, RARE>(wear, own, i, wearing,
                                                            {wear_counter[i], wear_disc[i]}, {rubs, rubs});
                 const Lanes s = counter[i] + lost.counter, a = wear_counter[i] + lost.counter;
@@ -264,9 +267,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
                 wear_counter[i] = a;
                 wear_disc[i] = b;
                 sums.of(TrackSum::PRESSURE) += p;
-                sums.of(TrackSum::PRESSURE_TIMES_FACTOR) +=
-                    OWN ? wearing.disc * own_or(own.k_disc, i, one) : wearing.disc;
-                if (!is_straight(alike)) sums.of(TrackSum::WEARING_COUNTER) += wearing.counter;
+                if (!is_straight<Spring>) sums.of(TrackSum::WEARING_COUNTER) += wearing.counter;
                 highest = larger_of(highest, p);
                 const Lanes from_reference = p > zero ? p - reference : zero;
                 sums.of(TrackSum::DEVIATION_SQUARED) += from_reference * from_reference;
@@ -313,9 +314,10 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
     }
     const double largest[] = {most(highest), most(deepest_counter), most(deepest_disc), first_column,
                               last_column};
-    const int lines = Sums<TrackSum>::LINES, more = sizeof(largest) / sizeof(double);
+    const int lines = is_straight<Spring> ? int(TrackSum::WEARING_COUNTER) : Sums<TrackSum>::LINES;
+    const int more = sizeof(largest) / sizeof(double);
     Left left[lines + more];
-    sums.list(left, tables.sums, slot);
+    sums.list<lines>(left, tables.sums, slot);
 #pragma unroll
     for (int n = 0; n < more; ++n) left[lines + n] = {largest[n], &wp::index(tables.maxima, n, slot), false};
     leave_each(left);
@@ -336,9 +338,9 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
     const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
     const auto& step = wp::index(slides, 0);
     const bool rare = keeps_reached || step.full_depth < NO_LIMIT || step.shear_counter > 0.0 ||
-                      step.shear_disc > 0.0 || cells.material.shape[0] > 0;
-    const bool own = cells.k_counter.shape[0] > 0 || cells.k_disc.shape[0] > 0 ||
-                     cells.stiffness.shape[0] > 0 || cells.cap_ratio.shape[0] > 0;
+                      step.shear_disc > 0.0 || cells.material.shape[0] > 0 || cells.k_counter.shape[0] > 0 ||
+                      cells.stiffness.shape[0] > 0 || cells.cap_ratio.shape[0] > 0;
+    const bool own = cells.k_disc.shape[0] > 0;
     if (springs.bends.knots.shape[0] > 0) return by(Is<true>(), Is<true>(), bend_of(springs.bends));
     if (rare) by(Is<true>(), Is<true>(), alike);
     if (!rare && own) by(Is<true>(), Is<false>(), alike);

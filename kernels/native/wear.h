@@ -31,7 +31,7 @@ WARPWEAR_FN Lanes wear_cell(WearSums& sums, const WearBy& by, const Spring& spri
     if (by.tie_width > 0.0) p = size_of((by.base - g) + by.offset) > by.tie_width ? p : by.tie_pressure;
     const Lanes wearing = wearing_pressure(spring, p).counter;
     g += removal_of(by.wear_per_pressure, wearing);
-    if (!is_straight(spring)) sums.of(WearSum::WEARING) += wearing;
+    if (!is_straight<Spring>) sums.of(WearSum::WEARING) += wearing;
     sums.of(WearSum::PRESSURE) += p;
     sums.highest = sums.highest > p ? sums.highest : p;
     const Lanes d = p > zero ? p - by.reference : zero;
@@ -66,7 +66,7 @@ struct Extents {
 
 // Leave the sums of a slot. rest: cells touched, and wear, of tiles that it did not visit; beside: the change
 // of pressure that those need to touch at the next approach.
-template <typename Tables>
+template <typename Spring, typename Tables>
 WARPWEAR_FN void leave_wear(Tables& tables, int slot, const WearSums& sums, const Extents& extents,
                             double stiffness_next, double rest_touched, double rest_worn, double beside)
 {
@@ -86,9 +86,10 @@ WARPWEAR_FN void leave_wear(Tables& tables, int slot, const WearSums& sums, cons
                            ahead(0, total(sums.pressure_next), true),
                            ahead(1, slope, true),
                            ahead(2, nearest < beside ? -nearest : -beside, false)};
-    const int lines = WearSums::LINES, more = sizeof(others) / sizeof(Left);
+    const int lines = is_straight<Spring> ? int(WearSum::WEARING) : WearSums::LINES;
+    const int more = sizeof(others) / sizeof(Left);
     Left left[lines + more];
-    sums.list(left, tables.sums, slot);
+    sums.list<lines>(left, tables.sums, slot);
     left[int(WearSum::TOUCHED)].value += rest_touched;
     left[int(WearSum::WORN)].value += rest_worn;
 #pragma unroll
@@ -144,8 +145,8 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
     const Lanes cap = by.cap, stiffness = by.stiffness, stiffness_next = by.stiffness_next;
 #if !defined(__CUDA_ARCH__)
     if (wp::index(counts, slot) == 0) { // most rows of an early contact
-        leave_wear(tables, slot, WearSums(), Extents(), 0.0, wp::index(rest, slot)[0],
-                   wp::index(rest, slot)[1], NO_LIMIT);
+        leave_wear<Lanes>(tables, slot, WearSums(), Extents(), 0.0, wp::index(rest, slot)[0],
+                          wp::index(rest, slot)[1], NO_LIMIT);
         return;
     }
 #endif
@@ -203,7 +204,7 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
     }
     if (last_row >= 0)
         extents = {-double(first_row), double(last_row), -double(first_column), double(last_column)};
-    leave_wear(tables, slot, sums, extents, by.stiffness_next, rest_touched, rest_worn, NO_LIMIT);
+    leave_wear<Lanes>(tables, slot, sums, extents, by.stiffness_next, rest_touched, rest_worn, NO_LIMIT);
 }
 
 // Where a line is brought to one number, among the warps of a slot, and whether a thread writes it.

@@ -59,13 +59,13 @@ WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& b
     const auto& slide = wp::index(slides, 0);
     const int of_row = gaps.shape[1] * OF_VECTOR, window = slide.window;
     const double lift = slide.shear_counter + slide.shear_disc, least = least_shear(slide);
+    const Span span = {lane_of_slot(), of_row, width_of_slot()};
+    for (int row = slot; row < gaps.shape[0] && makes(sources, cells); row += slots)
+        make_cells(slide, sources, cells, row, under_row(row, slide.shift, bodies.disc.shape[0]), span);
     for (int row = slot; row < gaps.shape[0]; row += slots) {
         const auto& worn = slide.counter_moves == 1 ? bodies.wear_disc : bodies.wear_counter;
         const Stored *const counter = row_of(bodies.counter, row), *const wear = row_of(worn, row);
-        const int under = under_row(row, slide.shift, bodies.disc.shape[0]);
-        const Stored* const disc = row_of(bodies.disc, under);
-        if (makes(sources, cells))
-            make_cells(slide, sources, cells, row, under, {lane_of_slot(), of_row, width_of_slot()});
+        const Stored* const disc = row_of(bodies.disc, under_row(row, slide.shift, bodies.disc.shape[0]));
         const Stored* const met = mean_of(worn, means, row, window);
         const Stored* const shear_ratio = row_or_none(cells.shear_ratio, row);
         Stored* const gap = row_of(gaps, row);
