@@ -82,7 +82,7 @@ def scatter_of(changes: wp.array(dtype=wp.float64)):
 @wp.func
 def least_shear(slide: Slide):
     """What of a depth [mm] that shear wears all cells lose, at least."""
-    return (slide.shear_counter + slide.shear_disc) * slide.least_shear_ratio
+    return (slide.removal.shear_counter + slide.removal.shear_disc) * slide.removal.least_shear_ratio
 
 
 @wp.func
@@ -92,8 +92,8 @@ def begin_step(springs: Springs, steps: Steps):
     slide = steps.plan[c.step]
     lends = wp.where(slide.compliance > slide.own, ONE, ZERO)  # implicit wear does
     springs.bends.step[0] = slide.own
-    springs.bends.step[1] = lends * slide.k_counter
-    springs.bends.step[2] = lends * slide.k_disc
+    springs.bends.step[1] = lends * slide.removal.k_counter
+    springs.bends.step[2] = lends * slide.removal.k_disc
     steps.slides[0] = with_columns(slide, c, steps)
     scatter = scatter_of(steps.changes)
     lists = springs.lists[0]

@@ -64,7 +64,7 @@ static const double NEARLY_NONE = 1e-200;
 
 // What of a depth [mm] that shear wears all cells lose, at least.
 template <typename Slide> WARPWEAR_FN double least_shear(const Slide& slide)
-{ return (slide.shear_counter + slide.shear_disc) * slide.least_shear_ratio; }
+{ return (slide.removal.shear_counter + slide.removal.shear_disc) * slide.removal.least_shear_ratio; }
 
 static const int OVERFLOW_BEFORE = 5; // where a body counts what had overflowed, as in pieces.py
 

@@ -51,18 +51,6 @@ struct PerBody {
     Lanes counter, disc;
 };
 
-// What a step wears cells by, as plain numbers: a loop over cells need not read them again.
-struct WearOfStep {
-    double k_counter, k_disc, shear_counter, shear_disc;
-
-    template <typename Slide>
-    CUDA_CALLABLE explicit WearOfStep(const Slide& slide)
-        : k_counter(slide.k_counter), k_disc(slide.k_disc), shear_counter(slide.shear_counter),
-          shear_disc(slide.shear_disc)
-    {
-    }
-};
-
 // The pressure of a cell over which both bodies wear by K of the step: its own, or where K goes with it, that
 // times K over that of the step.
 WARPWEAR_FN PerBody wearing_pressure(Lanes, Lanes p) { return {p, p}; }
@@ -78,8 +66,8 @@ template <bool RARE> WARPWEAR_FN Lanes k_disc_at(const CellRow& cells, int i)
 // wear. sheared: part of the step in contact times the shear ratio. OWN: whether the disc's cells have a K
 // each; RARE: whether those of both have materials or a K each, or shear wears. Nothing of it is fused with
 // what it is added to.
-template <bool OWN, bool RARE>
-WARPWEAR_FN PerBody removal_of(const WearOfStep& step, const CellRow& cells, int i, const PerBody& pressure,
+template <bool OWN, bool RARE, typename Removal>
+WARPWEAR_FN PerBody removal_of(const Removal& step, const CellRow& cells, int i, const PerBody& pressure,
                                const PerBody& worn, const PerBody& sheared)
 {
 #if !defined(__CUDA_ARCH__)

@@ -10,7 +10,7 @@ template <typename Slide>
 WARPWEAR_FN Lanes gap_of_tile(const Span& span, const Stored* counter, const Stored* disc, Stored* gap,
                               const Stored* shear_ratio, const Slide& slide)
 {
-    const double lift = slide.shear_counter + slide.shear_disc, least = least_shear(slide);
+    const double lift = slide.removal.shear_counter + slide.removal.shear_disc, least = least_shear(slide);
     Lanes low = ABSENT;
     for (int i = span.first; i < span.end; i += span.stride) {
         Lanes g = counter[i] - disc[i];
@@ -33,7 +33,8 @@ WARPWEAR_FN void select_by(int slot, int slots, const Lists& lists, const Slides
                            const Bodies& bodies, const List& list, const Count& counts)
 {
     const auto& step = wp::index(slides, 0);
-    const double lift = (step.shear_counter + step.shear_disc) * step.most_shear_ratio;
+    const double lift =
+        (step.removal.shear_counter + step.removal.shear_disc) * step.removal.most_shear_ratio;
     const double limit = wp::index(lists, 0).limit + lift;
     const int shift = step.shift, of_row = bodies.gap.shape[1] * OF_VECTOR;
     const int tiles = (of_row + OF_TILE - 1) / OF_TILE;
@@ -193,13 +194,13 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
 #pragma clang fp contract(off)
 #endif
     const auto& step = wp::index(slides, 0);
-    const WearOfStep wear(step);
+    const auto wear = step.removal; // a loop over cells need not read it again
     const auto& law = wp::index(springs.law, 0);
     const double base = law.base, offset = law.offset, cap = law.cap, tie_width = law.tie_width;
     const double tie_pressure = law.tie_pressure, full_depth = step.full_depth, reference = step.reference;
     const bool keeps_reached = RARE && bodies.reached.shape[0] == bodies.gap.shape[0];
     const bool presses = RARE && full_depth < NO_LIMIT, is_known = of_tiles.gap.shape[0] > 0;
-    const double lift = step.shear_counter + step.shear_disc;
+    const double lift = step.removal.shear_counter + step.removal.shear_disc;
     const bool sheared = RARE && lift > 0.0;
     const int of_row = bodies.gap.shape[1] * OF_VECTOR;
     const Lanes zero = 0.0, one = 1.0, none = NO_INDEX, least_lift = NEARLY_NONE;
@@ -337,9 +338,10 @@ WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& 
     const Lanes alike = wp::index(springs.search, 0).stiffness;
     const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
     const auto& step = wp::index(slides, 0);
-    const bool rare = keeps_reached || step.full_depth < NO_LIMIT || step.shear_counter > 0.0 ||
-                      step.shear_disc > 0.0 || cells.material.shape[0] > 0 || cells.k_counter.shape[0] > 0 ||
-                      cells.stiffness.shape[0] > 0 || cells.cap_ratio.shape[0] > 0;
+    const bool rare = keeps_reached || step.full_depth < NO_LIMIT || step.removal.shear_counter > 0.0 ||
+                      step.removal.shear_disc > 0.0 || cells.material.shape[0] > 0 ||
+                      cells.k_counter.shape[0] > 0 || cells.stiffness.shape[0] > 0 ||
+                      cells.cap_ratio.shape[0] > 0;
     const bool own = cells.k_disc.shape[0] > 0;
     if (springs.bends.knots.shape[0] > 0) return by(Is<true>(), Is<true>(), bend_of(springs.bends));
     if (rare) by(Is<true>(), Is<true>(), alike);

@@ -58,7 +58,7 @@ WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& b
 #endif
     const auto& slide = wp::index(slides, 0);
     const int of_row = gaps.shape[1] * OF_VECTOR, window = slide.window;
-    const double lift = slide.shear_counter + slide.shear_disc, least = least_shear(slide);
+    const double lift = slide.removal.shear_counter + slide.removal.shear_disc, least = least_shear(slide);
     const Span span = {lane_of_slot(), of_row, width_of_slot()};
     for (int row = slot; row < gaps.shape[0] && makes(sources, cells); row += slots)
         make_cells(slide, sources, cells, row, under_row(row, slide.shift, bodies.disc.shape[0]), span);
@@ -83,7 +83,7 @@ template <typename Slides, typename Pressed>
 WARPWEAR_FN void part_of_step(int slot, int slots, const Slides& slides, const Pressed& pressed)
 {
     const auto& slide = wp::index(slides, 0);
-    const double lift = slide.shear_counter + slide.shear_disc, approach = slide.approach;
+    const double lift = slide.removal.shear_counter + slide.removal.shear_disc, approach = slide.approach;
     const int of_row = pressed.pressure.shape[1] * OF_VECTOR;
     const Lanes zero = 0.0, one = 1.0, least_lift = NEARLY_NONE;
     for (int row = slot; row < slide.rows; row += slots) {
@@ -117,15 +117,15 @@ WARPWEAR_FN void wear_cells_by_pressure(int slot, int slots, const Slides& slide
 #pragma clang fp contract(fast)
 #endif
     const auto& slide = wp::index(slides, 0);
-    const WearOfStep wear(slide);
+    const auto wear = slide.removal; // a loop over cells need not read it again
     const double cap = pressed.cap, approach = slide.approach, reference = slide.reference;
     const int of_line = layout.vectors * OF_VECTOR, lines = bodies.counter.shape[1] / layout.vectors;
     const bool has_disc = bodies.disc.shape[0] > 0;
     const bool shears = pressed.rubbed.shape[0] > 0;
     const bool keeps = has_disc && bodies.plastic_disc.shape[0] == bodies.disc.shape[0];
     const bool slips = pressed.slips.shape[0] > 0;
-    const double more_counter = slide.slipping_counter, more_disc = slide.slipping_disc;
-    const double slip_of_gap = slide.slip_of_gap, ahead = slide.ahead;
+    const double more_counter = slide.removal.slipping_counter, more_disc = slide.removal.slipping_disc;
+    const double slip_of_gap = slide.removal.slip_of_gap, ahead = slide.removal.ahead;
     const bool shows = bodies.reached.shape[0] != bodies.counter.shape[0];
     const Lanes zero = 0.0, one = 1.0, none = NO_INDEX;
     const Counts no = 0, yes = 1;

@@ -90,8 +90,8 @@ struct Books {
                              Lanes pressure, const PerBody& borne, const PerBody& worn)
     {
         const Lanes zero = 0.0, one = 1.0, touches = pressure > zero ? one : zero;
-        of_cells(own.counter, step.k_counter, touches, borne.counter, worn.counter, of_body[0]);
-        of_cells(own.disc, step.k_disc, touches, borne.disc, worn.disc, of_body[1]);
+        of_cells(own.counter, step.removal.k_counter, touches, borne.counter, worn.counter, of_body[0]);
+        of_cells(own.disc, step.removal.k_disc, touches, borne.disc, worn.disc, of_body[1]);
         const Lanes filmed = sources.films.shear_filmed, limit = sources.largest_shear * pressure;
         const Lanes bare = own.counter.count + own.disc.count > 0 ? NO_LIMIT : 1.0;
         const Lanes strength = own_or(own.material, i, one) > zero ? bare : filmed;

@@ -33,8 +33,8 @@ WARPWEAR_FN void stiffen(const Slide& slide, const Sources& sources, const Prope
     const Stored* const wear = curve.scale > 0.0 ? row_of(sources.wear_disc, under) : nullptr;
     const Lanes one = 1.0, rigid = RIGID;
     for (int i = span.first; i < span.end; i += span.stride) {
-        const Lanes compliance = slide.own + slide.k_counter * own_or(own.k_counter, i, one);
-        const Lanes k_disc = slide.k_disc * own_or(own.k_disc, i, one);
+        const Lanes compliance = slide.own + slide.removal.k_counter * own_or(own.k_counter, i, one);
+        const Lanes k_disc = slide.removal.k_disc * own_or(own.k_disc, i, one);
         if (wear) {
             const Lanes ratio = each_lane(wear[i], [&](double v) { return bearing_ratio(v, curve); });
             stiffness[i] = one / (compliance + k_disc / ratio);
@@ -57,8 +57,8 @@ WARPWEAR_FN void look_at_materials(const Slide& slide, const Sources& sources, c
     Stored* const cap_ratio = (Stored*)own.cap_ratio;
     Stored* const yields = (Stored*)row_or_none(cells.yields, row);
     const bool by_place = slide.window == 1, turned = slide.counter_moves == 1;
-    const double of_counter = by_place || turned ? slide.k_counter : 0.0;
-    const double of_disc = by_place || !turned ? slide.k_disc : 0.0;
+    const double of_counter = by_place || turned ? slide.removal.k_counter : 0.0;
+    const double of_disc = by_place || !turned ? slide.removal.k_disc : 0.0;
     const Lanes none = NO_LIMIT, one = 1.0;
     for (int i = span.first; i < span.end; i += span.stride) {
         if (k_counter) k_counter[i] = own.counter.number_at(RATIO, counter[i]);

@@ -1,6 +1,6 @@
 """A disc moves by whole cells under a wearing counter-body, step by step, on one grid."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -8,7 +8,7 @@ import warp as wp
 
 from warpwear.contact.balance import Balance, stiffness_of
 from warpwear.engine.executor import Executor, Field, arguments
-from warpwear.engine.numbers import Numbers
+from warpwear.engine.numbers import Numbers, members_of
 from warpwear.engine.program import Program
 from warpwear.engine.state import InFrame
 from warpwear.engine.tiles import NO_LIMIT
@@ -279,8 +279,9 @@ class SlidingContact:
             "full_depth": self._full_depth(own, k_counter, k_disc) if task.keeps_dents else NO_LIMIT,
         }
         plan = self._steps.plan.numpy()
+        members = members_of(plan)
         for name, values in steps.items():
-            plan[name][: len(rows)] = values
+            members[name][: len(rows)] = values
         if not self._executor.device.is_cpu:
             self._steps.plan.assign(plan)
         rigid = bool(compliance[0] == 0.0)
@@ -288,7 +289,7 @@ class SlidingContact:
         count = min(count, most)
         self._course.set(step=0, steps=count)
         if not self._course["is_begun"]:
-            self._begin_at(plan[0])
+            self._begin_at({name: values[0] for name, values in members.items()})
         return np.stack([counter, disc, *depths], axis=1)[:count], rigid
 
     def _full_depth(self, own: float, counter: FloatArray, disc: FloatArray) -> FloatArray:
@@ -305,7 +306,7 @@ class SlidingContact:
         self._programs = self._of_steps[-1 if most else 0]
         return most or len(removals["disc"])
 
-    def _begin_at(self, step: Any) -> None:
+    def _begin_at(self, step: Mapping[str, Any]) -> None:
         """Tell the device where the search of the first step begins."""
         smallest, limit = self.tiles.begin_at(int(step["shift"]))
         softest = step["stiffness"]
