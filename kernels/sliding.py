@@ -77,8 +77,8 @@ class Bodies:
 
 
 @wp.struct
-class OfRows:
-    """Holds the sums of `OfTiles` over every row of the counter-body and of the disc."""
+class RowSums:
+    """Holds the sums of `TileBounds` over every row of the counter-body and of the disc."""
 
     touched: wp.array(dtype=wp.float64)
     worn_counter: wp.array(dtype=wp.float64)
@@ -87,7 +87,7 @@ class OfRows:
 
 
 @wp.struct
-class OfTiles:
+class TileBounds:
     """Bounds and sums that are kept of every tile of either body, rows × tiles."""
 
     lowest: wp.array2d(dtype=wp.float64)  # height of the counter-body [mm]
@@ -97,7 +97,7 @@ class OfTiles:
     worn_counter: wp.array2d(dtype=wp.float64)  # sums [mm]
     worn_disc: wp.array2d(dtype=wp.float64)
     pressed_disc: wp.array2d(dtype=wp.float64)  # displaced for good; one row where the disc springs back
-    rows: OfRows
+    rows: RowSums
 
 
 @wp.struct
@@ -172,7 +172,7 @@ def wear_step(
     springs: Springs,
     cells: CellProperties,
     bodies: Bodies,
-    of_tiles: OfTiles,
+    tile_bounds: TileBounds,
     tables: StepTables,
 ):
     """One increment of wear in place: each body loses K p ΔL.

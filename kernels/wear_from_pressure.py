@@ -12,7 +12,7 @@ import warp as wp
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import CellProperties, Cells, Layout, Sources
 from warpwear.kernels.contact import Bends
-from warpwear.kernels.sliding import Bodies, OfRows, Slide
+from warpwear.kernels.sliding import Bodies, RowSums, Slide
 
 wp.set_module_options(native_code.options("wear_from_pressure.h"))
 
@@ -72,7 +72,7 @@ def wear(
     layout: Layout,
     pressed: Pressed,
     bodies: Bodies,
-    of_rows: OfRows,
+    row_sums: RowSums,
     sums_out: wp.array2d(dtype=wp.float64),
     maxima_out: wp.array2d(dtype=wp.float64),
 ):
@@ -83,7 +83,7 @@ def wear(
 
     Without a disc all wear is the ball's, whose height is then the gap. A disc that keeps its dents is
     displaced for good by what is beyond the gap after the step. Sums are lines of `PressureSum`, maxima of
-    `PressureMost`, over what is visited; those of the disc are left in `of_rows`, a sum a row.
+    `PressureMost`, over what is visited; those of the disc are left in `row_sums`, a sum a row.
     """
 
 

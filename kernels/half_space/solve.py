@@ -12,7 +12,7 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import Cells
-from warpwear.kernels.native_code import Lines, lane, lines_of_table, of_slot, width
+from warpwear.kernels.native_code import Lines, lane, lines_of_table, reduce_slot, width
 from warpwear.kernels.newton import Bracket
 
 #: Kernels of a search are compiled together: each file of its own would compile Warp's headers again.
@@ -292,4 +292,4 @@ def over_groups(solve: Any, value: wp.float64, adds: wp.bool):
     """Bring what the threads have of their groups to one number."""
     if is_one(solve):
         return value
-    return of_slot(value, adds)
+    return reduce_slot(value, adds)

@@ -22,7 +22,7 @@ WARPWEAR_FN int teams_of_slot() { return (width_of_slot() + TEAM - 1) / TEAM; }
 WARPWEAR_FN int lane_of_team() { return lane_of_slot() % TEAM; }
 
 // Bring what the threads of a team have to one number, in the first of them.
-WARPWEAR_FN double of_team(double value, bool adds)
+WARPWEAR_FN double reduce_team(double value, bool adds)
 {
 #if defined(__CUDA_ARCH__)
     for (int apart = TEAM / 2; apart > 0; apart /= 2) {
@@ -39,10 +39,10 @@ struct Span {
 };
 
 // Those of a tile, by the threads of a team.
-WARPWEAR_FN Span span_of_tile(int t, int of_row)
+WARPWEAR_FN Span span_of_tile(int t, int vectors_per_row)
 {
     const int end = (t + 1) * OF_TILE;
-    return {t * OF_TILE + lane_of_team(), end < of_row ? end : of_row, TEAM};
+    return {t * OF_TILE + lane_of_team(), end < vectors_per_row ? end : vectors_per_row, TEAM};
 }
 
 // Numbers of the lanes, added to the index of the first cell.
@@ -78,7 +78,7 @@ WARPWEAR_FN void total_body(int slot, int slots, const Slides& slides, const Foo
 #pragma clang fp contract(off)
 #endif
     const auto& slide = wp::index(slides, 0);
-    const int rows = wear_of.shape[0], of_row = wear_of.shape[1] * OF_VECTOR;
+    const int rows = wear_of.shape[0], vectors_per_row = wear_of.shape[1] * OF_VECTOR;
     int first = slide.shift * body.number - footprint.margin, count = slide.rows + 2 * footprint.margin;
     if (wp::index(body.counts, OVERFLOW_BEFORE) > 0) {
         first = 0;
@@ -92,13 +92,13 @@ WARPWEAR_FN void total_body(int slot, int slots, const Slides& slides, const Foo
         const int row = (first + rows + number) % rows;
         const Stored *const wear = row_of(wear_of, row), *const pending = row_of(pending_of, row);
         Lanes worn = 0.0, waits = 0.0, deepest = 0.0;
-        for (int i = lane_of_slot(); i < of_row; i += width_of_slot()) {
+        for (int i = lane_of_slot(); i < vectors_per_row; i += width_of_slot()) {
             worn += wear[i];
             waits += pending[i];
             deepest = larger_of(deepest, wear[i]);
         }
-        leave_sum(body.of_rows, 0, row, total(worn));
-        leave_sum(body.of_rows, 1, row, total(waits));
-        leave_most(body.of_rows, 2, row, most(deepest));
+        store_sum(body.of_rows, 0, row, total(worn));
+        store_sum(body.of_rows, 1, row, total(waits));
+        store_most(body.of_rows, 2, row, most(deepest));
     }
 }

@@ -14,10 +14,10 @@ WARPWEAR_FN void mean_along(int slot, int slots, const Slides& slides, const Fie
 #pragma clang fp contract(fast)
 #endif
     const int window = wp::index(slides, 0).window, rows = field.shape[0];
-    const int of_row = field.shape[1] * OF_VECTOR, width = width_of_slot();
+    const int vectors_per_row = field.shape[1] * OF_VECTOR, width = width_of_slot();
     if (window == 1) return;
     if (window >= rows) {
-        for (int i = slot * width + lane_of_slot(); i < of_row; i += slots * width) {
+        for (int i = slot * width + lane_of_slot(); i < vectors_per_row; i += slots * width) {
             Lanes sum = 0.0;
             for (int row = 0; row < rows; ++row) sum += row_of(field, row)[i];
             row_of(means, 0)[i] = sum / double(rows);
@@ -27,7 +27,7 @@ WARPWEAR_FN void mean_along(int slot, int slots, const Slides& slides, const Fie
     const int half = window / 2;
     const double at_ends = window % 2 == 0 ? 0.5 : 1.0;
     for (int row = slot; row < rows; row += slots)
-        for (int i = lane_of_slot(); i < of_row; i += width) {
+        for (int i = lane_of_slot(); i < vectors_per_row; i += width) {
             Lanes sum = 0.0;
             for (int other = row - half; other <= row + half; ++other) {
                 const int inside = other < 0 ? -1 - other : (other < rows ? other : 2 * rows - 1 - other);
@@ -57,9 +57,9 @@ WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& b
 #pragma clang fp contract(fast)
 #endif
     const auto& slide = wp::index(slides, 0);
-    const int of_row = gaps.shape[1] * OF_VECTOR, window = slide.window;
+    const int vectors_per_row = gaps.shape[1] * OF_VECTOR, window = slide.window;
     const double lift = slide.removal.shear_counter + slide.removal.shear_disc, least = least_shear(slide);
-    const Span span = {lane_of_slot(), of_row, width_of_slot()};
+    const Span span = {lane_of_slot(), vectors_per_row, width_of_slot()};
     for (int row = slot; row < gaps.shape[0] && makes(sources, cells); row += slots)
         make_cells(slide, sources, cells, row, under_row(row, slide.shift, bodies.disc.shape[0]), span);
     for (int row = slot; row < gaps.shape[0]; row += slots) {
@@ -69,7 +69,7 @@ WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& b
         const Stored* const met = mean_of(worn, means, row, window);
         const Stored* const shear_ratio = row_or_none(cells.shear_ratio, row);
         Stored* const gap = row_of(gaps, row);
-        for (int i = lane_of_slot(); i < of_row; i += width_of_slot()) {
+        for (int i = lane_of_slot(); i < vectors_per_row; i += width_of_slot()) {
             Lanes g = (counter[i] + (met[i] - wear[i])) - disc[i];
             if (shear_ratio) g += lift * shear_ratio[i] - least; // as of tiles listed
             gap[i] = g;
@@ -84,13 +84,13 @@ WARPWEAR_FN void part_of_step(int slot, int slots, const Slides& slides, const P
 {
     const auto& slide = wp::index(slides, 0);
     const double lift = slide.removal.shear_counter + slide.removal.shear_disc, approach = slide.approach;
-    const int of_row = pressed.pressure.shape[1] * OF_VECTOR;
+    const int vectors_per_row = pressed.pressure.shape[1] * OF_VECTOR;
     const Lanes zero = 0.0, one = 1.0, least_lift = NEARLY_NONE;
     for (int row = slot; row < slide.rows; row += slots) {
         const Stored *const p = row_of(pressed.pressure, row), *const target = row_of(pressed.gradient, row);
         const Stored* const shear_ratio = row_or_none(pressed.cells.shear_ratio, row);
         Stored* const rubbed = row_of(pressed.rubbed, row);
-        for (int i = lane_of_slot(); i < of_row; i += width_of_slot()) {
+        for (int i = lane_of_slot(); i < vectors_per_row; i += width_of_slot()) {
             const Lanes tau = own_or(shear_ratio, i, one);
             const Lanes own = larger_of(lift * tau, least_lift);
             const Lanes part = smaller_of(larger_of((approach + own - target[i]) / own, zero), one);
@@ -107,10 +107,10 @@ WARPWEAR_FN void part_of_step(int slot, int slots, const Slides& slides, const P
 // Where the pressure moves with the counter-body, that sees p, and the disc the mean. Cells with slips of
 // their own lose more by them, K dL over the distance of a cycle times p times the slip, and slip by more
 // then. OWN: whether cells have anything of their own.
-template <bool OWN, typename Slides, typename Layout, typename Pressed, typename Bodies, typename OfRows,
+template <bool OWN, typename Slides, typename Layout, typename Pressed, typename Bodies, typename RowSums,
           typename Table>
 WARPWEAR_FN void wear_cells_by_pressure(int slot, int slots, const Slides& slides, const Layout& layout,
-                                        const Pressed& pressed, const Bodies& bodies, const OfRows& of_rows,
+                                        const Pressed& pressed, const Bodies& bodies, const RowSums& row_sums,
                                         Table& sums, Table& maxima)
 {
 #if !defined(__CUDA_ARCH__)
@@ -230,18 +230,18 @@ WARPWEAR_FN void wear_cells_by_pressure(int slot, int slots, const Slides& slide
             }
         }
         if (has_disc) {
-            const double worn = of_slot(total(worn_disc), true);
-            if (lane_of_slot() == 0) wp::index(of_rows.worn_disc, under) = worn;
+            const double worn = reduce_slot(total(worn_disc), true);
+            if (lane_of_slot() == 0) wp::index(row_sums.worn_disc, under) = worn;
         }
         if (keeps) {
-            const double dents = of_slot(total(pressed_disc), true);
-            if (lane_of_slot() == 0) wp::index(of_rows.pressed_disc, under) = dents;
+            const double dents = reduce_slot(total(pressed_disc), true);
+            if (lane_of_slot() == 0) wp::index(row_sums.pressed_disc, under) = dents;
         }
     }
-    Left left[Sums<PressureSum>::LINES];
-    summed.list(left, sums, slot);
-    leave_each(left);
-    leave_lines(maxima, slot, 0,
+    Partial partials[Sums<PressureSum>::LINES];
+    summed.list(partials, sums, slot);
+    store_partials(partials);
+    store_lines(maxima, slot, 0,
                 {most(highest), most(deepest_counter), most(deepest_disc), first_row, last_row, most(first),
                  most(last)});
 }
@@ -262,13 +262,13 @@ WARPWEAR_FN void wearing_pressures(int slot, int slots, const Bends& bends, cons
             of_counter += a;
             of_disc += b;
         }
-    leave_lines(sums, slot, 2, {total(of_counter), total(of_disc)});
+    store_lines(sums, slot, 2, {total(of_counter), total(of_disc)});
 }
 
 // What wear takes off a cell at a K of its pressure, as a line over the pressure: a part of the gap, and a
 // compliance. It is the chord to a pressure on the other side of what is looked for: the last one where the
 // present one has gone past it, else half as far as before; or the tangent where that is steeper; and no
-// less steep than `keeps` of the line before. Left is the
+// less steep than `keeps` of the line before. Partial is the
 // most by which the line before was off.
 template <typename Bends, typename Field, typename Table>
 WARPWEAR_FN void straighten(int slot, int slots, const Bends& bends, double keeps, const Field& pressure,
@@ -295,18 +295,18 @@ WARPWEAR_FN void straighten(int slot, int slots, const Bends& bends, double keep
             row_of(last, row)[i] = p;
             row_of(far, row)[i] = beyond;
         }
-    leave_most(off, 0, slot, most(largest));
+    store_most(off, 0, slot, most(largest));
 }
 
 // The same, told whether cells have anything of their own.
-template <typename Slides, typename Layout, typename Pressed, typename Bodies, typename OfRows,
+template <typename Slides, typename Layout, typename Pressed, typename Bodies, typename RowSums,
           typename Table>
 WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, const Layout& layout,
-                                  const Pressed& pressed, const Bodies& bodies, const OfRows& of_rows,
+                                  const Pressed& pressed, const Bodies& bodies, const RowSums& row_sums,
                                   Table& sums, Table& maxima)
 {
     if (CellRow(pressed.cells, 0).has_own())
-        wear_cells_by_pressure<true>(slot, slots, slides, layout, pressed, bodies, of_rows, sums, maxima);
+        wear_cells_by_pressure<true>(slot, slots, slides, layout, pressed, bodies, row_sums, sums, maxima);
     else
-        wear_cells_by_pressure<false>(slot, slots, slides, layout, pressed, bodies, of_rows, sums, maxima);
+        wear_cells_by_pressure<false>(slot, slots, slides, layout, pressed, bodies, row_sums, sums, maxima);
 }

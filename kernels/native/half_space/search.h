@@ -39,15 +39,15 @@ struct SearchRow {
     CUDA_CALLABLE Lanes cap_of(int i) const { return cap_ratio ? cap * cap_ratio[i] : cap; }
 };
 
-// Visit every cell of a slot. `of_row` takes a row and the group that carries its load, and returns what is
-// done with each of its cells, by their place in the row.
+// Visit every cell of a slot. `on_row` takes a row and the group that carries its load, and returns
+// what is done with each of its cells, by their place in the row.
 template <typename Row = SearchRow, typename Solve, typename OfRow>
-WARPWEAR_FN void each_cell(const Solve& solve, int slot, int slots, const OfRow& of_row)
+WARPWEAR_FN void each_cell(const Solve& solve, int slot, int slots, const OfRow& vectors_per_row)
 {
     const int rows = solve.visited.data[0], cells = solve.fields.pressure.shape[1] * OF_VECTOR;
     const bool is_one = solve.groups.shape[0] == 1;
     for (int row = slot; row < rows; row += slots) {
-        const auto of_cell = of_row(Row(solve.fields, row), solve.groups.data[is_one ? 0 : row]);
+        const auto of_cell = vectors_per_row(Row(solve.fields, row), solve.groups.data[is_one ? 0 : row]);
         for (int i = lane_of_slot(); i < cells; i += width_of_slot()) of_cell(i);
     }
 }
@@ -95,7 +95,7 @@ template <typename Solve> WARPWEAR_FN void moments(int slot, int slots, Solve& s
             lowest = lowest > down ? lowest : down;
         };
     });
-    leave_lines(solve.table, slot, 3, {count(cells), total(first), total(second), most(lowest)});
+    store_lines(solve.table, slot, 3, {count(cells), total(first), total(second), most(lowest)});
 }
 
 // Trial pressure of springs under the gap's mean; far below zero in the padding. Sums as those of `carried`.
@@ -116,7 +116,7 @@ template <typename Solve> WARPWEAR_FN void springs(int slot, int slots, Solve& s
             between += ((x > zero) & (x < cap)) ? yes : no;
         };
     });
-    leave_lines(solve.table, slot, 2, {total(sum), count(between)});
+    store_lines(solve.table, slot, 2, {total(sum), count(between)});
 }
 
 // Sums of the trial pressures, shifted and clipped, and of the cells between the bounds. takes: whether they
@@ -135,7 +135,7 @@ template <bool takes, typename Solve> WARPWEAR_FN void carried(int slot, int slo
             between += ((q > zero) & (q < cap)) ? yes : no;
         };
     });
-    leave_lines(solve.table, slot, 2, {total(sum), count(between)});
+    store_lines(solve.table, slot, 2, {total(sum), count(between)});
 }
 
 // Pressures down to caps that may have fallen since they were solved.
@@ -190,7 +190,7 @@ template <typename Solve> WARPWEAR_FN void gradient(int slot, int slots, Solve& 
             largest = largest > size ? largest : size;
         };
     });
-    leave_most(solve.table, 0, slot, most(largest));
+    store_most(solve.table, 0, slot, most(largest));
 }
 
 // p += length x step, t += length x response; a whole step takes the shifted trial itself, exact at the
@@ -226,7 +226,7 @@ template <typename Solve> WARPWEAR_FN void advance(int slot, int slots, Solve& s
             lowest = lowest > down ? lowest : down;
         };
     });
-    leave_lines(solve.table, slot, 4,
+    store_lines(solve.table, slot, 4,
                 {total(sum), count(touching), count(between), total(level), most(highest), most(lowest)});
 }
 
@@ -262,7 +262,7 @@ template <typename Solve> WARPWEAR_FN void scatter(int slot, int slots, Solve& s
             if (i + 1 < cells) ends += one != is_between(i + 1);
         }
     }
-    leave_lines(solve.table, slot, 2, {inner, ends});
+    store_lines(solve.table, slot, 2, {inner, ends});
 }
 
 // Where a step goes down from a cell: its gradient, or what the preconditioner made of that.
@@ -320,7 +320,7 @@ template <typename Solve> WARPWEAR_FN void products(int slot, int slots, Solve& 
             largest_r = largest_r > of_r ? largest_r : of_r;
         };
     });
-    leave_lines(solve.table, slot, 7,
+    store_lines(solve.table, slot, 7,
                 {count(free_cells), total(sum_z), total(sum_r), total(sum_y), total(zy), total(zr), total(sr),
                  most(largest_z), most(largest_r)});
 }
@@ -350,7 +350,7 @@ template <typename Solve> WARPWEAR_FN void direction(int slot, int slots, Solve&
             between += ((x > zero) & (x < cap)) ? yes : no;
         };
     });
-    leave_lines(solve.table, slot, 2, {total(sum), count(between)});
+    store_lines(solve.table, slot, 2, {total(sum), count(between)});
 }
 
 // Feasible step to the shifted trial. Sum: step x (t - L). Maximum: fraction used of the room to a bound.
@@ -372,8 +372,8 @@ template <typename Solve> WARPWEAR_FN void step(int slot, int slots, Solve& solv
             slope += moves ? s * (row.gradient[i] - level) : zero;
         };
     });
-    leave_each({{total(slope), &wp::index(solve.table, 0, slot), true},
-                {most(used), &wp::index(solve.table, 2, slot), false}});
+    store_partials({{total(slope), &wp::index(solve.table, 0, slot), true},
+                    {most(used), &wp::index(solve.table, 2, slot), false}});
 }
 
 // Sum of step x response. Maximum: |response|.
@@ -388,6 +388,6 @@ template <typename Solve> WARPWEAR_FN void curvature(int slot, int slots, Solve&
             largest = largest > size ? largest : size;
         };
     });
-    leave_each({{total(sum), &wp::index(solve.table, 1, slot), true},
-                {most(largest), &wp::index(solve.table, 3, slot), false}});
+    store_partials({{total(sum), &wp::index(solve.table, 1, slot), true},
+                    {most(largest), &wp::index(solve.table, 3, slot), false}});
 }

@@ -121,11 +121,11 @@ WARPWEAR_FN void make_listed(int slot, int slots, const List& list, const Count&
 {
     const auto& slide = wp::index(slides, 0);
     const auto& any = cells.material.shape[0] > 0 ? cells.material : cells.stiffness;
-    const int of_row = any.shape[1] * OF_VECTOR;
+    const int vectors_per_row = any.shape[1] * OF_VECTOR;
     for (int row = slot; row < any.shape[0]; row += slots)
         for (int n = team_of_slot(); n < wp::index(counts, row); n += teams_of_slot())
             make_cells(slide, sources, cells, row, row_beneath(row, slide, sources),
-                       span_of_tile(wp::index(list, row, n), of_row));
+                       span_of_tile(wp::index(list, row, n), vectors_per_row));
 }
 
 // Note the distance at the end of a step where the bodies under the tiles listed were worn in it.
@@ -135,12 +135,12 @@ WARPWEAR_FN void rub_listed(int slot, int slots, const List& list, const Count& 
 {
     const auto& slide = wp::index(slides, 0);
     const auto& films = sources.films;
-    const int of_row =
+    const int vectors_per_row =
         (films.counter.seen.shape[0] > 0 ? films.counter : films.disc).seen.shape[1] * OF_VECTOR;
     for (int row = slot; row < counts.shape[0]; row += slots)
         for (int n = team_of_slot(); n < wp::index(counts, row); n += teams_of_slot())
             rub_film(slide, films, row, row_beneath(row, slide, sources),
-                     span_of_tile(wp::index(list, row, n), of_row));
+                     span_of_tile(wp::index(list, row, n), vectors_per_row));
 }
 
 // The same of the columns ever touched, where more is worn than what is listed.

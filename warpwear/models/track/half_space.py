@@ -21,7 +21,7 @@ from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import contact, fourier, wear_from_pressure
 from warpwear.kernels.cells import MAXIMA, OF_FEATURES, PressureSum, names_of
 from warpwear.kernels.half_space import passes
-from warpwear.kernels.sliding import Bodies, OfRows, Slide
+from warpwear.kernels.sliding import Bodies, RowSums, Slide
 from warpwear.kernels.sliding_steps import Steps
 from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.archard import BODIES
@@ -328,7 +328,7 @@ class SlidingHalfSpace:
             pressed.on_counter, pressed.on_disc = self._lines.counter, self._lines.disc
         program.launch(wear_from_pressure.means, slides, pressure, self._means)
         self._asked.ask("before_wear", program, self._place._replace(pressed=pressed))
-        tables = [arguments(OfRows, **self._of_rows), self._sums, self._maxima]
+        tables = [arguments(RowSums, **self._of_rows), self._sums, self._maxima]
         program.launch(wear_from_pressure.wear, slides, self._layout, pressed, self._bodies, *tables)
 
     def _run(self, name: str, add: Callable[[Program], None]) -> None:

@@ -16,7 +16,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.recorder import Entry, Ledger, Step
 from warpwear.kernels import balance, bearing, sliding, sliding_steps
 from warpwear.kernels.cells import NO_INDEX, OF_FEATURES, PADDING, TrackMost, TrackSum, names_of
-from warpwear.kernels.sliding import Bodies, OfRows, OfTiles, Slide, StepTables
+from warpwear.kernels.sliding import Bodies, RowSums, Slide, StepTables, TileBounds
 from warpwear.kernels.wear import BALANCE
 from warpwear.laws.archard import distance_factor, wear_in_steps
 from warpwear.laws.bearing_curve import Logistic
@@ -122,7 +122,7 @@ class SlidingContact:
         self._kept = {
             name: PerTile(n, executor.tiles_per_row, device) for name, n in zip(names, rows, strict=True)
         }
-        totals = arguments(OfRows, device, **dict(zip(names, rows, strict=True)))
+        totals = arguments(RowSums, device, **dict(zip(names, rows, strict=True)))
         self._totals = {name: getattr(totals, name) for name in names}
         self.ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
         #: Steps of a replay at most.
@@ -165,7 +165,7 @@ class SlidingContact:
                 task,
                 self.tiles,
                 place,
-                arguments(OfTiles, rows=totals, **bounds, **numbers),
+                arguments(TileBounds, rows=totals, **bounds, **numbers),
                 features,
                 highest=lambda: NO_LIMIT if moves else self._highest,
             )
