@@ -41,14 +41,14 @@ struct SearchRow {
 
 // Visit every cell of a slot. `on_row` takes a row and the group that carries its load, and returns
 // what is done with each of its cells, by their place in the row.
-template <typename Row = SearchRow, typename Solve, typename OfRow>
-WARPWEAR_FN void each_cell(const Solve& solve, int slot, int slots, const OfRow& vectors_per_row)
+template <typename Row = SearchRow, typename Solve, typename OnRow>
+WARPWEAR_FN void each_cell(const Solve& solve, int slot, int slots, const OnRow& on_row)
 {
     const int rows = solve.visited.data[0], cells = solve.fields.pressure.shape[1] * OF_VECTOR;
     const bool is_one = solve.groups.shape[0] == 1;
     for (int row = slot; row < rows; row += slots) {
-        const auto of_cell = vectors_per_row(Row(solve.fields, row), solve.groups.data[is_one ? 0 : row]);
-        for (int i = lane_of_slot(); i < cells; i += width_of_slot()) of_cell(i);
+        const auto on_cell = on_row(Row(solve.fields, row), solve.groups.data[is_one ? 0 : row]);
+        for (int i = lane_of_slot(); i < cells; i += width_of_slot()) on_cell(i);
     }
 }
 
