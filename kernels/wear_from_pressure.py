@@ -111,12 +111,26 @@ def yields(
 @native_code.native_pass("wearing_pressures")
 def wearing_pressures(
     bends: Bends,
+    passing: wp.array2d(dtype=Cells),
     pressure: wp.array2d(dtype=Cells),
     counter_out: wp.array2d(dtype=Cells),
     disc_out: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
 ):
-    """Find the pressures that wear both bodies at the K of a step, where K goes with the pressure."""
+    """Find the pressures that wear both bodies at the K of a step, where K goes with the pressure.
+
+    passing: the pressure that the counter-body sees.
+    """
+
+
+@native_code.native_pass("add_mean")
+def add_mean(
+    window: wp.int32,
+    field_in: wp.array2d(dtype=Cells),
+    to_in: wp.array2d(dtype=Cells),
+    field_out: wp.array2d(dtype=Cells),
+):
+    """Return the mean of a field over a window along x at every cell, added to another field."""
 
 
 @native_code.native_pass("straighten")

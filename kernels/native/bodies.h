@@ -59,6 +59,53 @@ WARPWEAR_FN Lanes columns_from(int first)
 WARPWEAR_FN Lanes larger_of(Lanes a, Lanes b) { return a > b ? a : b; }
 WARPWEAR_FN Lanes smaller_of(Lanes a, Lanes b) { return a < b ? a : b; }
 
+// The mean of a field at a cell over `window` rows around its own; of an even number the row at either end
+// counts half. At the first and the last row the field is mirrored, so that its sum is kept there too. Over
+// as many rows as there are it is that of all.
+template <typename Field> WARPWEAR_FN Lanes mean_at(const Field& field, int row, int i, int window)
+{
+#if !defined(__CUDA_ARCH__)
+#pragma clang fp contract(fast)
+#endif
+    const int rows = field.shape[0], half = window / 2;
+    Lanes sum = 0.0;
+    if (window >= rows) {
+        for (int other = 0; other < rows; ++other) sum += row_of(field, other)[i];
+        return sum / double(rows);
+    }
+    const double at_ends = window % 2 == 0 ? 0.5 : 1.0;
+    for (int other = row - half; other <= row + half; ++other) {
+        const int inside = other < 0 ? -1 - other : (other < rows ? other : 2 * rows - 1 - other);
+        const double weight = other == row - half || other == row + half ? at_ends : 1.0;
+        sum += weight * row_of(field, inside)[i];
+    }
+    return sum / double(window);
+}
+
+// Those of all cells; a mean of all rows is made in the first. Over one row none is made: the field is its
+// own.
+template <typename Slides, typename Field>
+WARPWEAR_FN void mean_along(int slot, int slots, const Slides& slides, const Field& field, const Field& means)
+{
+    const int window = wp::index(slides, 0).window, cells = field.shape[1] * OF_VECTOR;
+    const int width = width_of_slot();
+    if (window == 1) return;
+    if (window >= field.shape[0])
+        for (int i = slot * width + lane_of_slot(); i < cells; i += slots * width)
+            row_of(means, 0)[i] = mean_at(field, 0, i, window);
+    for (int row = slot; row < field.shape[0] && window < field.shape[0]; row += slots)
+        for (int i = lane_of_slot(); i < cells; i += width)
+            row_of(means, row)[i] = mean_at(field, row, i, window);
+}
+
+// The row of the means that a row of cells sees, see `mean_along`.
+template <typename Field>
+WARPWEAR_FN Stored* mean_of(const Field& field, const Field& means, int row, int window)
+{
+    if (window == 1) return row_of(field, row);
+    return row_of(means, window < field.shape[0] ? row : 0);
+}
+
 // A depth [mm] to divide by where shear wears nothing.
 static const double NEARLY_NONE = 1e-200;
 

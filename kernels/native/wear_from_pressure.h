@@ -4,48 +4,6 @@
 #include "fretting.h"
 #include "running_in/sources.h"
 
-// Means of a field over `window` rows around each; of an even number the row at either end counts half. At
-// the first and the last row the field is mirrored, so that its sum is kept there too. Over as many rows as
-// there are it is one mean, in the first row; over one row none is made: the field is its own.
-template <typename Slides, typename Field>
-WARPWEAR_FN void mean_along(int slot, int slots, const Slides& slides, const Field& field, const Field& means)
-{
-#if !defined(__CUDA_ARCH__)
-#pragma clang fp contract(fast)
-#endif
-    const int window = wp::index(slides, 0).window, rows = field.shape[0];
-    const int vectors_per_row = field.shape[1] * OF_VECTOR, width = width_of_slot();
-    if (window == 1) return;
-    if (window >= rows) {
-        for (int i = slot * width + lane_of_slot(); i < vectors_per_row; i += slots * width) {
-            Lanes sum = 0.0;
-            for (int row = 0; row < rows; ++row) sum += row_of(field, row)[i];
-            row_of(means, 0)[i] = sum / double(rows);
-        }
-        return;
-    }
-    const int half = window / 2;
-    const double at_ends = window % 2 == 0 ? 0.5 : 1.0;
-    for (int row = slot; row < rows; row += slots)
-        for (int i = lane_of_slot(); i < vectors_per_row; i += width) {
-            Lanes sum = 0.0;
-            for (int other = row - half; other <= row + half; ++other) {
-                const int inside = other < 0 ? -1 - other : (other < rows ? other : 2 * rows - 1 - other);
-                const double weight = other == row - half || other == row + half ? at_ends : 1.0;
-                sum += weight * row_of(field, inside)[i];
-            }
-            row_of(means, row)[i] = sum / double(window);
-        }
-}
-
-// The row of the means that a row of cells sees, see `mean_along`.
-template <typename Field>
-WARPWEAR_FN Stored* mean_of(const Field& field, const Field& means, int row, int window)
-{
-    if (window == 1) return row_of(field, row);
-    return row_of(means, window < field.shape[0] ? row : 0);
-}
-
 // The gap that a cell of the disc meets on its way through a step: that of the bodies, with the mean of the
 // counter-body's wear along the way instead of the wear at its middle. Where pressures move with the
 // counter-body it is the mean of the disc's wear. What cells have of their own is made with it.
@@ -137,8 +95,8 @@ WARPWEAR_FN void wear_cells_by_pressure(int slot, int slots, const Slides& slide
         const Stored *const p_of = row_of(pressed.pressure, row), *const target =
                                                                       row_of(pressed.gradient, row);
         const bool bends = pressed.on_counter.shape[0] > 0; // K goes with the pressure
-        const Stored* const passing =
-            mean_of(bends ? pressed.on_counter : pressed.pressure, pressed.means, row, slide.window);
+        const Stored* const passing = bends ? row_of(pressed.on_counter, row)
+                                            : mean_of(pressed.pressure, pressed.means, row, slide.window);
         const bool turned = slide.counter_moves == 1;
         const Stored* const own_disc = bends ? row_of(pressed.on_disc, row) : p_of;
         const Stored *const over_counter = turned ? p_of : passing, *const over_disc =
@@ -247,22 +205,34 @@ WARPWEAR_FN void wear_cells_by_pressure(int slot, int slots, const Slides& slide
 }
 
 // The pressures that wear counter-body and disc at their K of a step, where that goes with the pressure; and
-// their sums.
+// their sums. passing: what the counter-body sees of the pressure.
 template <typename Bends, typename Field, typename Table>
-WARPWEAR_FN void wearing_pressures(int slot, int slots, const Bends& bends, const Field& pressure,
-                                   const Field& counter, const Field& disc, Table& sums)
+WARPWEAR_FN void wearing_pressures(int slot, int slots, const Bends& bends, const Field& passing,
+                                   const Field& pressure, const Field& counter, const Field& disc,
+                                   Table& sums)
 {
     const Bend bend = bend_of(bends);
     Lanes of_counter = 0.0, of_disc = 0.0;
     for (int row = slot; row < pressure.shape[0]; row += slots)
         for (int i = lane_of_slot(); i < pressure.shape[1] * OF_VECTOR; i += width_of_slot()) {
-            const Lanes p = row_of(pressure, row)[i], a = bend.k_at(0, p) * p, b = bend.k_at(1, p) * p;
+            const Lanes m = row_of(passing, row)[i], p = row_of(pressure, row)[i];
+            const Lanes a = bend.k_at(0, m) * m, b = bend.k_at(1, p) * p;
             row_of(counter, row)[i] = a;
             row_of(disc, row)[i] = b;
             of_counter += a;
             of_disc += b;
         }
     store_lines(sums, slot, 2, {total(of_counter), total(of_disc)});
+}
+
+// The mean of a field along sliding at every cell, added to another field.
+template <typename Field>
+WARPWEAR_FN void add_mean(int slot, int slots, int window, const Field& field, const Field& to,
+                          const Field& out)
+{
+    for (int row = slot; row < field.shape[0]; row += slots)
+        for (int i = lane_of_slot(); i < field.shape[1] * OF_VECTOR; i += width_of_slot())
+            row_of(out, row)[i] = row_of(to, row)[i] + mean_at(field, row, i, window);
 }
 
 // What wear takes off a cell at a K of its pressure, as a line over the pressure: a part of the gap, and a

@@ -128,7 +128,7 @@ class SlidingHalfSpace:
         self.ledger = Ledger(task, executor.grid, margin=edge, track_fraction=track_fraction)
         self._length = PartLength(task, moves=moves, shortens=self.features.window is None)
         #: Finds what wears cells whose K goes with their pressure; None where none does.
-        self._lines = WearLines(task.knots, executor) if len(task.knots) else None
+        self._lines = WearLines(task.knots, executor, moves=moves) if len(task.knots) else None
         #: Solves contacts without the wear of the step. It is a second solver: the first goes on as it was.
         self._static = None
         if task.static_area_every:
@@ -267,7 +267,8 @@ class SlidingHalfSpace:
         else:
             wears, start = self._wears(part), self._half_space.start
             removals = wears["k_counter"], wears["k_disc"]
-            contact = self._lines.solve(solve, self.gap, start, removals, certified=certified)
+            window = self.cells_passing(part.increment)
+            contact = self._lines.solve(solve, self.gap, start, removals, certified=certified, window=window)
         for one in self._asked:
             one.note(contact)
         return contact
