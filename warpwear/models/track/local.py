@@ -72,7 +72,7 @@ class SlidingContact:
         "features": Features,
         "ledger": Ledger,
     }
-    SCRATCH: ClassVar = ("_slides", "_steps", "_programs", "_of_steps", "_search")
+    SCRATCH: ClassVar = ("_slides", "_steps", "_host_plan", "_planned", "_programs", "_of_steps", "_search")
 
     def __init__(
         self,
@@ -140,6 +140,9 @@ class SlidingContact:
             columns=executor.grid.ny,
             margin=sum(one.margin for one in self.features),
         )
+        #: The plan as the host writes it, which on a CPU is the device's, and its numbers by name.
+        self._host_plan = self._steps.plan.numpy()
+        self._planned = members_of(self._host_plan)
 
     def _make_sums(self, *, with_gaps: bool) -> Arguments:
         """Make what is kept of every tile and row, and return it with the bounds of tiles.
@@ -288,18 +291,16 @@ class SlidingContact:
             **task.shear_ratios,
             "full_depth": self._full_depth(own, k_counter, k_disc) if task.keeps_dents else NO_LIMIT,
         }
-        plan = self._steps.plan.numpy()
-        members = members_of(plan)
         for name, values in steps.items():
-            members[name][: len(rows)] = values
+            self._planned[name][: len(rows)] = values
         if not self._executor.device.is_cpu:
-            self._steps.plan.assign(plan)
+            self._steps.plan.assign(self._host_plan)
         rigid = bool(compliance[0] == 0.0)
         count = int(np.argmax((compliance == 0.0) != rigid)) or len(rows)  # a replay has steps of one kind
         count = min(count, most)
         self._course.set(step=0, steps=count)
         if not self._course["is_begun"]:
-            self._begin_at({name: values[0] for name, values in members.items()})
+            self._begin_at({name: values[0] for name, values in self._planned.items()})
         return np.stack([counter, disc, *depths], axis=1)[:count], rigid
 
     def _full_depth(self, own: float, counter: FloatArray, disc: FloatArray) -> FloatArray:
