@@ -132,7 +132,7 @@ def select(
     list_out: wp.array2d(dtype=wp.int32),
     count_out: wp.array(dtype=wp.int32),
 ):
-    """Lists, row by row, the tiles with a gap that does not exceed the limit, and writes their gaps."""
+    """List, row by row, the tiles with a gap that does not exceed the limit, and writes their gaps."""
 
 
 @wp.func_native("return count_listed(count);")

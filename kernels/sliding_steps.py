@@ -72,7 +72,7 @@ class Steps:
 
 @wp.func
 def scatter_of(changes: wp.array(dtype=wp.float64)):
-    """What the approach may be off by from the last one."""
+    """Return what the approach may be off by from the last one."""
     most = -ONE
     for n in range(CHANGES):
         most = wp.max(most, changes[n])
@@ -81,7 +81,7 @@ def scatter_of(changes: wp.array(dtype=wp.float64)):
 
 @wp.func
 def least_shear(slide: Slide):
-    """What of a depth [mm] that shear wears all cells lose, at least."""
+    """Return what of a depth [mm] that shear wears all cells lose, at least."""
     return (slide.removal.shear_counter + slide.removal.shear_disc) * slide.removal.least_shear_ratio
 
 
@@ -127,7 +127,7 @@ def begin_step(springs: Springs, steps: Steps):
 
 @wp.func
 def with_columns(before: Slide, c: Course, steps: Steps):
-    """A step with the columns that were touched before it, and those beside them that are worn too."""
+    """Give a step the columns that were touched before it, and those beside them that are worn too."""
     slide = before
     slide.first_column = 0
     slide.end_column = 0
@@ -183,7 +183,7 @@ def _end_of(row_sums: wp.array(dtype=wp.float64), is_last: wp.int32) -> wp.float
 
 @wp.kernel(module=TOGETHER)
 def record(springs: Springs, steps: Steps, tables: StepTables, row_sums: RowSums):
-    """Writes the row of a step, and tells whether another one follows.
+    """Write the row of a step, and tells whether another one follows.
 
     Steps end where the contact reaches the edge or the rim, as a run may stop there and be kept as it is, and
     where no balance was found.

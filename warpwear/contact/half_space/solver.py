@@ -237,7 +237,7 @@ class BoundedPressure:
         )
 
     def _loads(self, mean_pressure: float | FloatArray | None, approach: float | None) -> FloatArray | None:
-        """Sums of the pressures that the groups are to carry [MPa]; None at an approach."""
+        """Return the sums of pressures that the groups are to carry [MPa]; None at an approach."""
         if mean_pressure is None:
             return None
         means = np.atleast_1d(mean_pressure)

@@ -103,6 +103,7 @@ class Window:
         launch_once(executor, passes.give_window, transfer)
 
     def grid(self, whole: Grid) -> Grid:
+        """Return the grid of the window on a whole one."""
         columns = min(self.end * LANES, whole.ny) - self.first * LANES
         return Grid(self.end_row - self.first_row, columns, whole.cell)
 
@@ -328,7 +329,6 @@ class WindowedHalfSpace:
 
         Beyond the window no cell may count in the certificate either.
         """
-
         executor = self._executor
         fields = {"gap": gap, "columns": executor.grid.ny, "extents": self._extents}
 

@@ -327,7 +327,7 @@ class SlidingContact:
         self._course.set(smallest=smallest, first_limit=limit, softest=softest)
 
     def _booked(self, increments: Sequence[float], removals: FloatArray) -> Iterator[Step]:
-        """The steps that the device has made, as the ledger enters them."""
+        """Return the steps that the device has made, as the ledger enters them."""
         count = self._course["step"]
         table = np.ascontiguousarray(self._steps.history[: max(count, 1)].numpy()[:count].T)
         columns = dict(zip(self.features.columns, table, strict=True))
