@@ -69,7 +69,7 @@ class Invariants:
     def of_row(
         self, row: Mapping[str, float], *, touches_edge: bool = False, touches_rim: bool = False
     ) -> Iterator[Violation]:
-        """What a row violates, the worst first.
+        """Return what a row violates, the worst first.
 
         touches_edge, touches_rim: whether the contact reached the domain's edge or the ball's rim, which a
         rigid flat has not.
@@ -98,25 +98,25 @@ class Invariants:
             yield self._outside(row, rim=touches_rim)
 
     def of_columns(self, row: Mapping[str, float]) -> Iterator[Violation]:
-        """Columns of the study's runs that a row does not have, so that they would be unknown."""
+        """Yield columns of the study's runs that a row does not have, so that they would be unknown."""
         if lacking := {column.name for column in columns_of(self._study)} - MADE_LATER - row.keys():
             yield Violation("columns", f"no step says what {', '.join(sorted(lacking))} is {_where(row)}")
 
     def of_heights(self, depth: float, row: Mapping[str, float]) -> Iterator[Violation]:
-        """A disc that is off the heights that results have of it by a depth [mm]."""
+        """Yield a disc that is off the heights that results have of it by a depth [mm]."""
         if depth > OF_STEPS:
             why = "something lowers or raises it, and no field of a cell says so"
             yield Violation("heights", f"the disc is off its wear by {depth:.3g} mm {_where(row)}: {why}")
 
     def of_bounds(self, depth: float, row: Mapping[str, float]) -> Iterator[Violation]:
-        """A gap that lies below the bound of its tile by a depth [mm], so that its tile may be missed."""
+        """Report a gap below the bound of its tile by a depth [mm], so that its tile may be missed."""
         if depth > ROUNDING:
             yield Violation(
                 "bounds", f"a gap lies {depth:.3g} mm below the bound of its tile {_where(row)}", MISSED
             )
 
     def of_filled(self, snapshot: Snapshot, row: Mapping[str, float]) -> Iterator[Violation]:
-        """A contact that rests on points of the disc which were not measured, but filled in."""
+        """Return a contact that rests on points of the disc which were not measured, but filled in."""
         share = snapshot.load_on_filled or 0.0
         if share > ON_FILLED:
             yield Violation(

@@ -169,7 +169,7 @@ def make_runs(
 
 
 def _submitted(executor: Executor, task: Task) -> "Future[Row]":
-    """The future of a run; an executor that takes none any more has it fail."""
+    """Return the future of a run; an executor that takes none any more has it fail."""
     try:
         return executor.submit(run_one, task)
     except RuntimeError as error:
@@ -179,7 +179,7 @@ def _submitted(executor: Executor, task: Task) -> "Future[Row]":
 
 
 def _row(future: "Future[Row]") -> Row:
-    """The row of a run; one whose worker was lost says so."""
+    """Return the row of a run; one whose worker was lost says so."""
     try:
         return future.result()
     except CancelledError:
@@ -212,7 +212,7 @@ def estimate(
 
 
 def check_folder(folder: Path, *, resume: bool) -> None:
-    """Raises InputError for a folder that a sweep may not be written into."""
+    """Raise InputError for a folder that a sweep may not be written into."""
     check_writable(folder)
     names = {path.name for path in folder.iterdir()} - {LOCK} if folder.is_dir() else set()
     if not names:
@@ -238,7 +238,7 @@ def check_folder(folder: Path, *, resume: bool) -> None:
 
 
 def check_runs(plan: Plan, folder: Path) -> None:
-    """Raises InputError for the folder of a sweep with runs that this one has not: its tables would go.
+    """Raise InputError for the folder of a sweep with runs that this one has not: its tables would go.
 
     A sweep may grow, so that its runs are part of those of a larger one. Runs that failed are no loss, and
     neither is a row that was cut off while it was written.
