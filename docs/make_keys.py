@@ -83,7 +83,7 @@ def allowed(found: list[Any]) -> str:
 
 def condition(rule: Rule) -> str:
     """Return when a key is used, as a rule has it."""
-    if rule.values == (True,):
+    if not rule.values:
         return rule.otherwise.replace("not: ", "not where ").format("…")
     if rule.values == (None,):
         return f"without `{rule.name}`"

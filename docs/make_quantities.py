@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 import warpwear
-from warpwear.history.quantities import ONLY, QUANTITIES
+from warpwear.history.quantities import QUANTITIES
 
 
 def markdown_table() -> str:
@@ -13,8 +13,7 @@ def markdown_table() -> str:
     values |= {"piece": "piece", "depth": "snapshot and depth", "plane": "snapshot, depth and cell of a line"}
     rows = ["| name | unit | one value for each | only in | meaning |", "|---|---|---|---|---|"]
     for q in QUANTITIES:
-        limit = "" if q.only is None else ONLY[q.only][0]
-        rows.append(f"| `{q.name}` | {q.units} | {values[q.per]} | {limit} | {q.meaning} |")
+        rows.append(f"| `{q.name}` | {q.units} | {values[q.per]} | {q.runs} | {q.meaning} |")
     return "\n".join(rows).replace("^2", "²").replace("^3", "³") + "\n"
 
 

@@ -2,14 +2,16 @@
 
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from cases_figures import OF_TRACKS
 from cases_track import small
 from click.testing import CliRunner
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 from PIL import Image
 
 import warpwear
@@ -17,9 +19,13 @@ from warpwear import InputError, Result
 from warpwear.cli.main import commands
 from warpwear.comparison.gather import gather
 from warpwear.comparison.table import columns, to_text
+from warpwear.figures.describe import Map
+from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
+from warpwear.figures.of_run.fields import _declare_map
 from warpwear.figures.of_run.film import animate
 from warpwear.figures.of_run.history import cof
+from warpwear.history.quantities import FIELDS
 from warpwear.results.track import (
     blocks,
     by_pass,
@@ -256,3 +262,23 @@ def test_means_of_passes_that_stand_for_many() -> None:
     assert_allclose(means.y[-expected["cof"].size + 1 :], expected["cof"][1:], rtol=1e-12)
     ends = np.cumsum(expected["distance"])
     assert_allclose(means.x[-ends.size + 1 :], (ends - 0.5 * expected["distance"])[1:], rtol=1e-12)
+
+
+def test_a_field_that_says_so_has_a_map(result: Result, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a track what lies beneath the counter-body; a run that has none of it says so."""
+    monkeypatch.setattr(words, "FIGURES", dict(words.FIGURES))
+    look: dict[str, Any] = {"label": "dents", "factor": 1e3, "shown_unit": "µm"}
+    _declare_map(replace(FIELDS["plastic_disc"], **look))
+    entry, data = words.FIGURES["plastic_disc_map"], FigureData(result)
+    (panel,) = entry.declare(data).panels
+    assert isinstance(panel, Map)
+    assert panel.scale is not None
+    assert panel.scale.label == "dents, µm"
+    last = result.snapshot(-1)
+    means = data.window.means(1e3 * last.beneath(last.plastic_disc))
+    assert panel.scale.high >= means.max() > 0.0
+    assert_array_equal(panel.fields[-1], np.where(means > 0.0, means, np.nan))
+    assert entry.template.startswith("Dents {when}: depth displaced of the track for good")
+    assert not any(reason.applies(data) for reason in entry.reasons)
+    _declare_map(replace(FIELDS["plastic_disc"], only="block"))
+    assert words.FIGURES["plastic_disc_map"].reasons[0].applies(data)

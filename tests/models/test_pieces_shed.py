@@ -19,7 +19,7 @@ from warpwear.laws.archard import WearLaw
 from warpwear.laws.pieces import Pieces
 from warpwear.laws.task import ContactTask
 from warpwear.models.features import particles
-from warpwear.models.features.feature import Place
+from warpwear.models.features.feature import Place, Site
 from warpwear.models.features.particles import OF_BODY, SlidingParticles
 from warpwear.models.track.bodies import SlidingBodies
 from warpwear.surfaces.form import Ball
@@ -119,12 +119,15 @@ class Reference:
         self.left.append((row, column, volume))
 
 
-def bodies_of(executor: Executor, disc: FloatArray, pieces: Pieces) -> SlidingBodies:
+def task_of(pieces: Pieces) -> ContactTask:
     wears = WearLaw(9.4e-7), WearLaw(12.7e-7)
-    task = ContactTask(
+    return ContactTask(
         load=1.0, hardness=600.0, form=Ball(1 / 3.0, 1 / 3.0), wear=wears, compliance=0.0, pieces=pieces
     )
-    return SlidingBodies.of(task, executor, disc)
+
+
+def bodies_of(executor: Executor, disc: FloatArray, pieces: Pieces) -> SlidingBodies:
+    return SlidingBodies.of(task_of(pieces), executor, disc)
 
 
 def pressure_of(step: int) -> FloatArray:
@@ -172,7 +175,9 @@ class Shedding:
 
     def __init__(self, executor: Executor, pieces: Pieces, *, periodic: bool) -> None:
         self.bodies = bodies_of(executor, DISC, pieces)
-        self.pieces = SlidingParticles(pieces, executor, self.bodies.fields, periodic=periodic)
+        self.pieces = SlidingParticles(
+            pieces, Site(task_of(pieces), executor, self.bodies.fields, periodic=periodic)
+        )
         self.share, self._executor, self._pressure = 1.0 - pieces.dust, executor, executor.zeros()
         self._slides = Numbers(Slide, executor.device, rows=GRID.nx)
         goes = wp.zeros(1, dtype=wp.int32, device=executor.device)

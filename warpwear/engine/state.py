@@ -12,7 +12,7 @@ in `restored()`. What else steps change of it is made anew before it is read: th
 """
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, Protocol, get_args, get_origin
 
@@ -67,6 +67,36 @@ def frames(part: Part) -> dict[str, Frame]:
     entries = _Entries(whole=True)
     _saved(part, "", entries)
     return entries.frames
+
+
+def check(part: Any, name: str, others: Collection[Any] = ()) -> None:
+    """Raise TypeError for an array that a part does not declare, or has in its state without a frame.
+
+    name: of the part. others: arrays that it uses and are another's. Members of mappings, sequences and
+    structs are gone through; of parts of it those in its state.
+    """
+    declared = {*part.STATE, *getattr(part, "SCRATCH", ())}
+    known = {id(one) for one in others} | {id(getattr(part, member, None)) for member in declared}
+    for member, value in vars(part).items():
+        if member not in declared and _has_array(value, known):
+            raise TypeError(f"neither STATE nor SCRATCH of {name} has {member}, which holds an array")
+    entries = _Entries(whole=True)
+    _saved(part, "", entries)
+    if lost := {path for path, values in entries.arrays.items() if values.size} - entries.frames.keys():
+        raise TypeError(f"STATE of {name} declares no frame (InFrame) of {', '.join(sorted(lost))}")
+
+
+def _has_array(value: Any, known: set[int]) -> bool:
+    """Tell whether a value is or holds an array that is not known."""
+    if id(value) in known:
+        return False
+    if isinstance(value, Mapping):
+        value = [*value.values()]
+    elif hasattr(value, "_cls") and hasattr(value, "__ctype__"):  # a struct of Warp
+        value = [getattr(value, member) for member in value._cls.vars]
+    if isinstance(value, list | tuple):
+        return any(_has_array(item, known) for item in value)
+    return isinstance(value, wp.array | np.ndarray) or hasattr(value, "STATE")
 
 
 def restore(part: Part, arrays: Mapping[str, np.ndarray], numbers: Mapping[str, Any]) -> None:

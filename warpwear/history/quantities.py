@@ -10,12 +10,14 @@ import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
+from itertools import chain
 from typing import Any, Literal
 
 from warpwear.grid import FloatArray, Frame
 from warpwear.history.arrangements import ARRANGEMENTS
 from warpwear.laws.archard import BODIES, CALLED
 from warpwear.laws.depth_profile import of_materials
+from warpwear.study.keys import section_in, uses
 from warpwear.study.study import Study
 
 #: What a quantity has one value for: a step; a step and patch; a cell of a snapshot; a snapshot; a depth at
@@ -38,18 +40,12 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
         "tracks that keep their dents",
         lambda study: study.is_swept and study.sliding.plastic == "keep",
     ),
-    "programme": ("programmes of blocks", lambda study: study.block is not None),
     "film": ("runs with a film", lambda study: study.film is not None),
-    "pieces": ("wear in pieces", lambda study: study.wear.sheds),
     "by area": (
         "wear of friction energy by a shear strength, layers of one, friction.largest_coefficient",
         lambda study: study.wears_by_area or study.shears_unalike,
     ),
-    "layers of the counter-body": ("counter-bodies with layers", lambda study: bool(study.counter.layers)),
-    "layers of the disc": ("discs with layers", lambda study: bool(study.disc.layers)),
-    "stresses": ("runs with stresses (output.stress_depths)", lambda study: study.has_stresses),
     "fatigue": ("runs with fatigue limits", lambda study: study.fatigue is not None),
-    "static area": ("output.static_area_every", lambda study: study.static_area_every > 0),
 }
 
 
@@ -57,12 +53,15 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
 class Quantity:
     """Declare one quantity of a result.
 
-    only: a name of `ONLY`, None where all runs have it. frame: what the cells of a field lie on; of a column
-    of the history, the body over whose cells it is summed; None of others.
+    only: a name of `ONLY`, or a dotted key that runs use which have it; None where all have it. frame: what
+    the cells of a field lie on; of a column of the history, the body over whose cells it is summed; None of
+    others. lowers: 1 of depths that the disc lies lower by, −1 of those it lies higher by. signed: whether a
+    field may be negative.
 
     Where people see it: label names it alone, short beside others of its family, whose name stands at the
     axis. Its values times factor are in shown_unit. log: whether an axis of values over decades is
-    logarithmic. colour: a name of `warpwear.figures.describe`; dash: how its line is drawn.
+    logarithmic. colour: a name of `warpwear.figures.describe`; dash: how its line is drawn. map: whether a
+    figure shows it over the disc, or over the contact.
     entry: keys of its end value in a run's summary, with dots between them.
     """
 
@@ -72,6 +71,8 @@ class Quantity:
     per: Per = "step"
     only: str | None = None
     frame: Frame | None = None
+    lowers: float = 0.0
+    signed: bool = False
     label: str = ""
     family: str = ""
     short: str = ""
@@ -81,10 +82,18 @@ class Quantity:
     colour: str = "NEUTRAL"
     dash: str = "solid"
     entry: str = ""
+    map: bool = False
 
     def applies_to(self, study: Study) -> bool:
         """Tell whether a run of the study has the quantity."""
-        return self.only is None or ONLY[self.only][1](study)
+        only = self.only or ""
+        return ONLY[only][1](study) if only in ONLY else not only or uses(study, only)
+
+    @property
+    def runs(self) -> str:
+        """Return what the runs that have it are called; empty where all have it."""
+        only = self.only or ""
+        return ONLY[only][0] if only in ONLY else only
 
     @property
     def unit(self) -> str:
@@ -117,20 +126,27 @@ def axis(label: str, unit: str) -> str:
     return f"{label}, {unit or '–'}"
 
 
-_DECLARED: dict[Any, Any] = tomllib.loads(
+_DECLARED: dict[str, Any] = tomllib.loads(
     (files("warpwear.history") / "quantities.toml").read_text(encoding="utf-8")
 )
 #: Name of a quantity -> how it is shown, of those that figures and tables for people have.
 LOOKS: dict[str, dict[str, Any]] = _DECLARED.pop("look")
+#: Name of an end value -> what is said of it, of which a column of the history has the rest.
+ENDS_DECLARED: dict[str, dict[str, Any]] = _DECLARED.pop("ends")
 
 
 def _quantities() -> Iterator[Quantity]:
-    for where, meanings in _DECLARED.items():
+    sections = (section_in(info.annotation) for info in Study.model_fields.values())
+    own = (getattr(section, "QUANTITIES", {}) for section in dict.fromkeys(sections))
+    for where, meanings in chain(_DECLARED.items(), *(quantities.items() for quantities in own)):
         what, _, only = where.partition(", ")
         for heading, meaning in meanings.items():
             name, unit = heading.rstrip("]").split(" [")
-            units, _, frame = unit.partition(", ")
-            yield Quantity(name, units, meaning, what, only or None, frame or None, **LOOKS.get(name, {}))
+            units, frame, mark = (*unit.split(", "), "", "")[:3]
+            marks = {"lowers": {"lowers": 1.0, "raises": -1.0}.get(mark, 0.0), "signed": mark == "signed"}
+            about = LOOKS.get(name, {}) | (meaning if isinstance(meaning, dict) else {"meaning": meaning})
+            place: dict[str, Any] = {"per": what, "only": only or None, "frame": frame or None}
+            yield Quantity(name, units, **about, **marks, **place)
 
 
 QUANTITIES = tuple(_quantities())
@@ -177,7 +193,7 @@ def columns_of(study: Study) -> tuple[Quantity, ...]:
     for body, profile in zip(BODIES, study.profiles or (), strict=False):
         for names, material in zip(of_materials(body, profile), profile.materials, strict=False):
             of = f"{material.name} of the {CALLED[body]}"
-            only, pairs = f"layers of the {CALLED[body]}", zip(names, OF_A_MATERIAL.values(), strict=True)
+            only, pairs = f"{body}.layers", zip(names, OF_A_MATERIAL.values(), strict=True)
             columns += [Quantity(name, unit, f"{meaning} {of}", only=only) for name, (unit, meaning) in pairs]
     return tuple(columns)
 
@@ -192,5 +208,5 @@ def stress_columns(study: Study) -> list[str]:
         q.name
         for what in ("depth", "plane")
         for q in per(what)
-        if q.only == "stresses" or q.applies_to(study)
+        if q.only == "output.stress_depths" or q.applies_to(study)
     ]

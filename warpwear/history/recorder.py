@@ -19,6 +19,8 @@ from warpwear.laws.task import ContactTask
 
 #: Columns that grow from step to step.
 RUNNING = ("distance", "area_cumulative", "archard_volume_counter", "archard_volume_disc")
+#: Columns of the history, by name.
+COLUMNS = {column.name: column for column in per("step")}
 #: Columns that count a part of the stroke's disc for the whole, summed over the disc as it is.
 OF_THE_DISC = tuple(column.name for column in per("step") if column.frame == "disc")
 #: First and last of what was touched, along and across; first ones are negated.
@@ -132,8 +134,8 @@ class Ledger:
     def enter(self, *entry: Any, pressure: FloatArray | None = None) -> Step:
         """Book a step. entry: the members of an `Entry`. pressure: of the step, where it was asked for [MPa].
 
-        The row has `plastic_volume_disc` where the totals have "pressed_disc", and `bare_fraction` where they
-        have "bare".
+        The row has what totals have by the name of a column: where that has a frame, as a sum of depths [mm]
+        over a body's cells. It has `bare_fraction` where they have "bare".
 
         Raises ConvergenceError where nothing is in contact.
         """
@@ -207,15 +209,9 @@ class Ledger:
             "archard_volume_disc": removal[1] * total.get("pressure_times_factor", total["pressure"]) * area,
             "evaluations": 1.0 * balance.evaluations,
         }
-        if "pending_counter" in total:
-            row |= {
-                "pending_volume_counter": total["pending_counter"] * area,
-                "pending_volume_disc": total["pending_disc"] / self._track_fraction * area,
-                "pieces_counter": total["pieces_counter"],
-                "pieces_disc": total["pieces_disc"] / self._track_fraction,
-            }
-        if "pressed_disc" in total:
-            row["plastic_volume_disc"] = total["pressed_disc"] / self._track_fraction * area
+        for column in [COLUMNS[name] for name in total if name in COLUMNS]:
+            value = total[column.name] / (self._track_fraction if column.frame == "disc" else 1.0)
+            row[column.name] = value * area if column.frame else value
         if "rubbed" in total:
             row["area_sheared"] = sheared = total["rubbed"] * area
             for body, depth in zip(BODIES, removal[2:], strict=True):

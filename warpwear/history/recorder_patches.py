@@ -137,5 +137,5 @@ class PatchLedger(Ledger):
         if "worn" in fields:
             worn = fields.pop("worn")
             fields |= {f"wear_{b}": part * worn for b, part in zip(BODIES, self._fractions, strict=True)}
-        snapshot = Snapshot(distance, step.pressure, **fields)
+        snapshot = Snapshot.of(distance, fields | {"pressure": step.pressure})
         return replace(snapshot, fresh=frozenset(snapshot.fields))  # all are made for it

@@ -1,13 +1,19 @@
 """A snapshot holds the fields of one moment of a run."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
 from warpwear.grid import FloatArray
+from warpwear.history.quantities import FIELDS
 from warpwear.surfaces.base import BoolArray
+
+#: Fields of every run, and those by which the disc lies lower or higher beside its wear.
+NAMED = ("pressure", "wear_counter", "wear_disc", "gap")
+LOWERING = tuple(name for name, one in FIELDS.items() if one.lowers and name not in NAMED)
 
 
 @dataclass(frozen=True, repr=False)
@@ -16,10 +22,9 @@ class Snapshot:
 
     distance [mm]. pressure [MPa], solved in the step that ends here. wear_counter, wear_disc: depths worn off
     [mm]. gap [mm], after the step's wear, without elastic deformation. plastic_disc: depth displaced for good
-    [mm], of a swept disc that keeps its dents. bare: 1 where a cell was bare of film as the step began, else
-    0. slip: way of places in contact in a cycle of fretting [mm]. material_counter, material_disc:
-    number of the layer that wear has bared, 0 the uppermost. load_on_filled: share of the load on
-    points that the disc's file lacks. Those from plastic_disc on are None where a run has none.
+    [mm], of a swept disc that keeps its dents. load_on_filled: share of the load on points that the disc's
+    file lacks. own: what features have, by the names of cells' quantities: bare, slip, material_disc. They
+    are attributes as the others are, None where a run has none.
 
     Of a swept run the fields of the disc cover the track, shape (rows, ny), whose row number `row` lies under
     the first row of the others.
@@ -30,11 +35,7 @@ class Snapshot:
     wear_counter: FloatArray
     wear_disc: FloatArray
     gap: FloatArray
-    plastic_disc: FloatArray | None = None
-    bare: FloatArray | None = None
-    slip: FloatArray | None = None
-    material_counter: FloatArray | None = None
-    material_disc: FloatArray | None = None
+    own: dict[str, FloatArray] = field(default_factory=dict)
     row: int | None = None
     load_on_filled: float | None = None  # see `share_on`
     fresh: frozenset[str] = frozenset()  # names of fields that no later step changes
@@ -42,12 +43,35 @@ class Snapshot:
     @property
     def fields(self) -> dict[str, FloatArray]:
         """Name -> field, of those that there are; units in `warpwear.history.quantities`."""
-        return {name: values for name, values in vars(self).items() if isinstance(values, np.ndarray)}
+        return {name: getattr(self, name) for name in NAMED} | self.own
+
+    def __getattr__(self, name: str) -> FloatArray | None:
+        """Return a field of a feature; None where the run has none."""
+        if name not in FIELDS or name in NAMED:
+            raise AttributeError(f"a snapshot has no {name!r}")
+        return self.own.get(name)
+
+    @classmethod
+    def of(cls, distance: float, values: Mapping[str, FloatArray], **others: Any) -> Self:
+        """Return a snapshot of fields by name. Raises TypeError for one that is no quantity of a cell.
+
+        Or that is not of the size of what it lies on.
+        """
+        own = {name: one for name, one in values.items() if name not in NAMED}
+        for name, one in own.items():
+            if name not in FIELDS:
+                raise TypeError(f"{name} is not declared: see history/quantities.toml, [cell]")
+            like = values["wear_disc" if FIELDS[name].frame == "disc" else "pressure"]
+            if one.shape != like.shape:
+                raise TypeError(f"{name} is of {one.shape} cells, where its frame has {like.shape}")
+        named: dict[str, Any] = {name: values[name] for name in NAMED}
+        return cls(distance, own=own, **named, **others)
 
     def lasting(self) -> "Snapshot":
         """Return a snapshot of its own: fields that a later step changes are copied."""
-        changing: dict[str, Any] = {k: v for k, v in self.fields.items() if k not in self.fresh}
-        return replace(self, **{name: values.copy() for name, values in changing.items()})
+        copies = {k: v if k in self.fresh else v.copy() for k, v in self.fields.items()}
+        others = {name: getattr(self, name) for name in ("row", "load_on_filled", "fresh")}
+        return Snapshot.of(self.distance, copies, **others)
 
     def __repr__(self) -> str:
         nx, ny = self.pressure.shape
@@ -89,16 +113,21 @@ class Snapshot:
 
     @property
     def lost_beneath(self) -> FloatArray:
-        """Return what is gone of the disc under the ball's domain [mm]: worn, or displaced for good."""
-        if self.plastic_disc is None:
-            return self.wear_beneath
-        return np.asarray(self.wear_beneath + self.beneath(self.plastic_disc))
+        """Return by how much the disc lies lower under the ball's domain [mm]: what is worn, and the rest."""
+        cut = np.asarray if self.row is None else self.beneath
+        own = {name: cut(self.own[name]) for name in LOWERING if name in self.own}
+        return np.asarray(self.wear_beneath + lowered(own))
 
     def beneath(self, field: Any) -> Any:
         """Cut the part under the ball's domain, shape (nx, ny), out of a field of the track, (rows, ny)."""
         assert self.row is not None
         rows = np.arange(self.row, self.row + self.pressure.shape[0]) % field.shape[0]
         return np.asarray(field[rows])
+
+
+def lowered(fields: Mapping[str, Any], rows: slice = slice(None)) -> Any:
+    """Return by how much the disc lies lower beside its wear [mm], by fields; 0 where none says so."""
+    return sum(FIELDS[name].lowers * fields[name][rows] for name in LOWERING if name in fields)
 
 
 def extents(where: BoolArray) -> tuple[slice, slice]:

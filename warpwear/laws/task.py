@@ -1,8 +1,9 @@
 """A task holds the numbers of one contact, which its model, its history and its steps read."""
 
 import math
-from dataclasses import dataclass, fields
-from typing import Literal, Protocol
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any, ClassVar, Literal, Protocol
 
 from warpwear.grid import FloatArray
 from warpwear.laws.archard import WearLaw, knots_of
@@ -39,6 +40,30 @@ class Form(Protocol):
         """Return heights [mm] under the kernels' ball or flat that leave the gap over a disc's."""
 
 
+class FeatureLaw:
+    """Says what a study adds to a contact: the law of a feature, which a section has under its name.
+
+    Unless it says otherwise, its cells are not alike, area and scar do not go with the sum of both wears, and
+    no step may stand for many (jumps), as if all that it does followed from the distance that it slides.
+    """
+
+    is_uniform: ClassVar[bool] = False
+    scales: ClassVar[bool] = False
+    jumps: ClassVar[bool] = False
+
+    def balances(self, row: Mapping[str, float]) -> Iterable[tuple[str, float, float]]:
+        """Yield what columns of a row that it adds are, what they come to, and what they are due to [mm³]."""
+        return ()
+
+
+#: Members of a task by which area and scar do not cease to go with the sum of both wears.
+PLAIN = {
+    *("load", "hardness", "form", "compliance", "implicit", "rigid", "load_tolerance", "distance_factor"),
+    *("keeps_dents", "bulk_stiffness", "bulk_updated", "uses_bulk_stiffness", "prescribed_loads"),
+    *("half_space", "modulus", "boundary", "static_area_every"),
+}
+
+
 @dataclass(frozen=True)
 class ContactTask:
     """Holds the numbers of one contact, made from a study once; models read nothing else."""
@@ -68,6 +93,7 @@ class ContactTask:
     fretting: Fretting | None = None  # what drives a fretting contact; None where nothing frets
     #: What counter-body and disc are made of by worn depth; None where they are alike at all depths.
     profiles: tuple[DepthProfile, DepthProfile] | None = None
+    features: Mapping[str, FeatureLaw] = field(default_factory=dict)  # what sections add beside, by name
     largest_shear: float = math.inf  # of a cell over its pressure and the bodies' strength [1/MPa]
 
     @property
@@ -132,18 +158,21 @@ class ContactTask:
         counter, disc = self.wear
         alike = self.distance_factor == "none" and self.film is None and not self.shears
         alike = alike and not self.shears_unalike
-        alike = alike and (self.profiles is None or all(profile.is_uniform for profile in self.profiles))
+        laws = (*(self.profiles or ()), *self.features.values())
+        alike = alike and all(law.is_uniform for law in laws)
         return alike and counter.in_proportion_to(disc) and not len(self.knots)
 
     @property
     def scales(self) -> bool:
         """Tell whether area and scar follow from the sum of both wears alone: if all its laws say so.
 
-        See `archard.Scales`. A member that is no plain number or word, but for the form, is a law.
+        See `archard.Scales`. A member beside the `PLAIN` ones that differs from its default is a law.
         """
-        members = [getattr(self, field.name) for field in fields(self) if field.name != "form"]
-        laws = [part for one in members for part in (one if isinstance(one, tuple) else (one,))]
-        laws = [law for law in laws if not isinstance(law, str | float | int | None)]
+        laws: list[Any] = [*self.features.values()]
+        for one in fields(self):
+            value = getattr(self, one.name)
+            if one.name not in {"features", *PLAIN} and value != one.default:
+                laws += value if isinstance(value, tuple) else (value,)
         of_steps = self.implicit and self.distance_factor == "none"
         return of_steps and all(getattr(law, "scales", False) for law in laws)
 

@@ -5,6 +5,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
+from warpwear.grid import FloatArray
 from warpwear.history.pieces import PieceBook
 from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchBook
@@ -70,6 +71,13 @@ class Model(ABC):
 
     def below_bounds(self) -> float:
         """Return by how much a gap lies below the bound of its tile, at most [mm]; more than 0 is wrong."""
+        return 0.0
+
+    def off_heights(self, snapshot: Snapshot, unworn: FloatArray) -> float:
+        """Return by how much the disc is off the heights that a snapshot has of it, at most [mm].
+
+        unworn: its heights before any wear [mm]. Those at rest are read from the gap.
+        """
         return 0.0
 
     def _block(self, increments: Sequence[float], then: float | None) -> Iterator[Step]:

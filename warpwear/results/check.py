@@ -1,6 +1,7 @@
 """Whether a file holds what a run writes: names, types, shapes and plausible values, before any is used."""
 
 import json
+import math
 from typing import Any
 
 import h5py
@@ -104,13 +105,14 @@ def check_snapshots(file: h5py.File, study: Study) -> None:
 
 
 def check_fields(fields: dict[str, Any], study: Study) -> None:
-    """Raise ValueError for values that no field of a run has: only a gap may be infinite.
+    """Raise ValueError for values that no field of a run has: only a gap may be infinite, and some signed.
 
     Unknown is what lies beside the patches of a run that has some of the area.
     """
     for name, values in fields.items():
         known = values[~np.isnan(values)] if study.samples_area else values
-        if name != "gap" and known.size and not (np.isfinite(known).all() and known.min() >= 0.0):
+        least = -math.inf if quantities.FIELDS[name].signed else 0.0
+        if name != "gap" and known.size and not (np.isfinite(known).all() and known.min() >= least):
             raise ValueError(f"its {name} is negative, infinite or unknown in places")
 
 

@@ -17,7 +17,7 @@ from warpwear.errors import OVERWRITE_IT, InputError, explained
 from warpwear.grid import FloatArray, IntArray
 from warpwear.history.quantities import FIELDS, OF_PIECES, UNITS, columns_of, stress_columns
 from warpwear.history.rows import History, Named
-from warpwear.history.snapshot import Snapshot
+from warpwear.history.snapshot import Snapshot, lowered
 from warpwear.results.check import ATTRIBUTES, check_content, check_fields
 from warpwear.results.seal import digest_of, has_mark, open_to_read, read_header
 from warpwear.study.study import Study
@@ -279,15 +279,14 @@ class ResultFile:
         at_hand = self.at_hand.get(number)
         if at_hand is not None:
             in_memory = self._file and self._file.driver == "core"  # and asked for by whom may change it
-            copies: dict[str, Any] = {name: values.copy() for name, values in at_hand.fields.items()}
-            return replace(at_hand, **copies) if in_memory else at_hand
+            return replace(at_hand, fresh=frozenset()).lasting() if in_memory else at_hand
         with self._reading() as file:
             group = file["snapshots"][list(file["snapshots"])[number]]
             row = int(group.attrs["row"]) if "row" in group.attrs else None
             fields = {name: group[name][()] for name in FIELDS if name in group}
             check_fields(fields, self.study)
             on_filled = float(group.attrs["load_on_filled"]) if "load_on_filled" in group.attrs else None
-            return Snapshot(float(group.attrs["distance"]), row=row, load_on_filled=on_filled, **fields)
+            return Snapshot.of(float(group.attrs["distance"]), fields, row=row, load_on_filled=on_filled)
 
     def at(self, distance: str | float) -> Snapshot:
         """Return the snapshot kept at a distance: text with a unit, such as "30 mm", or a number [mm].
@@ -342,13 +341,13 @@ class ResultFile:
         return form.values[np.ix_(*near)]
 
     def track_loss(self, index: int, rows: slice = slice(None)) -> tuple[FloatArray, FloatArray]:
-        """Return depths worn off the track, and displaced of it for good, at snapshot number `index` [mm]."""
+        """Return depths worn off the track, and those it lies lower by beside, at snapshot `index` [mm]."""
         with self._reading() as file:
             number = _number(index, self.snapshot_distances.size)
             at_hand, name = self.at_hand.get(number), list(file["snapshots"])[number]
             group = at_hand.fields if at_hand else file["snapshots"][name]
             worn: FloatArray = group["wear_disc"][rows]
-            return worn, group["plastic_disc"][rows] if "plastic_disc" in group else np.zeros_like(worn)
+            return worn, np.zeros_like(worn) + lowered(group, rows)
 
     @property
     def record(self) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.contact.balance import TOLERANCE
+from warpwear.history.quantities import FIELDS, columns_of
 from warpwear.history.snapshot import Snapshot
 from warpwear.study.rules_track import extent_for
 from warpwear.study.study import Study
@@ -30,10 +31,14 @@ OPEN = frozenset(("time", "cof", "area_static", "violation", "energy_gap", "ener
     "displacement_border",
     "energy_ratio",
 }
+#: Columns that are made of whole histories.
+MADE_LATER = frozenset(("cof", "friction_energy"))
 #: What heights may be off by rounding [mm]: of 1 mm the last digit is 1e-16 mm.
 ROUNDING = 1.0e-15
 #: What follows from a gap below its bound.
 MISSED = "something has raised a surface and does not say so, and contact may have been missed"
+#: What heights may be off by the rounding of many steps [mm].
+OF_STEPS = 1.0e-9
 BODIES = (
     ("wear_volume_counter", "archard_volume_counter", "pending_volume_counter"),
     ("wear_volume_disc", "archard_volume_disc", "pending_volume_disc"),
@@ -58,6 +63,7 @@ class Invariants:
         of_bearing_area = study.load_tolerance if study.uses_bearing_area else 0.0
         #: Load that may be left unbalanced [N]: what the study's balance is solved to.
         self._residual = max(TOLERANCE * max(block.load for block in study.blocks), of_bearing_area)
+        self._laws = study.contact_task.features.values()
         self._uncovered = study.patch_layout.uncovered if study.study.model == "two-scale" else 0
 
     def of_row(
@@ -83,8 +89,24 @@ class Invariants:
             allowed = CONSERVATION * row[expected] + ROUNDING * row.get("area_touched", 0.0)
             if abs(row[worn] + row.get(pending, 0.0) - row[expected]) > allowed:
                 yield self._not_conserved(row, worn, row[expected])
+        for law in self._laws:
+            for what, volume, due in law.balances(row):
+                if not abs(volume - due) <= CONSERVATION * abs(due) + ROUNDING * row["area_touched"]:
+                    due_to = f"where {due:.9g} mm³ are due"
+                    yield Violation(what, f"{what} = {volume:.9g} mm³ {_where(row)}, {due_to}")
         if (touches_edge and not self._study.repeats) or touches_rim:
             yield self._outside(row, rim=touches_rim)
+
+    def of_columns(self, row: Mapping[str, float]) -> Iterator[Violation]:
+        """Yield columns of the study's runs that a row does not have, so that they would be unknown."""
+        if lacking := {column.name for column in columns_of(self._study)} - MADE_LATER - row.keys():
+            yield Violation("columns", f"no step says what {', '.join(sorted(lacking))} is {_where(row)}")
+
+    def of_heights(self, depth: float, row: Mapping[str, float]) -> Iterator[Violation]:
+        """Yield a disc that is off the heights that results have of it by a depth [mm]."""
+        if depth > OF_STEPS:
+            why = "something lowers or raises it, and no field of a cell says so"
+            yield Violation("heights", f"the disc is off its wear by {depth:.3g} mm {_where(row)}: {why}")
 
     def of_bounds(self, depth: float, row: Mapping[str, float]) -> Iterator[Violation]:
         """Report a gap below the bound of its tile by a depth [mm], so that its tile may be missed."""
@@ -108,6 +130,7 @@ class Invariants:
     def of_fields(self, fields: Mapping[str, Any], row: Mapping[str, float]) -> Iterator[Violation]:
         """Fields with values that are no finite numbers: a cell without a gap would carry no load, unseen.
 
+        Or with negative ones, where they do not say that they are signed: no result could be read again.
         Cells of the domain that no patch covers have no gap (NaN).
         """
         for name, values in fields.items():
@@ -117,6 +140,8 @@ class Invariants:
                     continue
                 bad = int(np.count_nonzero(~np.isfinite(values))) - of_none
                 yield Violation(name, f"{name} is no finite number on {bad} cells {_where(row)}")
+            elif name in FIELDS and not FIELDS[name].signed and np.min(values) < 0.0:
+                yield Violation(name, f"{name} is negative {_where(row)}, and is not declared as signed")
 
     def _not_finite(self, row: Mapping[str, float]) -> Iterator[Violation]:
         for name, value in row.items():

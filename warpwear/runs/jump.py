@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpwear.engine import state
-from warpwear.errors import ConvergenceError
+from warpwear.errors import ConvergenceError, InputError
 from warpwear.grid import FloatArray
 from warpwear.laws.archard import BODIES
 from warpwear.laws.track import Leg, Track
@@ -61,6 +61,10 @@ class CycleJumps:
     def __init__(self, order: RunOrder, model: Any, begin: Callable[[Planned], None]) -> None:
         study = order.study
         self.model, self._begin = model, begin
+        laws = study.contact_task.features
+        if lost := [name for name, law in laws.items() if not law.jumps]:
+            why = f"does not go with {', '.join(lost)}, which acts in each step"
+            raise InputError(f"stepping.jump = {study.stepping.jump!r} {why}.")
         self._legs, self._total = study.legs, study.sliding.total
         self._stops, self._profiles = study.snapshot_distances, study.profiles or ()
         self._ends = [block.end for block in order.blocks]

@@ -216,9 +216,11 @@ class StepLoop:
                 snapshot = replace(snapshot, load_on_filled=snapshot.share_on(self._filled))
                 stop = stop or self._check(invariants.of_filled(snapshot, row))
             if snapshot is not None and keep and self._writer is not None:
-                self._check(invariants.of_fields(vars(snapshot), row))
+                self._check(invariants.of_fields(snapshot.fields, row))
+                self._check(invariants.of_heights(self._model.off_heights(snapshot, self._heights), row))
                 with phase("snapshots"):
                     self._writer.add_snapshot(snapshot)
+            self._check(invariants.of_columns(row) if not self._rows else iter(()))
             self._rows.append(row)
             if self._jumps is not None:
                 self._jumps.count(row)

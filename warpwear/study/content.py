@@ -13,8 +13,8 @@ from warpwear.laws.film import Film, grown_cap
 from warpwear.laws.fretting import HONEST_MEAN, Fretting, displacement, softness_ratio
 from warpwear.laws.junctions import critical_junction, junction_strength
 from warpwear.laws.pieces import Pieces
-from warpwear.laws.task import ContactTask
-from warpwear.study.keys import value_of
+from warpwear.laws.task import ContactTask, FeatureLaw
+from warpwear.study.keys import uses, value_of
 from warpwear.study.programme import Programme
 from warpwear.study.sections.layers import depth_profiles
 from warpwear.study.units import text
@@ -341,6 +341,20 @@ class Content(Programme):
             fretting=self.fretting,
             profiles=self.profiles,
             largest_shear=self.largest_shear,
+            features=self.features,
+        )
+
+    @property
+    def features(self) -> dict[str, FeatureLaw]:
+        """The laws of features of its sections, by the keys that ask for them."""
+        laws = (pair for section in vars(self).values() for pair in getattr(section, "features", {}).items())
+        return {name: law for name, law in laws if uses(self, name)}
+
+    @property
+    def jumps(self) -> bool:
+        """True where a computed cycle may stand for more than itself: of itself not of what acts in steps."""
+        return super().jumps and (
+            self.stepping.jump != "auto" or all(f.jumps for f in self.features.values())
         )
 
     @property

@@ -31,13 +31,14 @@ class Rule:
     """One condition under which a key is used; see `when`."""
 
     name: str  # dotted key of a study, or a property of its content or of a section
-    values: tuple[Any, ...]  # of that, under which the key is used
+    values: tuple[Any, ...]  # of that, under which the key is used; none: whatever is true
     otherwise: str  # end of the sentence about a key that is not used; {} is the value
 
     def why_not(self, study: BaseModel) -> str | None:
         """Return the end of the sentence about a key that the study does not use; None where it may."""
         value = attribute_of(study, self.name)
-        return None if value in self.values else self.otherwise.format(value)
+        holds = value in self.values if self.values else bool(value)
+        return None if holds else self.otherwise.format(value)
 
 
 def when(name: str, *values: Any, otherwise: str | None = None) -> tuple[Rule, ...]:
@@ -47,7 +48,7 @@ def when(name: str, *values: Any, otherwise: str | None = None) -> tuple[Rule, .
     tuples, which add up.
     """
     label = "sliding.kinematics" if name == "kinematics" else name  # as the study comes to it
-    return (Rule(name, values or (True,), otherwise or f"does not apply to {label} = '{{}}'"),)
+    return (Rule(name, values, otherwise or f"does not apply to {label} = '{{}}'"),)
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,12 @@ def attribute_of(study: BaseModel, name: str) -> Any:
     return reduce(_attribute, filter(None, name.split(".")), value)
 
 
+def uses(study: BaseModel, name: str) -> bool:
+    """Tell whether a study uses a key or section: it says something, and applies under the choices made."""
+    declared = declarations(type(study)).get(name, Declared())
+    return bool(attribute_of(study, name)) and declared.why_not(study) is None
+
+
 def _attribute(value: Any, part: str) -> Any:
     """Return a value's attribute, or of tables that of a number from 1; None where there is none."""
     if isinstance(value, tuple) and part.isdecimal():
@@ -117,8 +124,8 @@ def _named(study: BaseModel, name: str) -> str:
 def _shown(study: BaseModel, name: str) -> str:
     """Return the value of a key as a sentence shows it: words in quotes, numbers with their unit."""
     value = attribute_of(study, name)
-    if isinstance(value, str):
-        return f"'{value}'"
+    if isinstance(value, str | bool):
+        return _one_of([value])
     written = value_of(study.model_dump(), name)
     if isinstance(written, list | tuple):
         return ", ".join(map(str, written))
@@ -135,15 +142,16 @@ def _example(name: str, field: FieldInfo | None) -> str:
 
 def _one_of(values: Iterable[Any]) -> str:
     """Return values as a list in a sentence: 'a', 'b' or 'c'."""
-    *first, last = (f"'{value}'" for value in values)
+    *first, last = (str(v).lower() if isinstance(v, bool) else f"'{v}'" for v in values)
     return f"{', '.join(first)} or {last}" if first else last
 
 
 def _allowed(study: BaseModel, name: str, barred: tuple[Any, ...]) -> str:
     """Return the values of a key that are left where some are barred."""
     options = get_args(declarations(type(study))[name].field.annotation)
-    options = tuple(get_args(option) or (option,) for option in options)  # or None
-    return _one_of(value for value in chain(*options) if value not in (*barred, type(None)))
+    options = tuple(get_args(option) or (option,) for option in options or (bool,))  # or None
+    left = (v for option in options for v in ((True, False) if option == (bool,) else option))
+    return _one_of(value for value in left if not isinstance(value, type) and value not in barred)
 
 
 def needs(name: str, *values: Any, of: Any = (), **others: Any) -> tuple[Demand, ...]:
@@ -200,7 +208,11 @@ def key(default: Any = ..., meaning: str = "", **declared: Any) -> Any:
 
 
 class Section(BaseModel):
-    """A section is frozen and takes no key that is not declared; `_check` says whether its numbers agree."""
+    """A section is frozen and takes no key that is not declared; `_check` says whether its numbers agree.
+
+    Its `features` are laws of features of a contact, by the dotted keys that ask for them and name them;
+    `QUANTITIES` are what runs with these have, as `history/quantities.toml` says it, their looks included.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
 

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 import warp as wp
-from cases_track import small
+from cases_track import rough, small
 
 from warpwear.engine.executor import Executor, Field
 from warpwear.engine.program import Program
@@ -18,6 +18,8 @@ from warpwear.kernels.sliding import Slide
 from warpwear.models.features.feature import Feature, Place
 from warpwear.models.features.features import Features
 from warpwear.models.model import Model
+from warpwear.models.track.half_space import SlidingHalfSpace
+from warpwear.models.track.local import SlidingContact
 from warpwear.runs.order import RunOrder
 from warpwear.study.study import Study
 
@@ -25,6 +27,8 @@ SMALL = {"grid.cell": "20 um", "grid.extent": "0.6 mm", "sliding.distance": "3 m
 REST = SMALL | {"stepping.first": "30 um", "counter.radius": "1 mm"}
 PATCHES = SMALL | {"stepping.first": "30 um", "patches.macro_cell": "100 um"}
 HALF_SPACE = {"contact.law": "half-space"}
+PARTICLES = {"wear.particle": "60 um", "wear.particle_thickness": "0.6 um"}
+STEPS = 20
 #: A study of every model.
 STUDIES = {
     "track": small("representative"),
@@ -90,7 +94,7 @@ class Debris(Feature):
     def before_wear(self, program: Program, place: Place) -> None:
         program.decide(note, place.slides, self.first_column, place.steps.history)
 
-    def after_step(self, program: Program, place: Place) -> None:
+    def after_part(self, program: Program, place: Place) -> None:
         program.launch(lay, place.slides, self.of_step, self.depth, place.bodies.disc)
 
     def enter(self, columns: Mapping[str, FloatArray], total: dict[str, Any], most: dict[str, Any]) -> None:
@@ -107,7 +111,7 @@ def attach(monkeypatch: pytest.MonkeyPatch, kind: type[Debris] = Debris) -> list
         rows = bodies["disc"].shape[0]
         made.append(kind(executor, rows))
         by_name = {"debris": made[-1], **of(task, executor, bodies, **options).by_name}
-        return Features(by_name, own=options.get("own", ()), disc_rows=rows)
+        return Features(by_name, own=options.get("own", ()), bodies=bodies)
 
     monkeypatch.setattr(Features, "of", with_debris)
     return made
@@ -117,6 +121,19 @@ def model_of(study: Study, executor: Executor) -> Model:
     """The model of a study's first block, on unworn bodies."""
     order = RunOrder(study)
     return order.model(executor, block=order.blocks[0]).model
+
+
+def rows_of(law: str, device: str) -> list[dict[str, Any]]:
+    """Steps of wear in particles."""
+    scheme = {"stepping.scheme": "explicit" if law == "local" else "implicit"}
+    study = small("full", stepping__force=True).replace(PARTICLES | scheme | {"contact.law": law})
+    shifts, increments = [study.track.row(step) for step in range(STEPS)], [0.5] * STEPS
+    with Executor(study.cells, device=device) as executor:
+        task, disc = study.contact_task, rough(study.track.rows)
+        if law == "local":
+            return [step.row for step in SlidingContact(task, disc, executor).replay(shifts, increments)[1]]
+        contact = SlidingHalfSpace(task, disc, executor)
+        return [contact.step(*move).row for move in zip(shifts, increments, strict=True)]
 
 
 def arrays_of(owner: Any) -> dict[str, "np.ndarray[Any, Any]"]:

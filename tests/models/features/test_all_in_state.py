@@ -9,7 +9,7 @@ from cases_features import STUDIES, arrays_of, model_of, needs_transforms
 
 from warpwear.contact.half_space.solver import BoundedPressure
 from warpwear.engine import state
-from warpwear.engine.executor import Executor
+from warpwear.engine.executor import Executor, Field
 from warpwear.models.features.film import BareCells
 from warpwear.models.features.particles import Pending
 from warpwear.models.model import Model
@@ -81,7 +81,6 @@ def test_all_that_steps_change_is_restored_or_made_anew(case: str, device: str) 
     [
         ("track", SlidingBodies, "disc"),
         ("track", SlidingTiles, "highest"),
-        ("track, film", BareCells, "healing"),
         ("track, pieces", Pending, "pending"),
         ("rest", OneScaleModel, "gap"),
         ("patches", PatchContact, "gap"),
@@ -94,6 +93,17 @@ def test_an_array_that_is_left_out_is_named(
     monkeypatch.setattr(part, "STATE", {key: kind for key, kind in part.STATE.items() if key != name})
     left, _ = looked_at(case, "cpu")
     assert any(name in path for path in left)
+
+
+@pytest.mark.parametrize("kind", [None, Field])
+def test_features_are_refused_that_do_not_declare_an_array(
+    kind: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Left out of their state, or of no frame there."""
+    monkeypatch.setattr(BareCells, "STATE", {"healing": kind} if kind else {})
+    said = "STATE of film declares no frame .* healing.counter" if kind else "SCRATCH of film has healing"
+    with pytest.raises(TypeError, match=said):
+        looked_at("track, film", "cpu")
 
 
 def test_scratch_that_is_none_changes_the_steps(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,38 +1,18 @@
 """Features that have columns of the history stand side by side, each in its own, on every host of a track."""
 
-from typing import Any
-
 import numpy as np
 import pytest
-from cases_features import Debris, attach, needs_transforms
-from cases_track import rough, small
+from cases_features import STEPS, Debris, attach, needs_transforms, rows_of
+from cases_track import small
 from numpy.testing import assert_array_equal
 
 from warpwear.engine.executor import Executor
 from warpwear.models.features.feature import Feature
 from warpwear.models.features.features import Features
-from warpwear.models.track.half_space import SlidingHalfSpace
-from warpwear.models.track.local import SlidingContact
-
-PARTICLES = {"wear.particle": "60 um", "wear.particle_thickness": "0.6 um"}
-STEPS = 20
 
 
 class Weightless(Debris):
     of_step = 0.0
-
-
-def rows_of(law: str, device: str) -> list[dict[str, Any]]:
-    """Steps of wear in particles."""
-    scheme = {"stepping.scheme": "explicit" if law == "local" else "implicit"}
-    study = small("full", stepping__force=True).replace(PARTICLES | scheme | {"contact.law": law})
-    shifts, increments = [study.track.row(step) for step in range(STEPS)], [0.5] * STEPS
-    with Executor(study.cells, device=device) as executor:
-        task, disc = study.contact_task, rough(study.track.rows)
-        if law == "local":
-            return [step.row for step in SlidingContact(task, disc, executor).replay(shifts, increments)[1]]
-        contact = SlidingHalfSpace(task, disc, executor)
-        return [contact.step(*move).row for move in zip(shifts, increments, strict=True)]
 
 
 @pytest.mark.parametrize("law", ["local", "half-space"])

@@ -13,6 +13,7 @@ from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.view import FilmState, State, Window, positive
 from warpwear.figures.wording import after, with_scatter
 from warpwear.grid import FloatArray
+from warpwear.history.quantities import FIELDS, Quantity
 from warpwear.laws import archard
 from warpwear.laws.patches import Patches
 
@@ -130,6 +131,32 @@ def bare_map(data: FigureData) -> Figure:
     notes = [f"{100.0 * fraction[view.row]:.3g} % of the contact bare" for view in data.views]
     fields = [view.film for view in data.views]
     return of_views(data, "Where the film is gone", fields, notes, states=tuple(FILMS.values()))
+
+
+def _declare_map(quantity: Quantity) -> None:
+    """Declare the map of a field by what is said of it among the quantities."""
+
+    def declare(data: FigureData) -> Figure:
+        fields = []
+        for snapshot in map(data.snapshot, data.indices):
+            values = quantity.scaled(snapshot.fields[quantity.name])
+            on_track = quantity.frame == "disc" and snapshot.row is not None
+            fields.append(data.window.means(snapshot.beneath(values) if on_track else values))
+        low, high = min(float(field.min()) for field in fields), max(float(field.max()) for field in fields)
+        scale = Scale(quantity.axis, low if quantity.signed else 0.0, high if high > low else 1.0)
+        notes = [f"{field.max():.3g} {quantity.unit} at most" for field in fields]
+        drawn = fields if quantity.signed else [*map(positive, fields)]
+        return of_views(data, quantity.label.capitalize(), drawn, notes, scale=scale)
+
+    declare.__name__, declare.__module__ = f"{quantity.name}_map", __name__
+    declare.__doc__ = f"{quantity.label.capitalize()} {{when}}: {quantity.meaning}.{{blocks}}"
+    without = words.Reason("no_field", lambda data: not quantity.applies_to(data.study))
+    words.figure(without, *words.FIELD, essential=True, section="maps")(declare)
+
+
+for _quantity in FIELDS.values():
+    if _quantity.map:
+        _declare_map(_quantity)
 
 
 @words.figure(words.ROUGH, words.NO_HERTZ, words.NO_SNAPSHOT, essential=True)

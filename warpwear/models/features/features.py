@@ -1,48 +1,57 @@
 """All features of a contact, asked in one order, and what they make of its cells."""
 
+import importlib
 import math
-from collections.abc import Callable, Iterator, Mapping
+import pkgutil
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from copy import copy
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from warpwear.engine import state
 from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
+from warpwear.history import quantities
 from warpwear.history.pieces import PieceBook
 from warpwear.kernels.cells import CellProperties, Sources
-from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
-from warpwear.models.features.feature import Feature, Place
-from warpwear.models.features.film import BareCells
-from warpwear.models.features.fretting import CyclicSlip
-from warpwear.models.features.materials import MaterialsByDepth
-from warpwear.models.features.particles import SlidingParticles
-from warpwear.models.features.recession import Recession, UnequalStiffness
+from warpwear.models import features as folder
+from warpwear.models.features.feature import Feature, Place, Site
+from warpwear.models.features.recession import UnequalStiffness
+
+# Features are asked in the order of their files, each of which registers its own.
+for file in pkgutil.iter_modules(folder.__path__, f"{folder.__name__}."):
+    importlib.import_module(file.name)
+
+NONE: Mapping[str, Field] = MappingProxyType({})
 
 
 class Features:
     """Holds the features of a contact by name, in the order in which each is asked.
 
     by_name: of which no two set one property of cells or write one column. own: columns of the history before
-    theirs. disc_rows: of a disc that is displaced by rows; 0 where none is.
+    theirs. bodies: as of a `Site`.
 
-    Raises ValueError for two that set or write the same.
+    Raises ValueError for two that set or write the same, TypeError for one that does not declare what it has.
     """
 
     STATE: ClassVar = {"by_name": dict}
     SCRATCH: ClassVar = ("cells", "sources", "pressed")
 
     def __init__(
-        self, by_name: Mapping[str, Feature], *, own: tuple[str, ...] = (), disc_rows: int = 0
+        self, by_name: Mapping[str, Feature], *, own: tuple[str, ...] = (), bodies: Mapping[str, Field] = NONE
     ) -> None:
         self.by_name = dict(by_name)
         #: Columns of the history: a contact's own, and theirs.
-        self.columns = give_columns(self.by_name.values(), own)
-        self._merge(disc_rows=disc_rows)
+        self.columns = give_columns(self.by_name, own)
+        for name, one in self.by_name.items():
+            check(one, name, bodies.values())
+        self._merge(disc_rows=bodies["disc"].shape[0] if "disc" in bodies else 0)
         #: Adds to a program that bounds are made anew, after a feature that raises a surface.
         self.refresh: Callable[[Program], None] | None = None
 
@@ -53,36 +62,27 @@ class Features:
         executor: Executor,
         bodies: Mapping[str, Field],
         *,
-        periodic: bool = False,
-        distances: Field | None = None,
-        curve: Logistic | None = None,
         own: tuple[str, ...] = (),
+        **others: Any,
     ) -> Self:
-        """Return those that a task asks for.
+        """Return those that a task asks for. bodies, others: as of a `Site`. own: as of the class.
 
-        bodies: fields by the names of `Bodies`, or `worn` by both, where they wear in one proportion [mm].
-        periodic: as of `SlidingContact`. distances: factor of those that cells of the disc slide, where they
-        differ. curve: of a roughness that the grid does not resolve. own: as of the class.
+        Raises TypeError for a law that no feature follows, or none of patches.
         """
-        features: dict[str, Feature] = {}
-        if task.film is not None:
-            features["film"] = BareCells.of(task, executor, bodies)
-        if task.pieces is not None:
-            features["particles"] = SlidingParticles(task.pieces, executor, bodies, periodic=periodic)
-        if task.fretting is not None:
-            features["fretting"] = CyclicSlip(task, executor)
-        if curve is not None:
-            features["recession"] = Recession(curve, executor)
-        if distances is not None:
-            features["distances"] = OwnDistances(distances)
-        by_materials = False
-        if task.profiles is not None or task.shears_unalike:
-            features["materials"] = materials = MaterialsByDepth(task, executor, bodies)
-            by_materials = materials.gives and not task.half_space  # which has yields
+        site = Site(task, executor, bodies, **others)
+        laws = {name: law for name, law in site.laws.items() if law is not None}
+        if lost := laws.keys() - Feature.REGISTERED.keys():
+            raise TypeError(f"no feature is called {', '.join(sorted(lost))}")
+        if "worn" in bodies and task.features:
+            raise TypeError(f"patches follow no {', '.join(task.features)}, and their keys do not say so")
+        features = {n: make(laws[n], site) for n, make in Feature.REGISTERED.items() if n in laws}
+        curve, distances = site.curve, site.distances
+        materials: Any = features.get("materials")
+        by_materials = materials is not None and materials.gives and not task.half_space  # which has yields
         if task.implicit and not (curve is None and distances is None and not by_materials):
             alike = curve is None and distances is not None and distances.shape[0] == 1
             features["stiffness"] = UnequalStiffness(executor, bodies, curve, alike=alike)
-        return cls(features, own=own, disc_rows=bodies["disc"].shape[0] if "disc" in bodies else 0)
+        return cls(features, own=own, bodies=bodies)
 
     def _merge(self, *, disc_rows: int) -> None:
         """Bring together what cells have of their own, and what that is made from, for kernels."""
@@ -165,7 +165,7 @@ class Features:
         place = place._replace(sources=self.sources, cells=self.cells)
         for one in self:
             getattr(one, hook)(program, place)
-            if self.refresh and one.raises and getattr(type(one), hook) is not getattr(Feature, hook):
+            if self.refresh and one.raises and asks(one, hook):
                 self.refresh(program)
 
     @contextmanager
@@ -197,8 +197,13 @@ class Features:
         return removals
 
     def enter(self, columns: Mapping[str, Any], total: dict[str, Any], most: dict[str, Any]) -> None:
-        """Let each enter among sums and maxima what the columns of the history say of it."""
-        for one in self:
+        """Let each enter among sums and maxima what the columns of the history say of it.
+
+        Raises TypeError where one has written more columns than it declares.
+        """
+        for name, one in self.by_name.items():
+            if one.columns and np.any(columns.get(end_of(name), 0.0)):
+                raise TypeError(f"{name} writes more columns of the history than it declares")
             one.enter(columns, total, most)
 
     def fields(self, pressure: FloatArray) -> dict[str, Any]:
@@ -206,22 +211,37 @@ class Features:
         return {name: field for one in self for name, field in one.fields(pressure).items()}
 
 
-class OwnDistances(Feature):
-    """Cells of the disc slide distances of their own while it lies still: their K has a factor."""
-
-    def __init__(self, factor: Field) -> None:
-        self.properties = {"k_disc": factor}
+def asks(one: Feature, hook: str) -> bool:
+    """Tell whether a feature does anything in a hook."""
+    return getattr(type(one), hook) is not getattr(Feature, hook)
 
 
-def give_columns(features: Any, own: tuple[str, ...]) -> tuple[str, ...]:
+def end_of(name: str) -> str:
+    """Return the name of the column behind those of a feature, which nobody writes."""
+    return f"end of {name}"
+
+
+def check(one: Feature, name: str, others: Collection[Any]) -> None:
+    """Raise TypeError for a feature that does not declare what it has. others: arrays that are another's."""
+    state.check(one, name, others)
+    if asks(one, "between") and not asks(one, "drain"):
+        raise TypeError(
+            f"{name} has a hook `between`, which may be asked again, and no `drain`: see `end_step`"
+        )
+    for column in (quantities.BY_NAME.get(c) for c in one.columns):
+        if column and column.units == "mm^3" and column.frame is None:
+            raise TypeError(f"{column.name} of {name} does not say of which body it is, as in [mm^3, disc]")
+
+
+def give_columns(features: Mapping[str, Feature], own: tuple[str, ...]) -> tuple[str, ...]:
     """Give features their columns of the history, behind a contact's own; return the names of all.
 
     Raises ValueError for two columns of one name.
     """
     names = [*own]
-    for one in features:
-        one.first_column = len(names)
-        names += one.columns
+    for name, one in features.items():
+        one._first_column = len(names)
+        names += (*one.columns, end_of(name)) if one.columns else ()
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise ValueError(f"columns of the history that two would write: {', '.join(twice)}")
     return tuple(names)

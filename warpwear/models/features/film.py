@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 import numpy as np
 
-from warpwear.engine.executor import Executor, Field, arguments
+from warpwear.engine.executor import Field, arguments
 from warpwear.engine.program import Program
 from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
@@ -14,8 +14,7 @@ from warpwear.kernels.cells import Coat, Films
 from warpwear.kernels.running_in import film as kernels
 from warpwear.laws.archard import BODIES
 from warpwear.laws.film import Film
-from warpwear.laws.task import ContactTask
-from warpwear.models.features.feature import Feature, Place
+from warpwear.models.features.feature import Feature, Place, Site
 
 #: What is kept of every cell of a body whose film forms anew.
 KEPT = ("whole", "seen", "rubbed")
@@ -23,35 +22,33 @@ KEPT = ("whole", "seen", "rubbed")
 AS = {"counter": "counter", "disc": "disc", "both": "counter"}
 
 
-class BareCells(Feature):
+class BareCells(Feature, name="film"):
     """Keeps track of the cells that wear has bared, of bodies one of which may move under the other.
 
-    wear: of each body that carries a film, by name [mm]: of shape (nx, ny), or of more rows, displaced by
-    `shift`. shears: whether cells wear by their shear. listed: whether the tiles listed have all that a step
-    wears. thickness: of the film, if not the film's own: of the wear given [mm].
+    Of bodies that wear in one proportion, `worn` of a site, one film is as thick as both have worn then.
     """
 
     STATE: ClassVar = {
         "healing": {"counter": InFrame("counter"), "disc": InFrame("disc"), "both": InFrame("contact")}
     }
-    SCRATCH: ClassVar = ("bare", "properties", "sources")
+    SCRATCH: ClassVar = ("bare",)
 
-    def __init__(
-        self,
-        film: Film,
-        executor: Executor,
-        wear: Mapping[str, Field],
-        *,
-        shears: bool = False,
-        listed: bool = False,
-        thickness: float | None = None,
-    ) -> None:
-        self._executor, self._listed = executor, listed
+    def __init__(self, film: Film, site: Site) -> None:
+        task, executor, thickness = site.task, site.executor, film.thickness
+        if "worn" in site.bodies:
+            least = min(part for part, on in zip(task.wear_fractions, film.on, strict=True) if on)
+            thickness = film.thickness / least if least else math.inf
+            wear = {"both": site.bodies["worn"]}
+        else:
+            wear = {b: site.bodies[f"wear_{b}"] for b, on in zip(BODIES, film.on, strict=True) if on}
+        self._executor = executor
+        #: Whether the tiles listed have all that a step wears.
+        self._listed = "worn" not in site.bodies and task.pieces is None and not task.half_space
         #: 1 where a cell was bare as the last step began, else 0: of the cells listed, or of all.
         self.bare = executor.zeros()
         self.properties = {"material": self.bare}
         filmed = {"cap_ratio": film.cap_ratio_filmed} if film.changes_caps else {}
-        filmed |= {"shear_ratio": film.shear_ratio} if shears else {}
+        filmed |= {"shear_ratio": film.shear_ratio} if task.shears and "worn" not in site.bodies else {}
         for name, ratio in filmed.items():
             self.properties[name] = executor.field(np.full(executor.grid.shape, ratio), padding=ratio)
         self._heals = math.isfinite(film.regrowth)
@@ -62,7 +59,7 @@ class BareCells(Feature):
         }
         films = arguments(
             Films,
-            thickness=film.thickness if thickness is None else thickness,
+            thickness=thickness,
             regrowth=film.regrowth,
             cap_filmed=film.cap_ratio_filmed,
             cap_bare=film.cap_ratio_bare,
@@ -72,24 +69,11 @@ class BareCells(Feature):
             setattr(films, AS[body], arguments(Coat, wear=field, **self.healing[body]))
         self.sources = {"films": films}
 
-    @classmethod
-    def of(cls, task: ContactTask, executor: Executor, bodies: Mapping[str, Field]) -> Self:
-        """Follow the film of a task on a ball and a disc that wear apart, or in one proportion: `worn`."""
-        film = task.film
-        assert film is not None
-        if "worn" not in bodies:
-            coated = {body: bodies[f"wear_{body}"] for body, on in zip(BODIES, film.on, strict=True) if on}
-            listed = task.pieces is None and not task.half_space
-            return cls(film, executor, coated, shears=task.shears, listed=listed)
-        least = min(part for part, on in zip(task.wear_fractions, film.on, strict=True) if on)
-        thickness = film.thickness / least if least else math.inf
-        return cls(film, executor, {"both": bodies["worn"]}, thickness=thickness)
-
     def make_all(self, program: Program, place: Place) -> None:
         """Add a look at which of all cells are bare as a step begins."""
         program.launch(kernels.look, place.slides, place.sources, place.cells)
 
-    def after_step(self, program: Program, place: Place) -> None:
+    def after_part(self, program: Program, place: Place) -> None:
         """Add a note of what the step has worn."""
         if not self._heals:
             return

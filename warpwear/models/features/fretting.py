@@ -8,14 +8,14 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.contact.half_space.solver import HalfSpace, HalfSpaceContact
-from warpwear.engine.executor import Executor, Field
+from warpwear.engine.executor import Field
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import launch_once
 from warpwear.engine.state import InFrame
 from warpwear.grid import FloatArray
 from warpwear.kernels import wear_from_pressure
-from warpwear.laws.task import ContactTask
-from warpwear.models.features.feature import Feature, Host
+from warpwear.laws.fretting import Fretting
+from warpwear.models.features.feature import Feature, Host, Site
 
 optimize = lazy.module("scipy.optimize")
 
@@ -25,7 +25,7 @@ TOLERANCE = 1.0e-9
 SAME = 1.0e-9
 
 
-class CyclicSlip(Feature):
+class CyclicSlip(Feature, name="fretting"):
     """Knows what cells slip in a cycle, and how much of the wear of both bodies is a mean along x.
 
     All of the contact may slide, by `rigid` [mm] in a cycle; cells slip by lengths of their own beside that,
@@ -39,12 +39,12 @@ class CyclicSlip(Feature):
         **dict.fromkeys(("slips", "grown"), InFrame("contact")),
         **dict.fromkeys(NUMBERS, float),
     }
-    SCRATCH: ClassVar = ("yields", "_solver")
+    SCRATCH: ClassVar = ("_solver",)
 
-    def __init__(self, task: ContactTask, executor: Executor) -> None:
-        assert task.fretting is not None
-        assert task.modulus is not None  # both checked with the study
-        self._drive, self._load, self._executor = task.fretting, task.load, executor
+    def __init__(self, drive: Fretting, site: Site) -> None:
+        task, executor = site.task, site.executor
+        assert task.modulus is not None  # checked with the study
+        self._drive, self._load, self._executor = drive, task.load, executor
         slides = not (self._drive.of_body or self._drive.force)
         #: What cells slip in a cycle by their gaps [mm]; no rows where all slide alike.
         self.slips = executor.zeros(0) if slides else executor.zeros()

@@ -10,14 +10,14 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 
-from warpwear.engine.executor import Executor, Field
+from warpwear.engine.executor import Field
 from warpwear.engine.program import Program
 from warpwear.grid import FloatArray
 from warpwear.kernels.running_in import materials as kernels
 from warpwear.laws.archard import BODIES
 from warpwear.laws.depth_profile import DepthProfile
 from warpwear.laws.task import ContactTask
-from warpwear.models.features.feature import Feature, Host, Place
+from warpwear.models.features.feature import Feature, Host, Place, Site
 
 #: Stands for no limit [1].
 NONE = 1.0e300
@@ -76,27 +76,18 @@ def steps_above(
     return min(int(np.searchsorted(d, p.first_interface)) for d, p in zip(depths, task.profiles, strict=True))
 
 
-class MaterialsByDepth(Feature):
+class MaterialsByDepth(Feature, name="materials"):
     """Gives cells K and the cap of the materials that meet there; books what each bears and loses.
 
     On the half-space the mean of K lends a compliance to all cells, and each has the deviation from it.
     """
 
     STATE: ClassVar = {"means": tuple}
-    SCRATCH: ClassVar = (
-        "_books",
-        "_of_parts",
-        "_slid",
-        "_slides",
-        "_largest",
-        "properties",
-        "sources",
-        "yields",
-    )
+    SCRATCH: ClassVar = ("_books", "_of_parts", "_slid", "_slides", "_largest")
     columns = COLUMNS
 
-    def __init__(self, task: ContactTask, executor: Executor, bodies: Mapping[str, Field]) -> None:
-        profiles = task.profiles or ()
+    def __init__(self, profiles: tuple[DepthProfile, DepthProfile], site: Site) -> None:
+        task, executor, bodies = site.task, site.executor, site.bodies
         self._executor, self._profiles = executor, dict(zip(BODIES, profiles, strict=False))
         self._wear = {body: bodies[f"wear_{body}"] for body in BODIES}
         self.properties: dict[str, Field] = {}
@@ -168,7 +159,7 @@ class MaterialsByDepth(Feature):
         contact = place.slides, place.springs, place.sources, place.cells, place.bodies.gap
         program.launch(kernels.book, *place.listed, *contact, self._books)
 
-    def between(self, program: Program, place: Place) -> None:
+    def end_step(self, program: Program, place: Place) -> None:
         """Add that the books go into the row of the step."""
         program.decide(kernels.record, place.slides, self._books, place.steps.history, self.first_column)
 

@@ -21,7 +21,7 @@ from warpwear.kernels.sliding import Slide
 from warpwear.laws.archard import BODIES
 from warpwear.laws.pieces import ROUNDS
 from warpwear.laws.pieces import Pieces as PieceLaw
-from warpwear.models.features.feature import Feature, Place
+from warpwear.models.features.feature import Feature, Place, Site
 
 #: What a row of the history says of each body.
 OF_BODY = ("pieces", "wear", "pending", "deepest")
@@ -127,7 +127,7 @@ class Pending:
         self.body.counts.assign(host)
 
 
-class SlidingParticles(Feature):
+class SlidingParticles(Feature, name="particles"):
     """Particles of both bodies of a contact that slides or lies still.
 
     The table of pieces may get full while they leave: `drain` empties it after each replay, and tells whether
@@ -135,19 +135,19 @@ class SlidingParticles(Feature):
     """
 
     STATE: ClassVar = {"counter": InFrame("counter"), "disc": InFrame("disc"), "book": PieceBook}
-    SCRATCH: ClassVar = ("_both", "_release")
+    SCRATCH: ClassVar = ("_both", "_release", "_footprint")
     columns = COLUMNS
     book: PieceBook
     changes_heights = True
 
-    def __init__(
-        self, law: PieceLaw, executor: Executor, bodies: Mapping[str, Field], *, periodic: bool
-    ) -> None:
+    def __init__(self, law: PieceLaw, site: Site) -> None:
+        executor, bodies, periodic = site.executor, site.bodies, site.periodic
         cell, device = executor.grid.cell, executor.device
         if law.dust < 1.0:
             self.window = 1  # particles cut what a mean would smear; where all is dust none leaves
         places, bowl = law.footprint(cell)
         self.law, self._executor, self.margin = law, executor, law.margin(cell)
+        self._track_fraction = site.track_fraction
         self._footprint = arguments(
             kernels.Footprint,
             along=wp.array(places[:, 0], dtype=wp.int32, device=device),
@@ -217,7 +217,9 @@ class SlidingParticles(Feature):
         """Enter what has left each body, what is worn of it and pending."""
         for body in BODIES:
             pieces, wear, pending, most[f"wear_{body}"] = (columns[f"{name}_{body}"] for name in OF_BODY)
-            total |= {f"pieces_{body}": pieces, f"wear_{body}": wear, f"pending_{body}": pending}
+            whole = self._track_fraction if body == "disc" else 1.0
+            total |= {f"pieces_{body}": pieces / whole, f"wear_{body}": wear}
+            total[f"pending_volume_{body}"] = pending
 
     def drain(self) -> bool:
         """Enter the pieces that have left into the book; tell whether the program is to go on in its step."""

@@ -17,19 +17,19 @@ from warpwear.kernels.cells import Curve
 from warpwear.kernels.running_in import film
 from warpwear.kernels.running_in import recession as kernels
 from warpwear.laws.bearing_curve import Logistic
-from warpwear.models.features.feature import Feature, Place
+from warpwear.models.features.feature import Feature, Place, Site
 
 
-class Recession(Feature):
+class Recession(Feature, name="recession"):
     """What a logistic bearing curve adds to the steps of a disc that lies still."""
 
     STATE: ClassVar = {"extra_depth": InFrame("disc")}
     changes_heights = True
 
-    def __init__(self, curve: Logistic, executor: Executor) -> None:
+    def __init__(self, curve: Logistic, site: Site) -> None:
         self._curve = for_kernels(curve)
         #: By which the surface stands deeper than its mean worn depth [mm].
-        self.extra_depth = executor.zeros()
+        self.extra_depth = site.executor.zeros()
 
     def before_wear(self, program: Program, place: Place) -> None:
         """Add a count of the cells' area that bears in a solved contact: Σ φ over the cells in contact."""
@@ -46,6 +46,13 @@ class Recession(Feature):
         total["bearing"] = columns["bearing"]
 
 
+class OwnDistances(Feature, name="distances"):
+    """Cells of the disc slide distances of their own while it lies still: their K has a factor."""
+
+    def __init__(self, factor: Field, site: Site) -> None:
+        self.properties = {"k_disc": factor}
+
+
 class UnequalStiffness(Feature):
     """The stiffness 1/c of every cell where what wears it in a step differs from cell to cell.
 
@@ -53,7 +60,7 @@ class UnequalStiffness(Feature):
     of every cell with the list of its tile.
     """
 
-    SCRATCH: ClassVar = ("properties", "sources", "_stiffness")
+    SCRATCH: ClassVar = ("_stiffness",)
 
     def __init__(
         self, executor: Executor, bodies: Mapping[str, Field], curve: Logistic | None, *, alike: bool

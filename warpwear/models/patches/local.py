@@ -117,7 +117,7 @@ class TwoScaleModel(Model):
         self.contact.ask("make_all", self._find)
         self._add_find(self._find, contact.surfaces)
         self._add_wear(self._wear)
-        self.contact.ask("after_step", self._wear)
+        self.contact.ask("after_part", self._wear)
         flags = self.sharing.flags
         with self._many.loop(flags.stepping):
             self._add_find(self._many, contact.surfaces)

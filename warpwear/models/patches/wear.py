@@ -140,7 +140,7 @@ class PatchWear:
             tables = arguments(RowSums, worn_disc=self._disc), self._sums, self._maxima
             worn = self.slides.array, self._layout, pressed, arguments(Bodies, **bodies)
             program.launch(wear_from_pressure.wear, *worn, *tables, slots=self._sums.shape[1])
-            self.features.ask("after_step", program, self._place)
+            self.features.ask("after_part", program, self._place)
         program.run()
 
     def worn(self, order: Any, increment: float, *, wearing: float = 0.0, **others: Any) -> Worn:

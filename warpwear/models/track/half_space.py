@@ -102,7 +102,9 @@ class SlidingHalfSpace:
         law: dict[str, Any] = {"boundary": task.boundary, "hardness": task.hardness}
         self._half_space = WindowedHalfSpace(executor, modulus=task.modulus, **law)
         #: What the study adds to a step.
-        self.features = Features.of(task, executor, self.state.fields, periodic=periodic)
+        self.features = Features.of(
+            task, executor, self.state.fields, periodic=periodic, track_fraction=track_fraction
+        )
         #: That which the next step asks: until a cell can reach another material, none of materials.
         self._asked, self._unreached = self.features, self.features.without("materials")
         #: The gap, and a mean along x.
@@ -328,9 +330,11 @@ class SlidingHalfSpace:
         if self._lines is not None:
             pressed.on_counter, pressed.on_disc = self._lines.counter, self._lines.disc
         program.launch(wear_from_pressure.means, slides, pressure, self._means)
-        self._asked.ask("before_wear", program, self._place._replace(pressed=pressed))
+        place = self._place._replace(pressed=pressed)
+        self._asked.ask("before_wear", program, place)
         tables = [arguments(RowSums, **self._of_rows), self._sums, self._maxima]
         program.launch(wear_from_pressure.wear, slides, self._layout, pressed, self._bodies, *tables)
+        self._asked.ask("after_wear", program, place)
 
     def _run(self, name: str, add: Callable[[Program], None]) -> None:
         """Run the program of a name; `add` writes it at first."""
@@ -362,11 +366,11 @@ class SlidingHalfSpace:
         sums, maxima, *of_rows = self._mirror.read()
         most = dict(zip(MAXIMA, maxima.max(axis=1).tolist(), strict=True))
         total = dict(zip(names_of(PressureSum), sums.sum(axis=1).tolist(), strict=True)) | wearing
-        for name, rows in zip(("wear_disc", "pressed_disc"), of_rows, strict=True):
+        for name, rows in zip(("wear_disc", "plastic_volume_disc"), of_rows, strict=True):
             total[name] = float(rows.sum())
         if self._asked:  # of all touched so far
             self.slides.set(first_column=-most["first_column"], end_column=most["last_column"] + 1.0)
-            self._run("after", lambda program: self._asked.ask("after_step", program, self._place))
+            self._run("after", lambda program: self._asked.ask("after_part", program, self._place))
         return total, most
 
     def _end_step(
@@ -377,6 +381,8 @@ class SlidingHalfSpace:
         while goes_on:
             self._run("between", lambda program: self._asked.ask("between", program, self._place))
             goes_on = self._asked.drain()
+        if self._asked:
+            self._run("end", lambda program: self._asked.ask("end_step", program, self._place))
         self._asked.end_steps(1)
         own = zip(self.features.columns, self._row.numpy()[0].tolist(), strict=True)
         total = {name: value for name, value in sums.items() if name not in OF_FEATURES}

@@ -34,7 +34,7 @@ SPARE = 1.25
 #: Steps of a replay at most, and cells of all its steps: those of a large grid are to be seen, too.
 LONGEST, CELLS_OF_REPLAY = 500, 1.0e8
 #: Sums over tiles and rows, and what is found of them, as the history has them.
-RENAMED = {"worn_counter": "wear_counter", "worn_disc": "wear_disc"}
+RENAMED = {"worn_counter": "wear_counter", "worn_disc": "wear_disc", "pressed_disc": "plastic_volume_disc"}
 #: Names of the sums and maxima of a step.
 SUMS, MAXIMA = names_of(TrackSum), names_of(TrackMost)
 #: Sums that are kept of every tile and row of a body.
@@ -97,6 +97,7 @@ class SlidingContact:
             executor,
             self.state.fields,
             periodic=periodic,
+            track_fraction=track_fraction,
             distances=self._distances(),
             curve=bearing_curve,
             own=COLUMNS,

@@ -9,7 +9,7 @@ from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray
 from warpwear.history.pieces import PieceBook
 from warpwear.history.recorder import Step
-from warpwear.history.snapshot import Snapshot
+from warpwear.history.snapshot import Snapshot, lowered
 from warpwear.laws.bearing_curve import Logistic
 from warpwear.laws.task import ContactTask
 from warpwear.laws.track import Track
@@ -19,6 +19,8 @@ from warpwear.models.track.local import LONGEST, SlidingContact
 
 #: Fields of the disc's size at the peak of a run: heights as read and as worn, wear, room to work.
 DISC_FIELDS = 4.0
+#: Rows of the disc that are compared at a time.
+ROWS = 1024
 
 
 class SweptModel(Model):
@@ -134,13 +136,16 @@ class SweptModel(Model):
         state, to_numpy = self.contact.state, self._executor.to_numpy
         row = self._row
         disc = to_numpy(state.disc)
-        return Snapshot(
-            distance,
-            pressure=step.pressure,
-            wear_counter=to_numpy(state.wear_counter),
-            wear_disc=to_numpy(state.wear_disc),
-            gap=to_numpy(state.counter) - self._track.beneath(disc, row),
-            plastic_disc=to_numpy(state.plastic_disc) if self.contact.task.keeps_dents else None,
-            row=row if self._track.moves else None,
-            **self.contact.features.fields(step.pressure),
-        )
+        names = "wear_counter", "wear_disc", *(["plastic_disc"] if self.contact.task.keeps_dents else [])
+        fields = {name: to_numpy(getattr(state, name)) for name in names}
+        fields["gap"] = to_numpy(state.counter) - self._track.beneath(disc, row)
+        fields |= {"pressure": step.pressure} | self.contact.features.fields(step.pressure)
+        return Snapshot.of(distance, fields, row=row if self._track.moves else None)
+
+    def off_heights(self, snapshot: Snapshot, unworn: FloatArray) -> float:
+        """Compare the disc of a track with what a snapshot says of it, see `Model.off_heights`."""
+        if snapshot.row is None:
+            return 0.0
+        disc, worn, own = self._executor.to_numpy(self.contact.state.disc), snapshot.wear_disc, snapshot.own
+        parts = (slice(first, first + ROWS) for first in range(0, disc.shape[0], ROWS))  # it may be long
+        return max(float(np.abs(unworn[p] - worn[p] - lowered(own, p) - disc[p]).max()) for p in parts)

@@ -9,7 +9,7 @@ from warpwear.engine.program import Program
 from warpwear.kernels import sliding, sliding_steps
 from warpwear.laws.task import ContactTask
 from warpwear.models.features.feature import Place
-from warpwear.models.features.features import Features
+from warpwear.models.features.features import Features, asks
 from warpwear.models.track.tiles import SlidingTiles
 
 
@@ -114,5 +114,8 @@ class StepPrograms:
             self.features.ask("after_wear", program, place)
         self.features.ask("between", program, place)
         with self.features.enclosing("at_end", program):
+            if any(asks(one, "end_step") for one in self.features):
+                with program.branch(steps.solved):
+                    self.features.ask("end_step", program, place)
             program.decide(sliding_steps.record, springs, steps, tables, self._tile_bounds.rows)
-            self.features.ask("after_step", program, place)
+            self.features.ask("after_part", program, place)

@@ -146,8 +146,7 @@ class Job:
             if body != TRACK:
                 self._kept[body] = worn_heights(self.result, snapshot, body)
             else:
-                lost = snapshot.wear_disc + (0.0 if snapshot.plastic_disc is None else snapshot.plastic_disc)
-                self._kept[body] = self.result.track_heights() - lost
+                self._kept[body] = self.result.track_heights() - np.add(*self.result.track_loss(number))
         return self._kept[body]
 
     def body(self, name: str, number: int) -> Body:
