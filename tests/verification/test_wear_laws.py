@@ -119,7 +119,6 @@ def test_a_flat_wears_by_the_k_of_its_pressure(host: str, load: float, device: s
             "does not go with wear.distance_factor",
         ),
         (PATCHES | {"wear.severe_disc": "9e-3 mm^3/N/m"}, "in one proportion"),
-        (HALF_SPACE | {"sliding.stroke": "5 mm"}, "does not go with contact.law = 'half-space' under a disc"),
         (
             {"stepping.scheme": "explicit", "contact.stiffness": "1e4 N/mm^3"},
             # (p K)' is largest at the end of the transition: 10 + 9/4 × 10 times K of mild wear.
