@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from warpwear import Study
+from warpwear.batches.run_one import Row
 from warpwear.grid import FloatArray
 from warpwear.inference.data import Data, MeasuredCourse
 from warpwear.inference.identify import conflicts_of, identify
@@ -14,7 +15,6 @@ from warpwear.inference.result import Inference
 from warpwear.inference.runs import Runs
 from warpwear.inference.sampler import Samples
 from warpwear.inference.unknowns import noise_for, unknowns_of
-from warpwear.sweeps.run_one import Row
 
 #: Wear that the course of `worn_paraboloid` goes to, as a multiple of the study's.
 BEYOND = 12.0

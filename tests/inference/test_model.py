@@ -10,6 +10,7 @@ from cases_inference import smooth_study, worn_paraboloid
 
 import warpwear
 from warpwear import InputError, Study
+from warpwear.batches.run_one import Row
 from warpwear.inference.data import Data
 from warpwear.inference.emulator import Emulator
 from warpwear.inference.likelihood import Posterior
@@ -18,7 +19,6 @@ from warpwear.inference.runs import Runs, scales
 from warpwear.inference.unknowns import unknowns_of
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.friction import FRICTION_LAWS, FrictionLaw
-from warpwear.sweeps.run_one import Row
 
 pytest.importorskip("emcee")
 

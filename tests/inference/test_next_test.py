@@ -8,14 +8,14 @@ from cases_inference import NORMAL, exact, found_for, posterior_of, result_of, s
 
 import warpwear
 from warpwear import InputError
+from warpwear.batches.plan import read_plan
+from warpwear.batches.run_one import Row, Task
+from warpwear.batches.run_one import run_one as once
 from warpwear.inference import sampler
 from warpwear.inference.data import Data, Measured
 from warpwear.inference.next_test import Candidate, best_tests, repeats_needed
 from warpwear.inference.report import calibrated
 from warpwear.inference.sampler import Samples
-from warpwear.sweeps.plan import read_plan
-from warpwear.sweeps.run_one import Row, Task
-from warpwear.sweeps.run_one import run_one as once
 
 
 def test_the_next_test_is_that_of_a_linear_problem(linear: Data) -> None:

@@ -15,6 +15,7 @@ import pytest
 
 import warpwear
 from warpwear import InputError, Result, Study
+from warpwear.batches.run_one import Task, run_one
 from warpwear.calibration.energy import calibrate_energy
 from warpwear.calibration.friction_command import calibrate_friction
 from warpwear.comparison.gather import gather
@@ -31,7 +32,6 @@ from warpwear.results.track import course
 from warpwear.study.keys import declarations, section_in
 from warpwear.study.sections.friction import Friction
 from warpwear.study.sections.wear import Wear
-from warpwear.sweeps.run_one import Task, run_one
 
 #: The smooth ball at rest on coarse cells, and a rough one: a run of them takes a moment.
 SMOOTH = {

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from warpwear.batches.batch import RUNS, check_folder
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.inference.data import Data, data_of, unit_of
@@ -24,8 +25,6 @@ from warpwear.laws.friction import FITTED, STRENGTH
 from warpwear.measured.experiment import Experiment
 from warpwear.study.keys import inapplicable
 from warpwear.study.study import Study
-from warpwear.sweeps.sweep import check_folder
-from warpwear.sweeps.table import RUNS
 
 #: Draws of the priors that are compared with the data.
 DRAWS = 2000

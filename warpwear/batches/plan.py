@@ -6,14 +6,14 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
+from warpwear.batches.design import SAMPLED, Design, Factor, factors_of
+from warpwear.batches.points import Point, points_of, with_positions
 from warpwear.errors import InputError
 from warpwear.results.ensemble import label_of, short_names
 from warpwear.study import loading
 from warpwear.study.keys import dotted
 from warpwear.study.study import Study
 from warpwear.study.text import sentence
-from warpwear.sweeps.design import SAMPLED, Design, Factor, factors_of
-from warpwear.sweeps.points import Point, points_of, with_positions
 
 SECTION = "sweep"
 
