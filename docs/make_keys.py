@@ -11,9 +11,9 @@ from pydantic.fields import FieldInfo
 
 import warpwear
 from warpwear import Study
-from warpwear.inference.command import InferSection
-from warpwear.inference.data import KINDS
-from warpwear.inference.unknowns import NOISE
+from warpwear.calibration.bayes.command import InferSection
+from warpwear.calibration.bayes.data import KINDS
+from warpwear.calibration.bayes.unknowns import NOISE
 from warpwear.study.keys import TABLES, Demand, Rule, declarations, key_of, section_in
 from warpwear.study.units import Number, Range
 

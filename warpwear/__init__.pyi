@@ -1,5 +1,7 @@
 """Public names, each with where it is made; `__init__.py` imports one when it is first asked for."""
 
+from warpwear.calibration.bayes.infer import infer as infer
+from warpwear.calibration.bayes.result import Inference as Inference
 from warpwear.contact.array.contact import ArrayContact as ArrayContact
 from warpwear.contact.array.shear import ShearCertificate as ShearCertificate
 from warpwear.contact.array.shear import ShearedContact as ShearedContact
@@ -13,8 +15,6 @@ from warpwear.errors import InputError as InputError
 from warpwear.errors import InvariantError as InvariantError
 from warpwear.errors import StudyWarning as StudyWarning
 from warpwear.history.snapshot import Snapshot as Snapshot
-from warpwear.inference.infer import infer as infer
-from warpwear.inference.result import Inference as Inference
 from warpwear.result import Result as Result
 from warpwear.runs.run import run as run
 from warpwear.runs.run import steps as steps

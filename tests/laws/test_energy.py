@@ -11,8 +11,8 @@ from runs.stopped.cases_stopped import run_stopped
 
 import warpwear
 from warpwear import InputError, Result, Study
+from warpwear.calibration.bayes.unknowns import unknowns_of
 from warpwear.calibration.energy import calibrate_energy
-from warpwear.inference.unknowns import unknowns_of
 from warpwear.laws import friction
 from warpwear.page.content import words_of
 from warpwear.results.file import MAGIC

@@ -16,14 +16,14 @@ import pytest
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.batches.run_one import Task, run_one
+from warpwear.calibration.bayes.data import Data, Measured
+from warpwear.calibration.bayes.infer import _check_unknowns
+from warpwear.calibration.bayes.model import Model
+from warpwear.calibration.bayes.runs import make_runs, needs_runs
+from warpwear.calibration.bayes.unknowns import Unknown, unknowns_of
 from warpwear.calibration.energy import calibrate_energy
 from warpwear.calibration.friction_command import calibrate_friction
 from warpwear.comparison.gather import gather
-from warpwear.inference.data import Data, Measured
-from warpwear.inference.infer import _check_unknowns
-from warpwear.inference.model import Model
-from warpwear.inference.runs import make_runs, needs_runs
-from warpwear.inference.unknowns import Unknown, unknowns_of
 from warpwear.laws import archard
 from warpwear.laws.friction import FITTED, KEYS
 from warpwear.page.content import words_of

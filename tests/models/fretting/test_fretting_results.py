@@ -11,9 +11,9 @@ from cases_fretting import BORDER, FRICTION, LOAD, sheared, study_of
 
 import warpwear
 from warpwear import Study
+from warpwear.calibration.bayes.runs import needs_runs, scales
 from warpwear.drafts.draft import draft
 from warpwear.figures.of_run.table import FIGURES
-from warpwear.inference.runs import needs_runs, scales
 from warpwear.laws.fretting import loop, regime_of
 from warpwear.page.limits import limits_of
 from warpwear.results.summary import summarise, summary_text

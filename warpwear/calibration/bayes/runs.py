@@ -13,9 +13,9 @@ from warpwear.batches.batch import RUNS, make_all, opened_folder
 from warpwear.batches.plan import Plan, SweepSection
 from warpwear.batches.points import points_of, task_of
 from warpwear.batches.run_one import Row, run_one
+from warpwear.calibration.bayes.unknowns import Unknown, number_of
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.inference.unknowns import Unknown, number_of
 from warpwear.laws import archard
 from warpwear.laws.archard import BODIES
 from warpwear.laws.friction import COEFFICIENT, NUMBERS

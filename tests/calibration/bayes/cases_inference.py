@@ -6,15 +6,15 @@ import numpy as np
 
 from warpwear import Study
 from warpwear.batches.run_one import Row
+from warpwear.calibration.bayes.data import Data, MeasuredCourse
+from warpwear.calibration.bayes.identify import conflicts_of, identify
+from warpwear.calibration.bayes.likelihood import Posterior
+from warpwear.calibration.bayes.model import Model
+from warpwear.calibration.bayes.result import Inference
+from warpwear.calibration.bayes.runs import Runs
+from warpwear.calibration.bayes.sampler import Samples
+from warpwear.calibration.bayes.unknowns import noise_for, unknowns_of
 from warpwear.grid import FloatArray
-from warpwear.inference.data import Data, MeasuredCourse
-from warpwear.inference.identify import conflicts_of, identify
-from warpwear.inference.likelihood import Posterior
-from warpwear.inference.model import Model
-from warpwear.inference.result import Inference
-from warpwear.inference.runs import Runs
-from warpwear.inference.sampler import Samples
-from warpwear.inference.unknowns import noise_for, unknowns_of
 
 #: Wear that the course of `worn_paraboloid` goes to, as a multiple of the study's.
 BEYOND = 12.0

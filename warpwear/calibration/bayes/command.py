@@ -6,10 +6,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from warpwear.calibration.bayes.data import data_of
+from warpwear.calibration.bayes.infer import infer
+from warpwear.calibration.bayes.report import CALIBRATED, FITTED, content_of
 from warpwear.errors import InputError
-from warpwear.inference.data import data_of
-from warpwear.inference.infer import infer
-from warpwear.inference.report import CALIBRATED, FITTED, content_of
 from warpwear.results.report import to_json
 from warpwear.study import loading
 from warpwear.study.keys import Section, dotted, key

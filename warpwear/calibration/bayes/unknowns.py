@@ -13,9 +13,9 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.batches.distributions import Distribution, distribution
+from warpwear.calibration.bayes.data import Data
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.inference.data import Data
 from warpwear.study.keys import attribute_of, key_of, no_such_key
 from warpwear.study.sections.wear import ArchardCoefficient
 from warpwear.study.study import Study

@@ -11,12 +11,12 @@ from cases_inference import smooth_study, worn_paraboloid
 import warpwear
 from warpwear import InputError, Study
 from warpwear.batches.run_one import Row
-from warpwear.inference.data import Data
-from warpwear.inference.emulator import Emulator
-from warpwear.inference.likelihood import Posterior
-from warpwear.inference.model import Model
-from warpwear.inference.runs import Runs, scales
-from warpwear.inference.unknowns import unknowns_of
+from warpwear.calibration.bayes.data import Data
+from warpwear.calibration.bayes.emulator import Emulator
+from warpwear.calibration.bayes.likelihood import Posterior
+from warpwear.calibration.bayes.model import Model
+from warpwear.calibration.bayes.runs import Runs, scales
+from warpwear.calibration.bayes.unknowns import unknowns_of
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.friction import FRICTION_LAWS, FrictionLaw
 

@@ -9,18 +9,24 @@ from typing import Any
 import numpy as np
 
 from warpwear.batches.batch import RUNS, check_folder
+from warpwear.calibration.bayes.data import Data, data_of, unit_of
+from warpwear.calibration.bayes.identify import conflicts_of, identify
+from warpwear.calibration.bayes.likelihood import Posterior
+from warpwear.calibration.bayes.model import Model, columns_for
+from warpwear.calibration.bayes.next_test import (
+    Candidate,
+    best_tests,
+    candidates_of,
+    place_of,
+    repeats_needed,
+)
+from warpwear.calibration.bayes.report import SAMPLES_FILE, write_report, write_samples
+from warpwear.calibration.bayes.result import Inference
+from warpwear.calibration.bayes.runs import make_runs, wide_enough
+from warpwear.calibration.bayes.sampler import sample
+from warpwear.calibration.bayes.unknowns import Unknown, noise_for, unknowns_of
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.inference.data import Data, data_of, unit_of
-from warpwear.inference.identify import conflicts_of, identify
-from warpwear.inference.likelihood import Posterior
-from warpwear.inference.model import Model, columns_for
-from warpwear.inference.next_test import Candidate, best_tests, candidates_of, place_of, repeats_needed
-from warpwear.inference.report import SAMPLES_FILE, write_report, write_samples
-from warpwear.inference.result import Inference
-from warpwear.inference.runs import make_runs, wide_enough
-from warpwear.inference.sampler import sample
-from warpwear.inference.unknowns import Unknown, noise_for, unknowns_of
 from warpwear.laws.friction import FITTED, STRENGTH
 from warpwear.measured.experiment import Experiment
 from warpwear.study.keys import inapplicable
@@ -52,7 +58,7 @@ def infer(
     unknown: keys, each with a prior as in a sweep or None for one about the study's value. experiments:
     courses of friction, one for each repeated test. measured: "volume_counter", "volume_disc", "section",
     "diameter", "sq_counter", "sq_disc" or "cof" -> a text such as "0.80 +- 0.02 mm" or a list, one a repeat;
-    "cof" may end in "at 30 mm". Or all that was measured, as of `warpwear.inference.data.data_of`. target: an
+    "cof" may end in "at 30 mm". Or all that was measured, as of `calibration.bayes.data.data_of`. target: an
     unknown that the next test is to narrow; candidates: such as "contact.load=16 N, repeats=3". out: folder
     of the report, which keeps the runs. runs: of a design where results do not merely scale. seed: of all
     draws.

@@ -10,12 +10,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from warpwear.calibration.bayes.data import KINDS
+from warpwear.calibration.bayes.emulator import Emulator
+from warpwear.calibration.bayes.runs import Runs
+from warpwear.calibration.bayes.unknowns import Unknown
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.inference.data import KINDS
-from warpwear.inference.emulator import Emulator
-from warpwear.inference.runs import Runs
-from warpwear.inference.unknowns import Unknown
 from warpwear.laws.archard import BODIES, WearLaw
 from warpwear.laws.friction import FrictionLaw
 from warpwear.study.study import Study

@@ -9,9 +9,9 @@ from cases_inference import course_like, drawn, found_for, posterior_of, result_
 
 from warpwear import Study
 from warpwear.batches.plan import read_plan
-from warpwear.inference.data import Data, Measured, MeasuredCourse
-from warpwear.inference.identify import identify
-from warpwear.inference.report import write_report
+from warpwear.calibration.bayes.data import Data, Measured, MeasuredCourse
+from warpwear.calibration.bayes.identify import identify
+from warpwear.calibration.bayes.report import write_report
 
 
 def test_the_ball_and_the_disc_are_not_told_apart_by_a_scar() -> None:

@@ -7,9 +7,9 @@ import pytest
 from cases_inference import course_like, posterior_of, smooth_study
 
 from warpwear import InputError
-from warpwear.inference.data import Data, Measured, data_of
-from warpwear.inference.infer import check_priors
-from warpwear.inference.unknowns import unknowns_of
+from warpwear.calibration.bayes.data import Data, Measured, data_of
+from warpwear.calibration.bayes.infer import check_priors
+from warpwear.calibration.bayes.unknowns import unknowns_of
 from warpwear.measured.experiment import Experiment
 
 

@@ -11,11 +11,11 @@ from warpwear import InputError
 from warpwear.batches.plan import read_plan
 from warpwear.batches.run_one import Row, Task
 from warpwear.batches.run_one import run_one as once
-from warpwear.inference import sampler
-from warpwear.inference.data import Data, Measured
-from warpwear.inference.next_test import Candidate, best_tests, repeats_needed
-from warpwear.inference.report import calibrated
-from warpwear.inference.sampler import Samples
+from warpwear.calibration.bayes import sampler
+from warpwear.calibration.bayes.data import Data, Measured
+from warpwear.calibration.bayes.next_test import Candidate, best_tests, repeats_needed
+from warpwear.calibration.bayes.report import calibrated
+from warpwear.calibration.bayes.sampler import Samples
 
 
 def test_the_next_test_is_that_of_a_linear_problem(linear: Data) -> None:
@@ -93,14 +93,14 @@ def test_tests_are_tried_before_anything_is_sampled(tmp_path: Path, monkeypatch:
         sampled.append(1)
         return sampler.sample(*args, **options)  # type: ignore[arg-type]
 
-    monkeypatch.setattr("warpwear.inference.infer.sample", sample)
+    monkeypatch.setattr("warpwear.calibration.bayes.infer.sample", sample)
     calls: list[str] = []
 
     def run_one(task: Task) -> Row:
         calls.append(task.folder)
         return once(task)
 
-    monkeypatch.setattr("warpwear.inference.runs.run_one", run_one)
+    monkeypatch.setattr("warpwear.calibration.bayes.runs.run_one", run_one)
 
     def infer(candidate: str, target: str = "wear.counter") -> warpwear.Inference:
         return warpwear.infer(
@@ -125,7 +125,7 @@ def test_tests_are_tried_before_anything_is_sampled(tmp_path: Path, monkeypatch:
     assert "3 tests" in str(inference)  # what the ranks do not say: what each costs
     assert len({*calls}) == 1  # no run but that of the study
     assert same.repeats == 3
-    monkeypatch.setattr("warpwear.inference.infer.best_tests", lambda *args: 1 / 0)
+    monkeypatch.setattr("warpwear.calibration.bayes.infer.best_tests", lambda *args: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         infer("contact.load=4 N")
     assert (tmp_path / "contact.load=4 N" / "posterior.csv").is_file()

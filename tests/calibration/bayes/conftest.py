@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cases_inference import drawn, smooth_study
 
-from warpwear.inference.data import Data, Measured
+from warpwear.calibration.bayes.data import Data, Measured
 
 
 @pytest.fixture(scope="module")

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from warpwear.calibration.bayes.data import KINDS
+from warpwear.calibration.bayes.likelihood import Posterior
 from warpwear.figures.wording import listed
 from warpwear.grid import FloatArray
-from warpwear.inference.data import KINDS
-from warpwear.inference.likelihood import Posterior
 
 #: Standard uncertainties from which a computed value and a measured one contradict each other.
 CONTRADICTION = 3.0
