@@ -2,6 +2,14 @@
 
 from warpwear.calibration.bayes.infer import infer as infer
 from warpwear.calibration.bayes.result import Inference as Inference
+from warpwear.calibration.coefficient import WearCalibration as WearCalibration
+from warpwear.calibration.coefficient import calibrate_wear as calibrate_wear
+from warpwear.calibration.energy import EnergyCalibration as EnergyCalibration
+from warpwear.calibration.energy import calibrate_energy as calibrate_energy
+from warpwear.calibration.loop import LoopCalibration as LoopCalibration
+from warpwear.calibration.loop import calibrate_loop as calibrate_loop
+from warpwear.calibration.strength import FrictionCalibration as FrictionCalibration
+from warpwear.calibration.strength import calibrate_friction as calibrate_friction
 from warpwear.contact.array.contact import ArrayContact as ArrayContact
 from warpwear.contact.array.shear import ShearCertificate as ShearCertificate
 from warpwear.contact.array.shear import ShearedContact as ShearedContact

@@ -104,8 +104,8 @@ class Case:
     def like(self) -> Data:
         """What a test measures: two courses, a coefficient, a volume and a diameter; values are drawn."""
         volume = Measured("volume_disc" if self.name == "rest" else "volume_counter", 1.0, 0.0015)
-        values = (volume, Measured("diameter", 1.0, 0.02))
-        end = Measured("cof", 0.5, 0.02, self.study.sliding.total)
+        values = (volume, Measured("scar", 1.0, 0.02))
+        end = Measured("friction", 0.5, 0.02, self.study.sliding.total)
         return Data((course_like(self.study), course_like(self.study)), (end,), values)
 
     def posterior(self, data: Data, study: Study | None = None, runs: Runs | None = None) -> Posterior:

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from scipy import integrate
 
-from warpwear.calibration.energy import Dissipation
+from warpwear.calibration.coefficient import WearCalibration
+from warpwear.calibration.energy import EnergyCalibration
 from warpwear.calibration.friction import fit_friction
+from warpwear.calibration.measurements import Value
 from warpwear.calibration.wear import (
-    WearCalibration,
     cap,
     circular_track,
     diameter_of_cap,
@@ -24,9 +25,10 @@ from warpwear.thesis import printed as thesis
 from warpwear.thesis.coefficients import patch, table_4_1
 
 
-def wear_coefficient(volumes, **test):
+def wear_coefficient(volumes, *, load, distance, **more):
     """K of tests alike."""
-    return WearCalibration(volumes=tuple(volumes), **test)
+    work = {"loads": (Value(load),) * len(volumes), "distances": (Value(distance),) * len(volumes)}
+    return WearCalibration(volumes=tuple(volumes), **work, **more)
 
 
 def k_of(*volumes, **more):
@@ -117,13 +119,13 @@ def test_units_and_replicates():
     )
     values = np.array([0.016, 0.018, 0.023]) / 19.2  # mm³/(N·m)
     assert 1e3 * found.mean == pytest.approx(values.mean())
-    assert 1e3 * found.deviation == pytest.approx(values.std(ddof=1))
+    assert 1e3 * found.repeats.deviation == pytest.approx(values.std(ddof=1))
     assert 1e3 * found.uncertainty == pytest.approx(values.std(ddof=1) / math.sqrt(3))
     # SI: V [m³] = K [1/Pa] F [N] L [m]; dimensionless: V = k F L/H
     assert 1e-6 * found.mean * 8.0 * 2.4 == pytest.approx(0.019e-9)
     assert found.dimensionless * 8.0 * 2400.0 / 590.0 == pytest.approx(0.019)
     single = wear_coefficient([volume_given(0.018, error=0.001)], load=8.0, distance=2400.0)
-    assert single.deviation is None
+    assert single.repeats.deviation is None
     assert 1e3 * single.uncertainty == pytest.approx(0.001 / 19.2)
     assert wear_coefficient([volume_given(0.018)], load=8.0, distance=2400.0).uncertainty is None
 
@@ -281,7 +283,9 @@ def test_friction_energy():
 
 
 def test_speed_changes_power_and_pv_and_not_the_energy():
-    found = Dissipation(energy=11.52, distance=2400.0, load=8.0, cof_end=0.7, pressures={"contact": 6.0})
+    found = EnergyCalibration(
+        energy=11.52, distance=2400.0, load=8.0, cof_end=0.7, pressures={"contact": 6.0}
+    )
     assert found.cof == pytest.approx(0.6)
     slow, fast = record(found.at(1 / 6)), record(found.at(5 / 3))
     assert slow["time_s"] == pytest.approx(240 * 60)

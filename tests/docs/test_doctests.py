@@ -2,16 +2,20 @@
 
 import doctest
 import inspect
+from pathlib import Path
 
 import numpy as np
+import pytest
 
 import warpwear
 
 #: Names that show by an example how they are used.
 SHOWN = {"Study.replace", "run", "solve_contact", "steps"}
+SHOWN |= {f"calibrate_{what}" for what in ("wear", "friction", "energy", "loop")}
 
 
-def test_examples_of_docstrings() -> None:
+def test_examples_of_docstrings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
     finder, runner = doctest.DocTestFinder(recurse=True), doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
     shown = set()
     for name in warpwear.__all__:

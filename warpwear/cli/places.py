@@ -2,6 +2,7 @@
 
 from warpwear.lazy import module
 
+calibrations = module("warpwear.calibration.commands")
 coefficients = module("warpwear.thesis.coefficients")
 comparison_folder = module("warpwear.comparison.folder")
 comparison_scar = module("warpwear.comparison.scar")
@@ -10,7 +11,6 @@ drafts = module("warpwear.drafts.draft")
 energy_of_test = module("warpwear.calibration.energy")
 exported = module("warpwear.results.export")
 film = module("warpwear.figures.of_run.film")
-friction_command = module("warpwear.calibration.friction_command")
 gathered = module("warpwear.comparison.gather")
 inference_command = module("warpwear.calibration.bayes.command")
 loop_of_test = module("warpwear.calibration.loop")
@@ -28,4 +28,3 @@ summaries = module("warpwear.results.summary")
 surface_command = module("warpwear.measured.surface_command")
 sweep_command = module("warpwear.sweeps.command")
 thesis_page = module("warpwear.thesis.report")
-wear_command = module("warpwear.calibration.wear_command")

@@ -1,11 +1,15 @@
 """Turn options of commands, texts with a unit, into numbers, with a sentence for bad ones."""
 
-from collections.abc import Mapping
-from typing import Any
+import re
+from collections.abc import Callable, Mapping
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
 
 from warpwear.errors import InputError
 from warpwear.study.units import POSITIVE, Quantity, Range
 
+P, R = ParamSpec("P"), TypeVar("R")
+_OPTION = re.compile(r"--([a-z]+(?:-[a-z]+)*)")
 #: A coefficient of friction.
 COF = Range(most=3.0)
 #: The part of it that does not shear.
@@ -84,3 +88,20 @@ def number(option: str, value: float, allowed: Range) -> float:
         return allowed.check(value)
     except ValueError as error:
         raise InputError(f"{option} = {value:g}: {error}") from None
+
+
+def parameters_named(function: Callable[P, R]) -> Callable[P, R]:
+    """Let a function's sentences call its parameters as Python does, track_radius for --track-radius.
+
+    A command calls it as `inspect.unwrap` gives it.
+    """
+
+    @wraps(function)
+    def call(*args: P.args, **kwargs: P.kwargs) -> R:
+        try:
+            return function(*args, **kwargs)
+        except InputError as error:
+            text = _OPTION.sub(lambda match: match[1].replace("-", "_"), str(error))
+            raise InputError(text) from error.__cause__
+
+    return call

@@ -142,7 +142,7 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     # A misspelt section is unknown and leaves the right one missing: the first is the cause.
     first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
     # Branches of a union (an int or one of some words) are pydantic's, not the user's.
-    of_table = next((t for t in TABLES if ".".join(map(str, first["loc"])).startswith(t)), "")
+    of_table = next((t for t in (*TABLES, "test") if ".".join(map(str, first["loc"])).startswith(t)), "")
     name = ".".join(
         str(p + bool(of_table) if isinstance(p, int) else p)  # people number tables from 1
         for p in first["loc"]

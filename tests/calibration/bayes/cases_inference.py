@@ -50,7 +50,7 @@ def posterior_of(
 ) -> Posterior:
     """The posterior of the smooth study in closed form, without a run."""
     unknowns = list(unknowns_of(study, unknown))
-    model = Model(study, tuple(unknowns), worn_paraboloid(study), frozenset(data.kinds | {"diameter"}))
+    model = Model(study, tuple(unknowns), worn_paraboloid(study), frozenset(data.kinds | {"scar"}))
     return Posterior(model, tuple(noise_for(data, unknown)), data, closed_form=closed_form)
 
 

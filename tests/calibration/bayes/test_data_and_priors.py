@@ -14,14 +14,14 @@ from warpwear.measured.experiment import Experiment
 
 
 def test_repeats_that_scatter_widen_their_uncertainty() -> None:
-    data = data_of(smooth_study(), [], {"volume_disc": ["0.020 +- 0.001 mm^3", "0.028 +- 0.001 mm^3"]})
+    data = data_of(smooth_study(), [{"volume_disc": f"{v} +- 0.001 mm^3"} for v in (0.020, 0.028)])
     assert [value.error for value in data.values] == pytest.approx([0.001 * 32**0.5] * 2)
     assert "scatter 5.7 times as much" in data.notes[0]
 
 
 def test_a_course_is_thinned_by_means() -> None:
     distance = np.linspace(1.0, 2400.0, 5000)
-    data = data_of(smooth_study(), [Experiment("long", distance, 0.3 + 1e-4 * distance)], {})
+    data = data_of(smooth_study(), [{"record": Experiment("long", distance, 0.3 + 1e-4 * distance)}])
     (course,) = data.courses
     assert course.distance.size == 100
     np.testing.assert_allclose(course.cof, 0.3 + 1e-4 * course.distance)

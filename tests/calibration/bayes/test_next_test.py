@@ -52,7 +52,7 @@ def test_the_calibrated_study_is_ready_for_a_sweep(tmp_path: Path) -> None:
     asked: dict[str, str | None] = {"wear.counter": None, "wear.disc": None}
     for data, design, runs in (
         (volumes, "sobol", 64),
-        (Data(values=(Measured("diameter", 1.26, 0.02),)), "zip", 64),
+        (Data(values=(Measured("scar", 1.26, 0.02),)), "zip", 64),
     ):
         path = tmp_path / f"{design}.toml"
         path.write_text(calibrated(result_of(posterior_of(study, asked, data))), encoding="utf-8")
@@ -71,7 +71,7 @@ def test_another_test_whose_scar_is_larger_is_computed_on_a_wider_field(tmp_path
     inference = warpwear.infer(
         study,
         unknown={"wear.counter": "log-uniform 4e-4 .. 1e-2 mm^3/N/m"},
-        measured={"diameter": "1.28 +- 0.03 mm"},
+        tests=[{"scar": "1.28 +- 0.03 mm"}],
         target="wear.counter",
         candidates=(*tests, "repeats=1"),
         out=tmp_path / "out",
@@ -106,7 +106,7 @@ def test_tests_are_tried_before_anything_is_sampled(tmp_path: Path, monkeypatch:
         return warpwear.infer(
             smooth_study(**{"sliding.distance": "100 mm"}),
             unknown={"wear.counter": "log-uniform 4e-4 .. 2e-3 mm^3/N/m"},
-            measured={"volume_counter": "0.00075 +- 0.00003 mm^3"},
+            tests=[{"volume_counter": "0.00075 +- 0.00003 mm^3"}],
             target=target,
             candidates=[candidate],
             out=tmp_path / candidate,

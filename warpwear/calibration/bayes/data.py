@@ -1,8 +1,7 @@
 """What was measured: courses of friction, single values of it, volumes, the scar, with uncertainties."""
 
 import itertools
-import re
-from collections.abc import Iterable, Mapping, Sequence
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -10,6 +9,18 @@ from pathlib import Path
 import numpy as np
 
 from warpwear.calibration.friction import effective_points
+from warpwear.calibration.measurements import (
+    KINDS,
+    MeasuredTest,
+    Tests,
+    Value,
+    conditions_of,
+    in_file,
+    mean_diameter,
+    tests_of,
+)
+from warpwear.calibration.repeats import Repeats
+from warpwear.calibration.worn import SOURCES, sources_of, uncertainty_of, worn_volume
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import printed
@@ -18,29 +29,16 @@ from warpwear.measured.experiment import Experiment
 from warpwear.measured.motion import Motion
 from warpwear.measured.rows import Rows, read_rows
 from warpwear.study.study import Study
-from warpwear.study.units import parse
 
-#: Measured value -> its unit and what it is.
-KINDS = {
-    "volume_counter": ("mm^3", "worn volume of the ball"),
-    "volume_disc": ("mm^3", "worn volume of the disc"),
-    "section": ("mm^2", "mean cross-section of the groove"),
-    "diameter": ("mm", "diameter of the scar"),
-    "sq_counter": ("um", "Sq in the scar of the ball"),
-    "sq_disc": ("um", "Sq in the scar of the disc"),
-    "cof": ("", "coefficient of friction"),
-}
 #: Points that a course is thinned to, by means of neighbours.
 POINTS = 100
 #: Fewest points of a course.
 FEWEST = 5
-#: A load that differs by more than this part from the study's is another test.
-LOAD_OFF = 0.05
-#: Least and largest number of a measured value, and standard uncertainty as a part of it: of others none is
-#: measured, and their squares leave the range of numbers.
-NUMBERS, PARTS = (1e-30, 1e30), (1e-9, 1e9)
-_NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
-_WRITTEN = re.compile(rf"\s*{_NUMBER}\s*(?:\+-|±)\s*{_NUMBER}\s*(.*?)\s*(?:\bat\s+(\S.*?))?\s*")
+#: A load, or a length, that differs by more than this part from the study's is of another test.
+OFF = 0.05
+#: Least and largest standard uncertainty as a part of a measured value: squares of others leave the range of
+#: numbers.
+PARTS = (1e-9, 1e9)
 
 
 def unit_of(kind: str) -> str:
@@ -148,30 +146,38 @@ class Data:
         return {value.kind for value in self.values}
 
 
-def data_of(
-    study: Study,
-    experiments: Iterable[Experiment | str | Path],
-    measured: Mapping[str, str | Sequence[str]],
-    *,
-    columns: str | None = None,
-) -> Data:
-    """Read what was measured in a test that the study describes.
+def data_of(study: Study, tests: Tests, *, columns: str | None = None) -> Data:
+    """Read what was measured in tests that the study describes: tables as of [[test]], or a file of them.
 
-    experiments: files, or courses that are read. measured: name of `KINDS` -> text such as "0.80 +- 0.02 mm",
-    or a list of them, one a repeat; a coefficient may say where it was found: "0.2 +- 0.02 at 30 mm". Raises
-    InputError for what does not go with the study.
+    columns: of records. Raises InputError for what does not go with the study.
     """
-    courses = [_course(study, experiment, columns) for experiment in experiments]
-    both = [
-        _measured(study, kind, text)
-        for kind, texts in measured.items()
-        for text in ([texts] if isinstance(texts, str) else texts)
-    ]
+    courses, both = [], []
+    checked = tests_of(in_file(tests)[1] if isinstance(tests, str | Path) else tests)
+    for number, test in enumerate(checked, 1):
+        named = f"test.{number}"
+        _check_conditions(study, test, named)
+        if test.record is not None:
+            courses.append(_course(study, test.record, columns))
+        both += [_measured(study, test, kind, named) for kind in KINDS if getattr(test, kind) is not None]
+        for source in set(sources_of(test)) - KINDS.keys():
+            both.append(_of_volume(study, test, source, named))
     if not courses and not both:
-        raise InputError("nothing was measured: give a course of friction, a volume or a diameter")
-    points = tuple(value for value in both if value.kind == "cof")
-    values, notes = _repeated([value for value in both if value.kind != "cof"])
+        raise InputError("nothing was measured: give a course of friction, a volume or a scar")
+    points = tuple(value for value in both if value.kind == "friction")
+    values, notes = _repeated([value for value in both if value.kind != "friction"])
     return Data(tuple(courses), points, tuple(values), tuple(notes))
+
+
+def _check_conditions(study: Study, test: MeasuredTest, named: str) -> None:
+    """Raise InputError for a test that is not the study's."""
+    for name, own in conditions_of(study).items():
+        said = getattr(test, name)
+        value, error = said[:2] if isinstance(said, Value) else (said, None)
+        if error is not None:
+            raise InputError(f"{named}.{name} has an uncertainty: an inference takes it as exact")
+        if value is not None and not math.isclose(value, own or math.nan, rel_tol=OFF):
+            has = "none" if own is None else f"{own:g}"
+            raise InputError(f"{named}.{name} is {value:g}, and the study has {has}: they have to agree")
 
 
 def _repeated(values: list[Measured]) -> tuple[list[Measured], list[str]]:
@@ -179,10 +185,7 @@ def _repeated(values: list[Measured]) -> tuple[list[Measured], list[str]]:
     notes = []
     for kind in dict.fromkeys(value.kind for value in values):
         same = [value for value in values if value.kind == kind]
-        weights = np.array([value.error**-2.0 for value in same])
-        numbers = np.array([value.value for value in same])
-        square = float(weights @ (numbers - weights @ numbers / weights.sum()) ** 2)
-        ratio = np.sqrt(square / (len(same) - 1)) if len(same) > 1 else 0.0
+        ratio = Repeats([value.value for value in same], [value.error for value in same]).birge
         if ratio > 1.0:
             values = [replace(v, error=ratio * v.error) if v.kind == kind else v for v in values]
             notes.append(
@@ -192,41 +195,42 @@ def _repeated(values: list[Measured]) -> tuple[list[Measured], list[str]]:
     return values, notes
 
 
-def _measured(study: Study, kind: str, text: str) -> Measured:
-    """Read a value of `KINDS` from its text. Raises InputError."""
+def _of_volume(study: Study, test: MeasuredTest, source: str, named: str) -> Measured:
+    """Find the worn volume of a body from what tells nothing else. Raises InputError."""
+    body, label = SOURCES[source].worn, f"{named}.{source}"
+    if body is None:
+        raise InputError(f"{label} is of a body that is not known: give volume_counter or volume_disc")
+    worn = worn_volume(test, source, named, own=conditions_of(study), preparation={})
+    return _checked(Measured(f"volume_{body}", worn.volume, worn.error or 0.0), label)
 
-    def refusal(sentence: str) -> InputError:
-        return InputError(f"{kind} = '{text}': {sentence}")
 
-    if kind not in KINDS:
-        raise InputError(f"'{kind}' is nothing that can be measured here; allowed: {', '.join(KINDS)}")
-    unit, what = KINDS[kind]
-    example = f"'{'0.80' if unit else '0.60'} +- 0.02{' ' + unit if unit else ''}'"
-    parts = _WRITTEN.fullmatch(text)
-    if parts is None:
-        raise refusal(f"a value with its standard uncertainty is expected, such as {example}")
-    value, error, written, where = parts.groups()
-    if bool(written) != bool(unit) or (where is not None and kind != "cof"):
-        raise refusal(f"{'a unit' if unit else 'no unit'} is expected, such as {example}")
-    try:
-        factor = parse(f"1 {written}", unit) if unit else 1.0
-        at = parse(where, "mm") if where else study.sliding.total if kind == "cof" else None
-    except ValueError as problem:
-        raise refusal(f"it {problem}") from None
-    measured = Measured(kind, factor * float(value), factor * float(error), at)
-    numbers = {f"the {what} ({unit or 'a plain ratio'})": (measured.value, NUMBERS)}
-    numbers["the uncertainty as a part of the value"] = measured.error / (measured.value or np.nan), PARTS
-    for name, (number, (least, most)) in numbers.items():
-        if not least <= number <= most:
-            raise refusal(f"{name} is {number:.3g}, and allowed is {least:g} to {most:g}")
-    if kind == "cof":
-        check_cof(text, np.array([at]), np.array([measured.value]))
-    if at is not None and not 0.0 < at <= study.sliding.total * (1.0 + 1e-9):
-        raise refusal(f"the study slides {study.sliding.total:g} mm, and not to {at:g} mm")
-    if kind == "diameter" and measured.value > min(*study.grid.sides, 2.0 * (study.counter.radius or np.inf)):
-        raise refusal(f"the scar is larger than the field of the study, {study.grid.size} (grid.extent)")
+def _measured(study: Study, test: MeasuredTest, kind: str, named: str) -> Measured:
+    """Check a value of `KINDS` against the study. Raises InputError."""
+    label, said, at, total = f"{named}.{kind}", getattr(test, kind), None, study.sliding.total
+    value, error = said[:2] if kind != "scar" else mean_diameter(said)
+    error = uncertainty_of(test, kind, named) or error or 0.0
+    if kind == "friction":
+        at = total if said.at is None else said.at
+        check_cof(label, np.array([at]), np.array([value]))
+        if not 0.0 < at <= total * (1.0 + 1e-9):
+            raise InputError(f"{label}: the study slides {total:g} mm, and not to {at:g} mm")
+    if kind == "scar" and value > min(*study.grid.sides, 2.0 * (study.counter.radius or np.inf)):
+        raise InputError(
+            f"{label}: the scar is larger than the field of the study, {study.grid.size} (grid.extent)"
+        )
     if kind == "section" and study.sliding.stroke is None:
-        raise InputError("section needs sliding.stroke in the study: section × stroke is the disc's volume")
+        raise InputError(f"{label} needs sliding.stroke in the study: section × stroke is the disc's volume")
+    return _checked(Measured(kind, value, error, at), label)
+
+
+def _checked(measured: Measured, label: str) -> Measured:
+    """Return a value that has an uncertainty whose square is in the range of numbers. Raises InputError."""
+    if not PARTS[0] <= measured.error / measured.value <= PARTS[1]:
+        least, most = PARTS
+        raise InputError(
+            f"{label}: the standard uncertainty is {measured.error / measured.value:.3g} of the value, and "
+            f"allowed is {least:g} to {most:g}; write it behind the value, such as '0.80 +- 0.02 mm'"
+        )
     return measured
 
 
@@ -263,7 +267,7 @@ def _check_load(rows: Rows, load: float) -> None:
     if force is None or not (force := np.abs(force[np.isfinite(force)])).size:
         return
     typical = float(np.median(force))
-    if abs(typical - load) > LOAD_OFF * load:
+    if abs(typical - load) > OFF * load:
         raise InputError(
             f"{rows.path}: the normal force is {typical:.3g} N in the middle, the study has contact.load = "
             f"{load:g} N: they have to agree"

@@ -1,0 +1,168 @@
+"""Kinds of measurement from which a worn volume follows, and the volume of each."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from warpwear.calibration import wear as volumes
+from warpwear.calibration.measurements import MeasuredTest
+from warpwear.errors import InputError
+from warpwear.measured.options import quantity
+from warpwear.measured.surface_command import Kind, Preparation, worn_in
+from warpwear.study.units import NOT_NEGATIVE
+
+
+@dataclass(frozen=True)
+class Source:
+    """Describe a kind of measurement.
+
+    relation: how a volume follows from it; worn: the body, where that is certain; unit: of its uncertainty;
+    needs, may_have: lengths that it must and can be given with; file: what is looked for in it, where it is a
+    measured file.
+    """
+
+    relation: str
+    worn: str | None = None
+    unit: str = "mm"
+    needs: tuple[str, ...] = ()
+    may_have: tuple[str, ...] = ()
+    file: Kind | None = None
+
+
+_SCAR = "diameter of the worn patch; flat cap"
+_SEGMENT = "width of a circular track; an unworn ball's circular section"
+_TRACK = "topography of the track, or a profile across it; mean net section × length"
+_AFTER = "topographies of the scar's place before and after; net volume lost"
+_BALL = "topography of the ball; lost below the counter-body through what is unworn"
+#: Keys of a test -> what a worn volume follows from.
+SOURCES = {
+    "volume": Source("a measured volume", unit="mm^3"),
+    "volume_counter": Source("a measured volume", "counter", "mm^3"),
+    "volume_disc": Source("a measured volume", "disc", "mm^3"),
+    "scar": Source(_SCAR, "counter", needs=("radius",)),
+    "width": Source(_SEGMENT, "disc", needs=("radius", "track_radius")),
+    "section": Source("cross-section of a groove × length", "disc", "mm^2", needs=("length",)),
+    "profile": Source(_TRACK, "disc", needs=("length",), may_have=("track_width",), file="track"),
+    "after": Source(_AFTER, "disc", file="scar"),
+    "ball": Source(_BALL, "counter", may_have=("radius",), file="ball"),
+}
+TWO_DIAMETERS = "two diameters of the worn patch; flat cap, its width their mean"
+LENGTHS = {name: None for source in SOURCES.values() for name in source.needs + source.may_have}
+
+
+def sources_of(test: MeasuredTest) -> list[str]:
+    """Name what the worn volume of a test may follow from."""
+    return [name for name in SOURCES if getattr(test, name) is not None]
+
+
+def worn_volume(
+    test: MeasuredTest,
+    source: str,
+    named: str,
+    *,
+    own: Mapping[str, float | None],
+    preparation: Preparation,
+) -> volumes.WornVolume:
+    """Find the volume that was worn in a test.
+
+    source: of `SOURCES`; named: what sentences call the test; own: lengths [mm] where the test has none;
+    preparation: keys of [disc], as text, for a measured file. Raises InputError.
+    """
+    kind, value = SOURCES[source], getattr(test, source)
+    _check(test, source, named, preparation)
+    lengths = {name: getattr(test, name) or own.get(name) for name in LENGTHS}
+    for name in kind.needs:
+        if lengths[name] is None:
+            which = "that of the whole track, such as '30 mm'" if name == "length" else "such as '3 mm'"
+            raise InputError(f"{named}.{source} needs {named}.{name}, {which}")
+    if kind.file is not None:
+        return _of_file(kind.file, value, lengths, test.before, preparation)
+    error = uncertainty_of(test, source, named)
+    radius = lengths["radius"] or 0.0
+    match source:
+        case "scar":
+            return volumes.cap(*(size.value for size in value), radius=radius, error=error)
+        case "section":
+            return volumes.groove(value.value, length=lengths["length"] or 0.0, error=error)
+        case "width":
+            track = lengths["track_radius"] or 0.0
+            return volumes.circular_track(value.value, radius=radius, track_radius=track, error=error)
+    return volumes.volume_given(value.value, error=error)
+
+
+def uncertainty_of(test: MeasuredTest, source: str, named: str) -> float | None:
+    """Return the standard uncertainty of what was measured, None where unknown. Raises InputError.
+
+    Two diameters count alike.
+    """
+    value = getattr(test, source)
+    sizes = value if source == "scar" else (value,)
+    errors = [size.error for size in sizes if size.error is not None]
+    if test.uncertainty is None:
+        return math.sqrt(sum(e * e for e in errors) / len(errors)) if errors else None
+    label = f"{named}.uncertainty"
+    if errors:
+        raise InputError(f"{label} and {named}.{source} with +- exclude each other: both say the uncertainty")
+    return quantity(label, test.uncertainty, SOURCES[source].unit, allowed=NOT_NEGATIVE)
+
+
+def _check(test: MeasuredTest, source: str, named: str, preparation: Preparation) -> None:
+    """Raise InputError for keys of a test, or a preparation, that do not go with what was measured."""
+    kind, label = SOURCES[source], f"{named}.{source}"
+    goes = [SOURCES[name] for name in sources_of(test)]
+    for name in test.model_fields_set & LENGTHS.keys():
+        if not any(name in one.needs + one.may_have for one in goes):
+            allowed = ", ".join(f"{named}.{n}" for n in kind.needs + kind.may_have) or "no length"
+            raise InputError(f"{named}.{name} is not for {label}: allowed with it is {allowed}")
+    prepared = [name.replace("_", "-") for name, value in preparation.items() if value is not None]
+    if kind.file is None and prepared:
+        raise InputError(f"--{prepared[0]} is not for {label}: it prepares a measured file")
+    if kind.file is not None and test.uncertainty is not None:
+        raise InputError(
+            f"{named}.uncertainty is not for {label}: a topography brings its own standard error"
+        )
+    if source == "ball" and "level" in prepared:
+        raise InputError(f"--level is not for {label}: its form is the sphere through what is unworn")
+    if test.before is not None and source not in ("profile", "after"):
+        raise InputError(
+            f"{named}.before is not for {label}: allowed is it with {named}.profile and {named}.after"
+        )
+    if test.before is None and source == "after":
+        raise InputError(f"{label} needs {named}.before, the same place before the test")
+
+
+def _of_file(
+    kind: Kind, file: Any, lengths: dict[str, float | None], before: Any, preparation: Preparation
+) -> volumes.WornVolume:
+    """Find the volume that a track, a scar or a ball lost from a topography, or from a profile of a track.
+
+    lengths [mm]; before: the file of the same place before the test, or None. Raises InputError.
+    """
+    sizes: Any = {"width": lengths["track_width"], "radius": lengths["radius"]}
+    worn = worn_in(file, kind, preparation, before=before, **sizes)
+    body, depth, more = worn.body, worn.body.depth, ""
+    if kind == "track":
+        length = lengths["length"] or 0.0
+        if length < body.length * (1.0 - 1e-9):
+            raise InputError(
+                f"length is {length:g} mm: allowed is at least the piece in {file}, {body.length:g} mm"
+            )
+        if body.net.size == 1:
+            more = ", but not how sections scatter along the track, which several profiles tell"
+        elif body.length < 0.9 * length:
+            more = f", and how sections scatter along the measured {body.length:.4g} mm"
+        volume, error = body.volume(length)
+        section = f"section {1e6 * body.net.mean():.5g} ± {1e6 * body.net_error:.2g} µm² × {length:g} mm"
+        measured = f"{section}, degree {worn.degree} beside it"
+    elif kind == "scar":
+        volume, error = body.net, body.net_error
+        measured = f"scar {body.along:.4g} × {body.across:.4g} mm, {before} laid over it and taken off"
+    else:
+        volume, error = body.volume, body.volume_error
+        counter = f"{body.sphere.radius:.5g} mm ({'given' if lengths['radius'] else 'fitted'})"
+        measured = f"patch {body.along:.4g} × {body.across:.4g} mm on a radius of {counter}"
+    if volume <= 0.0:
+        raise InputError(f"{file} has lost no volume: {volume:.3g} ± {error:.2g} mm³; a loss is needed")
+    origin, measured = f"what the same sum finds on unworn surface{more}", f"{file}: {measured}"
+    return volumes.WornVolume(volume=volume, error=error, error_from=origin, depth=depth, measured=measured)
