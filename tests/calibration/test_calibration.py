@@ -119,13 +119,13 @@ def test_units_and_replicates():
     )
     values = np.array([0.016, 0.018, 0.023]) / 19.2  # mm³/(N·m)
     assert 1e3 * found.mean == pytest.approx(values.mean())
-    assert 1e3 * found.repeats.deviation == pytest.approx(values.std(ddof=1))
+    assert 1e3 * found.deviation == pytest.approx(values.std(ddof=1))
     assert 1e3 * found.uncertainty == pytest.approx(values.std(ddof=1) / math.sqrt(3))
     # SI: V [m³] = K [1/Pa] F [N] L [m]; dimensionless: V = k F L/H
     assert 1e-6 * found.mean * 8.0 * 2.4 == pytest.approx(0.019e-9)
     assert found.dimensionless * 8.0 * 2400.0 / 590.0 == pytest.approx(0.019)
     single = wear_coefficient([volume_given(0.018, error=0.001)], load=8.0, distance=2400.0)
-    assert single.repeats.deviation is None
+    assert single.deviation is None
     assert 1e3 * single.uncertainty == pytest.approx(0.001 / 19.2)
     assert wear_coefficient([volume_given(0.018)], load=8.0, distance=2400.0).uncertainty is None
 

@@ -1,15 +1,14 @@
 """The wear coefficient K = V/(F L) of one worn body, from one kind of measurement in one test or several."""
 
 import math
+import statistics
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from warpwear.calibration.measurements import Tests, Value, conditions_of, in_file, tests_of
+from warpwear.calibration.measurements import Tests, Value, conditions_of, in_file, tests_of, weighted
 from warpwear.calibration.outcome import Calibration
-from warpwear.calibration.repeats import Repeats
 from warpwear.calibration.wear import LARGEST, WornVolume
 from warpwear.calibration.worn import SOURCES, TWO_DIAMETERS, sources_of, worn_volume
 from warpwear.errors import InputError
@@ -74,20 +73,28 @@ class WearCalibration(Calibration):
             errors.append(None if by_volume is None else math.hypot(by_volume, *by_work))
         return tuple(errors)
 
-    @cached_property
-    def repeats(self) -> Repeats:
-        """Take K of the tests as repeats of one measurement, with `deviation`, `weighted` and `birge`."""
-        return Repeats(self.values, self.errors)
-
     @property
     def mean(self) -> float:
         """K [mm²/N]: the mean over the tests."""
-        return self.repeats.mean
+        return statistics.fmean(self.values)
+
+    @property
+    def deviation(self) -> float | None:
+        """Return the standard deviation of the tests [mm²/N], divided by n − 1; None of a single one."""
+        return statistics.stdev(self.values) if len(self.values) > 1 else None
 
     @property
     def uncertainty(self) -> float | None:
         """Standard uncertainty of `mean` [mm²/N]: from the scatter of several, else of the single one."""
-        return self.repeats.uncertainty
+        return self.errors[0] if self.deviation is None else self.deviation / math.sqrt(len(self.values))
+
+    @property
+    def weighted(self) -> tuple[float, float, float] | None:
+        """Return the mean by 1/u² of the tests, its standard uncertainty [mm²/N], and Birge's ratio.
+
+        None where an uncertainty is not known, and of a single test.
+        """
+        return weighted(self.values, self.errors)
 
     @property
     def dimensionless(self) -> float | None:
@@ -108,7 +115,7 @@ class WearCalibration(Calibration):
 
     @property
     def _rows(self) -> list[Row]:
-        count, deviation, error = len(self.volumes), self.repeats.deviation, self.uncertainty
+        count, deviation, error = len(self.volumes), self.deviation, self.uncertainty
         note, scatter, by_hardness = "; its uncertainty is unknown", "", ""
         if error is not None:
             note = f"(standard {'error' if count > 1 else 'uncertainty'}, {error / self.mean:.2g} of K)"
@@ -139,17 +146,13 @@ class WearCalibration(Calibration):
     @property
     def _weighted(self) -> list[Row]:
         """Declare the mean by the uncertainties of several tests themselves."""
-        if len(self.volumes) == 1 or self.repeats.weighted is None:
+        if self.weighted is None:
             return []
-        mean, error = (1e3 * number for number in self.repeats.weighted)
-        ratio = self.repeats.birge
+        mean, error, ratio = self.weighted
         note = f"by 1/u² of each; the tests scatter {ratio:.2g} times as much as their uncertainties say"
-        uncertainty = ("weighted_uncertainty_mm3_per_Nm", error)
-        key = "weighted_mean_mm3_per_Nm"
-        return [
-            Row("weighted", key, mean, error=uncertainty, note=note, scientific=True),
-            Row("", "birge_ratio", ratio),
-        ]
+        key, uncertainty = "weighted_mean_mm3_per_Nm", ("weighted_uncertainty_mm3_per_Nm", 1e3 * error)
+        k = Row("weighted", key, 1e3 * mean, error=uncertainty, note=note, scientific=True)
+        return [k, Row("", "birge_ratio", ratio)]
 
     @property
     def _table(self) -> list[list[Row]]:
@@ -236,7 +239,7 @@ def calibrate_wear(
     -------
     WearCalibration
         K of each test, their mean, scatter and uncertainty. Under a flat prior and with normal errors,
-        `repeats.weighted` is mean and deviation of the posterior of K.
+        `weighted` is mean and deviation of the posterior of K.
 
     Raises
     ------

@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from inspect import unwrap
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from warpwear.results.report import to_json
 SOURCES = {"--volume": "volume", "--diagonals": "scar", "--scar": "scar", "--width": "width"}
 SOURCES |= {"--section": "section", "--track": "profile", "--after": "after", "--ball": "ball"}
 #: Options whose key has the same name.
-SAME = ("--load", "--radius", "--track-radius", "--track-width", "--length", "--uncertainty")
+SAME = ("--load", "--radius", "--track-radius", "--track-width", "--length")
 _KEY = re.compile(r"\btest\.\d+\.(\w+)")
 
 
@@ -45,7 +46,7 @@ def wear(file: Path | None, preparation: Preparation, *, as_json: bool, **texts:
     for a measured file. texts: options with a unit, None where left out; a source's by test.
     """
     o = Options(texts)
-    sources = {option: o[option] for option in SOURCES if o[option]}
+    sources = {option: _with_errors(option, o[option], o["--uncertainty"]) for option in SOURCES if o[option]}
     if o["--diameter"] is not None:
         o.refuse("--radius", why="and --diameter exclude each other: both say how large the ball is")
         o["radius"] = f"{0.5 * quantity('--diameter', o['--diameter'], 'mm')!r} mm"
@@ -77,6 +78,20 @@ def wear(file: Path | None, preparation: Preparation, *, as_json: bool, **texts:
         options = {key: option for option, key in SOURCES.items() if option in sources}
         text = _KEY.sub(lambda match: options.get(match[1], flag(match[1])), str(error))
         raise InputError(text) from error.__cause__
+
+
+def _with_errors(option: str, values: Sequence[Any], error: str | None) -> list[Any]:
+    """Write the uncertainty behind each value, if one is given for all. Raises InputError."""
+    if error is None:
+        return list(values)
+    for text in chain.from_iterable([v] if isinstance(v, str | Path) else v for v in values):
+        if isinstance(text, Path):
+            raise InputError(f"--uncertainty is not for {option}: a file brings its own standard error")
+        if "+-" in text or "±" in text:
+            raise InputError(
+                f"--uncertainty and {option} with +- exclude each other: both say the uncertainty"
+            )
+    return [f"{v} +- {error}" if isinstance(v, str) else [f"{d} +- {error}" for d in v] for v in values]
 
 
 def _add_stroke(alike: dict[str, Any], o: Options, *, grooves: set[str]) -> None:

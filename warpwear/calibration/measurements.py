@@ -1,5 +1,6 @@
 """What was measured in a test, each number with its standard uncertainty: one list `[[test]]` serves all."""
 
+import math
 import re
 import statistics
 from collections.abc import Mapping, Sequence
@@ -18,8 +19,10 @@ from warpwear.study.study import Study
 from warpwear.study.text import sentence
 from warpwear.study.units import NOT_NEGATIVE, POSITIVE, Number, Quantity, Range, is_pair, parse
 
-#: A value with its standard uncertainty: 0.018 +- 0.001 mm^3.
-_WRITTEN = re.compile(r"\(?\s*(?P<value>\S+)\s*(?:\+-|±)\s*(?P<error>[^\s)]+)\s*\)?(?P<unit>.*)")
+#: A value with its standard uncertainty: 0.018 +- 0.001 mm^3, 0.81 mm +- 10 um.
+_WRITTEN = re.compile(
+    r"\(?\s*(?P<value>\S+)(?:\s+(?P<own>[^\s±+][^±+]*?))?\s*(?:\+-|±)\s*(?P<error>[^\s)]+)\s*\)?(?P<unit>.*)"
+)
 _AT = re.compile(r"(?P<value>.*)\bat\s+(?P<at>\S.*)")
 
 
@@ -32,7 +35,7 @@ class Value(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Measured:
+class WithError:
     """This annotates a measured number in a unit, maybe with its uncertainty; without a unit a friction."""
 
     unit: str = ""
@@ -41,13 +44,13 @@ class Measured:
         """Return the number. Raises ValueError, saying what is allowed."""
         if value is None or isinstance(value, Value):
             return value
-        at, error = None, None
+        at, errors = None, []
         if not self.unit and isinstance(value, str) and (place := _AT.fullmatch(value.strip())):
             value, at = place["value"], parse(place["at"], "mm")
         if isinstance(value, str) and (parts := _WRITTEN.fullmatch(value.strip())):
-            value = f"{parts['value']} {parts['unit']}"
-            error = self._number(f"{parts['error']} {parts['unit']}", NOT_NEGATIVE)
-        return Value(self._number(value, POSITIVE), error, at)
+            value = f"{parts['value']} {parts['own'] or parts['unit']}"
+            errors = [self._number(f"{parts['error']} {parts['unit']}", NOT_NEGATIVE)]
+        return Value(self._number(value, POSITIVE), *errors, at=at)
 
     def _number(self, value: Any, allowed: Range) -> float:
         if self.unit:
@@ -63,7 +66,7 @@ class Measured:
         return core_schema.no_info_plain_validator_function(self.read)
 
 
-class Diameters(Measured):
+class Diameters(WithError):
     """This annotates one diameter of a scar, or two across each other."""
 
     def read(self, value: Any) -> Any:
@@ -75,12 +78,12 @@ class Diameters(Measured):
         return tuple(super(Diameters, self).read(each) for each in value)
 
 
-Force = Annotated[Value | None, Measured("N")]
-Distance = Annotated[Value | None, Measured("mm")]
-Height = Annotated[Value | None, Measured("um")]
-Area = Annotated[Value | None, Measured("mm^2")]
-Volume = Annotated[Value | None, Measured("mm^3")]
-Ratio = Annotated[Value | None, Measured()]
+Force = Annotated[Value | None, WithError("N")]
+Distance = Annotated[Value | None, WithError("mm")]
+Height = Annotated[Value | None, WithError("um")]
+Area = Annotated[Value | None, WithError("mm^2")]
+Volume = Annotated[Value | None, WithError("mm^3")]
+Ratio = Annotated[Value | None, WithError()]
 Scar = Annotated[tuple[Value, ...] | None, Diameters("mm")]
 File = str | Path | None
 
@@ -114,7 +117,6 @@ class MeasuredTest(Section):
         None, "file of the same place before the test, for `profile` and `after`", is_file=True
     )
     ball: File = key(None, "file of the topography of the worn ball", is_file=True)
-    uncertainty: str | None = key(None, "standard uncertainty of what brings none")
 
 
 class _File(Section):
@@ -127,13 +129,9 @@ Tests: TypeAlias = str | Path | Sequence[Mapping[str, Any]]
 #: Keys that name a file.
 FILES = [name for name, declared in declarations(MeasuredTest).items() if declared.is_file]
 #: What an inference compares: its unit and what it is.
-KINDS = {
-    name: (
-        MeasuredTest.model_fields[name].metadata[0].unit,
-        MeasuredTest.model_fields[name].description or "",
-    )
-    for name in ("volume_counter", "volume_disc", "section", "scar", "sq_counter", "sq_disc", "friction")
-}
+_NAMES = ("volume_counter", "volume_disc", "section", "scar", "sq_counter", "sq_disc", "friction")
+_FIELDS = {name: MeasuredTest.model_fields[name] for name in _NAMES}
+KINDS = {name: (field.metadata[0].unit, str(field.description)) for name, field in _FIELDS.items()}
 
 
 def tests_of(tests: Any, **alike: Any) -> list[MeasuredTest]:
@@ -164,7 +162,27 @@ def conditions_of(study: Study) -> dict[str, float | None]:
     return own | {"length": sliding.stroke, "track_radius": sliding.track_radius}
 
 
-def mean_diameter(sizes: Sequence[Value]) -> tuple[float, float | None]:
-    """Return the mean of one or two diameters [mm], and of two their standard error from their difference."""
+def size_and_error(value: Any) -> tuple[float, float | None]:
+    """Return a number and its standard uncertainty, of two diameters [mm] of their mean.
+
+    That of two is what they have alike, or else their standard error: half their difference.
+    """
+    sizes = [value] if isinstance(value, Value) else value
     numbers = [size.value for size in sizes]
-    return statistics.fmean(numbers), 0.5 * abs(numbers[0] - numbers[-1]) or None
+    errors = [size.error**2 for size in sizes if size.error is not None]
+    apart = 0.5 * abs(numbers[0] - numbers[-1]) or None
+    return statistics.fmean(numbers), math.sqrt(statistics.fmean(errors)) if errors else apart
+
+
+def weighted(values: Sequence[float], errors: Sequence[float | None]) -> tuple[float, float, float] | None:
+    """Return the mean of several values by 1/u², its standard uncertainty, and Birge's ratio.
+
+    They are mean and deviation of the posterior under a flat prior and normal errors; the ratio is how much
+    more the values scatter than these say. None of a single value, and where an uncertainty is not known.
+    """
+    weights = [error**-2.0 for error in errors if error]
+    if not 1 < len(values) == len(weights):
+        return None
+    total, each = math.fsum(weights), list(zip(values, weights, strict=True))
+    mean = math.fsum(w * v for v, w in each) / total
+    return mean, total**-0.5, math.sqrt(math.fsum(w * (v - mean) ** 2 for v, w in each) / (len(values) - 1))

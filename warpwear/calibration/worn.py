@@ -1,30 +1,25 @@
 """Kinds of measurement from which a worn volume follows, and the volume of each."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from warpwear.calibration import wear as volumes
-from warpwear.calibration.measurements import MeasuredTest
+from warpwear.calibration.measurements import MeasuredTest, size_and_error
 from warpwear.errors import InputError
-from warpwear.measured.options import quantity
 from warpwear.measured.surface_command import Kind, Preparation, worn_in
-from warpwear.study.units import NOT_NEGATIVE
 
 
 @dataclass(frozen=True)
 class Source:
     """Describe a kind of measurement.
 
-    relation: how a volume follows from it; worn: the body, where that is certain; unit: of its uncertainty;
-    needs, may_have: lengths that it must and can be given with; file: what is looked for in it, where it is a
-    measured file.
+    relation: how a volume follows from it; worn: the body, where that is certain; needs, may_have: lengths
+    that it must and can be given with; file: what is looked for in it, where it is a measured file.
     """
 
     relation: str
     worn: str | None = None
-    unit: str = "mm"
     needs: tuple[str, ...] = ()
     may_have: tuple[str, ...] = ()
     file: Kind | None = None
@@ -37,18 +32,18 @@ _AFTER = "topographies of the scar's place before and after; net volume lost"
 _BALL = "topography of the ball; lost below the counter-body through what is unworn"
 #: Keys of a test -> what a worn volume follows from.
 SOURCES = {
-    "volume": Source("a measured volume", unit="mm^3"),
-    "volume_counter": Source("a measured volume", "counter", "mm^3"),
-    "volume_disc": Source("a measured volume", "disc", "mm^3"),
+    "volume": Source("a measured volume"),
+    "volume_counter": Source("a measured volume", "counter"),
+    "volume_disc": Source("a measured volume", "disc"),
     "scar": Source(_SCAR, "counter", needs=("radius",)),
     "width": Source(_SEGMENT, "disc", needs=("radius", "track_radius")),
-    "section": Source("cross-section of a groove × length", "disc", "mm^2", needs=("length",)),
+    "section": Source("cross-section of a groove × length", "disc", needs=("length",)),
     "profile": Source(_TRACK, "disc", needs=("length",), may_have=("track_width",), file="track"),
     "after": Source(_AFTER, "disc", file="scar"),
     "ball": Source(_BALL, "counter", may_have=("radius",), file="ball"),
 }
 TWO_DIAMETERS = "two diameters of the worn patch; flat cap, its width their mean"
-LENGTHS = {name: None for source in SOURCES.values() for name in source.needs + source.may_have}
+LENGTHS = {name for source in SOURCES.values() for name in source.needs + source.may_have}
 
 
 def sources_of(test: MeasuredTest) -> list[str]:
@@ -78,50 +73,29 @@ def worn_volume(
             raise InputError(f"{named}.{source} needs {named}.{name}, {which}")
     if kind.file is not None:
         return _of_file(kind.file, value, lengths, test.before, preparation)
-    error = uncertainty_of(test, source, named)
-    radius = lengths["radius"] or 0.0
+    (size, error), needed = size_and_error(value), {name: lengths[name] or 0.0 for name in kind.needs}
     match source:
         case "scar":
-            return volumes.cap(*(size.value for size in value), radius=radius, error=error)
+            known = any(each.error is not None for each in value)
+            return volumes.cap(*(d.value for d in value), **needed, error=error if known else None)
         case "section":
-            return volumes.groove(value.value, length=lengths["length"] or 0.0, error=error)
+            return volumes.groove(size, **needed, error=error)
         case "width":
-            track = lengths["track_radius"] or 0.0
-            return volumes.circular_track(value.value, radius=radius, track_radius=track, error=error)
-    return volumes.volume_given(value.value, error=error)
-
-
-def uncertainty_of(test: MeasuredTest, source: str, named: str) -> float | None:
-    """Return the standard uncertainty of what was measured, None where unknown. Raises InputError.
-
-    Two diameters count alike.
-    """
-    value = getattr(test, source)
-    sizes = value if source == "scar" else (value,)
-    errors = [size.error for size in sizes if size.error is not None]
-    if test.uncertainty is None:
-        return math.sqrt(sum(e * e for e in errors) / len(errors)) if errors else None
-    label = f"{named}.uncertainty"
-    if errors:
-        raise InputError(f"{label} and {named}.{source} with +- exclude each other: both say the uncertainty")
-    return quantity(label, test.uncertainty, SOURCES[source].unit, allowed=NOT_NEGATIVE)
+            return volumes.circular_track(size, **needed, error=error)
+    return volumes.volume_given(size, error=error)
 
 
 def _check(test: MeasuredTest, source: str, named: str, preparation: Preparation) -> None:
     """Raise InputError for keys of a test, or a preparation, that do not go with what was measured."""
     kind, label = SOURCES[source], f"{named}.{source}"
     goes = [SOURCES[name] for name in sources_of(test)]
-    for name in test.model_fields_set & LENGTHS.keys():
+    for name in test.model_fields_set & LENGTHS:
         if not any(name in one.needs + one.may_have for one in goes):
             allowed = ", ".join(f"{named}.{n}" for n in kind.needs + kind.may_have) or "no length"
             raise InputError(f"{named}.{name} is not for {label}: allowed with it is {allowed}")
     prepared = [name.replace("_", "-") for name, value in preparation.items() if value is not None]
     if kind.file is None and prepared:
         raise InputError(f"--{prepared[0]} is not for {label}: it prepares a measured file")
-    if kind.file is not None and test.uncertainty is not None:
-        raise InputError(
-            f"{named}.uncertainty is not for {label}: a topography brings its own standard error"
-        )
     if source == "ball" and "level" in prepared:
         raise InputError(f"--level is not for {label}: its form is the sphere through what is unworn")
     if test.before is not None and source not in ("profile", "after"):

@@ -16,11 +16,11 @@ from warpwear.calibration.measurements import (
     Value,
     conditions_of,
     in_file,
-    mean_diameter,
+    size_and_error,
     tests_of,
+    weighted,
 )
-from warpwear.calibration.repeats import Repeats
-from warpwear.calibration.worn import SOURCES, sources_of, uncertainty_of, worn_volume
+from warpwear.calibration.worn import SOURCES, sources_of, worn_volume
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import printed
@@ -158,9 +158,9 @@ def data_of(study: Study, tests: Tests, *, columns: str | None = None) -> Data:
         _check_conditions(study, test, named)
         if test.record is not None:
             courses.append(_course(study, test.record, columns))
-        both += [_measured(study, test, kind, named) for kind in KINDS if getattr(test, kind) is not None]
-        for source in set(sources_of(test)) - KINDS.keys():
-            both.append(_of_volume(study, test, source, named))
+        sources = [name for name in sources_of(test) if name not in KINDS]
+        sources += [kind for kind in KINDS if getattr(test, kind) is not None]
+        both += [_measured(study, test, source, f"{named}.{source}") for source in sources]
     if not courses and not both:
         raise InputError("nothing was measured: give a course of friction, a volume or a scar")
     points = tuple(value for value in both if value.kind == "friction")
@@ -185,8 +185,8 @@ def _repeated(values: list[Measured]) -> tuple[list[Measured], list[str]]:
     notes = []
     for kind in dict.fromkeys(value.kind for value in values):
         same = [value for value in values if value.kind == kind]
-        ratio = Repeats([value.value for value in same], [value.error for value in same]).birge
-        if ratio > 1.0:
+        found = weighted([value.value for value in same], [value.error for value in same])
+        if found is not None and (ratio := found[2]) > 1.0:
             values = [replace(v, error=ratio * v.error) if v.kind == kind else v for v in values]
             notes.append(
                 f"{KINDS[kind][1]}: {len(same)} tests scatter {ratio:.2g} times as much as their "
@@ -195,43 +195,33 @@ def _repeated(values: list[Measured]) -> tuple[list[Measured], list[str]]:
     return values, notes
 
 
-def _of_volume(study: Study, test: MeasuredTest, source: str, named: str) -> Measured:
-    """Find the worn volume of a body from what tells nothing else. Raises InputError."""
-    body, label = SOURCES[source].worn, f"{named}.{source}"
-    if body is None:
-        raise InputError(f"{label} is of a body that is not known: give volume_counter or volume_disc")
-    worn = worn_volume(test, source, named, own=conditions_of(study), preparation={})
-    return _checked(Measured(f"volume_{body}", worn.volume, worn.error or 0.0), label)
-
-
-def _measured(study: Study, test: MeasuredTest, kind: str, named: str) -> Measured:
-    """Check a value of `KINDS` against the study. Raises InputError."""
-    label, said, at, total = f"{named}.{kind}", getattr(test, kind), None, study.sliding.total
-    value, error = said[:2] if kind != "scar" else mean_diameter(said)
-    error = uncertainty_of(test, kind, named) or error or 0.0
+def _measured(study: Study, test: MeasuredTest, kind: str, label: str) -> Measured:
+    """Check a value of `KINDS` against the study, or make one of a body's worn volume. Raises InputError."""
+    at, total = None, study.sliding.total
+    if kind not in KINDS:
+        if (body := SOURCES[kind].worn) is None:
+            raise InputError(f"{label} is of a body that is not known: give volume_counter or volume_disc")
+        worn = worn_volume(test, kind, label.rpartition(".")[0], own=conditions_of(study), preparation={})
+        kind, value, error = f"volume_{body}", worn.volume, worn.error
+    else:
+        value, error = size_and_error(getattr(test, kind))
     if kind == "friction":
-        at = total if said.at is None else said.at
+        at = getattr(test, kind).at or total
         check_cof(label, np.array([at]), np.array([value]))
         if not 0.0 < at <= total * (1.0 + 1e-9):
             raise InputError(f"{label}: the study slides {total:g} mm, and not to {at:g} mm")
     if kind == "scar" and value > min(*study.grid.sides, 2.0 * (study.counter.radius or np.inf)):
-        raise InputError(
-            f"{label}: the scar is larger than the field of the study, {study.grid.size} (grid.extent)"
-        )
+        size = study.grid.size
+        raise InputError(f"{label}: the scar is larger than the field of the study, {size} (grid.extent)")
     if kind == "section" and study.sliding.stroke is None:
         raise InputError(f"{label} needs sliding.stroke in the study: section × stroke is the disc's volume")
-    return _checked(Measured(kind, value, error, at), label)
-
-
-def _checked(measured: Measured, label: str) -> Measured:
-    """Return a value that has an uncertainty whose square is in the range of numbers. Raises InputError."""
-    if not PARTS[0] <= measured.error / measured.value <= PARTS[1]:
+    if not PARTS[0] <= (part := (error or 0.0) / value) <= PARTS[1]:
         least, most = PARTS
         raise InputError(
-            f"{label}: the standard uncertainty is {measured.error / measured.value:.3g} of the value, and "
-            f"allowed is {least:g} to {most:g}; write it behind the value, such as '0.80 +- 0.02 mm'"
+            f"{label}: the standard uncertainty is {part:.3g} of the value, and allowed is {least:g} to "
+            f"{most:g}; write it behind the value, such as '0.80 +- 0.02 mm'"
         )
-    return measured
+    return Measured(kind, value, error or 0.0, at)
 
 
 def _course(study: Study, experiment: Experiment | str | Path, columns: str | None) -> MeasuredCourse:
