@@ -103,9 +103,7 @@ class WearCalibration(Calibration):
 
     @property
     def _title(self) -> str:
-        works = {
-            load.value * distance.value for load, distance in zip(self.loads, self.distances, strict=True)
-        }
+        works = {f.value * d.value for f, d in zip(self.loads, self.distances, strict=True)}
         work = f", F L = {1e-3 * works.pop():.5g} N·m" if len(works) == 1 else ""
         return f"wear coefficient K = V/(F L){work}"
 
@@ -257,14 +255,13 @@ def calibrate_wear(
     >>> warpwear.calibrate_wear(tests=volumes, load="8 N", distance="2400 mm")
     <wear coefficient K = (1.016 ± 0.078)e-3 mm³/(N·m), tests: 2>
     """
-    sections: dict[str, Any] = {}
     if isinstance(tests, str | Path):
         sections, tests = in_file(tests)
-    own = conditions_of(Study(**sections)) if sections else {}
+        own = {name: sections[name] for name in sections.keys() - {"infer", "sweep"}}
+        alike = (conditions_of(Study(**own)) if own else {}) | alike
     checked = {f"test.{number}": test for number, test in enumerate(tests_of(tests, **alike), 1)}
-    measured = [
-        (n, name) for n, test in checked.items() for name in sources_of(test) if source in (None, name)
-    ]
+    every = ((named, name) for named, test in checked.items() for name in sources_of(test))
+    measured = [(named, name) for named, name in every if source in (None, name)]
     labels: dict[str, str] = {}
     for named, name in measured:
         labels.setdefault(name, f"{named}.{name}")
@@ -284,20 +281,17 @@ def calibrate_wear(
     elif name == "scar" and all(len(test.scar) > 1 for test in checked.values() if test.scar):
         relation = TWO_DIAMETERS
     taken = {named: checked[named] for named, _ in measured}
-    work = {"load": "the normal load of the test, a force such as '8 N'", "distance": "how far it slid"}
-    did: dict[str, list[Value]] = {key: [] for key in work}
     for named, test in taken.items():
-        for key, what in work.items():
-            value = getattr(test, key) or (Value(own[key]) if own.get(key) else None)
-            if value is None:
-                raise InputError(f"{named}.{key} is missing: {what}")
-            did[key].append(value)
+        if test.load is None:
+            raise InputError(f"{named}.load is missing: the normal load of the test, a force such as '8 N'")
+        if test.distance is None:
+            raise InputError(f"{named}.distance is missing: how far it slid, a length such as '2400 mm'")
     prepared = preparation or {}
-    worn = [worn_volume(test, name, named, own=own, preparation=prepared) for named, test in taken.items()]
+    worn = [worn_volume(test, name, named, preparation=prepared) for named, test in taken.items()]
     return WearCalibration(
         volumes=tuple(worn),
-        loads=tuple(did["load"]),
-        distances=tuple(did["distance"]),
+        loads=tuple(test.load for test in taken.values() if test.load),
+        distances=tuple(test.distance for test in taken.values() if test.distance),
         hardness=optional("--hardness", hardness, "MPa"),
         relation=relation,
         worn=SOURCES[name].worn,

@@ -4,10 +4,10 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from inspect import unwrap
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from warpwear.calibration import worn
 from warpwear.calibration.coefficient import calibrate_wear
 from warpwear.calibration.strength import calibrate_friction
 from warpwear.errors import InputError
@@ -50,18 +50,22 @@ def wear(file: Path | None, preparation: Preparation, *, as_json: bool, **texts:
     if o["--diameter"] is not None:
         o.refuse("--radius", why="and --diameter exclude each other: both say how large the ball is")
         o["radius"] = f"{0.5 * quantity('--diameter', o['--diameter'], 'mm')!r} mm"
-    alike = {option.strip("-").replace("-", "_"): o[option] for option in SAME if o[option] is not None}
+    alike = {option[2:].replace("-", "_"): o[option] for option in SAME if o[option] is not None}
     tests: Any = file
     if file is None and not sources:
         raise InputError(f"what was measured is missing: FILE, or one of {', '.join(SOURCES)}")
     if file is None:
         tests = [{SOURCES[option]: value} for option, values in sources.items() for value in values]
-        before = o["--before"] or ()
-        if (before or "--after" in sources) and len(before) != len(tests):
-            option = next(iter(sources), "--after")
-            raise InputError(
-                f"--before is given {len(before)} times, {option} {len(tests)}: each needs its own"
-            )
+        option, before = next(iter(sources)), o["--before"] or ()
+        goes = worn.SOURCES[SOURCES[option]].needs + worn.SOURCES[SOURCES[option]].may_have
+        for name in [name for name in alike if name not in (*goes, "load")] if len(sources) == 1 else ():
+            allowed = ", ".join(map(flag, goes)) or "no length"
+            raise InputError(f"{flag(name)} is not for {option}: allowed with it is {allowed}")
+        if before and option not in ("--track", "--after"):
+            raise InputError(f"--before is not for {option}: allowed is it with --track and --after")
+        if (before or option == "--after") and len(before) != len(tests):
+            times = f"{len(before)} times, {option} {len(tests)}"
+            raise InputError(f"--before is given {times}: each needs its own")
         for test, earlier in zip(tests, before, strict=False):
             test["before"] = earlier
         _add_stroke(alike, o, grooves=sources.keys() & {"--section", "--track"})
@@ -80,17 +84,14 @@ def wear(file: Path | None, preparation: Preparation, *, as_json: bool, **texts:
         raise InputError(text) from error.__cause__
 
 
-def _with_errors(option: str, values: Sequence[Any], error: str | None) -> list[Any]:
+def _with_errors(option: str, values: Sequence[Any], error: str | None) -> Sequence[Any]:
     """Write the uncertainty behind each value, if one is given for all. Raises InputError."""
     if error is None:
-        return list(values)
-    for text in chain.from_iterable([v] if isinstance(v, str | Path) else v for v in values):
-        if isinstance(text, Path):
-            raise InputError(f"--uncertainty is not for {option}: a file brings its own standard error")
-        if "+-" in text or "±" in text:
-            raise InputError(
-                f"--uncertainty and {option} with +- exclude each other: both say the uncertainty"
-            )
+        return values
+    if isinstance(values[0], Path):
+        raise InputError(f"--uncertainty is not for {option}: a file brings its own standard error")
+    if re.search(r"\+-|±", str(values)):
+        raise InputError(f"--uncertainty and {option} with +- exclude each other: both say the uncertainty")
     return [f"{v} +- {error}" if isinstance(v, str) else [f"{d} +- {error}" for d in v] for v in values]
 
 

@@ -155,11 +155,12 @@ def in_file(path: str | Path) -> tuple[dict[str, Any], Any]:
     return sections, tests
 
 
-def conditions_of(study: Study) -> dict[str, float | None]:
-    """Name what a study says of a test: load [N], lengths [mm]."""
-    sliding = study.sliding
-    own = {"load": study.contact.load, "distance": sliding.total, "radius": study.counter.radius}
-    return own | {"length": sliding.stroke, "track_radius": sliding.track_radius}
+def conditions_of(study: Study) -> dict[str, Any]:
+    """Return what a study says of a test, as a table of it has it: load, distance and lengths."""
+    sliding, load = study.sliding, study.contact.load
+    lengths = {"radius": study.counter.radius, "length": sliding.stroke, "track_radius": sliding.track_radius}
+    known = {name: (size, "mm") for name, size in lengths.items() if size and math.isfinite(size)}
+    return {"load": Value(load), "distance": Value(sliding.total)} | known
 
 
 def size_and_error(value: Any) -> tuple[float, float | None]:

@@ -1,7 +1,7 @@
 """Kinds of measurement from which a worn volume follows, and the volume of each."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from warpwear.calibration import wear as volumes
@@ -43,7 +43,6 @@ SOURCES = {
     "ball": Source(_BALL, "counter", may_have=("radius",), file="ball"),
 }
 TWO_DIAMETERS = "two diameters of the worn patch; flat cap, its width their mean"
-LENGTHS = {name for source in SOURCES.values() for name in source.needs + source.may_have}
 
 
 def sources_of(test: MeasuredTest) -> list[str]:
@@ -52,28 +51,18 @@ def sources_of(test: MeasuredTest) -> list[str]:
 
 
 def worn_volume(
-    test: MeasuredTest,
-    source: str,
-    named: str,
-    *,
-    own: Mapping[str, float | None],
-    preparation: Preparation,
+    test: MeasuredTest, source: str, named: str, *, preparation: Preparation
 ) -> volumes.WornVolume:
     """Find the volume that was worn in a test.
 
-    source: of `SOURCES`; named: what sentences call the test; own: lengths [mm] where the test has none;
-    preparation: keys of [disc], as text, for a measured file. Raises InputError.
+    source: of `SOURCES`; named: what sentences call the test; preparation: keys of [disc], as text, for a
+    measured file. Raises InputError.
     """
     kind, value = SOURCES[source], getattr(test, source)
     _check(test, source, named, preparation)
-    lengths = {name: getattr(test, name) or own.get(name) for name in LENGTHS}
-    for name in kind.needs:
-        if lengths[name] is None:
-            which = "that of the whole track, such as '30 mm'" if name == "length" else "such as '3 mm'"
-            raise InputError(f"{named}.{source} needs {named}.{name}, {which}")
     if kind.file is not None:
-        return _of_file(kind.file, value, lengths, test.before, preparation)
-    (size, error), needed = size_and_error(value), {name: lengths[name] or 0.0 for name in kind.needs}
+        return _of_file(kind.file, value, test, preparation)
+    (size, error), needed = size_and_error(value), {name: getattr(test, name) for name in kind.needs}
     match source:
         case "scar":
             known = any(each.error is not None for each in value)
@@ -88,36 +77,30 @@ def worn_volume(
 def _check(test: MeasuredTest, source: str, named: str, preparation: Preparation) -> None:
     """Raise InputError for keys of a test, or a preparation, that do not go with what was measured."""
     kind, label = SOURCES[source], f"{named}.{source}"
-    goes = [SOURCES[name] for name in sources_of(test)]
-    for name in test.model_fields_set & LENGTHS:
-        if not any(name in one.needs + one.may_have for one in goes):
-            allowed = ", ".join(f"{named}.{n}" for n in kind.needs + kind.may_have) or "no length"
-            raise InputError(f"{named}.{name} is not for {label}: allowed with it is {allowed}")
+    for name in kind.needs:
+        if getattr(test, name) is None:
+            which = "that of the whole track, such as '30 mm'" if name == "length" else "such as '3 mm'"
+            raise InputError(f"{label} needs {named}.{name}, {which}")
     prepared = [name.replace("_", "-") for name, value in preparation.items() if value is not None]
     if kind.file is None and prepared:
         raise InputError(f"--{prepared[0]} is not for {label}: it prepares a measured file")
     if source == "ball" and "level" in prepared:
         raise InputError(f"--level is not for {label}: its form is the sphere through what is unworn")
-    if test.before is not None and source not in ("profile", "after"):
-        raise InputError(
-            f"{named}.before is not for {label}: allowed is it with {named}.profile and {named}.after"
-        )
     if test.before is None and source == "after":
         raise InputError(f"{label} needs {named}.before, the same place before the test")
 
 
-def _of_file(
-    kind: Kind, file: Any, lengths: dict[str, float | None], before: Any, preparation: Preparation
-) -> volumes.WornVolume:
+def _of_file(kind: Kind, file: Any, test: MeasuredTest, preparation: Preparation) -> volumes.WornVolume:
     """Find the volume that a track, a scar or a ball lost from a topography, or from a profile of a track.
 
-    lengths [mm]; before: the file of the same place before the test, or None. Raises InputError.
+    Raises InputError.
     """
-    sizes: Any = {"width": lengths["track_width"], "radius": lengths["radius"]}
-    worn = worn_in(file, kind, preparation, before=before, **sizes)
+    before = None if test.before is None else Path(test.before)
+    sizes: Any = {"width": test.track_width, "radius": test.radius}
+    worn = worn_in(Path(file), kind, preparation, before=before, **sizes)
     body, depth, more = worn.body, worn.body.depth, ""
     if kind == "track":
-        length = lengths["length"] or 0.0
+        length = test.length or 0.0
         if length < body.length * (1.0 - 1e-9):
             raise InputError(
                 f"length is {length:g} mm: allowed is at least the piece in {file}, {body.length:g} mm"
@@ -134,7 +117,7 @@ def _of_file(
         measured = f"scar {body.along:.4g} × {body.across:.4g} mm, {before} laid over it and taken off"
     else:
         volume, error = body.volume, body.volume_error
-        counter = f"{body.sphere.radius:.5g} mm ({'given' if lengths['radius'] else 'fitted'})"
+        counter = f"{body.sphere.radius:.5g} mm ({'given' if test.radius else 'fitted'})"
         measured = f"patch {body.along:.4g} × {body.across:.4g} mm on a radius of {counter}"
     if volume <= 0.0:
         raise InputError(f"{file} has lost no volume: {volume:.3g} ± {error:.2g} mm³; a loss is needed")

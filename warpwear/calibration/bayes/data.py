@@ -152,10 +152,11 @@ def data_of(study: Study, tests: Tests, *, columns: str | None = None) -> Data:
     columns: of records. Raises InputError for what does not go with the study.
     """
     courses, both = [], []
-    checked = tests_of(in_file(tests)[1] if isinstance(tests, str | Path) else tests)
-    for number, test in enumerate(checked, 1):
+    tables, own = in_file(tests)[1] if isinstance(tests, str | Path) else tests, conditions_of(study)
+    (same,) = tests_of([own])
+    for number, test in enumerate(tests_of(tables, **own), 1):
         named = f"test.{number}"
-        _check_conditions(study, test, named)
+        _check_conditions(test, named, same)
         if test.record is not None:
             courses.append(_course(study, test.record, columns))
         sources = [name for name in sources_of(test) if name not in KINDS]
@@ -168,16 +169,17 @@ def data_of(study: Study, tests: Tests, *, columns: str | None = None) -> Data:
     return Data(tuple(courses), points, tuple(values), tuple(notes))
 
 
-def _check_conditions(study: Study, test: MeasuredTest, named: str) -> None:
-    """Raise InputError for a test that is not the study's."""
-    for name, own in conditions_of(study).items():
-        said = getattr(test, name)
-        value, error = said[:2] if isinstance(said, Value) else (said, None)
-        if error is not None:
-            raise InputError(f"{named}.{name} has an uncertainty: an inference takes it as exact")
-        if value is not None and not math.isclose(value, own or math.nan, rel_tol=OFF):
-            has = "none" if own is None else f"{own:g}"
-            raise InputError(f"{named}.{name} is {value:g}, and the study has {has}: they have to agree")
+def _check_conditions(test: MeasuredTest, named: str, own: MeasuredTest) -> None:
+    """Raise InputError for a test that is not the study's own."""
+    for name in ("load", "distance", "radius", "length", "track_radius"):
+        here, there = getattr(test, name), getattr(own, name)
+        if isinstance(here, Value):
+            if here.error is not None:
+                raise InputError(f"{named}.{name} has an uncertainty: an inference takes it as exact")
+            here, there = here.value, there.value
+        if here is not None and not math.isclose(here, there or math.nan, rel_tol=OFF):
+            has = "none" if there is None else f"{there:g}"
+            raise InputError(f"{named}.{name} is {here:g}, and the study has {has}: they have to agree")
 
 
 def _repeated(values: list[Measured]) -> tuple[list[Measured], list[str]]:
@@ -201,7 +203,7 @@ def _measured(study: Study, test: MeasuredTest, kind: str, label: str) -> Measur
     if kind not in KINDS:
         if (body := SOURCES[kind].worn) is None:
             raise InputError(f"{label} is of a body that is not known: give volume_counter or volume_disc")
-        worn = worn_volume(test, kind, label.rpartition(".")[0], own=conditions_of(study), preparation={})
+        worn = worn_volume(test, kind, label.rpartition(".")[0], preparation={})
         kind, value, error = f"volume_{body}", worn.volume, worn.error
     else:
         value, error = size_and_error(getattr(test, kind))
