@@ -101,7 +101,6 @@ class WearCalibration(Calibration):
         """Return k of V = k F L/H (thesis eq 4.12), None without a hardness."""
         return None if self.hardness is None else self.mean * self.hardness
 
-    @property
     def _title(self) -> str:
         works = {f.value * d.value for f, d in zip(self.loads, self.distances, strict=True)}
         work = f", F L = {1e-3 * works.pop():.5g} N·m" if len(works) == 1 else ""
@@ -111,7 +110,6 @@ class WearCalibration(Calibration):
         k = _k("K", self.mean, self.uncertainty)
         return f"<wear coefficient K = {k.text}, tests: {len(self.volumes)}>"
 
-    @property
     def _rows(self) -> list[Row]:
         count, deviation, error = len(self.volumes), self.deviation, self.uncertainty
         note, scatter, by_hardness = "; its uncertainty is unknown", "", ""
@@ -135,13 +133,12 @@ class WearCalibration(Calibration):
             Row("", "count", count),
             Row("scatter", "standard_deviation_mm3_per_Nm", spread, digits=2, note=scatter, scientific=True),
             Row("", "standard_error_mm3_per_Nm", times(1e3, error) if count > 1 else None),
-            *self._weighted,
+            *self._weighted(),
             Row("", "uses", "exact"),
             Row("in a study", "", in_study),
-            Row("", "tests", self._table),
+            Row("", "tests", self._table()),
         ]
 
-    @property
     def _weighted(self) -> list[Row]:
         """Declare the mean by the uncertainties of several tests themselves."""
         if self.weighted is None:
@@ -152,11 +149,10 @@ class WearCalibration(Calibration):
         k = Row("weighted", key, 1e3 * mean, error=uncertainty, note=note, scientific=True)
         return [k, Row("", "birge_ratio", ratio)]
 
-    @property
     def _table(self) -> list[list[Row]]:
-        return [self._test_rows(test) for test in range(len(self.volumes))]
+        return [self._row(test) for test in range(len(self.volumes))]
 
-    def _test_rows(self, test: int) -> list[Row]:
+    def _row(self, test: int) -> list[Row]:
         """Declare one of the tests."""
         worn, note, worn_too = self.volumes[test], "", ""
         per_work = self.values[test] / worn.volume
@@ -171,14 +167,13 @@ class WearCalibration(Calibration):
             )
         doubted = worn.error is not None and worn.error > worn.volume / 3.0
         warning = "the volume is within three standard uncertainties of nothing" if doubted else None
+        error = "volume_uncertainty_mm3", worn.error
         work = (("  load", "load_N", self.loads), ("  distance", "distance_mm", self.distances))
         return [
             Row("measured", "measured", worn.measured),
             *(Row(name, key, of[test].value, digits=6) for name, key, of in work if len({*of}) > 1),
             Row("  depth", "depth_um", times(1e3, worn.depth)),
-            Row(
-                "  volume", "volume_mm3", worn.volume, digits=5, error=("volume_uncertainty_mm3", worn.error)
-            ),
+            Row("  volume", "volume_mm3", worn.volume, digits=5, error=error),
             Row("  uncertainty", "uncertainty_from", worn.error_from),
             Row("  approximation", "volume_by_approximation_mm3", worn.approximate, digits=5, note=note),
             _k("  K", self.values[test], self.errors[test]),

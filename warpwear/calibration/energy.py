@@ -55,39 +55,33 @@ class EnergyCalibration(Calibration):
         """Coefficient of friction, mean over the distance."""
         return 1e3 * self.energy / (self.load * self.distance)
 
-    @property
     def _title(self) -> str:
-        return f"dissipated energy ∫ μ F dL = {self._energy.text}"
+        return f"dissipated energy ∫ μ F dL = {self._energy().text}"
 
-    @property
     def _energy(self) -> Row:
         return Row("", "energy_J", self.energy, digits=5)
 
-    @property
     def _table(self) -> list[list[Row]]:
         return [self.at(speed) for speed in self.speeds]
 
-    @property
     def _rows(self) -> list[Row]:
-        worn = Row(
-            "worn volume", "wear_mm3_per_J", self.wear_per_energy, unit="mm³/J", note="of friction energy"
-        )
+        worn, of = self.wear_per_energy, "of friction energy"
         cof = [Row("mean over the distance", "cof_mean", self.cof), Row("end", "cof_end", self.cof_end)]
         rate = "the energy is the same at every speed; only time, power and PV change with it"
         return [
             Row("source", "source", self.source),
-            self._energy,
-            *([worn] if self.wear_per_energy else ()),
+            self._energy(),
+            *([Row("worn volume", "wear_mm3_per_J", worn, unit="mm³/J", note=of)] if worn else ()),
             Row("distance", "distance_mm", self.distance, digits=6),
             Row("load", "load_N", self.load, digits=6),
             Row("coefficient", "", cof),
             Row("mean pressure", "pressure_MPa", self.pressures, note="at the end"),
             Row("rate-independent", "rate_independent", True, sentence=rate),
-            Row("", "speeds", self._table),
+            Row("", "speeds", self._table()),
         ]
 
     def __str__(self) -> str:
-        return "\n".join([self._title, *lines(self._rows[:-1]), *table(self._table)])
+        return "\n".join([self._title(), *lines(self._rows()[:-1]), *table(self._table())])
 
     def at(self, speed: float) -> list[Row]:
         """Declare what depends on the speed [mm/s], which the energy does not."""

@@ -33,8 +33,6 @@ class LoopCalibration(Calibration):
     ----------
     coefficient : float or None
         Coefficient of friction by the energy; None of partial slip, which tells none.
-    coefficient_least : float
-        The largest force over the load.
     force, load : float
         Largest friction force, and normal load [N].
     slip, travel : float
@@ -70,23 +68,16 @@ class LoopCalibration(Calibration):
         return self.energy / (2.0 * self.slip * self.load) if self.energy_ratio > PARTIAL else None
 
     @property
-    def coefficient_least(self) -> float:
-        """Return the largest force over the load."""
-        return self.force / self.load
-
-    @property
     def rig(self) -> float | None:
         """Return the compliance of the rig [mm/N]; None where that of the contact is not known."""
         return None if self.contact is None else max(self.compliance - self.contact, 0.0)
 
-    @property
     def _title(self) -> str:
         return f"one cycle of {self.points} points"
 
-    @property
     def _rows(self) -> list[Row]:
         partial = "" if self.coefficient is not None else "partial slip: it tells no μ"
-        least, ratio = self.coefficient_least, self.energy_ratio
+        least, ratio = self.force / self.load, self.energy_ratio
         behind, contact, rig = (times(1e3, c) for c in (self.compliance, self.contact, self.rig))
         rows = [
             Row("source", "source", self.source),
@@ -107,21 +98,16 @@ class LoopCalibration(Calibration):
             Row("behind the tips", "compliance_um_per_N", behind, unit="µm/N", note="yields in all"),
         ]
         if contact is not None:
-            rows += [
-                Row("of the contact", "contact_um_per_N", contact, unit="µm/N", note="(Mindlin, unworn)"),
-                Row("of the rig", "rig_compliance_um_per_N", rig, unit="µm/N"),
-            ]
-        return [*rows, Row("in a study", "", self._in_study)]
-
-    @property
-    def _in_study(self) -> str:
-        """Write keys of a study with these numbers."""
+            note = "(Mindlin, unworn)"
+            rows.append(Row("of the contact", "contact_um_per_N", contact, unit="µm/N", note=note))
+            rows.append(Row("of the rig", "rig_compliance_um_per_N", rig, unit="µm/N"))
         keys = f'[sliding] stroke = "{1e3 * self.slip:.4g} um"'
         if self.coefficient is not None:
             keys = f'[friction] law = "coulomb", coefficient = {self.coefficient:.3g}; {keys}'
         else:
             keys = f'[sliding] force = "{self.force:.4g} N"'
-        return keys + ("" if self.rig is None else f', rig_compliance = "{1e3 * self.rig:.3g} um/N"')
+        keys += "" if rig is None else f', rig_compliance = "{rig:.3g} um/N"'
+        return [*rows, Row("in a study", "", keys)]
 
 
 @parameters_named
@@ -163,7 +149,7 @@ def calibrate_loop(
     >>> loop = warpwear.calibrate_loop("loop.csv", load="20 N")
     >>> loop
     <one cycle of 629 points>
-    >>> round(loop.coefficient_least, 3)
+    >>> round(loop.force / loop.load, 3)
     0.6
     """
     if study is not None and load is not None:

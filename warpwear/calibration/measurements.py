@@ -44,13 +44,13 @@ class WithError:
         """Return the number. Raises ValueError, saying what is allowed."""
         if value is None or isinstance(value, Value):
             return value
-        at, errors = None, []
+        at, error = None, None
         if not self.unit and isinstance(value, str) and (place := _AT.fullmatch(value.strip())):
             value, at = place["value"], parse(place["at"], "mm")
         if isinstance(value, str) and (parts := _WRITTEN.fullmatch(value.strip())):
             value = f"{parts['value']} {parts['own'] or parts['unit']}"
-            errors = [self._number(f"{parts['error']} {parts['unit']}", NOT_NEGATIVE)]
-        return Value(self._number(value, POSITIVE), *errors, at=at)
+            error = self._number(f"{parts['error']} {parts['unit']}", NOT_NEGATIVE)
+        return Value(self._number(value, POSITIVE), error, at)
 
     def _number(self, value: Any, allowed: Range) -> float:
         if self.unit:

@@ -16,26 +16,23 @@ class Calibration:
     `to_dataframe` its rows.
     """
 
-    @property
     def _title(self) -> str:
         """Say in a line what was found."""
         raise NotImplementedError
 
-    @property
     def _rows(self) -> list[Row]:
         """Declare all numbers, as they are printed."""
         raise NotImplementedError
 
-    @property
     def _table(self) -> list[list[Row]]:
         """Declare the rows of the table, by default one with all numbers."""
-        return [self._rows]
+        return [self._rows()]
 
     def __repr__(self) -> str:
-        return f"<{self._title}>"
+        return f"<{self._title()}>"
 
     def __str__(self) -> str:
-        return "\n".join([self._title, *lines(self._rows)])
+        return "\n".join([self._title(), *lines(self._rows())])
 
     def _repr_html_(self) -> str:
         return f"<pre>{escape(str(self))}</pre>"
@@ -48,7 +45,7 @@ class Calibration:
         dict
             The same names and numbers as the command prints with ``--json``.
         """
-        return dict(without_nan(record(self._rows)))
+        return dict(without_nan(record(self._rows())))
 
     def to_dataframe(self) -> Any:
         """Return the rows of the table as a ``pandas.DataFrame``.
@@ -63,4 +60,4 @@ class Calibration:
         InputError
             Where pandas is not installed.
         """
-        return package("pandas", "to_dataframe").json_normalize([record(row) for row in self._table])
+        return package("pandas", "to_dataframe").json_normalize([record(row) for row in self._table()])

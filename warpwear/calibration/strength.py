@@ -24,7 +24,6 @@ WORDS = {
     "cumulative": "running sum",
     "nominal": "nominal (the scar as an ellipse)",
 }
-AREAS = tuple(WORDS)
 INDEPENDENT = "points scatter as much: the errors allow for scatter that goes together"
 ADVICE = "τ0 belongs to its area and to the moment it was fixed at: choose both by the physics, not by τ0"
 
@@ -49,19 +48,16 @@ class FrictionCalibration(Calibration):
     areas: Mapping[str, list[Row]] = field(default_factory=dict)
     after: tuple[Row, ...] = ()
 
-    @property
     def _title(self) -> str:
         return self.title
 
-    @property
     def _rows(self) -> list[Row]:
         areas = [Row("", "areas", self.areas)] if self.areas else []
         return [*self.rows, *areas, *self.after]
 
-    @property
     def _table(self) -> list[list[Row]]:
         named = [[Row("", "name", name), *rows[1:]] for name, rows in self.areas.items()]
-        return named or [self._rows]
+        return named or [self._rows()]
 
     def __str__(self) -> str:
         if not self.areas:
@@ -145,8 +141,8 @@ def calibrate_friction(
 
 def _name(area: str | None) -> str | None:
     """Check the name of a run's area, if there is one. Raises InputError."""
-    if area is not None and area not in AREAS:
-        raise InputError(f"--area is {area!r}: allowed with --result is one of {', '.join(AREAS)}")
+    if area is not None and area not in WORDS:
+        raise InputError(f"--area is {area!r}: allowed with --result is one of {', '.join(WORDS)}")
     return area
 
 
@@ -184,7 +180,7 @@ def _of_run(folder: Path, cof: float, ploughing: float | None, area: str | None)
     law = _law(study, folder, coefficient=cof, ploughing=ploughing)
     taus = law.calibrations(history, load=load, hardness=study.indentation_hardness, laps=laps)
     sizes: dict[str, list[Row]] = {}
-    for name in AREAS if area is None else (area,):
+    for name in WORDS if area is None else (area,):
         columns = history, history[f"area_{name}"]
         start, end = (passes.mean_over(*columns, when, laps) for when in passes.WHEN)
         sizes[name] = [
@@ -203,11 +199,7 @@ def _of_run(folder: Path, cof: float, ploughing: float | None, area: str | None)
     )
     hardness = Row("from the hardness, H/(3√3):", "shear_strength_from_hardness_MPa", taus.get("hardness"))
     title = f"shear strength τ0 = (μ0 − μ_p) F/A of {folder} (thesis eq 4.19)"
-    names = [name for name in taus if name == "hardness" or name.rpartition("_")[0] in sizes]
-    strengths = {name: float(taus[name]) for name in names}
-    return FrictionCalibration(
-        shear_strengths=strengths, title=title, rows=head, areas=sizes, after=(hardness,)
-    )
+    return FrictionCalibration(shear_strengths=taus, title=title, rows=head, areas=sizes, after=(hardness,))
 
 
 def _law(study: Study, folder: Path, **measured: float) -> FrictionLaw:

@@ -8,7 +8,8 @@ from typing import Any, ParamSpec, TypeVar
 from warpwear.errors import InputError
 from warpwear.study.units import POSITIVE, Quantity, Range
 
-P, R = ParamSpec("P"), TypeVar("R")
+P = ParamSpec("P")
+R = TypeVar("R")
 _OPTION = re.compile(r"--([a-z]+(?:-[a-z]+)*)")
 #: A coefficient of friction.
 COF = Range(most=3.0)
