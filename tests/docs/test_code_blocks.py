@@ -30,7 +30,7 @@ LEFT_OUT = {
     },
 }
 #: Sections that are no keys of a run.
-OTHER_SECTIONS = ("sweep", "infer")
+OTHER_SECTIONS = ("sweep", "infer", "test")
 
 
 def boxes(page: Path, language: str) -> list[str]:
