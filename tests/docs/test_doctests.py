@@ -11,7 +11,7 @@ import warpwear
 
 #: Names that show by an example how they are used.
 SHOWN = {"Study.replace", "run", "solve_contact", "steps"}
-SHOWN |= {f"calibrate_{what}" for what in ("wear", "friction", "energy", "loop")}
+SHOWN |= {f"calibrate_{what}" for what in ("wear", "coat", "friction", "energy", "loop")}
 
 
 def test_examples_of_docstrings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -187,8 +187,8 @@ def _repeated(values: list[Measured]) -> tuple[list[Measured], list[str]]:
     notes = []
     for kind in dict.fromkeys(value.kind for value in values):
         same = [value for value in values if value.kind == kind]
-        found = weighted([value.value for value in same], [value.error for value in same])
-        if found is not None and (ratio := found[2]) > 1.0:
+        mean = weighted([value.value for value in same], [value.error for value in same])
+        if mean is not None and (ratio := mean[2]) > 1.0:
             values = [replace(v, error=ratio * v.error) if v.kind == kind else v for v in values]
             notes.append(
                 f"{KINDS[kind][1]}: {len(same)} tests scatter {ratio:.2g} times as much as their "
