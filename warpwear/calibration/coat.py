@@ -4,6 +4,7 @@ What coat and substrate lose adds up: F L = V_c/K_c + V_s/K_s, so that F L/V_c o
 (Rutherford and Hutchings, Journal of Testing and Evaluation 25 (1997) 250).
 """
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -154,7 +155,7 @@ def _crater(test: MeasuredTest, named: str) -> tuple[float, ...]:
     if test.load is None or test.distance is None:
         raise InputError(f"{named} needs load and distance, such as '0.4 N' and '20 m'")
     work = test.load.value * test.distance.value
-    error = work * float(np.hypot(*((v.error or 0.0) / v.value for v in (test.load, test.distance))))
+    error = work * math.hypot(*((v.error or 0.0) / v.value for v in (test.load, test.distance)))
     if test.crater is None:
         coat, substrate = test.volume_coat, test.volume_substrate
         if coat is None or not coat.error or (substrate is not None and not substrate.error):
@@ -183,10 +184,11 @@ def _posterior(
         p, q = slopes[..., :1], slopes[..., 1:]
         return np.asarray(error**2 + p**2 * spread[0] + q**2 * spread[1] + 2.0 * p * q * spread[2])
 
-    slopes = np.linalg.lstsq(both / work[:, None], np.ones(work.size), rcond=None)[0]
+    start = np.linalg.lstsq(both / work[:, None], np.ones(work.size), rcond=None)[0]
+    slopes: FloatArray = np.asarray(start, dtype=np.float64)
     for _ in range(50):
         normal = both.T @ (both / variance(slopes)[:, None])
-        slopes = np.linalg.solve(normal, both.T @ (work / variance(slopes)))
+        slopes = np.asarray(np.linalg.solve(normal, both.T @ (work / variance(slopes))))
     if not (slopes > 0.0).all():
         raise InputError("the craters ask for a K below 0: they do not follow F L = V_c/K_c + V_s/K_s")
     ratio = float(np.sqrt(np.sum((work - both @ slopes) ** 2 / variance(slopes)) / (work.size - 2)))

@@ -8,15 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeAlias
 
-from pydantic import ConfigDict, GetCoreSchemaHandler, InstanceOf, ValidationError
+from pydantic import ConfigDict, GetCoreSchemaHandler, InstanceOf
 from pydantic_core import CoreSchema, core_schema
 
-from warpwear.errors import InputError
 from warpwear.measured.experiment import Experiment
 from warpwear.study import loading
 from warpwear.study.keys import Length, Section, declarations, key
 from warpwear.study.study import Study
-from warpwear.study.text import sentence
+from warpwear.study.text import read_section
 from warpwear.study.units import NOT_NEGATIVE, POSITIVE, Number, Quantity, Range, is_pair, parse
 
 #: A value with its standard uncertainty: 0.018 +- 0.001 mm^3, 0.81 mm +- 10 um.
@@ -122,12 +121,6 @@ class MeasuredTest(Section):
     ball: File = key(None, "file of the topography of the worn ball", is_file=True)
 
 
-class _File(Section):
-    """A file may have a list of tests."""
-
-    test: list[MeasuredTest]
-
-
 Tests: TypeAlias = str | Path | Sequence[Mapping[str, Any]]
 #: Keys that name a file.
 FILES = [name for name, declared in declarations(MeasuredTest).items() if declared.is_file]
@@ -141,10 +134,7 @@ def tests_of(tests: Any, **alike: Any) -> list[MeasuredTest]:
     """Check tables of tests. alike: keys that all of them have. Raises InputError."""
     if isinstance(tests, Sequence) and not isinstance(tests, str):
         tests = [{**alike, **test} if isinstance(test, Mapping) else test for test in tests]
-    try:
-        return _File(test=tests).test
-    except ValidationError as error:
-        raise InputError(sentence(error, _File)) from error
+    return list(read_section("test", list[MeasuredTest], tests))
 
 
 def in_file(path: str | Path) -> tuple[dict[str, Any], Any]:

@@ -7,9 +7,9 @@ from reprlib import Repr
 from typing import Any
 
 import tomli_w
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, ValidationError, create_model
 
-from warpwear.errors import printable
+from warpwear.errors import InputError, printable
 from warpwear.study.bodies import CONSTANTS
 from warpwear.study.content import Content
 from warpwear.study.keys import (
@@ -135,6 +135,16 @@ def _short(number: float, unit: str, *, back: float) -> str | None:
     text = f"{number:g} {unit}"
     exact = abs(float(f"{number:g}") * back - number * back) <= 1e-15 * abs(number * back)
     return text if exact or number == float(f"{number:g}") else None
+
+
+def read_section(name: str, kind: Any, content: Any) -> Any:
+    """Return a section that stands beside those of a study. Raises InputError with one sentence."""
+    fields: Any = {name: (kind, ...)}
+    whole = create_model("Whole", **fields)
+    try:
+        return getattr(whole.model_validate({name: content}), name)
+    except ValidationError as error:
+        raise InputError(sentence(error, whole)) from error
 
 
 def sentence(error: ValidationError, model: type[BaseModel]) -> str:

@@ -4,8 +4,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from warpwear.calibration.bayes.data import data_of
 from warpwear.calibration.bayes.infer import infer
 from warpwear.calibration.bayes.report import CALIBRATED, FITTED, content_of
@@ -14,7 +12,7 @@ from warpwear.errors import InputError
 from warpwear.results.report import to_json
 from warpwear.study.keys import Section, dotted, key
 from warpwear.study.study import Study
-from warpwear.study.text import sentence
+from warpwear.study.text import read_section
 
 
 class InferSection(Section):
@@ -27,12 +25,6 @@ class InferSection(Section):
     next: list[str] = key(
         [], 'tests to rank, such as `"contact.load=16 N, repeats=3"`; without them likely ones'
     )
-
-
-class _File(Section):
-    """A study file has one such section."""
-
-    infer: InferSection = InferSection()
 
 
 def calibrate_bayes(
@@ -54,7 +46,10 @@ def calibrate_bayes(
     Raises InputError.
     """
     sections, tests = in_file(study)
-    section = _section(sections.pop("infer", {}))
+    said = sections.pop("infer", {})
+    if isinstance(said, Mapping) and isinstance(said.get("unknown"), Mapping):
+        said = {**said, "unknown": dotted(said["unknown"])}  # unquoted dots make tables in tables
+    section = read_section("infer", InferSection, said)
     changed = Study(**sections).replace(changes)
     priors = {**{name: prior or None for name, prior in section.unknown.items()}, **_unknown(unknown)}
     if isinstance(tests, list):
@@ -81,13 +76,3 @@ def _unknown(texts: Sequence[str]) -> dict[str, str | None]:
             raise InputError(f"--unknown {text!r}: KEY or KEY=PRIOR is expected, a prior as in a sweep")
         priors[name] = prior or None
     return priors
-
-
-def _section(content: Any) -> InferSection:
-    """Read a section [infer]. Raises InputError with one sentence on what is wrong."""
-    if isinstance(content, Mapping) and isinstance(content.get("unknown"), Mapping):
-        content = {**content, "unknown": dotted(content["unknown"])}  # unquoted dots make tables in tables
-    try:
-        return _File(infer=content).infer
-    except ValidationError as error:
-        raise InputError(sentence(error, _File)) from error
