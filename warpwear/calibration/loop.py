@@ -75,6 +75,10 @@ class LoopCalibration(Calibration):
     def _title(self) -> str:
         return f"one cycle of {self.points} points"
 
+    def __repr__(self) -> str:
+        least, slip = self.force / self.load, 1e3 * self.slip
+        return f"<fretting loop: slip {slip:.4g} µm, largest force over the load {least:.3g}>"
+
     def _rows(self) -> list[Row]:
         partial = "" if self.coefficient is not None else "partial slip: it tells no μ"
         least, ratio = self.force / self.load, self.energy_ratio
@@ -146,11 +150,8 @@ def calibrate_loop(
     >>> force = 12.0 * np.clip(3.0 * np.cos(angle - 0.9), -1.0, 1.0)
     >>> rows, names = np.column_stack([20.0 * np.cos(angle), force]), "Displacement [um],Friction force [N]"
     >>> np.savetxt("loop.csv", rows, delimiter=",", header=names, comments="")
-    >>> loop = warpwear.calibrate_loop("loop.csv", load="20 N")
-    >>> loop
-    <one cycle of 629 points>
-    >>> round(loop.force / loop.load, 3)
-    0.6
+    >>> warpwear.calibrate_loop("loop.csv", load="20 N")
+    <fretting loop: slip ... µm, largest force over the load 0.6>
     """
     if study is not None and load is not None:
         raise InputError("--load and --study exclude each other: the study has its load")

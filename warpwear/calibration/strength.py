@@ -51,6 +51,10 @@ class FrictionCalibration(Calibration):
     def _title(self) -> str:
         return self.title
 
+    def __repr__(self) -> str:
+        strengths = ", ".join(f"{name} {tau:.4g}" for name, tau in self.shear_strengths.items())
+        return f"<shear strengths [MPa]: {strengths}>"
+
     def _rows(self) -> list[Row]:
         areas = [Row("", "areas", self.areas)] if self.areas else []
         return [*self.rows, *areas, *self.after]
@@ -114,7 +118,7 @@ def calibrate_friction(
     Examples
     --------
     >>> warpwear.calibrate_friction(area="1.254 mm^2", load="8 N", cof=0.6)
-    <shear strength τ0 = (μ0 − μ_p) F/A = 3.828 MPa (thesis eq 4.19)>
+    <shear strengths [MPa]: given 3.828>
     """
     o = Options(load=load, cof=cof, ploughing=ploughing, columns=columns, stroke=stroke, speed=speed)
     if result is not None:

@@ -177,9 +177,8 @@ def _check_conditions(test: MeasuredTest, named: str, own: MeasuredTest) -> None
             if here.error is not None:
                 raise InputError(f"{named}.{name} has an uncertainty: an inference takes it as exact")
             here, there = here.value, there.value
-        if here is not None and not math.isclose(here, there or math.nan, rel_tol=OFF):
-            has = "none" if there is None else f"{there:g}"
-            raise InputError(f"{named}.{name} is {here:g}, and the study has {has}: they have to agree")
+        if None not in (here, there) and not math.isclose(here, there, rel_tol=OFF):
+            raise InputError(f"{named}.{name} is {here:g}, and the study has {there:g}: they have to agree")
 
 
 def _repeated(values: list[Measured]) -> tuple[list[Measured], list[str]]:
