@@ -16,7 +16,7 @@ from warpwear.study import loading
 from warpwear.study.keys import Length, Section, declarations, key
 from warpwear.study.study import Study
 from warpwear.study.text import read_section
-from warpwear.study.units import NOT_NEGATIVE, POSITIVE, Number, Quantity, Range, is_pair, parse
+from warpwear.study.units import LONGEST_TEXT, NOT_NEGATIVE, POSITIVE, Number, Quantity, Range, is_pair, parse
 
 #: A value with its standard uncertainty: 0.018 +- 0.001 mm^3, 0.81 mm +- 10 um.
 _WRITTEN = re.compile(
@@ -44,9 +44,11 @@ class WithError:
         if value is None or isinstance(value, Value):
             return value
         at, error = None, None
-        if not self.unit and isinstance(value, str) and (place := _AT.fullmatch(value.strip())):
-            value, at = place["value"], parse(place["at"], "mm")
-        if isinstance(value, str) and (parts := _WRITTEN.fullmatch(value.strip())):
+        text = value.strip() if isinstance(value, str) and len(value) <= LONGEST_TEXT else ""
+        if not self.unit and (place := _AT.fullmatch(text)):
+            value = text = place["value"].strip()
+            at = parse(place["at"], "mm")
+        if parts := _WRITTEN.fullmatch(text):
             value = f"{parts['value']} {parts['own'] or parts['unit']}"
             error = self._number(f"{parts['error']} {parts['unit']}", NOT_NEGATIVE)
         return Value(self._number(value, POSITIVE), error, at)
