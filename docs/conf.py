@@ -21,6 +21,7 @@ version = release = __version__
 extensions = [
     "myst_nb",
     "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
     "sphinx_click",
     "sphinx_design",
     "sphinx_copybutton",
@@ -46,6 +47,7 @@ html_search_scorer = str(DOCS / "static" / "scorer.js")
 html_show_search_summary = False  # browsers do not let pages from the file system read each other
 html_math_renderer = "mathml"
 copybutton_prompt_text = "$ "
+napoleon_google_docstring = False  # sections of docstrings are those of numpydoc
 autodoc_typehints = "signature"
 autodoc_member_order = "bysource"
 python_maximum_signature_line_length = 88

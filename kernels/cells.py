@@ -193,6 +193,7 @@ class Sources:
     wear_counter: wp.array2d(dtype=Cells)  # where there are layers [mm]
     wear_disc: wp.array2d(dtype=Cells)  # where there are layers or a curve [mm]
     layered: wp.int32  # 1 where bodies have materials by worn depth
+    largest_shear: wp.float64  # of cells over their pressure and the bodies' strength [1/MPa]
     disc_rows: wp.int32  # rows of a disc that may be displaced; 0 of none
     stiffens: wp.int32  # 1 where the stiffness of every cell is made with the others
 

@@ -234,8 +234,7 @@ def _check_plausible(
             f"disc.surface '{name}' has Sq = {sq:.3g} mm after levelling: allowed is at most {LARGEST_SQ:g} "
             f"mm, {advice}"
         )
-    steps = [np.diff(heights, axis=axis) / pixel[axis] for axis in (0, 1)]
-    valid = [s[~np.isnan(s)] for s in steps]
+    valid = [s[~np.isnan(s)] for s in [np.diff(heights, axis=axis) / pixel[axis] for axis in (0, 1)]]
     # less the median step: a tilt that is left on is no slope of the surface
     slope = max((float(np.median(np.abs(v - np.median(v)))) for v in valid if v.size), default=0.0)
     if slope > STEEPEST:

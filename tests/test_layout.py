@@ -1,7 +1,9 @@
 """The house keeps its rules: what lies where, what imports where, how long a signature may be."""
 
 import ast
+import io
 import re
+import tokenize
 import tomllib
 from collections.abc import Iterator
 from functools import cache
@@ -14,6 +16,17 @@ PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 #: Folders of what is installed, and of what is not.
 PRODUCT, BESIDE = ("warpwear", "kernels", "surfaces"), ("bench", "tests")
+#: Most bare lines of what is installed, Python and C++ together: a feature more is a line less elsewhere.
+MOST_LINES = 41_000
+#: Tokens of Python that no line is counted for.
+BLANK = {
+    tokenize.COMMENT,
+    tokenize.NL,
+    tokenize.NEWLINE,
+    tokenize.INDENT,
+    tokenize.DEDENT,
+    tokenize.ENDMARKER,
+}
 #: Most files in a folder, `__init__.py` aside, and most parameters of a function.
 MOST_FILES, MOST_PARAMETERS = 20, 10
 #: Functions that may have more parameters, and why; the list may only become shorter.
@@ -57,6 +70,22 @@ def functions() -> dict[str, list[tuple[str, Function]]]:
     return {name: list(functions_in(tree)) for name, tree in installed().items()}
 
 
+def bare_lines(path: Path) -> int:
+    """Lines with a token of Python other than docstrings, or of a header neither blank nor comment."""
+    text = path.read_text(encoding="utf-8")
+    if path.suffix == ".h":
+        code = re.sub(r"/\*.*?\*/|//[^\n]*", "", text, flags=re.DOTALL)
+        return sum(bool(line.strip()) for line in code.splitlines())
+    counted: set[int] = set()
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type not in BLANK:
+            counted.update(range(token.start[0], token.end[0] + 1))
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Module | ast.ClassDef | Function) and ast.get_docstring(node) is not None:
+            counted.difference_update(range(node.body[0].lineno, (node.body[0].end_lineno or 0) + 1))
+    return len(counted)
+
+
 def is_command(function: Function) -> bool:
     """Whether click calls it: its parameters are the options of a command."""
     decorators = [ast.unparse(decorator) for decorator in function.decorator_list]
@@ -68,6 +97,18 @@ def test_every_package_is_installed() -> None:
     folders = {Path(name).parent.as_posix().replace("/", ".") for name in installed()}
     folders = {name if name.startswith("warpwear") else f"warpwear.{name}" for name in folders}
     assert folders | set(setuptools["package-data"]) == set(setuptools["packages"])
+
+
+def test_the_product_does_not_grow() -> None:
+    """Bare lines by wing, printed where they are too many, or with `pytest -rP`."""
+    counts: dict[str, int] = {}
+    for top in PRODUCT:
+        for path in sorted((ROOT / top).rglob("*.py")) + sorted((ROOT / top).rglob("*.h")):
+            wing = "/".join(path.relative_to(ROOT).parts[:2]) if top == "warpwear" else top
+            counts[wing] = counts.get(wing, 0) + bare_lines(path)
+    total = sum(counts.values())
+    print(f"{total} bare lines:", ", ".join(f"{wing} {count}" for wing, count in counts.items()))
+    assert total <= MOST_LINES
 
 
 def test_no_folder_is_full() -> None:

@@ -1,5 +1,6 @@
 """How a run can end badly, and what misleads of one that ends well: each is one sentence for the user."""
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -7,6 +8,15 @@ from contextlib import contextmanager
 OVERWRITE_IT = "overwrite it (--overwrite, overwrite=True)"
 OTHER_FOLDER = f"give another folder (out), or {OVERWRITE_IT}"
 RESUME_IT = "resume it (--resume, resume=True)"
+
+
+#: An option of the command line in a sentence, with what Python calls it where both stand there.
+_OPTION = re.compile(r"(?<![\w-])--([a-z][a-z-]*)(, (?=\1=))?")
+
+
+def in_python(text: str) -> str:
+    """Name options in a text as Python does: height_unit for --height-unit."""
+    return _OPTION.sub(lambda match: "" if match[2] else match[1].replace("-", "_"), text)
 
 
 def printable(text: str) -> str:
@@ -19,7 +29,9 @@ class InputError(ValueError):
 
     def __init__(self, sentence: str) -> None:
         line = printable(sentence)
-        super().__init__(line if line.endswith((".", "?")) else f"{line}.")
+        #: The sentence with options as the command line has them, where a public function names its own.
+        self.sentence = line if line.endswith((".", "?")) else f"{line}."
+        super().__init__(self.sentence)
 
 
 @contextmanager
@@ -29,6 +41,16 @@ def explained(what: str) -> Iterator[None]:
         yield
     except OSError as error:
         raise InputError(f"{what}: {error.strerror or error}") from error
+
+
+@contextmanager
+def named_in_python() -> Iterator[None]:
+    """Name options in the sentence of an InputError as Python does; `sentence` keeps the command line's."""
+    try:
+        yield
+    except InputError as error:
+        error.args = (in_python(str(error)),)
+        raise
 
 
 class InvariantError(InputError):

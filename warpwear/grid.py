@@ -60,5 +60,4 @@ def blocks_of_rows(count: int, *, values: int, together: int = 2**18) -> list[sl
 
 
 def _centres(n: int, cell: float) -> FloatArray:
-    centres: FloatArray = (np.arange(n, dtype=np.float64) - 0.5 * (n - 1)) * cell
-    return centres
+    return (np.arange(n, dtype=np.float64) - 0.5 * (n - 1)) * cell

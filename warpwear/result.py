@@ -6,12 +6,15 @@ from pathlib import Path
 from typing import Any
 
 from warpwear import lazy
+from warpwear.errors import InputError
+from warpwear.grid import FloatArray
 from warpwear.lazy import resolve
 from warpwear.results.evolution import SurfaceEvolution, surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.frames import to_dataframe, to_xarray
 from warpwear.results.report import record
 from warpwear.results.summary import summarise
+from warpwear.study.surface import surface_in
 
 content, html = lazy.module("warpwear.page.content"), lazy.module("warpwear.page.html")
 
@@ -19,17 +22,31 @@ content, html = lazy.module("warpwear.page.content"), lazy.module("warpwear.page
 PLOTTER = "warpwear.figures.of_run.table:Plotter"
 #: Writes files for other software.
 EXPORT = "warpwear.results.export:export"
+#: Films the run.
+FILM = "warpwear.figures.of_run.film:animate"
+#: Pixels an inch of the pictures that stand in a page made again.
+PAGE_DPI = 200
 #: Figures that a notebook shows, those of a run without a course; pixels an inch.
 COURSES, FIELDS, DPI = ("cof", "areas", "pressure"), ("pressure_map",), 100
 
 
 class Result(ResultFile):
-    """A run: its history, its snapshots, its figures. Open one with `Result.open(path)`."""
+    """A run: its history, its snapshots, its figures.
+
+    `Result(path)` and `Result.open(path)` open the one in a run folder. Raises InputError.
+    """
 
     @cached_property
     def summary(self) -> dict[str, Any]:
         """What `summary.json` says: scar, depths, volumes, areas, residuals, conservation, assumptions."""
         return record(summarise(self))
+
+    def unworn_disc(self, x: FloatArray, y: FloatArray) -> FloatArray:
+        """Return the disc's heights before any wear over its mean plane [mm], at x × y [mm].
+
+        They are made, or read, again. Raises InputError where the file of a measured disc is gone.
+        """
+        return surface_in(self.study).heights(x, y)
 
     @property
     def surface_evolution(self) -> SurfaceEvolution:
@@ -53,8 +70,51 @@ class Result(ResultFile):
         options: formats, such as ["vti", "x3p"]; snapshot, bodies, fields, points, overwrite,
         as `warpwear export` has them. Raises InputError.
         """
-        paths: list[Path] = resolve(EXPORT)(self, folder, **options)
-        return paths
+        return resolve(EXPORT)(self, folder, **options)
+
+    def animate(self, out: str | Path | None = None, **options: Any) -> Path:
+        """Film the run, a frame a snapshot.
+
+        Parameters
+        ----------
+        out
+            A .mp4 file, which needs ffmpeg, or a .gif file; by default animation.mp4 or .gif in the folder.
+        **options
+            frames_per_second, by default 5; overwrite, whether to replace a file that is there.
+
+        Returns
+        -------
+        Path
+            Of the film.
+
+        Raises
+        ------
+        InputError
+            For fewer than two snapshots, and for what cannot be written.
+        """
+        path: Path = resolve(FILM)(self, out, **options)
+        return path
+
+    def write_page(self) -> Path:
+        """Write report.html into the run's folder again: all of it on one page.
+
+        Returns
+        -------
+        Path
+            Of the page.
+
+        Raises
+        ------
+        InputError
+            For a run in memory, and where a file of others has the page's name.
+        """
+        if self.folder is None:
+            raise InputError("a page needs the folder of its run: run with out")
+        shown_here = content.content_of(self, summarise(self), self.plot)
+        wanted = set(content.statics(shown_here)) & set(self.plot.names())
+        pictures = {name: self.plot.png(name, dpi=PAGE_DPI) for name in sorted(wanted)}
+        path: Path = content.write_page(self.folder, content.made_here(shown_here, pictures))
+        return path
 
     @cached_property
     def plot(self) -> Any:
@@ -78,5 +138,4 @@ def _to_html(result: Result) -> str:
     ]
     pictures = [(name, base64.b64encode(plot.png(name, dpi=DPI)).decode("ascii")) for name in names]
     top = content.top_of(result.study, result.summary)
-    fragment: str = html.render("notebook.html", {}, **top, pictures=pictures)
-    return fragment
+    return html.render("notebook.html", {}, **top, pictures=pictures)

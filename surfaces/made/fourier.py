@@ -48,8 +48,7 @@ def sum_waves(amplitudes: ComplexArray, wave: float, points: FloatArray) -> Comp
     # NumPy's transforms are SciPy's to the last bit, and need no quarter of a second to be imported
     spectrum = np.fft.fft(amplitudes * start, kernel.size)
     spectrum *= kernel
-    sums: ComplexArray = np.fft.ifft(spectrum)[:, :count] * chirp[:count]
-    return sums
+    return np.fft.ifft(spectrum)[:, :count] * chirp[:count]
 
 
 @lru_cache(4)  # blocks of rows ask for the same

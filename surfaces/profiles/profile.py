@@ -60,7 +60,7 @@ class Profile:
         return np.interp(np.arange(self.heights.size), known, self.heights[known])
 
 
-def read_profile(
+def profile_in(
     path: str | Path,
     *,
     spacing: float | None = None,

@@ -228,8 +228,7 @@ def _seed(
         next_to = ndimage.maximum_filter(above, SMOOTHED)
         close &= measured  # a point at the rim of a hole, whose noise fills it, is no asperity
         seed |= close & (fine > np.maximum(max(far.max(), certain[1]), 2.0 * next_to))
-    margin = [(n, n) for n in coarse]
-    padded = np.pad(seed, margin, mode="edge")
+    padded = np.pad(seed, [(n, n) for n in coarse], mode="edge")
     near = ndimage.distance_transform_edt(~padded, sampling=pixel) <= 0.5 * width
     closed = ndimage.distance_transform_edt(np.pad(near, 1, mode="edge"), sampling=pixel)[1:-1, 1:-1]
     field = tuple(slice(n, -n) for n in coarse)

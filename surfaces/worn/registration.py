@@ -219,8 +219,7 @@ def _plane_terms(shape: tuple[int, ...]) -> FloatArray:
 
 def _rest(values: FloatArray, terms: FloatArray, fitted: BoolArray | slice = EVERYWHERE) -> FloatArray:
     """Return values, shape (n,), less the terms, (n, p), that are fitted to some of them by least squares."""
-    form = np.linalg.lstsq(terms[fitted], values[fitted], rcond=None)[0]
-    return np.asarray(values - terms @ form)
+    return np.asarray(values - terms @ np.linalg.lstsq(terms[fitted], values[fitted], rcond=None)[0])
 
 
 def _unworn(heights: FloatArray) -> FloatArray:

@@ -308,29 +308,6 @@ def test_energy(run: Path) -> None:
     )
 
 
-def test_thesis() -> None:
-    page = calibrate("thesis").output
-    for words in (
-        "9.4e-4",
-        "12.7e-4",
-        "23.7e-4",
-        "0.01805",
-        "0.02438",
-        "section over 30 mm, µm²",
-        "812.7",
-        "do not agree",
-    ):
-        assert words in page
-    for words in (
-        "cap         3.51e-4 mm³/(N·m)",
-        "ellipsoid   9.35e-4 mm³/(N·m)",
-        "1.022 mm by the cap",
-        "an inference",
-    ):
-        assert words in page
-    assert record("thesis")["patch"]["by_cap_mm3_per_Nm"] == pytest.approx(3.5e-4, abs=0.05e-4)
-
-
 BALL = ("--scar", "0.8 mm", "--radius", "3 mm")
 
 

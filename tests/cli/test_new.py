@@ -128,7 +128,7 @@ def test_a_file_that_is_there_is_kept() -> None:
     Path("a.toml").write_text("mine", encoding="utf-8")
     done = invoke("new", "a.toml")
     assert isinstance(done.exception, InputError)
-    assert "--overwrite" in str(done.exception)
+    assert "--overwrite" in done.exception.sentence
     assert Path("a.toml").read_text(encoding="utf-8") == "mine"
 
 

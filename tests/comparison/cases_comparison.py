@@ -15,4 +15,4 @@ def warpwear_compare(*arguments: str | Path) -> Result:
 def refusal(*arguments: str | Path) -> str:
     done = warpwear_compare(*arguments)
     assert isinstance(done.exception, InputError), done.output
-    return str(done.exception)
+    return done.exception.sentence

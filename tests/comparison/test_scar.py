@@ -73,8 +73,8 @@ def refusal(here: Path, *more: str) -> str:
     done = warpwear_compare(here, *more, out="none")
     assert isinstance(done.exception, InputError), done.output
     assert not (here / "none").exists()
-    assert "\n" not in str(done.exception)
-    return str(done.exception)
+    assert "\n" not in done.exception.sentence
+    return done.exception.sentence
 
 
 def test_wrong_data_are_one_sentence(here: Path) -> None:

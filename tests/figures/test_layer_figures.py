@@ -10,6 +10,7 @@ from warpwear import Result, Study
 from warpwear.figures.describe import Chart, Line, Map
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.layers import layers, material_map
+from warpwear.figures.of_run.view import State
 
 BALL = [
     {"name": "crn", "thickness": "0.2 um", "wear": "1e-7 mm^3/N/m"},
@@ -65,3 +66,15 @@ def test_they_are_fit_to_print_and_in_a_paper(result: Result) -> None:
 def test_other_runs_have_none(results: dict[str, Result]) -> None:
     said = "neither body has layers: see disc.layers and counter.layers"
     assert [results["rough"].plot.reason(name) for name in ("material_map", "layers")] == [said] * 2
+
+
+def test_cells_are_at_the_hardness_of_what_lies_bare_there() -> None:
+    """As many as the step that wears has counted, on the coat and on a softer body below it."""
+    soft = {"grid.cell": "16 um", "grid.extent": "0.96 mm", "disc.synthetic.cut_off": "32 um"}
+    soft |= {"disc.hardness": "600 MPa", "disc.layers.1.thickness": "20 nm", "contact.law": "local"}
+    soft |= {"output.snapshots": ["100 mm"], "sliding.distance": "200 mm"}
+    result = warpwear.run(Study.load("coat").replace(soft), plots=False)
+    (view, *_) = FigureData(result).views
+    at_hardness = np.count_nonzero(view.state == State.AT_HARDNESS) * result.study.cells.cell_area
+    assert 0.0 < at_hardness == pytest.approx(result.history["area_plastic"][view.row], rel=1e-12)
+    assert at_hardness < result.history["area_contact"][view.row]

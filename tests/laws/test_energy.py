@@ -3,20 +3,15 @@
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 import pytest
 from runs.stopped.cases_stopped import run_stopped
 
 import warpwear
-from warpwear import InputError, Result, Study
+from warpwear import InputError, Study
 from warpwear.calibration.bayes.unknowns import unknowns_of
 from warpwear.calibration.energy import calibrate_energy
 from warpwear.laws import friction
-from warpwear.page.content import words_of
-from warpwear.results.file import MAGIC
-from warpwear.results.seal import sealing
-from warpwear.results.summary import summarise
 
 COULOMB = {"friction.law": "coulomb", "friction.coefficient": 0.37}
 #: Wear per energy of counter-body and disc [mm³/J].
@@ -85,19 +80,6 @@ def test_the_energy_of_a_rising_coefficient(tmp_path: Path) -> None:
     assert next(iter(warpwear.steps(study.replace(COULOMB)))).row["cof"] == 0.37
     static = warpwear.run(study.replace({"sliding.distance": "0 mm"}))
     assert "friction_energy_J" not in static.summary
-
-
-def test_a_result_of_before_has_no_energy(tmp_path: Path) -> None:
-    study = Study.load("v1").replace(SMOOTH)
-    warpwear.run(study, out=tmp_path / "run", plots=False).close()
-    path = tmp_path / "run" / "result.h5"
-    with h5py.File(path, "r+") as file:
-        del file["history/friction_energy"]
-    with sealing(path, MAGIC):
-        pass
-    with Result.open(tmp_path / "run") as result:
-        assert "friction_energy" not in result.history
-        assert "friction energy" not in words_of(study, summarise(result))["summary"]
 
 
 #: Cases of wear by a shear strength: what each adds to one of `CASES`.

@@ -123,6 +123,12 @@ CASES = {
     "friction.junction_growth": Case(
         9.0, {"friction.shear_strength": "172 MPa"}, "v3-fine", refused=TWO_STRENGTHS
     ),
+    "friction.largest_coefficient": Case(
+        0.2,
+        {"friction.shear_strength": "172 MPa"},
+        "v3-fine",
+        refused=TWO_STRENGTHS | {"inference": "nor with friction.largest_coefficient"},
+    ),
     "friction.film.thickness": Case("200 nm", FILM, "v3-fine", refused=TWO_STRENGTHS),
     "friction.film.shear_strength": Case("80 MPa", FILM, "v3-fine", refused=TWO_STRENGTHS),
     "friction.film.bodies": Case("disc", FILM, "v3-fine", refused=TWO_STRENGTHS),

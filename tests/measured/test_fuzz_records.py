@@ -22,8 +22,8 @@ from numpy.testing import assert_array_equal
 
 import warpwear
 from warpwear import InputError, Result, Study
+from warpwear.cli.record import describe
 from warpwear.measured.course import read_experiment
-from warpwear.measured.friction.command import describe
 from warpwear.models.rest.local import OneScaleModel
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 

@@ -11,10 +11,10 @@ import pytest
 from cases_records import RECORDS, ROWS, cetr, raw, written
 from numpy.testing import assert_allclose
 
+from warpwear.cli.record import describe
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.course import read_experiment
-from warpwear.measured.friction.command import describe
 from warpwear.measured.rows import read_rows
 
 SIZE = 400

@@ -10,7 +10,7 @@ from click.testing import CliRunner, Result
 
 from warpwear.cli.main import commands
 from warpwear.errors import InputError
-from warpwear.surfaces.profiles.profile import parameters, read_profile
+from warpwear.surfaces.profiles.profile import parameters, profile_in
 
 STEP = 0.002
 PLACES = STEP * (np.arange(2000) + 0.5) - 2.0
@@ -43,7 +43,7 @@ def test_parameters_on_the_terminal_in_json_and_in_a_figure(here: Path) -> None:
     result = run("plain.csv", "--lambda-c", "0.25 mm", "--figure", "a.svg")
     assert result.exit_code == 0, result.output
     content = numbers("plain.csv", "--lambda-c", "0.25 mm")
-    expected = parameters(read_profile("plain.csv").levelled(1), cut_off=0.25)
+    expected = parameters(profile_in("plain.csv").levelled(1), cut_off=0.25)
     assert content["ra_um"] == pytest.approx(1e3 * expected.ra)
     assert content["rsm_um"] == pytest.approx(1e3 * (expected.rsm or 0.0))
     assert content["lambda_c_mm"] == 0.25
@@ -67,7 +67,7 @@ def test_a_line_of_a_map(here: Path) -> None:
     content = numbers("map.npy", "--pixel", "2 um", "--height-unit", "um", "--line", "y, 0.05 mm")
     assert content["points"] == 400
     assert content["length_mm"] == pytest.approx(0.8)
-    expected = parameters(read_profile("plain.csv"))
+    expected = parameters(profile_in("plain.csv"))
     assert content["ra_um"] == pytest.approx(1e3 * expected.ra, rel=0.3)
 
 
@@ -92,5 +92,5 @@ def test_a_line_of_a_map(here: Path) -> None:
 def test_bad_options_are_refused_in_one_sentence(here: Path, arguments: tuple[str, ...], what: str) -> None:
     result = run(*arguments)
     assert isinstance(result.exception, InputError)  # exit 2
-    assert what in str(result.exception)
-    assert "\n" not in str(result.exception)
+    assert what in result.exception.sentence
+    assert "\n" not in result.exception.sentence

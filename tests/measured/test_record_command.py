@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +13,9 @@ from cases_records import RECORDS, ROWS, cetr, written
 from click.testing import CliRunner
 
 from warpwear.cli.main import commands
+from warpwear.cli.record import describe
 from warpwear.errors import InputError
 from warpwear.measured.course import read_experiment
-from warpwear.measured.friction.command import describe
 
 pytest.importorskip("ruptures")
 
@@ -135,6 +136,7 @@ def test_what_is_wrong_is_refused(
     path.write_bytes(written(RECORDS["rtec.csv"][0]()))
     if "out" in options:
         options = {"out": Path(options["out"]), "radius": "6 mm"}
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(InputError) as refused:
         describe([path], **options)
+    assert re.search(words, refused.value.sentence)
     assert list(tmp_path.iterdir()) == [path]

@@ -15,10 +15,7 @@ from warpwear.errors import InputError
 from warpwear.figures import style
 from warpwear.figures.describe import Figure
 from warpwear.figures.paint import paint
-from warpwear.measured import surface_figure as surface_figures
-from warpwear.measured.surface_command import read_surface
-from warpwear.measured.surface_report import examine
-from warpwear.results.report import record
+from warpwear.measured.surface import read_surface
 from warpwear.surfaces.form import sag
 from warpwear.surfaces.made.self_affine import SelfAffine
 
@@ -55,7 +52,7 @@ def few_dots(monkeypatch: pytest.MonkeyPatch) -> None:
         style.write_figure(painted, path)
 
     monkeypatch.setitem(style.STYLE, "figure.dpi", 50.0)
-    monkeypatch.setattr("warpwear.measured.surface_command.save", save)
+    monkeypatch.setattr("warpwear.measured.report.save", save)
 
 
 def surface(*arguments: str | Path) -> Result:
@@ -79,7 +76,7 @@ def test_a_page_and_a_figure(here: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     assert "rough.npy-surface.png is there already and was not drawn again" in again.output
     refused = surface("../files/rough.npy", *GIVEN, "--figure", "rough.npy-surface.png")
     assert isinstance(refused.exception, InputError)
-    assert "rough.npy-surface.png is there already" in str(refused.exception)
+    assert "rough.npy-surface.png is there already" in refused.exception.sentence
     (here / "rough.npy-surface.png").unlink()
     assert "Sa 0." in surface("../files/rough.npy", *GIVEN, "--no-figure").output
     assert not (here / "rough.npy-surface.png").exists()
@@ -90,12 +87,11 @@ def test_a_page_and_a_figure(here: Path, monkeypatch: pytest.MonkeyPatch) -> Non
 
 def test_the_sheet_carries_its_numbers(here: Path) -> None:
     """Those that the page prints, each inside the sheet and no two over each other."""
-    surface_of = read_surface(here.parent / "files" / "rough.npy", {"pixel": "3 um", "height_unit": "um"})
-    report = examine(surface_of)
-    figure = paint(surface_figures.surface_figure(report))
+    report = read_surface(here.parent / "files" / "rough.npy", pixel="3 um", height_unit="um")
+    figure = report.figure()
     figure.canvas.draw()
     notes = [text for axes in figure.axes for text in axes.texts if text.get_text()]
-    told, found = " ".join(text.get_text() for text in notes), record(report.rows)
+    told, found = " ".join(text.get_text() for text in notes), report.numbers
     for name, value in (
         ("Sa", "sa_um"),
         ("Sq", "sq_um"),
@@ -170,7 +166,7 @@ def test_a_track_less_what_was_there_before(here: Path) -> None:
         np.save(here / f"../files/{name}.npy", heights[:60, :60])  # the search takes as long as it is large
     refused = surface(*asked, "--overwrite").exception
     assert isinstance(refused, InputError)
-    assert "--before does not show the place of FILE" in str(refused)
+    assert "--before does not show the place of FILE" in refused.sentence
 
 
 @pytest.mark.usefixtures("few_dots")
@@ -225,9 +221,9 @@ def test_a_worn_ball(here: Path) -> None:
 def test_bad_input_is_one_sentence_and_leaves_nothing(here: Path, arguments: list[str], message: str) -> None:
     done = surface(*arguments)
     assert isinstance(done.exception, InputError), done.output
-    assert message in str(done.exception)
-    assert "\n" not in str(done.exception)
-    assert "disc." not in str(done.exception), "a key of a study, which this command does not have"
+    assert message in done.exception.sentence
+    assert "\n" not in done.exception.sentence
+    assert "disc." not in done.exception.sentence, "a key of a study, which this command does not have"
     assert list(here.iterdir()) == []
 
 

@@ -264,7 +264,6 @@ def test_the_command_makes_it_again(tmp_path: Path, quick_pictures: Any) -> None
         written.append(path.read_bytes())
     assert written[0] == written[1]
     help_text = CliRunner().invoke(commands, ["report", "--help"]).output
-    assert "thesis" in help_text
     assert "DIR" in help_text
 
 

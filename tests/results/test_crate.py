@@ -222,18 +222,6 @@ def test_heights_given_as_an_array_travel_by_their_digest(run: Path, tmp_path: P
     assert "is not what the run was made on" in crated(tmp_path / "moved", tmp_path / "again")
 
 
-def test_a_result_of_an_earlier_version_has_its_digest_where_it_tells_of_the_disc(
-    run: Path, tmp_path: Path
-) -> None:
-    with h5py.File(run / "result.h5", "r+") as file:
-        record = json.loads(file.attrs["record"])
-        assert record.pop("files") == {"disc.surface": record["surface"]["sha256"]}
-        file.attrs["record"] = json.dumps(record)
-    sealed(run)
-    assert not crated(run, tmp_path / "sent")
-    assert (tmp_path / "my disc.xyz").read_bytes() in packed(tmp_path / "sent")
-
-
 def test_a_worn_disc_goes_on_beyond_the_ball_as_the_run_had_it(run: Path, tmp_path: Path) -> None:
     """Of a file that was exchanged since nothing is taken."""
     study = Study.load(run).replace({"counter.radius": "0.18 mm", "sliding.distance": "0.1 mm"})

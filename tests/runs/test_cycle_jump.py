@@ -1,5 +1,6 @@
-"""The error told by jumps over cycles, against every cycle: ball, line, rough track, film, pieces."""
+"""The error told by jumps over cycles, against every cycle: ball, line, rough track, film, pieces, layers."""
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 from cases_track import small
 
 import warpwear
+from warpwear import Study
 from warpwear.laws.archard import BODIES
 
 Keys = dict[str, Any]
@@ -42,7 +44,11 @@ CASES |= {f"fretting, {law}": ("full", "30 mm", FRETTING | keys) for law, keys i
 
 def errors_of(track: str, distance: str, keys: Keys) -> tuple[float, float, float]:
     """Return the larger relative error of both depths, as it is and as it is told, and of a volume."""
-    study = small(track, sliding__distance=distance).replace(SMOOTH | keys)
+    return compared(small(track, sliding__distance=distance).replace(SMOOTH | keys))
+
+
+def compared(study: Study) -> tuple[float, float, float]:
+    """Return those errors of a study."""
     jumps = 1, 3 if study.wear.sheds else "auto"  # no error allows jumps of wear in pieces
     every, jumped = (warpwear.run(study.replace({"stepping.jump": jump})) for jump in jumps)
     errors = []
@@ -82,3 +88,37 @@ def test_depths_in_pieces_are_not_defined_as_well_as_a_jump_is_to_hold(track: st
     columns = ("wear_volume_disc", "pending_volume_disc")
     volumes = [sum(result.history[name][-1] for name in columns) for result in results]
     assert volumes[1] / volumes[0] == pytest.approx(1.001, rel=1e-12)
+
+
+def coat(wear: str) -> list[Keys]:
+    return [{"name": "coat", "thickness": "100 um", "wear": f"{wear} mm^3/N/m"}]
+
+
+#: Layers that wear three times slower than the body, thirty times, and three times faster.
+COATS: dict[str, Keys] = {
+    "disc": {"disc.layers": coat("1e-5")},
+    "counter": {"counter.layers": coat("3e-6")},
+    "thirty times": {"disc.layers": coat("3e-6"), "wear.disc": "1e-4 mm^3/N/m"},
+    "fast": {"disc.layers": coat("1e-4")},
+    "rough": {"disc.layers": coat("1e-5")} | ROUGH,
+}
+
+
+@pytest.mark.slow
+def test_the_error_told_holds_across_the_breakthrough_of_a_coat() -> None:
+    """In nine cases of ten at least: coats are half as thick as what they would lose by the end."""
+    table = {}
+    for track, law, name in itertools.product(("rotating", "full"), LAWS, COATS):
+        thick = small(track, sliding__distance="250 mm").replace(SMOOTH | LAWS[law] | COATS[name])
+        body = "counter" if thick.counter.layers else "disc"
+        deep = float(warpwear.run(thick).history[f"wear_depth_{body}"][-1])
+        table[f"{track}, {law}, {name}"] = compared(
+            thick.replace({f"{body}.layers.1.thickness": f"{0.5 * deep!r} mm"})
+        )
+    print(*(f"{name}: {true:.2e} {told:.2e}" for name, (true, told, _) in table.items()), sep="\n")
+    jumped = [true <= told + 1.0e-9 for true, told, _ in table.values() if told > 0.0]
+    assert len(table) == 20
+    assert len(jumped) >= 15
+    assert np.mean(jumped) >= 0.9
+    assert max(told for _, told, _ in table.values()) <= 0.005
+    assert max(off for *_, off in table.values()) <= 1.0e-12

@@ -47,16 +47,6 @@ def test_studies_that_differ_are_unequal() -> None:
     assert hash(study) == hash(study.replace({"contact.load": (8, "N")}))
 
 
-def test_old_names_make_no_other_study() -> None:
-    study = Study.load("two-scale")
-    old = study.replace({"macro.coupling": "approach"})
-    assert old.notices() != study.notices()
-    assert old == study
-    assert hash(old) == hash(study)
-    assert pickle.loads(pickle.dumps(old)).notices() == old.notices()
-    assert old.model_copy().notices() == old.notices()
-
-
 def test_derived_values_of_a_changed_copy_are_its_own() -> None:
     study = Study.load("v3-fine")
     before = study.hertz, study.cells, study.wear_laws, study.hardness

@@ -114,18 +114,16 @@ REFUSED: list[tuple[dict[str, Any], tuple[dict[str, Any], ...], str]] = [
     ({"wear.law": "running-in", "wear.running_in": "9 mm", "wear.initial_disc": "1e-3 mm^3/N/m"}, (COAT,),
      r"\[\[disc.layers\]\] needs wear.law = 'archard', 'exponential' or 'energy', not 'running-in'"),
     ({"stepping.scheme": "explicit"}, (COAT,), "does not go with stepping.scheme = 'explicit'"),
-    ({"stepping.jump": 9}, (COAT,), "needs stepping.jump = 'auto' or '1', not 9"),
     ({"sliding.plastic": "keep"}, (COAT,), "does not go with sliding.plastic = 'keep'"),
     ({"friction.area": "nominal"}, (COAT,), "does not go with friction.area = 'nominal'"),
     (BARE | {"friction.junction_growth": 9.0}, (COAT,), "does not go with friction.junction_growth"),
-    (BARE | {"friction.film.thickness": "9 nm", "friction.film.shear_strength": "9 MPa"},
-     (COAT | {"coefficient": 0.1},), r"does not go with \[friction.film\]"),
     ({"disc.gradient": [[0, 1e-4], [9, 1.27e-3]]}, (COAT,), "disc.gradient exclude each other"),
     ({"disc.layers": None, "disc.gradient": [[0, 1e-4], [9, 1e-3]]}, (), "ends in 0.001: allowed in"),
     ({"disc.layers": None, "disc.gradient": [[1, 1e-4], [9, 1.27e-3]]}, (), "rising from 0"),
     ({"disc.layers": None, "disc.gradient": "nowhere.csv"}, (), "cannot be read"),
     ({"disc.layers": "dlc"}, (), "is no list of layers"),
     ({"disc.layers": []}, (), "one or more"),
+    ({}, tuple(COAT | {"name": f"c{n}"} for n in range(8)), "8 are too many; allowed are 7, or a grad"),
 ]  # fmt: skip
 
 
@@ -151,6 +149,15 @@ def test_loads_of_patches_that_are_prescribed_refuse_layers() -> None:
     assert layered(preset="two-scale").profiles
     with pytest.raises(InputError, match=r"does not go with patches\.coupling = 'load', which prescribes"):
         layered({"patches.coupling": "load"}, preset="two-scale")
+
+
+def test_a_film_lies_on_layers_but_not_on_patches() -> None:
+    film = BARE | {"friction.film.thickness": "9 nm", "friction.film.shear_strength": "9 MPa"}
+    assert layered(film).contact_task.film is not None
+    with pytest.raises(
+        InputError, match=r"disc.layers\]\] does not go with \[friction.film\], which patches"
+    ):
+        layered(film, preset="two-scale")
 
 
 def test_extents_know_the_layers() -> None:

@@ -212,7 +212,7 @@ def test_the_gap_is_gone_and_the_roughness_is_not() -> None:
     assert "Sq in the contact is 1.57 µm of 3.68 µm" in (root / "docs/theory/limits.md").read_text(
         encoding="utf-8"
     )
-    for page in ("README.md", "docs/theory/limits.md", "bench/artifact.py", "warpwear/templates/thesis.html"):
+    for page in ("README.md", "docs/theory/limits.md", "bench/artifact.py", "bench/thesis/page.html"):
         text = (root / page).read_text(encoding="utf-8")
         assert not re.search(r"roughness is (worn (away|off)|gone)", text, re.IGNORECASE), page
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from warpwear import InputError, Study, run
-from warpwear.measured.surface_command import describe
+from warpwear.cli.surface import describe
 from warpwear.surfaces.measured import read_measured
 
 X = np.linspace(-0.01, 0.01, 5)

@@ -6,10 +6,10 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
+from warpwear.cli.surface import describe
 from warpwear.errors import InputError
 from warpwear.figures.paint import paint
 from warpwear.figures.paint_map import paint_map
-from warpwear.measured.surface_command import describe
 from warpwear.measured.surface_figure import _map_of_heights, patch_figure, track_figure
 from warpwear.measured.surface_report import examine
 from warpwear.surfaces.filling import completed

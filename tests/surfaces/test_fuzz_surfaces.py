@@ -32,8 +32,8 @@ from cases_instruments import metropro, opd
 from fuzzing import LARGE, check_sentence, in_a_child, mutated_bytes, mutated_file, numbers, watched
 from scipy.io import savemat
 
+from warpwear.cli.surface import describe
 from warpwear.errors import InputError
-from warpwear.measured.surface_command import describe
 from warpwear.results.formats.bodies import Body
 from warpwear.results.formats.metrology import write_sdf, write_x3p
 from warpwear.surfaces.measured import read_measured

@@ -5,25 +5,20 @@ import math
 import re
 from html import unescape
 from pathlib import Path
-from typing import Any
 
-import click
 import jinja2.meta
 import jinja2.nodes
 import pytest
 from click.testing import CliRunner
+from coefficients import diameter_of_cap
+from compared import Numbers
+from items import ALL_ITEMS, GROUPS, Item, environment, number
+from matplotlib.figure import Figure
+from pictures import CAPTIONS, FIGURES, drawn
+from recomputed import Plan, Runs
+from report import judge, main, thesis_report
 
-from warpwear.calibration.wear import diameter_of_cap
-from warpwear.cli.report import report
-from warpwear.errors import InputError
-from warpwear.figures.paint import paint
-from warpwear.page import html as report_page
-from warpwear.page.folder import write_report
-from warpwear.study.study import Study
-from warpwear.thesis.figures import CAPTIONS
-from warpwear.thesis.items import ALL_ITEMS, GROUPS, Item, environment, number
-from warpwear.thesis.report import FIGURES, judge, thesis_report
-from warpwear.thesis.runs import Plan
+from warpwear import InputError, Study
 
 
 @pytest.mark.parametrize("item", ALL_ITEMS, ids=lambda item: item.id)
@@ -89,16 +84,16 @@ def small_plan() -> Plan:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    def embedded(declared: Any) -> report_page.Picture:
-        """Nothing is moved to make room for labels, which draws everything twice."""
-        figure = paint(declared)
+    """A report whose pictures are small, with nothing moved to make room, which draws everything twice."""
+
+    def drawn_once(name: str, runs: Runs, numbers: Numbers) -> Figure:
+        figure = drawn(name, runs, numbers)
         figure.set_layout_engine("none")
-        return report_page.embedded(figure)
+        return figure
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(report_page, "DPI", 20)  # what is drawn is looked at elsewhere
-        patch.setattr("warpwear.thesis.report.embedded", embedded)
-        return thesis_report(tmp_path_factory.mktemp("report") / "new", plan=small_plan()).parent
+        patch.setattr("report.drawn", drawn_once)
+        return thesis_report(tmp_path_factory.mktemp("report") / "new", plan=small_plan(), dpi=20).parent
 
 
 @pytest.fixture(scope="module")
@@ -207,13 +202,6 @@ def test_other_files_are_left_alone(tmp_path: Path) -> None:
         thesis_report(tmp_path / "notes.txt", plan=small_plan())
 
 
-def test_overwriting_replaces_both_files_and_nothing_else(tmp_path: Path) -> None:
-    files = {"report.html": "old", "numbers.json": "old"}
-    write_report(tmp_path / "a" / "b", {}, pages={}, files=files, marks=[*files])
-    write_report(tmp_path / "a" / "b", {}, pages={}, files=dict.fromkeys(files, "new"), marks=[*files])
-    assert {p.name: p.read_text() for p in (tmp_path / "a" / "b").iterdir()} == dict.fromkeys(files, "new")
-
-
 def test_a_run_that_fails_leaves_nothing(tmp_path: Path) -> None:
     plan = small_plan()
     narrow = plan.studies["v1"].replace({"grid.extent": "0.3 mm"})
@@ -224,7 +212,12 @@ def test_a_run_that_fails_leaves_nothing(tmp_path: Path) -> None:
 
 def test_command_refuses_before_it_computes(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    found = CliRunner().invoke(report, ["thesis", "--quick", "--out", str(tmp_path / "file")])
-    assert isinstance(found.exception, InputError)
-    assert CliRunner().invoke(report, ["thesis", "--help"]).exit_code == 0
-    assert isinstance(report, click.Group)
+    made = CliRunner().invoke(main, ["--quick", "--out", str(tmp_path / "file")])
+    assert (made.exit_code, "is a file" in made.stderr) == (2, True)
+    assert CliRunner().invoke(main, ["--help"]).exit_code == 0
+
+
+def test_the_report_is_a_user_of_public_names() -> None:
+    for path in (Path(__file__).parents[2] / "bench" / "thesis").glob("*.py"):
+        imported = re.findall(r"^\s*(?:from|import) (warpwear\S*)", path.read_text(encoding="utf-8"), re.M)
+        assert {*imported} <= {"warpwear"}, path.name

@@ -6,10 +6,10 @@ from pathlib import Path
 import jinja2.meta
 import jinja2.nodes
 import pytest
-
-from warpwear.calibration.wear import diameter_of_cap
-from warpwear.thesis.items import ALL_ITEMS, SUMMARY, Kind, Rule, as_printed, number
-from warpwear.thesis.report import judge, thesis_report
+from coefficients import diameter_of_cap
+from items import ALL_ITEMS, SUMMARY, Kind, Rule, as_printed, number
+from printed import PATCH_DIAMETERS, WEAR_COEFFICIENTS
+from report import judge, thesis_report
 
 #: What the published studies give, to the digits that verdicts need.
 NUMBERS = {
@@ -226,8 +226,6 @@ def test_numbers_for_people() -> None:
 
 
 def test_printed_numbers_look_as_printed() -> None:
-    from warpwear.thesis.printed import PATCH_DIAMETERS, WEAR_COEFFICIENTS
-
     assert as_printed(PATCH_DIAMETERS["experiment"]) == "0.80"
     assert as_printed(WEAR_COEFFICIENTS["counter"], 1e4) == "9.4"
 

@@ -89,10 +89,8 @@ class Design:
         assert self.samples is not None
         _check_number(self.samples * (factors + 2.0))
         if self.kind == "latin-hypercube":
-            samples: FloatArray = qmc.LatinHypercube(factors, rng=self.seed).random(self.samples)
-            return _inside(samples)
-        columns = 2 * factors if self.kind == "saltelli" else factors
-        sequence = qmc.Sobol(columns, rng=self.seed)
+            return _inside(qmc.LatinHypercube(factors, rng=self.seed).random(self.samples))
+        sequence = qmc.Sobol(2 * factors if self.kind == "saltelli" else factors, rng=self.seed)
         power = int(np.ceil(np.log2(self.samples)))
         u = _inside(sequence.random_base2(power)[: self.samples])
         if self.kind == "sobol":

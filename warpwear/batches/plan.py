@@ -72,8 +72,7 @@ def read_plan(
     """
     sections = loading.read_sections(path_or_preset)
     section = sections.pop(SECTION, {})
-    study = Study(**sections).replace(changes)
-    return Plan(study, section_of(section, options), device=device)
+    return Plan(Study(**sections).replace(changes), section_of(section, options), device=device)
 
 
 def section_of(section: Any, options: Mapping[str, Any]) -> SweepSection:

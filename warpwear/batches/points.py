@@ -57,8 +57,7 @@ def _point(
 def task_of(point: Point, runs: Path, *, device: str, threads: int | None = None) -> Task:
     """What a worker is asked for a run. runs: the folder of all of them."""
     assert point.study is not None
-    folder = str((runs / point.run).resolve())
-    return Task(point.study.to_toml(), folder, device, threads, point.files)
+    return Task(point.study.to_toml(), str((runs / point.run).resolve()), device, threads, point.files)
 
 
 def with_positions(study: Study, vary: Mapping[str, Any]) -> dict[str, Any]:

@@ -15,12 +15,11 @@ from matplotlib.figure import Figure
 from warpwear.calibration.measurements import MeasuredTest, Tests, in_file, tests_of
 from warpwear.calibration.outcome import Calibration
 from warpwear.calibration.wear import cap
-from warpwear.errors import InputError
+from warpwear.errors import InputError, named_in_python
 from warpwear.figures import describe
 from warpwear.figures.describe import DOT, Axis, Chart, Line, Look
 from warpwear.figures.paint import paint
 from warpwear.grid import FloatArray
-from warpwear.measured.options import parameters_named
 from warpwear.results.report import Row, scientific
 
 #: Places of the posterior along each of its axes, and how far they reach [standard deviations].
@@ -100,7 +99,7 @@ class CoatCalibration(Calibration):
         return paint(describe.Figure([chart], legend=2))
 
 
-@parameters_named
+@named_in_python()
 def calibrate_coat(tests: Tests, **alike: Any) -> CoatCalibration:
     """Find the wear coefficients of a coat and of what lies beneath from several craters or tracks.
 

@@ -11,8 +11,8 @@ from warpwear.calibration.measurements import Tests, Value, conditions_of, in_fi
 from warpwear.calibration.outcome import Calibration
 from warpwear.calibration.wear import LARGEST, WornVolume
 from warpwear.calibration.worn import SOURCES, TWO_DIAMETERS, sources_of, worn_volume
-from warpwear.errors import InputError
-from warpwear.measured.options import optional, parameters_named
+from warpwear.errors import InputError, named_in_python
+from warpwear.measured.options import optional
 from warpwear.results.report import Row, scientific, times
 from warpwear.study.study import Study
 
@@ -199,7 +199,7 @@ def _k(label: str, value: float, error: float | None, *, note: str = "") -> Row:
     return Row(label, key, 1e3 * value, error=uncertainty, note=note, scientific=True)
 
 
-@parameters_named
+@named_in_python()
 def calibrate_wear(
     tests: Tests,
     *,

@@ -13,7 +13,7 @@ from warpwear.calibration.coefficient import calibrate_wear
 from warpwear.calibration.strength import calibrate_friction
 from warpwear.errors import InputError, explained
 from warpwear.measured.options import Options, flag, quantity
-from warpwear.measured.surface_command import Preparation
+from warpwear.measured.surface import Preparation
 from warpwear.results.report import to_json
 
 #: Option of a measurement -> key of a test.

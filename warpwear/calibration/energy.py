@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 from warpwear.calibration.outcome import Calibration
-from warpwear.errors import InputError
+from warpwear.errors import InputError, named_in_python
 from warpwear.laws.archard import BODIES
-from warpwear.laws.friction import friction_energy
-from warpwear.measured.options import COF, Options, number, parameters_named, quantity
+from warpwear.measured.options import COF, Options, number, quantity
 from warpwear.result import Result
 from warpwear.results.report import Row, lines, table
 
@@ -97,7 +96,7 @@ class EnergyCalibration(Calibration):
         ]
 
 
-@parameters_named
+@named_in_python()
 def calibrate_energy(
     *,
     result: str | Path | None = None,
@@ -167,8 +166,7 @@ def _of_run(folder: Path, speeds: Sequence[float]) -> EnergyCalibration:
     if not np.isfinite(cof).all():
         raise InputError(f"{folder} has no coefficient of friction: it was stopped before its τ0 was fixed")
     load = float(history["load"][-1])
-    sheared = "area_sheared" in history
-    energy = float(friction_energy(history["distance"], cof, history["load"], of_steps=sheared)[-1])
+    energy = float(history["friction_energy"][-1])
     return EnergyCalibration(
         energy=energy,
         distance=slid,

@@ -167,5 +167,4 @@ def effective_points(residual: FloatArray) -> float:
     length = 1 << (2 * count - 1).bit_length()
     correlation = np.fft.irfft(np.abs(np.fft.rfft(residual, length)) ** 2, length)[1:count] / power
     ends = np.flatnonzero(correlation <= 0.0)
-    together = float(correlation[: ends[0] if ends.size else None].sum())
-    return max(count / (1.0 + 2.0 * together), 1.0)
+    return max(count / (1.0 + 2.0 * float(correlation[: ends[0] if ends.size else None].sum())), 1.0)

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from warpwear.calibration.outcome import Calibration
-from warpwear.errors import InputError
+from warpwear.errors import InputError, named_in_python
 from warpwear.grid import FloatArray
 from warpwear.measured.columns import choose
-from warpwear.measured.options import Options, parameters_named
+from warpwear.measured.options import Options
 from warpwear.measured.record import read_record
 from warpwear.results.report import Row, times
 from warpwear.study.study import Study
@@ -114,7 +114,7 @@ class LoopCalibration(Calibration):
         return [*rows, Row("in a study", "", keys)]
 
 
-@parameters_named
+@named_in_python()
 def calibrate_loop(
     file: str | Path, *, study: Study | str | Path | None = None, load: Any = None
 ) -> LoopCalibration:

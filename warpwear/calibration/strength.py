@@ -8,11 +8,11 @@ from typing import Any
 
 from warpwear.calibration.friction import FrictionFit, ShearFit, fit_friction
 from warpwear.calibration.outcome import Calibration
-from warpwear.errors import InputError
+from warpwear.errors import InputError, named_in_python
 from warpwear.laws import friction, passes
 from warpwear.laws.friction import FrictionLaw
 from warpwear.measured.course import read_experiment
-from warpwear.measured.options import COF, PLOUGHING, Options, number, parameters_named, quantity
+from warpwear.measured.options import COF, PLOUGHING, Options, number, quantity
 from warpwear.result import Result
 from warpwear.results.report import Row, lines, table
 from warpwear.study.study import Study
@@ -70,7 +70,7 @@ class FrictionCalibration(Calibration):
         return "\n".join([self.title, *lines(self.rows), *areas, *lines(self.after), f"  {ADVICE}"])
 
 
-@parameters_named
+@named_in_python()
 def calibrate_friction(
     *,
     result: str | Path | None = None,

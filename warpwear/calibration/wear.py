@@ -124,22 +124,6 @@ def segment(width: float, *, radius: float) -> float:
     return 0.5 * radius * radius * excess
 
 
-def diameter_of_cap(volume: float, *, radius: float) -> float:
-    """Find the diameter [mm] of the flat scar whose cap has a volume [mm³]: the inverse of `cap`.
-
-    InputError for more than half the ball: its scar would shrink again.
-    """
-    if volume > 2.0 / 3.0 * math.pi * radius**3 * (1.0 + 1e-12):
-        raise InputError(f"volume is {volume:g} mm³: allowed is up to half the ball of radius {radius:g} mm")
-    low, high = 0.0, radius  # of the height
-    while low < (middle := 0.5 * (low + high)) < high:
-        if math.pi * middle**2 * (3.0 * radius - middle) / 3.0 < volume:
-            low = middle
-        else:
-            high = middle
-    return 2.0 * math.sqrt(high * (2.0 * radius - high))
-
-
 def _uncertainty(error: float | None, slope: float, *, source: str = "as given") -> dict[str, Any]:
     """Return the uncertainty of a worn volume, and where it is from, as fields of `WornVolume`.
 

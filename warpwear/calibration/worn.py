@@ -7,7 +7,7 @@ from typing import Any
 from warpwear.calibration import wear as volumes
 from warpwear.calibration.measurements import MeasuredTest, size_and_error
 from warpwear.errors import InputError
-from warpwear.measured.surface_command import Kind, Preparation, worn_in
+from warpwear.measured.surface import Kind, Preparation, worn_in
 
 
 @dataclass(frozen=True)

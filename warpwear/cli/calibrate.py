@@ -140,13 +140,6 @@ def loop(**options: Any) -> None:
     click.echo(places.calibrations.printed(places.loop_of_test.calibrate_loop, **options))
 
 
-@calibrate.command()
-@AS_JSON
-def thesis(**options: Any) -> None:
-    """List the wear coefficients that the thesis prints, and the worn patch that does not go with them."""
-    click.echo(places.coefficients.calibrate_thesis(**options))
-
-
 @calibrate.command(epilog=STUDY)
 @click.argument("study")
 @CHANGES

@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from warpwear.cli.options import BAND_OVER, EXPERIMENTS, FORMAT, PATH
-from warpwear.cli.places import comparison_folder, comparison_scar, comparison_table, gathered, options
+from warpwear.cli.places import compared, comparison_folder, comparison_table
 from warpwear.cli.surface import prepared, with_preparation
 
 
@@ -29,16 +29,7 @@ from warpwear.cli.surface import prepared, with_preparation
 @click.option("--scar", type=PATH, help="The worn disc, a measured surface, to lay over the computed scars.")
 @click.option("--before", type=PATH, help="The same place of --scar before it was worn.")
 @with_preparation()
-def compare(
-    folders: tuple[Path, ...],
-    experiments: tuple[Path, ...],
-    out: Path,
-    file_format: str,
-    overwrite: bool,
-    scar: Path | None,
-    before: Path | None,
-    **settings: Any,
-) -> None:
+def compare(folders: tuple[Path, ...], out: Path, file_format: str, overwrite: bool, **settings: Any) -> None:
     """Lay the runs in DIR... and measured courses of friction over each other.
 
     DIR is the folder of a run, or of a sweep for all its runs. With
@@ -60,14 +51,11 @@ def compare(
     the load too, where runs differ in it), mean pressure, worn volumes, worn profiles. compare.html
     shows all of it on one page.
     """
-    preparation = prepared(settings)
-    if scar is None:
-        needless = {"before": before, **preparation}
-        options.refuse({f"--{key.replace('_', '-')}": v for key, v in needless.items()}, "needs --scar")
-    files = None if scar is None else comparison_scar.ScarFiles(scar, before, preparation)
-    gathered.check_number(folders, experiments, files)
+    how, scar = prepared(settings), settings["scar"]
+    of_scar = {"before": settings["before"], **how}
+    compared.check_choice(folders, settings["experiments"], scar, of_scar)
     comparison_folder.check_out(out, file_format=file_format, overwrite=overwrite)
-    comparison = gathered.gather(folders, experiments, scar=files, **settings)
+    comparison = compared.compare(*folders, **settings, **how)
     click.echo(comparison_table.to_text(comparison))
-    for path in comparison_folder.write(comparison, out, file_format=file_format, overwrite=overwrite):
+    for path in comparison.write(out, file_format=file_format, overwrite=overwrite):
         click.echo(path)

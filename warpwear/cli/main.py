@@ -15,8 +15,7 @@ from warpwear.cli.calibrate import calibrate
 from warpwear.cli.compare import compare
 from warpwear.cli.new import new
 from warpwear.cli.record import record
-from warpwear.cli.report import report
-from warpwear.cli.result import animate, export_command, plot
+from warpwear.cli.result import animate, export_command, plot, report
 from warpwear.cli.run import run
 from warpwear.cli.study import list_materials, show, studies
 from warpwear.cli.surface import surface
@@ -48,7 +47,7 @@ def main(arguments: list[str] | None = None) -> None:
         status = commands.main(arguments, prog_name="warpwear", standalone_mode=False, obj=started)
         sys.stdout.flush()
     except (InputError, ConvergenceError) as error:
-        _fail(str(error), at_once=isinstance(error.__cause__, MemoryError))
+        _fail(getattr(error, "sentence", str(error)), at_once=isinstance(error.__cause__, MemoryError))
     except MemoryError:
         hint = "larger cells (grid.cell) or a smaller grid.extent are needed."
         _fail(f"the memory ran out; {hint}", at_once=True)

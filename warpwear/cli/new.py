@@ -8,7 +8,6 @@ import click
 from warpwear.cli.options import PATH
 from warpwear.cli.places import drafts
 from warpwear.cli.study import CHANGES, parsed_changes
-from warpwear.errors import InputError, explained
 
 KINDS = ("reciprocating", "rotating", "fretting", "pin", "block-on-ring")
 
@@ -32,12 +31,6 @@ def new(file: Path, like: str, surface: Path | None, changes: tuple[str, ...], o
     Put in what your test says, by --set or in the file: load, sizes, materials, wear coefficients. With
     --surface the cells are those of the measurement, as far as the contact needs them.
     """
-    if file.suffix != ".toml":
-        raise InputError(f"{file}: a study is a file named .toml, such as {file.name or 'my-test'}.toml.")
-    if file.exists() and not overwrite:
-        raise InputError(f"{file} is there already; --overwrite replaces it.")
     values = parsed_changes(changes)
-    study = drafts.draft(like, name=file.stem, folder=file.parent, surface=surface, changes=values)
-    with explained(f"{file} cannot be written"):
-        file.write_text(study, encoding="utf-8")
+    drafts.new_study(file, like=like, surface=surface, changes=values, overwrite=overwrite)
     click.echo(f"{file} holds the study; put in your numbers and: warpwear run {shlex.quote(str(file))}")

@@ -1,12 +1,13 @@
 """Declare the command `warpwear record`."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
 from warpwear.cli.options import FORMAT, PATH
-from warpwear.cli.places import record_command
+from warpwear.cli.places import records, written
 
 
 @click.command()
@@ -28,4 +29,27 @@ def record(files: tuple[Path, ...], **options: Any) -> None:
     error, energy, friction loops, and what was left out. `compare`, `calibrate` and `bayes` read
     the same files.
     """
-    click.echo(record_command.describe(files, **options))
+    click.echo(describe(files, **options))
+
+
+def describe(files: Sequence[Path], **choices: Any) -> str:
+    """Say what a record of friction holds, as text for people or as JSON, and write its folder.
+
+    choices: options of the command; the folder is by default named after the file, and with as_json there is
+    none. Raises InputError.
+    """
+    overwrite, as_json = choices.pop("overwrite", False), choices.pop("as_json", False)
+    how = {"file_format": choices.pop("file_format", "png"), "overwrite": overwrite}
+    folder, first, end = choices.pop("out", None), files[0].resolve(), ""
+    if folder is None and not as_json:
+        folder = Path(f"{first.name if first.is_dir() else first.stem}-record")
+        if folder.exists() and not overwrite:  # the numbers are asked for all the same
+            end = f"{folder} is there already and was not written again: --overwrite replaces it"
+            folder = None
+    if folder is not None:
+        records.check_out(folder, **how)
+    report = records.read_record(files if len(files) > 1 else files[0], **choices)
+    if folder is not None:
+        report.write(folder, **how)
+        end = f"written to {folder}/: {records.PAGE}, {records.TABLE}, {records.MARK}, figures"
+    return written.to_json(report.numbers) if as_json else "\n".join(filter(None, [report.text, end]))

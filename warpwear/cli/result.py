@@ -1,4 +1,4 @@
-"""The commands that take the folder of a run: `warpwear plot`, `animate` and `export`."""
+"""The commands that take the folder of a run: `warpwear plot`, `report`, `animate` and `export`."""
 
 from pathlib import Path
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from warpwear.cli.options import FOLDER, FORMAT, PATH, repeated
-from warpwear.cli.places import exported, film, results
+from warpwear.cli.places import results
 
 
 @click.command()
@@ -34,6 +34,17 @@ def plot(folder: Path, names: tuple[str, ...], file_format: str) -> None:
 
 @click.command()
 @FOLDER
+def report(folder: Path) -> None:
+    """Write report.html into the folder of a run again: the page that a run leaves.
+
+    It shows numbers, plots, assumptions and limits in a single file that needs no network.
+    """
+    with results.Result.open(folder) as result:
+        click.echo(result.write_page())
+
+
+@click.command()
+@FOLDER
 @click.option("--out", type=PATH, help=".mp4 or .gif file. [default: DIR/animation.mp4 or .gif]")
 @click.option("--fps", default=5.0, show_default=True, help="Frames a second.")
 @click.option("--overwrite", is_flag=True, help="Replace a file that is there.")
@@ -45,7 +56,7 @@ def animate(folder: Path, out: Path | None, fps: float, overwrite: bool) -> None
     not installed the default is gif.
     """
     with results.Result.open(folder) as result:
-        click.echo(film.animate(result, out, frames_per_second=fps, overwrite=overwrite))
+        click.echo(result.animate(out, frames_per_second=fps, overwrite=overwrite))
 
 
 @click.command("export")
@@ -84,5 +95,5 @@ def export_command(folder: Path, out: Path | None, overwrite: bool, crate: bool,
         if crate:
             options["formats"] = (*(options["formats"] or ()), "crate")
         settings = {name: value for name, value in options.items() if value not in (None, ())}
-        for path in exported.export(result, where, overwrite=overwrite, **settings):
+        for path in result.export(where, overwrite=overwrite, **settings):
             click.echo(path)

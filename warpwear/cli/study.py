@@ -5,7 +5,7 @@ from typing import Any
 import click
 
 from warpwear.cli.options import repeated
-from warpwear.cli.places import materials, study_files, study_text, study_types
+from warpwear.cli.places import known, study_files, study_types
 from warpwear.errors import InputError
 
 STUDY = "STUDY is a TOML file, a run folder or the name of a preset (see 'warpwear studies')."
@@ -19,8 +19,7 @@ CHANGES = repeated(
 @click.command()
 def studies() -> None:
     """List the presets, studies with a name."""
-    for name in study_files.presets():
-        click.echo(f"{name:<10} {study_types.Study.load(name).study.description}")
+    click.echo(known.studies())
 
 
 @click.command(epilog=STUDY)
@@ -33,7 +32,7 @@ def show(study: str, changes: tuple[str, ...]) -> None:
     standard error.
     """
     loaded = load_study(study, changes)
-    click.echo(study_text.to_marked_toml(loaded))
+    click.echo(loaded.to_toml(marked=True))
     for notice in loaded.notices():
         click.echo(f"note: {notice}", err=True)
 
@@ -44,14 +43,7 @@ def list_materials() -> None:
 
     Each has elastic constants and a hardness, and each value its source.
     """
-    for name in materials.names():
-        known = materials.material(name)
-        click.echo(
-            f"{known.name}, {known.condition}: E {1e-3 * known.young:g} GPa, ν {known.poisson:g}, "
-            f"hardness {1e-3 * known.hardness:.3g} GPa"
-        )
-        for value, source in known.sources.items():
-            click.echo(f"    {value}: {source}")
+    click.echo(known.materials())
 
 
 def load_study(study: str, changes: tuple[str, ...]) -> Any:

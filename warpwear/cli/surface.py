@@ -1,12 +1,15 @@
-"""The command `warpwear surface`, and the options that prepare a measured file."""
+"""Declare the command `warpwear surface`, and the options that prepare a measured file."""
 
+from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import click
 
 from warpwear.cli.options import PATH, Option, together
-from warpwear.cli.places import surface_command
+from warpwear.cli.places import measured, options, reports, written
+from warpwear.errors import InputError
 
 #: Keys of [disc] as options: how a measured file is read and what is done to it.
 PREPARATION = {
@@ -60,4 +63,50 @@ def surface(file: Path | None, **options: Any) -> None:
     With --before what a wear scar has lost and piled up, with --track the volume of a worn track, with
     --ball that of a worn ball.
     """
-    click.echo(surface_command.describe(file, prepared(options), **options))
+    click.echo(describe(file, prepared(options), **options))
+
+
+def describe(file: Path | None, preparation: Mapping[str, Any], **choices: Any) -> str:
+    """Say what is in a measured file, as text for people or as JSON, and write its figure.
+
+    preparation: as of `prepared`. choices: other options of the command. Raises InputError.
+    """
+    o = options.Options(choices)
+    if (file is None) != (o["--diagonals"] is not None):
+        what = "FILE is missing" if file is None else "--diagonals stand for FILE"
+        raise InputError(f"{what}: allowed is a measured surface, or --ball with --radius and --diagonals")
+    measured.check_together(o)
+    if o["--figure"] and o["--no-figure"]:
+        raise InputError("--figure and --no-figure exclude each other")
+    kind = "track" if o["--track"] else "ball" if o["--ball"] else "scar" if o["--before"] else None
+    figure, notice = o["--figure"], ""
+    if figure is not None:
+        reports.check_figure(figure, overwrite=o["--overwrite"])
+    elif file is not None and not (o["as_json"] or o["--no-figure"]):
+        figure = Path(f"{file.name}-{kind or 'surface'}.png")
+        if figure.exists() and not o["--overwrite"]:  # the numbers are asked for all the same
+            notice = f"{figure} is there already and was not drawn again: --overwrite replaces it"
+            figure = None
+    report = _report(file, kind, preparation, o)
+    if figure is not None:
+        report.save_figure(figure, overwrite=o["--overwrite"])
+        notice = f"written to {figure}"
+    if o["as_json"]:
+        return measured.with_options(written.to_json(report.numbers))
+    return "\n".join(filter(None, [report.text, notice]))
+
+
+def _report(file: Path | None, kind: str | None, how: Mapping[str, Any], o: Any) -> Any:
+    """Read what the options ask for. Raises InputError."""
+    if file is None:
+        if o["--radius"] is None:
+            raise InputError("--diagonals needs --radius, a length such as '3 mm'")
+        return measured.worn_cap(*o["--diagonals"], radius=o["--radius"])
+    if kind is not None:
+        names = ("before", "track_width", "track_length", "radius", "line")
+        return measured.read_worn(file, kind, **how, **{name: o[name] for name in names})
+    filters = {name: o[name] for name in ("lambda_c", "lambda_s") if o[name] is not None}
+    if o["--line"] is None:
+        with suppress(measured.HoldsAProfile):
+            return measured.read_surface(file, **how, **filters)
+    return measured.read_profile(file, line=o["--line"], **how, **filters)

@@ -48,5 +48,4 @@ def sweep(study: str, changes: tuple[str, ...], vary: tuple[str, ...], **options
     """
     design = {name: options.pop(name) for name in ("design", "samples", "seed")}
     design |= {"band_over": list(options.pop("band_over")) or None, "vary": sweep_command.varied(vary)}
-    status: int = sweep_command.command(study, parsed_changes(changes), design, **options)
-    return status
+    return sweep_command.command(study, parsed_changes(changes), design, **options)

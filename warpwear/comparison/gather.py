@@ -56,8 +56,8 @@ def gather(
     experiments: Sequence[str | Path] = (),
     *,
     band_over: Sequence[str] = (),
-    speed: str | None = None,
-    stroke: str | None = None,
+    speed: float | str | None = None,
+    stroke: float | str | None = None,
     columns: str | None = None,
     scar: ScarFiles | None = None,
 ) -> Comparison:
@@ -102,7 +102,7 @@ def _read_experiments(paths: list[Path], taken: Sequence[str], **options: Any) -
 
 
 def check_number(
-    folders: Sequence[str | Path], experiments: Sequence[str | Path], scar: ScarFiles | None = None
+    folders: Sequence[str | Path], experiments: Sequence[str | Path], scar: object = None
 ) -> None:
     """Raise InputError for less than two together; a sweep stands for several runs."""
     sweeps = sum(is_sweep(Path(folder)) for folder in folders)

@@ -13,7 +13,7 @@ from warpwear.comparison.groups import RunData
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.snapshot import extents
-from warpwear.measured.surface_command import worn_in
+from warpwear.measured.surface import worn_in
 from warpwear.measured.surface_report import patch_rows
 from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
@@ -44,7 +44,7 @@ class ScarFiles:
 
     after: Path
     before: Path | None = None
-    preparation: Mapping[str, str | None] = field(default_factory=dict)
+    preparation: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ import numpy as np
 import tomlkit
 from tomlkit.items import Table
 
-from warpwear.errors import InputError
+from warpwear.errors import InputError, explained, named_in_python
 from warpwear.study.loading import change
 from warpwear.study.rules_track import worn_widths
 from warpwear.study.study import Study
@@ -29,6 +29,63 @@ TRACK = 2
 COLUMN = 32
 #: Fewest and most cells over the width of that contact, between which a file's pixel is taken as the cell.
 CELLS = (20, 400)
+
+
+@named_in_python()
+def new_study(
+    path: str | Path | None = None,
+    *,
+    like: str = "reciprocating",
+    surface: str | Path | None = None,
+    changes: Mapping[str, Any] | None = None,
+    overwrite: bool = False,
+) -> Study:
+    """Make a study of a rig, with the keys that such a test needs, and write it as a commented file.
+
+    Parameters
+    ----------
+    path
+        A file to write, named .toml; without it nothing is written.
+    like
+        The rig: "reciprocating", "rotating", "fretting", "pin" or "block-on-ring".
+    surface
+        Measured surface of the disc or flat, whose pixel sets the cells; made-up without one.
+    changes
+        Keys to change, by their names with dots, as `Study.replace` takes them.
+    overwrite
+        Whether to replace the file that is there.
+
+    Returns
+    -------
+    Study
+        The study, as it is in the file.
+
+    Raises
+    ------
+    InputError
+        For what is no study, and for a file that is there; nothing is written then.
+
+    Examples
+    --------
+    >>> study = warpwear.new_study("my-test.toml", like="rotating", changes={"contact.load": "5 N"})
+    >>> study.study.name, study.contact.load
+    ('my-test', 5.0)
+    """
+    rigs = sorted(f.name[:-5] for f in resources.files(__package__).iterdir() if f.name.endswith(".toml"))
+    if like not in rigs:
+        raise InputError(f"--like is {like!r}: allowed is {', '.join(rigs)}")
+    file = Path(f"{like}.toml" if path is None else path)
+    if file.suffix != ".toml":
+        raise InputError(f"{file}: a study is a file named .toml, such as {file.name or 'my-test'}.toml.")
+    if path is not None and file.exists() and not overwrite:
+        raise InputError(f"{file} is there already; --overwrite replaces it.")
+    place = None if surface is None else Path(surface)
+    text = draft(like, name=file.stem, folder=file.parent, surface=place, changes=changes)
+    if path is None:
+        return Study.stored(text)
+    with explained(f"{file} cannot be written"):
+        file.write_text(text, encoding="utf-8")
+    return Study.load(file)
 
 
 def draft(
@@ -78,8 +135,7 @@ def _align(document: Any) -> None:
     for section in document.values():
         for key, item in section.items() if isinstance(section, Table) else ():
             if item.trivia.comment and not isinstance(item, Table):
-                length = len(f"{key} = {item.as_string()}")
-                item.trivia.comment_ws = " " * max(COLUMN - length, 2)
+                item.trivia.comment_ws = " " * max(COLUMN - len(f"{key} = {item.as_string()}"), 2)
 
 
 def _study(sections: dict[str, Any], folder: Path) -> Study:

@@ -199,8 +199,7 @@ class Executor:
 
     def to_numpy(self, field: Field) -> FloatArray:
         """Return the values of a field, shape (nx, ny); on a CPU a view of its memory."""
-        values: FloatArray = field.numpy().reshape(field.shape[0], -1)[:, : self.grid.ny]
-        return values
+        return field.numpy().reshape(field.shape[0], -1)[:, : self.grid.ny]
 
     def fill(self, field: Field, values: FloatArray) -> None:
         """Give a field other values, shape (nx, ny), in place; its padding stays."""

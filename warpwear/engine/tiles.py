@@ -68,8 +68,7 @@ class TileList(ABC):
         """Return ranges of slots for the threads, of passes over what is listed."""
         number = self.lists["lists"]
         if self._split is None or self._split[0] != number:
-            cells = self.count.numpy() * self._cells_of_tile
-            self._split = number, self._executor.split_rows(cells)
+            self._split = number, self._executor.split_rows(self.count.numpy() * self._cells_of_tile)
         return self._split[1]
 
 

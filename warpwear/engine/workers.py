@@ -128,8 +128,7 @@ def _started(environment: Mapping[str, str], *, quiet: bool) -> "subprocess.Pope
 
 def local_workers(number: int, *, cores: int, gpus: Sequence[str] = ()) -> Workers:
     """Workers on this machine: they share its cores evenly, and its GPUs in turn where some are given."""
-    threads = str(max(1, cores // number))
-    shared = dict.fromkeys(THREADS, threads)
+    shared = dict.fromkeys(THREADS, str(max(1, cores // number)))
     each = [{"CUDA_VISIBLE_DEVICES": gpus[worker % len(gpus)]} if gpus else {} for worker in range(number)]
     return Workers([{**shared, **own} for own in each])
 

@@ -48,5 +48,4 @@ def over_each_other(
     if quantity.log:
         along, up = over_distance(*(line.x for line in lines if line.x.size)), Axis(quantity.axis, "auto")
     along = replace(along, label=BY_NAME["distance"].axis)
-    title = quantity.label[:1].upper() + quantity.label[1:]
-    return Chart(title, along, up, lines, note)
+    return Chart(quantity.label[:1].upper() + quantity.label[1:], along, up, lines, note)

@@ -28,8 +28,7 @@ def paint_over(figure: Figure, axes: Sequence[Axes]) -> Sheet:
             if legend is not None:
                 legend.remove()
         axes[-1].legend([*handles.values()], [*handles])
-    whole: Sheet = axes[0].figure.figure
-    return whole
+    return axes[0].figure.figure
 
 
 def of_run(figure: Figure, *, label: str | None = None, color: Any = None) -> Figure:

@@ -234,6 +234,5 @@ def _sheet_3d(cells: Sequence[Any]) -> sheets.Figure:
     width = 1.0 / len(cells)
     for number, cell in enumerate(cells):
         place = (number * width, 0.1, 0.92 * width, 0.76)
-        axes = sheet.add_axes(place, projection="3d", computed_zorder=False)
-        paint_box(axes, cell)
+        paint_box(sheet.add_axes(place, projection="3d", computed_zorder=False), cell)
     return sheet

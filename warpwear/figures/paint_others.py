@@ -138,8 +138,7 @@ def _lit(surface: Surface, step: float) -> FloatArray:
     relief = np.zeros_like(heights) if flat else 1e-3 * np.nan_to_num(heights)
     light = LIGHT.hillshade(relief, vert_exag=3.0, dx=step, dy=step)
     shades[..., :3] *= (0.6 + 0.4 * light)[..., None]
-    lit: FloatArray = np.clip(shades, 0.0, 1.0)
-    return lit
+    return np.clip(shades, 0.0, 1.0)
 
 
 PARTS: dict[type, Callable[..., None]] = {Glass: _glass, Towers: _towers, Surface: _surface}

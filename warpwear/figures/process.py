@@ -87,5 +87,4 @@ def draw(name: str, figure: Figure) -> bytes:
 
 def make_page(content: Mapping[str, Any], maker: str) -> bytes:
     """Make a page of content and of what was drawn here."""
-    page: bytes = lazy.resolve(maker)(content, DRAWN)
-    return page
+    return lazy.resolve(maker)(content, DRAWN)

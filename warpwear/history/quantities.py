@@ -2,7 +2,7 @@
 
 The columns of the history, the fields of a snapshot, the tables of patches and of roughness, the headers of
 CSV files, the attributes in HDF5 files, `Result.units`, the axes of figures and the table of the docs
-follow from this. Names, units and meanings stand in `quantities.toml`.
+follow from this. All of it stands in `quantities.toml`.
 """
 
 import re
@@ -42,7 +42,7 @@ ONLY: Mapping[str, tuple[str, Callable[[Study], bool]]] = {
     "film": ("runs with a film", lambda study: study.film is not None),
     "pieces": ("wear in pieces", lambda study: study.wear.sheds),
     "by area": (
-        "wear of friction energy by a shear strength, layers of a shear strength",
+        "wear of friction energy by a shear strength, layers of one, friction.largest_coefficient",
         lambda study: study.wears_by_area or study.shears_unalike,
     ),
     "layers of the counter-body": ("counter-bodies with layers", lambda study: bool(study.counter.layers)),
@@ -117,66 +117,15 @@ def axis(label: str, unit: str) -> str:
     return f"{label}, {unit or '–'}"
 
 
-def _look(label: str, colour: str = "NEUTRAL", dash: str = "solid", **others: Any) -> dict[str, Any]:
-    return {"label": label, "colour": colour, "dash": dash, **others}
-
-
-def _of_bodies(prefix: str, label: str, **others: Any) -> dict[str, dict[str, Any]]:
-    """Declare how a quantity of both bodies is shown, each by a colour and dash of its own."""
-    lines, others = {"counter": ("COUNTER", "dash"), "disc": ("DISC", "solid")}, {"family": label} | others
-    return {
-        f"{prefix}_{body}": _look(f"{label} of the {CALLED[body]}", *line, short=body, **others)
-        for body, line in lines.items()
-    }
-
-
-_AREA: dict[str, Any] = {"family": "area", "log": True}
-_PRESSURE: dict[str, Any] = {"family": "pressure in contact", "log": True}
-_STRESS: dict[str, Any] = {"family": "largest stress of the depth"}
-_OF_CYCLE: dict[str, Any] = {"family": "equivalent shear stress"}
-_MICRONS: dict[str, Any] = {"factor": 1.0e3, "shown_unit": "µm"}
+_DECLARED: dict[Any, Any] = tomllib.loads(
+    (files("warpwear.history") / "quantities.toml").read_text(encoding="utf-8")
+)
 #: Name of a quantity -> how it is shown, of those that figures and tables for people have.
-LOOKS: dict[str, dict[str, Any]] = {
-    "distance": _look("sliding distance"),
-    "approach": _look("approach of the bodies", **_MICRONS),
-    "load": _look("normal load"),
-    "area_contact": _look("area in contact", "CONTACT", short="in contact", **_AREA),
-    "area_plastic": _look("area at hardness", "HARDNESS", "dot", short="at hardness", **_AREA),
-    "area_sheared": _look("area that shears and wears", "CONTACT", "dash", short="sheared", **_AREA),
-    "area_touched": _look("area ever touched", "TOUCHED", "dash", short="ever touched", **_AREA),
-    "area_nominal": _look("nominal area (scar)", "NOMINAL", "dashdot", short="nominal (scar)", **_AREA),
-    "area_cumulative": _look("running sum of areas", "SUM", "longdash", short="running sum", **_AREA),
-    "area_static": _look("area without wear in the step", short="without wear in the step", log=True),
-    "patch_along": _look("scar, along sliding"),
-    "patch_across": _look("scar, across sliding"),
-    "pressure_mean": _look("mean pressure in contact", "MEAN_PRESSURE", short="mean", **_PRESSURE),
-    "pressure_max": _look("largest pressure in contact", dash="dot", short="largest", **_PRESSURE),
-    **_of_bodies("wear_volume", "worn volume", factor=1.0e3, shown_unit="10⁻³ mm³"),
-    **_of_bodies("wear_depth", "deepest wear", family="depth of the deepest cell", **_MICRONS),
-    "cof": _look("coefficient of friction"),
-    "friction_energy": _look("energy dissipated by friction"),
-    "tangential_force": _look("amplitude of the tangential force"),
-    "displacement": _look("amplitude of the displacement", **_MICRONS),
-    "energy": _look("energy of a cycle"),
-    "energy_ratio": _look("energy ratio of a cycle"),
-    "slip_mean": _look("mean slip of a cycle", **_MICRONS),
-    "stick_area": _look("stick area", "CONTACT"),
-    "slip": _look("slip of a cycle", **_MICRONS),
-    "bare_fraction": _look("bare fraction of the area in contact", "DISC"),
-    "mises": _look("von Mises' stress", "COUNTER", short="von Mises", **_STRESS),
-    "max_shear": _look("largest shear stress", "CONTACT", short="shear", **_STRESS),
-    "principal": _look("largest principal stress", "DISC", short="σ₁, tension", **_STRESS),
-    "crossland": _look("Crossland's shear stress", "COUNTER", short="Crossland", **_OF_CYCLE),
-    "dang_van": _look("Dang Van's shear stress", "DISC", short="Dang Van", **_OF_CYCLE),
-    "diameter": _look("diameter as cut", **_MICRONS),
-}
+LOOKS: dict[str, dict[str, Any]] = _DECLARED.pop("look")
 
 
 def _quantities() -> Iterator[Quantity]:
-    declared: dict[Any, Any] = tomllib.loads(
-        (files("warpwear.history") / "quantities.toml").read_text(encoding="utf-8")
-    )
-    for where, meanings in declared.items():
+    for where, meanings in _DECLARED.items():
         what, _, only = where.partition(", ")
         for heading, meaning in meanings.items():
             name, unit = heading.rstrip("]").split(" [")

@@ -224,6 +224,9 @@ class Ledger:
             row["bare_fraction"] = total["bare"] / count
         if self._task.profiles is not None:
             row |= self._of_materials(total, row)
+        if self._task.shears_unalike:
+            books, of_surfaces = total.get("materials"), self._task.surface_shear or math.nan
+            row["area_sheared"] = area * books["shear_ratios"] if books else row["area_contact"] * of_surfaces
         return row | {name: row[name] + lost for name, lost in self.before.items() if name in row}
 
     def _of_materials(self, total: Mapping[str, Any], row: Mapping[str, Number]) -> dict[str, Any]:
@@ -250,9 +253,6 @@ class Ledger:
                     for cells, pressure, lost in zip(*of.values(), strict=True)
                 ]
             columns |= {n: v for pair in zip(names, parts, strict=False) for n, v in zip(*pair, strict=True)}
-        if self._task.shears_unalike:
-            of_surfaces = row["area_contact"] * (self._task.surface_shear or math.nan)
-            columns["area_sheared"] = of_surfaces if books is None else area * books["shear_ratios"]
         return columns
 
     def _inside(self, rows: int, columns: int) -> tuple[float, ...]:

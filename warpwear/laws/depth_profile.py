@@ -161,10 +161,14 @@ def _through(depth: FloatArray, wear: FloatArray | float, slope: float) -> Float
     return np.where(np.asarray(wear) > 0.0, needed, math.inf)
 
 
-def shears_unalike(profiles: Iterable[DepthProfile]) -> bool:
-    """Tell whether cells have a shear strength by their materials, or a part of their pressure."""
+def shears_unalike(profiles: Iterable[DepthProfile], largest: float = math.inf) -> bool:
+    """Tell whether cells have a shear strength by their materials, or a part of their pressure.
+
+    largest: shear of all cells over their pressure, infinite without such a limit.
+    """
     materials = [material for profile in profiles for material in profile.materials]
-    return len({(material.shear_strength, material.coefficient) for material in materials}) > 1
+    pairs = {(material.shear_strength, material.coefficient) for material in materials}
+    return len(pairs) > 1 or math.isfinite(largest)
 
 
 def of_materials(body: str, profile: DepthProfile) -> list[tuple[str, str, str]]:

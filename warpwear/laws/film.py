@@ -28,12 +28,15 @@ class Film(Scales):
         return self.cap_ratio_filmed != self.cap_ratio_bare
 
 
-def grown_cap(hardness: float, shear_strength: float, growth: float) -> float:
+def grown_cap(
+    hardness: float, shear_strength: float, growth: float, largest_coefficient: float = math.inf
+) -> float:
     """Return the cap √(H² − α τ²) [MPa] of a junction that is sheared, 0 where τ√α reaches the hardness.
 
-    hardness: H, shear_strength: τ [MPa]. growth: α.
+    hardness: H, shear_strength: τ [MPa]. growth: α. largest_coefficient: μ, where τ is at most μ p: the cap
+    is then no less than H/√(1 + α μ²), at which τ is μ p.
     """
     if growth == 0.0:
         return hardness
     left = 1.0 - growth * (shear_strength / hardness) ** 2
-    return hardness * math.sqrt(max(left, 0.0))
+    return hardness * math.sqrt(max(left, 1.0 / (1.0 + growth * largest_coefficient**2)))

@@ -25,6 +25,8 @@ COEFFICIENT = "coefficient"
 PLOUGHING, STRENGTH, FILM_STRENGTH = "ploughing", "shear_strength", "film.shear_strength"
 #: Keys of a measured coefficient, to which the shear strength is fitted.
 FITTED = (COEFFICIENT, "calibrate")
+#: Key of the part of its pressure that shears a cell at most.
+LARGEST = "largest_coefficient"
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,7 @@ RUNNING_IN = Factor(
 FACTORS = (RUNNING_IN,)
 #: Keys of [friction] that are numbers of the law.
 NUMBERS = (PLOUGHING, STRENGTH, FILM_STRENGTH, *(key for factor in FACTORS for key in factor.keys))
-KEYS = (*NUMBERS, *FITTED, "area")
+KEYS = (*NUMBERS, *FITTED, LARGEST, "area")
 
 
 @dataclass(frozen=True)
@@ -100,11 +102,16 @@ class FrictionLaw(Scales):
         parts = [factor.sentence.format(**self.values) for factor in self.factors]
         if self.values[PLOUGHING]:
             parts.append(f"{self.values[PLOUGHING]:.4g} of the coefficient does not shear")
+        if self.values[LARGEST]:
+            parts.append(f"at most {self.values[LARGEST]:.4g} of its pressure shears a cell")
         return "; ".join(parts)
 
     @property
     def formula(self) -> str:
         """Return the coefficient of friction in LaTeX; τ_f: strength of cells with film, φ: bare part."""
+        if self.values[LARGEST]:
+            shear = r"\int_A \min(\tau, \mu_\mathrm{max} p) \, \mathrm{d}A / F"
+            return r"\mu_\mathrm{p} + " * bool(self.values[PLOUGHING]) + shear
         tau = r" \, ".join([r"\tau_0", *(factor.formula for factor in self.factors)])
         if FILM_STRENGTH in self.strengths:
             tau = rf"\left(\tau_\mathrm{{f}} + ({tau} - \tau_\mathrm{{f}}) \varphi\right)"
@@ -192,7 +199,8 @@ class FrictionLaw(Scales):
         What "the" shear strength is depends on the area that it was calibrated with; H/(3√3) is the usual
         estimate from hardness.
         """
-        if self.values["coefficient"] <= self.values[PLOUGHING]:  # nothing is left to shear
+        # Nothing is left to shear, or what shears is not in proportion to the strength.
+        if self.values["coefficient"] <= self.values[PLOUGHING] or self.values[LARGEST]:
             return {}
         strengths = {
             f"{area}_{when}": self.strength_for(history, when, area=area, load=load, laps=laps)

@@ -47,8 +47,7 @@ class Pieces(Scales):
 
     def margin(self, cell: float) -> int:
         """Return how many cells beside one in contact a piece may reach, along x or y."""
-        half = math.ceil(0.5 * self.diameter / cell)
-        return 2 * half + self.reach(cell)
+        return 2 * math.ceil(0.5 * self.diameter / cell) + self.reach(cell)
 
     def volume(self, cell: float) -> float:
         """Return V* of a piece on a grid of cells [mm³]; (π/8) d*² t of a fine one."""

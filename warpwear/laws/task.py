@@ -68,6 +68,7 @@ class ContactTask:
     fretting: Fretting | None = None  # what drives a fretting contact; None where nothing frets
     #: What counter-body and disc are made of by worn depth; None where they are alike at all depths.
     profiles: tuple[DepthProfile, DepthProfile] | None = None
+    largest_shear: float = math.inf  # of a cell over its pressure and the bodies' strength [1/MPa]
 
     @property
     def dust(self) -> float:
@@ -113,13 +114,14 @@ class ContactTask:
     @property
     def shears_unalike(self) -> bool:
         """Tell whether cells have a shear strength by their materials, or a part of their pressure."""
-        return shears_unalike(self.profiles or ())
+        return shears_unalike(self.profiles or (), self.largest_shear)
 
     @property
     def surface_shear(self) -> float | None:
-        """Return the shear strength of unworn surfaces over the bodies'; None where pressures bound it."""
+        """Return the shear strength of unworn surfaces over the bodies'; None where cells of these differ."""
         tops = [profile.materials[0] for profile in self.profiles or ()]
-        if not self.shears_unalike or any(math.isfinite(top.coefficient) for top in tops):
+        bounds = (self.largest_shear, *(top.coefficient for top in tops))
+        if not self.shears_unalike or self.film is not None or min(bounds) < math.inf:
             return None if self.shears_unalike else 1.0
         assert self.profiles is not None
         return min(top.shear_strength for top in tops) / self.profiles[0].materials[-1].shear_strength
@@ -129,6 +131,7 @@ class ContactTask:
         """Tell whether, at rest, every cell has the same law: one stiffness, and wear in one proportion."""
         counter, disc = self.wear
         alike = self.distance_factor == "none" and self.film is None and not self.shears
+        alike = alike and not self.shears_unalike
         alike = alike and (self.profiles is None or all(profile.is_uniform for profile in self.profiles))
         return alike and counter.in_proportion_to(disc) and not len(self.knots)
 

@@ -90,8 +90,7 @@ class Track:
     @property
     def x(self) -> FloatArray:
         """Return the centres of the disc's rows [mm], shape (rows,), 0 = the middle of the stroke."""
-        centres: FloatArray = (np.arange(self.rows, dtype=np.float64) - 0.5 * (self.rows - 1)) * self.cell
-        return centres
+        return (np.arange(self.rows, dtype=np.float64) - 0.5 * (self.rows - 1)) * self.cell
 
     def cells_of(self, step: int) -> int:
         """Return the number of cells that step number `step` covers."""

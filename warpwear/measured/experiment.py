@@ -34,5 +34,4 @@ def mean_of_last_tenth(distance: FloatArray, values: FloatArray) -> float:
     places = np.append(start, distance[distance > start])
     if places.size == 1:
         return float(values[-1])
-    means = np.trapezoid(np.interp(places, distance, values), places)
-    return float(means / (places[-1] - start))
+    return float(np.trapezoid(np.interp(places, distance, values), places) / (places[-1] - start))

@@ -142,8 +142,7 @@ def _by_laps(laps: FloatArray, track: FloatArray, rows: Rows) -> tuple[FloatArra
     before = first if first > BEFORE else 0.0
 
     def along(laps: FloatArray, track: FloatArray) -> FloatArray:
-        turns = np.diff(laps, prepend=first - max(first - before, 0.0))
-        return 2.0 * np.pi * np.cumsum(turns * track)
+        return 2.0 * np.pi * np.cumsum(np.diff(laps, prepend=first - max(first - before, 0.0)) * track)
 
     note = "Distance is laps times 2π radius."
     if before:

@@ -1,31 +1,35 @@
 """Turn options of commands, texts with a unit, into numbers, with a sentence for bad ones."""
 
-import re
-from collections.abc import Callable, Mapping
-from functools import wraps
-from typing import Any, ParamSpec, TypeVar
+from collections.abc import Mapping
+from numbers import Real
+from typing import Any
 
 from warpwear.errors import InputError
-from warpwear.study.units import POSITIVE, Quantity, Range
+from warpwear.study.units import POSITIVE, Quantity, Range, is_pair
 
-P = ParamSpec("P")
-R = TypeVar("R")
-_OPTION = re.compile(r"--([a-z]+(?:-[a-z]+)*)")
 #: A coefficient of friction.
 COF = Range(most=3.0)
 #: The part of it that does not shear.
 PLOUGHING = Range(or_equal=True, most=3.0)
 
 
-def quantity(option: str, value: str, unit: str, *, allowed: Range = POSITIVE) -> float:
-    """Turn an option's text into a number in a unit. Raises InputError."""
+def with_unit(value: Any, unit: str) -> Any:
+    """Give a bare number, or those of a sequence, a unit; leave texts, pairs and pint's quantities alone."""
+    if isinstance(value, list | tuple) and not is_pair(value):
+        return [with_unit(one, unit) for one in value]
+    return (value, unit) if isinstance(value, Real) and not isinstance(value, bool) else value
+
+
+def quantity(option: str, value: Any, unit: str, *, allowed: Range = POSITIVE) -> float:
+    """Turn an option's text, or number in a unit, into that number. Raises InputError."""
     try:
-        return float(Quantity(unit, allowed, hardness=option == "--hardness").read(value))
+        read = Quantity(unit, allowed, hardness=option == "--hardness").read
+        return float(read(with_unit(value, unit)))
     except ValueError as error:
         raise InputError(f"{option} = {value!r}: {error}") from error
 
 
-def optional(option: str, value: str | None, unit: str, *, allowed: Range = POSITIVE) -> float | None:
+def optional(option: str, value: Any, unit: str, *, allowed: Range = POSITIVE) -> float | None:
     """Turn an option's text into a number in a unit; None, where it was left out, stays None."""
     return None if value is None else quantity(option, value, unit, allowed=allowed)
 
@@ -89,20 +93,3 @@ def number(option: str, value: float, allowed: Range) -> float:
         return allowed.check(value)
     except ValueError as error:
         raise InputError(f"{option} = {value:g}: {error}") from None
-
-
-def parameters_named(function: Callable[P, R]) -> Callable[P, R]:
-    """Let a function's sentences call its parameters as Python does, track_radius for --track-radius.
-
-    A command calls it as `inspect.unwrap` gives it.
-    """
-
-    @wraps(function)
-    def call(*args: P.args, **kwargs: P.kwargs) -> R:
-        try:
-            return function(*args, **kwargs)
-        except InputError as error:
-            text = _OPTION.sub(lambda match: match[1].replace("-", "_"), str(error))
-            raise InputError(text) from error.__cause__
-
-    return call

@@ -95,8 +95,7 @@ def read_rows(paths: Paths, columns: str | None = None) -> Rows:
     notes += tuple(dict.fromkeys(note for part in parts for note in part.notes))
     warnings = tuple(dict.fromkeys(warning for part in parts for warning in part.warnings))
     at = files[0].parent if all(path.parent == files[0].parent for path in files) else files[0]
-    whole = Rows(at, first.format, table, first.chosen, step, names, notes, warnings)
-    return _continued(whole)
+    return _continued(Rows(at, first.format, table, first.chosen, step, names, notes, warnings))
 
 
 def _listed(rows: Rows) -> str:
@@ -157,8 +156,7 @@ def _continued(rows: Rows) -> Rows:
             usual = float(np.nanmedian(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
             shift = np.zeros(values.size)
             for start in again:
-                begin = 0.0 if values[start] > 0.0 else usual
-                shift[start] = values[start - 1] + begin
+                shift[start] = values[start - 1] + (0.0 if values[start] > 0.0 else usual)
             table[role] = table[role].copy()
             table[role][known] = values + np.cumsum(shift)
             notes.append(f"The {role} begins anew with steps, and goes on here.")

@@ -1,17 +1,14 @@
 """Draw measured surfaces, worn tracks and worn balls: panels of one column's width in a stack."""
 
-from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look, Map, Scale
-from warpwear.figures.paint import paint
-from warpwear.figures.style import write_figure
 from warpwear.grid import FloatArray
-from warpwear.measured.surface_report import SurfaceReport
-from warpwear.results.report import VALUES, record
+from warpwear.measured.surface_report import MeasuredSurface
+from warpwear.results.report import VALUES
 from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.roughness import material_ratio_curve
 from warpwear.surfaces.worn.find_scar import mean_profile
@@ -32,19 +29,15 @@ UNWRITTEN = ("as read", "done", "filtered", "rms slope", "warning")
 ZERO, MARK = Look(width=0.6), Look(describe.NEUTRAL, "dash", 0.8)
 
 
-def save(figure: Figure, path: Path) -> None:
-    """Write a figure in the format that the path's ending names."""
-    write_figure(paint(figure), path)
-
-
-def surface_figure(report: SurfaceReport) -> Figure:
+def surface_figure(report: MeasuredSurface) -> Figure:
     """Draw the sheet of a measured surface: map, numbers, bearing curve, spectrum, slope over cut-off."""
     surface = report.surface
     slopes = Line(1e3 * report.cut_offs, report.slopes, look=Look(describe.DISC))
     slope = Chart("Slope", Axis("S-filter, µm", "log"), Axis("rms gradient Sdq, –", low=0.0), [slopes])
-    done = "; ".join(text.partition(":")[0].partition(" (")[0] for text in record(report.rows)["operations"])
-    text, label = [("file", report.text[0]), ("done", done)], ""
-    for line in report.text[1:]:
+    done = "; ".join(text.partition(":")[0].partition(" (")[0] for text in report.numbers["operations"])
+    head, *others = report.text.splitlines()
+    text, label = [("file", head), ("done", done)], ""
+    for line in others:
         label = line[:VALUES].strip() or label
         text += [(line[:VALUES].strip(), line[VALUES:])] if label not in UNWRITTEN else []
     above: list[describe.Panel] = [
@@ -55,7 +48,7 @@ def surface_figure(report: SurfaceReport) -> Figure:
     return Figure([*above, _bearing(report), _spectrum(report), slope], 3, width=describe.PAGE, height=SHEET)
 
 
-def _spectrum(report: SurfaceReport) -> Chart:
+def _spectrum(report: MeasuredSurface) -> Chart:
     spectrum = report.spectrum
     lines: list[Line | Level] = []
     low, high, note = None, None, "a flat: no waves"
@@ -188,7 +181,7 @@ def _reduced(filled: BoolArray, steps: list[int]) -> BoolArray:
     return filled
 
 
-def _bearing(report: SurfaceReport) -> Chart:
+def _bearing(report: MeasuredSurface) -> Chart:
     b = report.bearing
     ratio, reached = material_ratio_curve(report.surface.measured)
     height, line = 1e3 * reached, np.array([1e3 * b.top, 1e3 * b.bottom])

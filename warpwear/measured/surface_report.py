@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 
 from warpwear.grid import FloatArray
+from warpwear.measured.report import Report
 from warpwear.results.report import Row, lines, record, times
 from warpwear.surfaces import roughness
 from warpwear.surfaces import spectrum as spectra
+from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.ball import Cap, WornBall
@@ -44,11 +46,13 @@ ROUGHNESS = {f"{name}_um": name.title() for name in ("sa", "sq", "sz")} | {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class SurfaceReport:
-    """All that the page and the figure of a measured surface show.
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class MeasuredSurface(Report):
+    """A measured surface has heights, roughness and a spectrum; `print` shows what `warpwear surface` prints.
 
-    cut_offs [mm] and the rms slope [-] after each, (m,); rows: what people and JSON get.
+    surface: heights at any points, for `run(study, surface=...)`. bearing: parameters of the core [mm, %].
+    spectrum: wavelength [mm] and density [mm⁴] of the waves in all directions, (bins,). cut_offs: shortest
+    waves [mm], and slopes: the rms slope [-] from each on, (m,). roll_off: the wavelength that it suggests.
     """
 
     surface: Measured
@@ -57,15 +61,24 @@ class SurfaceReport:
     cut_offs: FloatArray
     slopes: FloatArray
     roll_off: spectra.RollOff
-    rows: list[Row]
 
     @property
-    def text(self) -> list[str]:
-        """Return the lines for people."""
-        return [*file_lines(record(self.rows)), *lines(self.rows)]
+    def heights(self) -> FloatArray:
+        """Heights [mm] less the form, axis 0 along sliding, (nx, ny), filled where points are missing."""
+        return self.surface.levelled
+
+    @property
+    def missing(self) -> BoolArray:
+        """Return which points were not measured, shape (nx, ny)."""
+        return np.isnan(self.surface.measured)
+
+    @property
+    def pixel(self) -> tuple[float, float]:
+        """Return the distances of the points along both axes [mm]."""
+        return self.surface.pixel
 
 
-def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMBDA_S) -> SurfaceReport:
+def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMBDA_S) -> MeasuredSurface:
     """Find everything about a measured surface. cut_off, short: λc and λs [mm] of the roughness profiles.
 
     Raises InputError where short is not below cut_off, before anything long is computed.
@@ -118,7 +131,16 @@ def examine(surface: Measured, *, cut_off: float = LAMBDA_C, short: float = LAMB
         Row("", "power_spectrum", {key: values.tolist() for key, values in by_wave.items()}),
         Row("warning", "warnings", surface.notices(*places((heights.shape[0], heights.shape[1]), pixel))),
     ]
-    return SurfaceReport(surface, bearing, spectrum, cut_offs, slopes, roll_off, rows)
+    return MeasuredSurface(
+        text="\n".join([*file_lines(record(rows)), *lines(rows)]),
+        rows=rows,
+        surface=surface,
+        bearing=bearing,
+        spectrum=spectrum,
+        cut_offs=cut_offs,
+        slopes=slopes,
+        roll_off=roll_off,
+    )
 
 
 def file_lines(surface: dict[str, Any], *then: str) -> list[str]:

@@ -70,8 +70,7 @@ def words_of(study: Study, rows: Sequence[Row]) -> dict[str, Any]:
 
 def made_here(content: dict[str, Any], pictures: Mapping[str, bytes]) -> bytes:
     """Make the page in this process. pictures: name of a figure -> content of its PNG file."""
-    page: bytes = lazy.resolve(MAKER)(content, pictures)
-    return page
+    return lazy.resolve(MAKER)(content, pictures)
 
 
 def statics(content: Mapping[str, Any]) -> list[str]:

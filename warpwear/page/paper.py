@@ -30,8 +30,7 @@ def methods_of(study: Study, s: dict[str, Any]) -> str:
     layers = ["{1}'s {2} ({3}, {4})".format(*layer) for layer in layers_of(study)]
     said_of["layers"] = "; the ".join(layers)
     said_of["motion"] = motion_of(study, s["distance_mm"])
-    text = filled("methods.txt", escape=False, study=study, s=s, **said_of)
-    return " ".join(text.split())
+    return " ".join(filled("methods.txt", escape=False, study=study, s=s, **said_of).split())
 
 
 def layers_of(study: Study) -> list[tuple[str, ...]]:

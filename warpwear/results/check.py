@@ -26,26 +26,15 @@ ATTRIBUTES: dict[str, type | tuple[type, ...]] = {
 }
 #: Columns that no step has without a contact.
 AREAS = ("area_contact", "area_touched", "area_cumulative", "area_nominal")
-#: Columns that the results of earlier versions lack, all of a set.
-LATER = ({"parts", "area_error"}, {"friction_energy"}, {"violation", "energy_gap", "energy_gap_relative"})
 #: What a run records beside numbers, with what it has to be.
 RECORD: dict[str, type | tuple[type, ...]] = {
     "surface": dict,
+    "files": dict,
     "warnings": list,
+    "notes": list,
     "elapsed_s": (int, float),
     "made_with": dict,
 }
-
-
-def current(name: str) -> str:
-    """Return today's name of a column or a field: earlier results call the counter-body sphere."""
-    return name.replace("sphere", "counter")
-
-
-def stored(group: Any, name: str) -> str:
-    """Return the name that a column or a field of today has in a group of a result, or would have."""
-    former = name.replace("counter", "sphere")
-    return former if former != name and former in group else name
 
 
 def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
@@ -63,8 +52,7 @@ def check_content(file: h5py.File, study: Study, *, patch: str) -> None:
     if not steps:
         raise ValueError("its history has no step")
     history = _item(file, "history", h5py.Group)
-    lacking = {column.name for column in quantities.columns_of(study)} - {*map(current, history)}
-    lacking -= {name for later in LATER if later <= lacking for name in later}
+    lacking = {column.name for column in quantities.columns_of(study)} - {*history}
     if lacking:
         raise ValueError(f"its history has no {', '.join(sorted(lacking))}")
     shapes: dict[str, Shape] = {f"history/{name}": (steps,) for name in history}
@@ -111,7 +99,7 @@ def check_snapshots(file: h5py.File, study: Study) -> None:
         if study.is_swept and not isinstance(attributes["row"], int | np.integer):
             raise ValueError(f"the row of its {place} is {attributes['row']!r}")
         for field, quantity in quantities.FIELDS.items():
-            if stored(file[place], field) in file[place] or quantity.only is None:
+            if field in file[place] or quantity.only is None:
                 _numbers(file, f"{place}/{field}", (rows if quantity.frame == "disc" else nx, ny))
 
 
@@ -132,10 +120,7 @@ def _check_record(record: Any) -> None:
     for name, kind in RECORD.items():
         if not isinstance(record.get(name), kind):
             raise ValueError(f"the {name} of its record is {record.get(name)!r:.40}")
-    if not isinstance(record.get("files", {}), dict):
-        raise ValueError(f"the files of its record are {record['files']!r:.40}")
-    notes = record.get("notes", [])  # which results of earlier versions lack
-    if not isinstance(notes, list) or not all(isinstance(note, str) for note in record["warnings"] + notes):
+    if not all(isinstance(note, str) for note in record["warnings"] + record["notes"]):
         raise ValueError("a warning or a note of its record is no text")
 
 
@@ -159,12 +144,11 @@ def _item(file: h5py.File, path: str, kind: type) -> Any:
     """Return the group or the dataset at a path, each part of which leads on within this file."""
     place: Any = file
     for name in path.split("/"):
-        part = stored(place, name)
-        if not isinstance(place, h5py.Group) or part not in place:
+        if not isinstance(place, h5py.Group) or name not in place:
             raise ValueError(f"it lacks {path}")
-        if isinstance(place.get(part, getlink=True), h5py.ExternalLink):
+        if isinstance(place.get(name, getlink=True), h5py.ExternalLink):
             raise ValueError(f"its {path} lies in another file")
-        place = place[part]
+        place = place[name]
     if not isinstance(place, kind):
         raise ValueError(f"its {path} {'is no group' if kind is h5py.Group else 'holds no numbers'}")
     return place

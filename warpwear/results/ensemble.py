@@ -55,16 +55,8 @@ def name_of(study: Study, *, device: str, files: Mapping[str, str]) -> str:
 
 def digests_in(result: ResultFile) -> dict[str, str]:
     """Map keys of a result's study to the SHA-256 of what their files held, as far as it carries that."""
-    record, digests = result.record, dict[str, str]()
-    surface = record.get("surface", {})
-    for key in files_of(result.study):
-        # Results of earlier versions have it where they tell of the bodies.
-        of_body = surface.get("counter") if key.startswith("counter.") else surface
-        earlier = of_body.get("sha256") if isinstance(of_body, dict) else None
-        digest = record.get("files", {}).get(key, earlier)
-        if isinstance(digest, str):
-            digests[key] = digest
-    return digests
+    known = result.record.get("files", {})
+    return {key: known[key] for key in files_of(result.study) if isinstance(known.get(key), str)}
 
 
 def short_names(keys: Sequence[str]) -> dict[str, str]:

@@ -116,8 +116,7 @@ def export(
     for name in dict.fromkeys(formats):
         usual = EVERY if FORMATS[name].every else -1
         chosen = numbers if numbers is not None else numbers_of(result, usual) or ()
-        most = points or (STL_POINTS if name == "stl" else None)
-        job = Job(result, chosen, *which, most, added)
+        job = Job(result, chosen, *which, points or (STL_POINTS if name == "stl" else None), added)
         writers |= dict(FORMATS[name].files(job))
     taken = [name for name in writers if (folder / name).exists()]
     if taken and not overwrite:

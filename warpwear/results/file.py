@@ -18,7 +18,7 @@ from warpwear.grid import FloatArray, IntArray
 from warpwear.history.quantities import FIELDS, OF_PIECES, UNITS, columns_of, stress_columns
 from warpwear.history.rows import History, Named
 from warpwear.history.snapshot import Snapshot
-from warpwear.results.check import ATTRIBUTES, check_content, check_fields, current, stored
+from warpwear.results.check import ATTRIBUTES, check_content, check_fields
 from warpwear.results.seal import digest_of, has_mark, open_to_read, read_header
 from warpwear.study.study import Study
 from warpwear.study.units import parse
@@ -90,15 +90,39 @@ def _stored(name: str, about: str, lacks: str = "") -> "cached_property[FloatArr
     return cached_property(read)
 
 
-class ResultFile:
-    """What a run left in its file: history, snapshots, study. Open one with `ResultFile.open(path)`.
+def _opened(file: Path) -> h5py.File:
+    """Open the file of a result. Raises InputError."""
+    try:
+        return open_to_read(file)
+    except OSError as error:
+        raise InputError(f"{file} is no HDF5 file or is damaged: {error}.") from error
 
-    path: of the file, None for a run in memory. What was read stays when the file is closed.
+
+class ResultFile:
+    """What a run left in its file: history, snapshots, study.
+
+    path: a run folder, or the HDF5 file in it. What was read stays when the file is closed.
     """
 
-    def __init__(self, file: h5py.File, path: Path | None = None) -> None:
+    def __init__(self, path: str | Path) -> None:
+        path = Path(path)
+        file = path / FILE_NAME if path.is_dir() else path
+        if not file.is_file():
+            raise InputError(f"{path} holds no result: a run folder or its {FILE_NAME} is expected.")
+        check_seal(file)
+        self._hold(_opened(file), file)
+        try:
+            with self._reading() as content:
+                if not ("history" in content and "study" in content.attrs):
+                    raise InputError(f"{file} is an HDF5 file, but not a result of warpwear.")
+                check_content(content, self.study, patch=PATCH)
+        except BaseException:
+            self.close()
+            raise
+
+    def _hold(self, file: h5py.File, path: Path | None) -> None:
         self._file = file
-        self.path = path
+        self.path = path  # of the file, None for a run in memory
         self._derived: dict[str, Any] = {}
         #: What the run took [s], by the names of `warpwear.clock.REPORTED`; empty of one that was opened.
         self.seconds: dict[str, float] = {}
@@ -107,30 +131,19 @@ class ResultFile:
 
     @classmethod
     def open(cls, path: str | Path) -> Self:
-        """The result in a run folder or an HDF5 file. Raises InputError."""
-        path = Path(path)
-        file = path / FILE_NAME if path.is_dir() else path
-        if not file.is_file():
-            raise InputError(f"{path} holds no result: a run folder or its {FILE_NAME} is expected.")
-        check_seal(file)
-        result = cls.open_sealed(file)
-        try:
-            with result._reading() as content:
-                if not ("history" in content and "study" in content.attrs):
-                    raise InputError(f"{file} is an HDF5 file, but not a result of warpwear.")
-                check_content(content, result.study, patch=PATCH)
-        except BaseException:
-            result.close()
-            raise
-        return result
+        """The result in a run folder or an HDF5 file, as `Result(path)`. Raises InputError."""
+        return cls(path)
 
     @classmethod
-    def open_sealed(cls, file: Path) -> Self:
-        """The result in a file that this process has just sealed, or looked at. Raises InputError."""
-        try:
-            return cls(open_to_read(file), file)
-        except OSError as error:
-            raise InputError(f"{file} is no HDF5 file or is damaged: {error}.") from error
+    def of(cls, file: h5py.File | Path) -> Self:
+        """The result in a file of memory, or in one that this process has just sealed, or looked at.
+
+        Raises InputError.
+        """
+        result = cls.__new__(cls)
+        on_disk = isinstance(file, Path)
+        result._hold(_opened(file) if on_disk else file, file if on_disk else None)
+        return result
 
     @property
     def folder(self) -> Path | None:
@@ -156,7 +169,7 @@ class ResultFile:
         """Map each column's name to one value a step, shape (steps,); in the units of `units`."""
         with self._reading() as file:
             columns = {
-                current(name): column[()]
+                name: column[()]
                 for name, column in file["history"].items()
                 if column.ndim == 1 and name != PATCH
             }
@@ -206,8 +219,7 @@ class ResultFile:
         with self._reading() as file:
             if otherwise and name not in file:
                 raise InputError(f"the run {otherwise.format(model=self.study.study.model)}.")
-            values: FloatArray = file[name][rows]
-            return values
+            return file[name][rows]
 
     @cached_property
     def study(self) -> Study:
@@ -272,8 +284,7 @@ class ResultFile:
         with self._reading() as file:
             group = file["snapshots"][list(file["snapshots"])[number]]
             row = int(group.attrs["row"]) if "row" in group.attrs else None
-            names = {name: stored(group, name) for name in FIELDS}
-            fields = {name: group[own][()] for name, own in names.items() if own in group}
+            fields = {name: group[name][()] for name in FIELDS if name in group}
             check_fields(fields, self.study)
             on_filled = float(group.attrs["load_on_filled"]) if "load_on_filled" in group.attrs else None
             return Snapshot(float(group.attrs["distance"]), row=row, load_on_filled=on_filled, **fields)
@@ -343,16 +354,14 @@ class ResultFile:
     def record(self) -> dict[str, Any]:
         """What the run recorded beside numbers: the surface, notices and warnings, elapsed time."""
         with self._reading() as file:
-            record: dict[str, Any] = json.loads(file.attrs.get("record", "{}"))
-            return record
+            return json.loads(file.attrs.get("record", "{}"))
 
     def once(self, make: Callable[[Self], Derived]) -> Derived:
         """What a function makes of this result; it is called the first time only."""
         name = f"{make.__module__}.{make.__qualname__}"
         if name not in self._derived:
             self._derived[name] = make(self)
-        derived: Derived = self._derived[name]
-        return derived
+        return self._derived[name]
 
     def take_over(self, same: "ResultFile") -> None:
         """Keep what was made of the same result before it was moved, so that it is not made again."""
@@ -369,11 +378,11 @@ class ResultFile:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def __reduce__(self) -> tuple[Callable[[Path], Self], tuple[Path]]:
+    def __reduce__(self) -> tuple[type[Self], tuple[Path]]:
         """A result is pickled as its path, and opened again from there."""
         if self.path is None:
             raise InputError("a result in memory cannot be pickled; give the run a folder with out.")
-        return type(self).open, (self.path.resolve(),)
+        return type(self), (self.path.resolve(),)
 
     def __repr__(self) -> str:
         if not self._file:

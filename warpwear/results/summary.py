@@ -265,7 +265,7 @@ def _cof(study: Study, first: float | None, last: float | None) -> Row:
 
 def _energy(result: ResultFile, end: dict[str, float]) -> list[Row]:
     """Declare what friction has dissipated, and by the energy law what it wears."""
-    law, energy = result.study.wear, finite(end.get("friction_energy", math.nan))
+    law, energy = result.study.wear, finite(end["friction_energy"])
     note = f", wears {shown(law.per_energy)} mm³/J" if law.law == "energy" else ""
     note += f" (of the domain's {strip:.4g} mm across)" if (strip := result.study.strip) else ""
     return [Row("friction energy", "friction_energy_J", energy, note=note)] if end["distance"] else []

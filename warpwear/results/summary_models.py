@@ -16,10 +16,10 @@ from warpwear.laws.passes import WHEN, mean_over
 from warpwear.results.evolution import growth_of_view, settling, surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.report import Row, entries, finite, record, shown
-from warpwear.results.track import both_directions, groove, is_short, roughness_in_track, scar_length
+from warpwear.results.track import both_directions, course, groove, is_short, roughness_in_track, scar_length
 
-#: Part of the area in contact that the uppermost layer has no more when it is half worn through.
-HALF = 0.5
+#: Parts of the area in contact that the uppermost layer has no more when it is half worn through, and first.
+HALF, LEAST = 0.5, 1.0e-9
 below = lazy.module("warpwear.contact.stress.stresses")
 
 
@@ -365,7 +365,9 @@ def _layers_of(result: ResultFile, body: str, profile: DepthProfile) -> Row | No
     if not names:
         return None
     bare = 1.0 - history[names[0][1]] / history["area_contact"]
-    first, half = (_first(history["distance"], bare > part) for part in (1.0e-9, HALF))
+    first = float(history["distance"][np.argmax(bare > LEAST)]) if bare.max() > LEAST else None
+    distance, contact = course(result, "area_contact")
+    half = _first(distance, 1.0 - course(result, names[0][1])[1] / contact)
     named = [*zip(profile.materials, names, strict=True)]
     losses = {material.name: float(history[columns[2]][-1]) for material, columns in named}
     carried = result.study.load_distance(body, float(history["distance"][-1]))
@@ -383,6 +385,8 @@ def _layers_of(result: ResultFile, body: str, profile: DepthProfile) -> Row | No
     return Row(f"{CALLED[body]}'s layers", f"layers_{body}", numbers, sentence=f"{through}; lost: {parts}")
 
 
-def _first(distance: Any, where: Any) -> float | None:
-    """Return the first distance [mm] of those where something holds; None where it never does."""
-    return float(distance[np.argmax(where)]) if where.any() else None
+def _first(distance: FloatArray, bare: FloatArray) -> float | None:
+    """Return the first distance [mm], between those given, at which half is bare; None where none is."""
+    after = int(np.argmax(bare > HALF))
+    near = slice(max(after - 1, 0), after + 1)
+    return float(np.interp(HALF, bare[near], distance[near])) if bare[after] > HALF else None

@@ -63,8 +63,7 @@ class ResultWriter:
     ) -> None:
         self._file, self._study, self._keeps_snapshots = file, study, snapshots
         self._in_memory = file.driver == "core"  # where nobody but this process reads
-        in_threads = threads > 1 and not self._in_memory
-        self._pool = ThreadPoolExecutor(threads) if in_threads else None
+        self._pool = ThreadPoolExecutor(threads) if threads > 1 and not self._in_memory else None
         self._waiting: list[tuple[h5py.Dataset, tuple[int, ...], Future[bytes | None]]] = []
         #: Number -> snapshot, of those whose files need not be read back.
         self.at_hand: dict[int, Snapshot] = {}

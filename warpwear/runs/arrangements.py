@@ -148,8 +148,7 @@ class OnTrack(Maker, name="track"):
     def model(self, parts: Parts) -> Model:
         """Make a model of the whole track."""
         track = parts.study.tracks[parts.block.number - 1]
-        model: Model = models_track.SweptModel(parts.task, track, parts.heights, parts.executor)
-        return model
+        return models_track.SweptModel(parts.task, track, parts.heights, parts.executor)
 
 
 class OfPatches(AtRest, name="patches"):
@@ -171,8 +170,7 @@ class OfPatches(AtRest, name="patches"):
         patches, half_space = parts.study.patch_layout, parts.task.half_space
         width.refuse_unsuitable(parts.study, patches, parts.heights)
         of_law = models_patches.HalfSpacePatches if half_space else models_two_scale.TwoScaleModel
-        model: Model = of_law(parts.task, patches, parts.heights, parts.executor)
-        return model
+        return of_law(parts.task, patches, parts.heights, parts.executor)
 
 
 def arrangement_of(study: Study) -> Maker:

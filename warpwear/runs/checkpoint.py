@@ -51,9 +51,10 @@ OF_THE_RUN = ("numbers", "warnings", "reported_violations", "elapsed")
 LABELS = (*(f"study.{key}" for key in NO_MATTER["study"] or ()), "run", "checks", "assumed")
 #: Sections and keys that no step depends on: a run may go on with others.
 FREE = (*LABELS, "friction", "junctions")
-#: Keys of these that steps do depend on, and one more where junctions grow: they change the caps of cells. By
-#: the energy law wear depends on all of friction.
-OF_CAPS, OF_GROWTH = ("friction.film", "friction.junction_growth"), "friction.shear_strength"
+#: Keys of these that steps do depend on, and one more where there are some of these: by them caps of cells
+#: change, or shear is booked. By the energy law wear depends on all of friction.
+OF_CAPS = ("friction.film", "friction.junction_growth", "friction.largest_coefficient")
+OF_SHEAR, SHEARED = "friction.shear_strength", (*OF_CAPS[1:], "counter.layers", "disc.layers")
 
 
 @dataclass(frozen=True)
@@ -141,10 +142,8 @@ class StoredCheckpoint:
         self.heights_differ = False
         with self.reading():
             about = json.loads(file["about"][()])
-            self._about = {
-                name: about[name] for name in (*OF_THE_RUN, "version", "study", "device", "surface", "kinds")
-            }
-            self._about |= {name: about.get(name) for name in ("counter", "files")}
+            names = *OF_THE_RUN, "version", "study", "device", "surface", "kinds", "counter", "files"
+            self._about = {name: about[name] for name in names}
             self._order = RunOrder(Study.stored(about["study"]))
             self._rows = Rows(map(str, file["rows"].attrs["columns"]), file["rows"][()])
             if not isinstance(self._about["device"], str):
@@ -195,7 +194,7 @@ class StoredCheckpoint:
 
     def refuse_other_files(self, files: Mapping[str, str]) -> None:
         """Raises InputError where files are not what they were. files: their digests by keys."""
-        if self._about["files"] not in (None, files):  # which checkpoints of earlier versions lack
+        if self._about["files"] != files:
             raise InputError(
                 f"{self._path} cannot go on: a file that {' or '.join(files)} names is not what it was when "
                 f"the run began; {RESUME_IT} with the file as it was, or {OVERWRITE_IT}."
@@ -288,8 +287,8 @@ def changed_keys(
 ) -> list[str]:
     """Keys whose values differ, but for those that are free to: by default, that no step depends on."""
     names = sorted(name for name in before.keys() | after.keys() if before.get(name) != after.get(name))
-    grow = any(keys.get("friction.junction_growth", 0.0) > 0.0 for keys in (before, after))
-    bound: tuple[str, ...] = (*OF_CAPS, OF_GROWTH) if grow else OF_CAPS
+    sheared = any(keys.get(name) for keys in (before, after) for name in SHEARED)
+    bound: tuple[str, ...] = (*OF_CAPS, OF_SHEAR) if sheared else OF_CAPS
     if "energy" in (before.get("wear.law"), after.get("wear.law")):
         bound = ("friction",)
 

@@ -62,7 +62,7 @@ class CycleJumps:
         study = order.study
         self.model, self._begin = model, begin
         self._legs, self._total = study.legs, study.sliding.total
-        self._stops = study.snapshot_distances
+        self._stops, self._profiles = study.snapshot_distances, study.profiles or ()
         self._ends = [block.end for block in order.blocks]
         jump = study.stepping.jump
         self._fixed = jump if isinstance(jump, int) else None
@@ -182,6 +182,8 @@ class CycleJumps:
         if self._left == 0:
             if self._coarse and self._behind < self._last:
                 self._follow()
+            if self._fixed is None and self._size > 1 and self._breaks_through():
+                self._size = 1
             free = self._stop - self._cycle
             self._left = min(max(free, 1), 2)
             self.stands_for = max(min(self._size, free // LANDING), 1)
@@ -190,6 +192,13 @@ class CycleJumps:
                 self._behind, self._age = self._cycle, 0
             self._means = dict.fromkeys(COMPARED, 0.0)
         self._left -= 1
+
+    def _breaks_through(self) -> bool:
+        """Tell whether the next two jumps may take the deepest cell of a body into another layer."""
+        grows = 1.0 + 2.0 * self._size / max(self._cycle, 1)  # no faster than all cycles so far
+        deepest = (np.array([1.0, grows]) * worn.max() for worn in self._worn().values())
+        layered = zip(self._profiles, deepest, strict=False)
+        return any(not p.graded and np.ptp(p.material_at(depths)) > 0 for p, depths in layered)
 
     @property
     def _stop(self) -> int:

@@ -212,9 +212,7 @@ class RunOrder:
         """Make the history of its rows, with the coefficient of friction and its energy."""
         history = {name: rows.column(name) for name in self.columns}
         cof = self.cof_of(history, finished=finished)
-        energy = friction_energy(
-            history["distance"], cof, history["load"], of_steps="area_sheared" in history
-        )
+        energy = friction_energy(history["distance"], cof, history["load"], of_steps=self.study.wears_by_area)
         if self.study.fretting is not None:
             energy = 1.0e-3 * np.cumsum(history["energy"] * history["cycles"])
         return history | {"cof": cof, "friction_energy": energy}
@@ -262,8 +260,7 @@ def _sample(study: Study, surface: Surface, track: Track | None) -> _Sampled:
             return sampled
     heights = surface.heights(grid.x, grid.y) if track is None else _heights_of(study, surface, track)
     seen = slice(None if track is None else MOST_ROWS)
-    record = surface.record() | {"on_the_grid": _roughness_on(grid, heights[seen])}
-    sampled = _Sampled(heights, record)
+    sampled = _Sampled(heights, surface.record() | {"on_the_grid": _roughness_on(grid, heights[seen])})
     if random and heights.nbytes <= KEPT_SURFACE:
         heights.flags.writeable = False
         _LAST[:] = [(place, sampled)]
@@ -286,5 +283,4 @@ def _heights_of(study: Study, surface: Surface, track: Track) -> FloatArray:
 def _roughness_on(grid: Grid, heights: FloatArray) -> dict[str, float]:
     """What the cells see of the surface: after filtering, mirroring and sampling, NaN where not measured."""
     numbers = roughness(heights, pixel=(grid.cell, grid.cell))
-    lengths = {f"{key}_um": 1.0e3 * numbers.pop(key) for key in ("sa", "sq", "sz")}
-    return lengths | numbers
+    return {f"{key}_um": 1.0e3 * numbers.pop(key) for key in ("sa", "sq", "sz")} | numbers

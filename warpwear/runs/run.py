@@ -203,7 +203,7 @@ def _compute(
                     order, executor, writer, progress, folder=options.out, work=work, resume=options.resume
                 )
             loop.run(options.callback)
-            result = Result(file)
+            result = Result.of(file)
             result.study = study  # as it is in the file
             result.at_hand = writer.at_hand
             if study.has_stresses and len(result.snapshots):
@@ -219,13 +219,13 @@ def _compute(
         if work and options.out:
             with phase("write"):
                 result.close()
-                with sealing(work / FILE_NAME, MAGIC), Result.open_sealed(work / FILE_NAME) as before:
+                with sealing(work / FILE_NAME, MAGIC), Result.of(work / FILE_NAME) as before:
                     before.study, before.at_hand = study, writer.at_hand
                     before.take_over(result)
                     rows = _leave(before, loop, work if options.whole else None, painter)
                 run_folder.move_into_place(work, options.out)
                 loop.end_checkpoints()
-                result = Result.open_sealed(options.out / FILE_NAME)
+                result = Result.of(options.out / FILE_NAME)
                 result.take_over(before)
                 result.at_hand = writer.at_hand
                 if not result.owns_surface:  # which lies elsewhere now
@@ -267,16 +267,14 @@ def _draw(result: Result, rows: list[Row] | None, options: RunOptions, painter: 
         drawn = painter.pictures()
         paths = result.plot.save_all(options.out / manifest.FIGURES, plots=options.plots, drawn=drawn)
         if rows is not None:
-            page = drawn.get(manifest.PAGE) or _page_of(result, rows, paths)
-            pages.write_page(options.out, page)
+            pages.write_page(options.out, drawn.get(manifest.PAGE) or _page_of(result, rows, paths))
 
 
 def _page_of(result: Result, rows: list[Row], paths: list[Path]) -> bytes:
     """Make the page of a run whose figures are drawn. paths: of these."""
     content = pages.content_of(result, rows, result.plot)
     names = pages.statics(content)
-    page: bytes = pages.made_here(content, {p.stem: p.read_bytes() for p in paths if p.stem in names})
-    return page
+    return pages.made_here(content, {p.stem: p.read_bytes() for p in paths if p.stem in names})
 
 
 def steps(

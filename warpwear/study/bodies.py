@@ -8,7 +8,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from warpwear.study.keys import Hardness, Length, LengthOrZero, Pressure, Rule, Section, key, needs, when
 from warpwear.study.materials import material
-from warpwear.study.sections.layers import LAYERED, Gradient, LayerSection
+from warpwear.study.sections.layers import LAYERED, MOST_LAYERS, Gradient, LayerSection
 from warpwear.study.units import Number, Quantity, Range, is_pair, is_quantity, one_by_one
 from warpwear.surfaces.form import Form, Given, form_of
 
@@ -63,6 +63,8 @@ class Body(Section):
         names = [layer.name for layer in self.layers or ()]
         if self.layers is not None and len({*names}) != max(len(names), 1):
             raise ValueError(f"layers: names must differ, and there must be one or more, not {names}")
+        if len(names) > MOST_LAYERS:
+            raise ValueError(f"layers: {len(names)} are too many; allowed are {MOST_LAYERS}, or a gradient")
         if self.material is not None:
             known = material(self.material)
             self.__dict__ |= {name: getattr(known, name) for name in CONSTANTS if getattr(self, name) is None}

@@ -116,8 +116,7 @@ class Content(Programme):
     @property
     def stroke_ratio(self) -> float:
         """Return the stroke over the width of smooth bodies' scar along sliding, or of their contact."""
-        worn = sum(self.volumes(self.sliding.total))
-        width = self.counter.form.worn(worn, self.grid.sides)[0]
+        width = self.counter.form.worn(sum(self.volumes(self.sliding.total)), self.grid.sides)[0]
         if self.hertz is not None:
             width = max(width, 2.0 * self.hertz.semi_axes[0])
         return (self.sliding.stroke or 0.0) / width
@@ -174,10 +173,11 @@ class Content(Programme):
     def caps(self) -> tuple[float, float]:
         """Largest pressures of a cell with its film and without [MPa], which growing junctions lower."""
         friction, hardness = self.friction, self.indentation_hardness
-        bare = grown_cap(hardness, friction.shear_strength or 0.0, friction.junction_growth)
+        grown = friction.junction_growth, friction.largest_coefficient or math.inf
+        bare = grown_cap(hardness, friction.shear_strength or 0.0, *grown)
         if friction.film is None:
             return bare, bare
-        return grown_cap(hardness, friction.film.shear_strength, friction.junction_growth), bare
+        return grown_cap(hardness, friction.film.shear_strength, *grown), bare
 
     @property
     def cell_caps(self) -> tuple[float, ...]:
@@ -340,6 +340,7 @@ class Content(Programme):
             static_area_every=self.static_area_every,
             fretting=self.fretting,
             profiles=self.profiles,
+            largest_shear=self.largest_shear,
         )
 
     @property
@@ -382,8 +383,14 @@ class Content(Programme):
 
     @property
     def shears_unalike(self) -> bool:
-        """True where the shear of a cell follows from the layers that meet there."""
-        return shears_unalike(self.profiles or ())
+        """True where the shear of a cell follows from the layers that meet there, or is bounded."""
+        return shears_unalike(self.profiles or (), self.largest_shear)
+
+    @property
+    def largest_shear(self) -> float:
+        """Largest shear of a cell over its pressure and the bodies' strength [1/MPa]; infinite without."""
+        largest, strength = self.friction.largest_coefficient, self.friction.shear_strength
+        return largest / strength if largest and strength else math.inf
 
     @property
     def wear_hardness(self) -> float:

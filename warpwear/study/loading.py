@@ -122,51 +122,6 @@ def fill(sections: dict[str, Any]) -> set[str]:
     return names
 
 
-#: Old name of a key or a section, which its keys have too -> its name now.
-FORMER = {
-    "contact.foundation": "contact.bulk_stiffness",
-    "contact.foundation_update": "contact.bulk_update",
-    "macro": "patches",
-    "macro.cell": "patches.macro_cell",
-    "macro.patch": "patches.width",
-    "sphere": "counter",
-    "wear.initial_sphere": "wear.initial_counter",
-    "wear.sphere": "wear.counter",
-}
-#: A key and an old value of it -> the value now.
-FORMER_VALUES: Mapping[Any, str] = {
-    ("contact.law", "foundation"): "local",
-    ("friction.film.bodies", "sphere"): "counter",
-    ("patches.bulk", "foundation"): "spring",
-}
-
-
-def with_new_names(flat: Mapping[str, Any]) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """Return values by dotted names with new names for old ones, and a sentence about these, if any.
-
-    Raises InputError for a key that is given by its old name and by its new one.
-    """
-    renamed: dict[str, Any] = {}
-    moves: list[str] = []
-    for old, value in flat.items():
-        new = _name_now(old)
-        if new in renamed or (new != old and new in flat):
-            raise InputError(f"{old} and {new} are the old and the new name of one key: give {new} alone.")
-        now = FORMER_VALUES.get((new, value)) if isinstance(value, str) else None
-        if old == "assumed" and isinstance(value, dict):
-            value = {_name_now(name): why for name, why in value.items()}
-        elif now or new != old:
-            moves.append(f"{old} = '{value}' is {new} = '{now}'" if now else f"{old} is {new}")
-        renamed[new] = now or value
-    said = f"Keys have new names, and the next release refuses the old ones: {', '.join(moves)}."
-    return renamed, (said,) if moves else ()
-
-
-def _name_now(name: str) -> str:
-    section, dot, key = name.partition(".")
-    return FORMER.get(name, f"{FORMER.get(section, section)}{dot}{key}")
-
-
 def nested(names: Mapping[str, Any]) -> dict[str, Any]:
     """Return the nested sections of keys by dotted names."""
     sections: dict[str, Any] = {}

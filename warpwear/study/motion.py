@@ -311,8 +311,7 @@ class BlockSection(Section):
         """Return [sliding] as it is in the block: what this says replaces all that said the same."""
         own = {name: value for name, value in self if value is not None and name != "load"}
         said = [names for names in (PACES, WAYS) if own.keys() & set(names)]
-        void = dict.fromkeys(chain(LENGTHS, *said))
-        return sliding.model_copy(update=void | own)
+        return sliding.model_copy(update=dict.fromkeys(chain(LENGTHS, *said)) | own)
 
 
 class Stepping(Section):

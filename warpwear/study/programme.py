@@ -204,8 +204,7 @@ class Programme(Section):
         lap = min(lap for lap in laps if lap is not None)
         most = max(1, min(motion.MOST_SHIFT, math.floor(lap / cell / motion.STEPS_OF_STROKE * (1.0 + WHOLE))))
         cells = most if sliding.track == "full" else round(float(sliding.track) / cell)
-        fits = (n for n in range(most, most // 2, -1) if cells % n == 0)
-        return sliding.shift or next(fits, most)
+        return sliding.shift or next((n for n in range(most, most // 2, -1) if cells % n == 0), most)
 
     @property
     def jumps(self) -> bool:
@@ -216,8 +215,7 @@ class Programme(Section):
             return True
         # A load larger by 0.1 % moves depths in pieces by as much as a jump does: no error bounds that.
         cycles = self.passes_at(self.sliding.total) / self.track.passes_of_cycle
-        layered = self.counter.has_depths or self.disc.has_depths
-        return not (self.wear.sheds or layered) and bool(cycles >= motion.FEWEST_CYCLES * (1.0 - WHOLE))
+        return not self.wear.sheds and bool(cycles >= motion.FEWEST_CYCLES * (1.0 - WHOLE))
 
     @property
     def increments(self) -> tuple[float, float, float]:

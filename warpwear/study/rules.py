@@ -211,7 +211,7 @@ def _junction_growth(study: Content) -> None:
     growth, hardness = study.friction.junction_growth, study.indentation_hardness
     for key in ("friction.shear_strength", "friction.film.shear_strength"):
         strength = attribute_of(study, key) or 0.0
-        if growth and strength * math.sqrt(growth) >= hardness:
+        if not study.friction.largest_coefficient and growth and strength * math.sqrt(growth) >= hardness:
             raise ValueError(
                 f"{key} = {strength:g} MPa with friction.junction_growth = {growth:g} leaves cells of "
                 f"{hardness:g} MPa hardness no pressure to bear: allowed are less than H/√α = "

@@ -81,8 +81,9 @@ def check_patches(study: Content) -> None:
 
 
 #: How bodies move, or "patches", and the contact law, of studies whose steps follow materials by depth.
-FOLLOWED: tuple[tuple[str, str], ...] = tuple(
-    (how, law) for law in ("local", "half-space") for how in ("swept", "stationary", "patches")
+FOLLOWED: tuple[tuple[str, str], ...] = (
+    *((how, law) for law in ("local", "half-space") for how in ("swept", "stationary", "patches")),
+    ("fretting", "half-space"),
 )
 
 
@@ -105,6 +106,7 @@ def check_layers(study: Content) -> None:
                 "below it, are the same"
             )
     how = "patches" if study.study.model == "two-scale" else study.kinematics
+    how += " by slips of each cell" * study.sliding.drives_bodies
     if study.profiles is not None and (how, study.contact.law) not in FOLLOWED:
         raise ValueError(
             f"layers and gradients: steps of contact.law = '{study.contact.law}', {how}, do not follow them; "

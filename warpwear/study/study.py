@@ -21,12 +21,8 @@ class Study(Content):
     copy. Raises InputError, with one sentence, for anything that cannot be computed.
     """
 
-    #: What is said of keys and values that were given by their old names.
-    _old_names: tuple[str, ...] = ()
-
     def __init__(self, **sections: Any) -> None:
         flat = dotted(sections | {"assumed": None}) | {"assumed": sections.get("assumed", {})}
-        flat, old_names = loading.with_new_names(flat)
         sections = loading.nested(flat)
         names = loading.fill(sections)
         try:
@@ -36,7 +32,6 @@ class Study(Content):
         for name in names:  # so that they are told from what was given
             section, _, key = name.partition(".")
             getattr(self, section).model_fields_set.discard(key)
-        self._old_names = old_names
 
     def _check(self) -> None:
         super()._check()
@@ -63,7 +58,7 @@ class Study(Content):
 
     def _repr_html_(self) -> str:
         """Return a notebook's view of the study: its keys, with the assumptions marked."""
-        return f"<div>{escape(repr(self))}<pre>{escape(text.to_marked_toml(self))}</pre></div>"
+        return f"<div>{escape(repr(self))}<pre>{escape(self.to_toml(marked=True))}</pre></div>"
 
     def refuse_blocks(self, what: str) -> None:
         """Raise InputError for a programme of blocks, in the name of what goes by one load alone."""
@@ -71,17 +66,20 @@ class Study(Content):
             raise InputError(f"{what} goes by one load: [[block]], a programme, is not allowed")
 
     def notices(self) -> list[str]:
-        """Return a sentence about each old name, each unused key, and each number that misleads."""
+        """Return a sentence about each unused key, and each number that misleads."""
         total = self.sliding.total
-        sentences = [*self._old_names, *unused_key_notices(self), *doubts.doubts(self)]
+        sentences = [*unused_key_notices(self), *doubts.doubts(self)]
         late = ", ".join(f"{s:g}" for s in self.snapshot_distances if s > total or s == 0.0 < total)
         if late:
             sentences.append(f"output.snapshots that no step ends at: {late} mm.")
         return sentences
 
-    def to_toml(self) -> str:
-        """Return the whole study after defaults, as TOML that `load` reads back without loss."""
-        return text.to_toml(self)
+    def to_toml(self, *, marked: bool = False) -> str:
+        """Return the whole study after defaults, as TOML that `load` reads back without loss.
+
+        marked: for people instead, with defaults marked and the reasons of what is assumed.
+        """
+        return text.to_marked_toml(self) if marked else text.to_toml(self)
 
     @classmethod
     def load(cls, path_or_preset: str | Path) -> Self:
@@ -89,23 +87,18 @@ class Study(Content):
         sections = loading.read_sections(path_or_preset)
         if "sweep" in sections:
             raise InputError(f"STUDY = '{path_or_preset}' has a section [sweep]; 'warpwear sweep' makes it.")
-        study = cls(**sections)
-        if Path(path_or_preset).is_dir():  # whose study.toml no person wrote
-            study._old_names = ()
-        return study
+        return cls(**sections)
 
     @classmethod
     def stored(cls, content: str, *, surface: str | None = None) -> Self:
-        """Return the study in the text of a stored result, whose old names of keys need no notice.
+        """Return the study in the text of a stored result.
 
         surface: file of the disc's heights where that has moved since; without it the one in the text.
         """
         sections = loading.parse_toml(content)
         if surface is not None:
             sections["disc"]["surface"] = surface
-        study = cls(**sections)
-        study._old_names = ()
-        return study
+        return cls(**sections)
 
     def replace(self, changes: Mapping[str, Any] | None = None, /, **sections: Any) -> Self:
         """Return a copy with keys changed: {"grid.cell": "2 um"}, or by section: grid={"cell": "2 um"}.
@@ -127,11 +120,9 @@ class Study(Content):
         for section, keys in sections.items():
             of_section = isinstance(keys, Mapping)
             flat |= {f"{section}.{k}": v for k, v in keys.items()} if of_section else {section: keys}
-        flat, old_names = loading.with_new_names(flat)
         nested = self.model_dump(exclude_unset=True)
         loading.change(nested, flat)
         changed_study = type(self)(**nested)
-        changed_study._old_names = tuple(dict.fromkeys((*self._old_names, *old_names)))
         if not self.study.description or "study.description" in flat:
             return changed_study
         described = loading.described(self, changed_study, flat)

@@ -23,7 +23,7 @@ from warpwear.surfaces.made.self_affine import SelfAffine
 from warpwear.surfaces.made.synthetic import Flat
 from warpwear.surfaces.measured import Measured, read_measured
 from warpwear.surfaces.preparation import Preparation
-from warpwear.surfaces.profiles.profile import read_profile
+from warpwear.surfaces.profiles.profile import profile_in
 from warpwear.surfaces.reading import HoldsAProfile
 from warpwear.surfaces.roughness import material_ratio_curve
 
@@ -111,7 +111,7 @@ def _like(synthetic: Synthetic) -> LikeProfile:
     """Return a surface like the profile in a file. Raises InputError."""
     path = str(synthetic.like)
     try:
-        profile = read_profile(path)
+        profile = profile_in(path)
     except InputError as error:
         text = str(error).replace("disc.surface", "disc.synthetic.like")
         if text.startswith(("disc.pixel", "disc.height_unit")):

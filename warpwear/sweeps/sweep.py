@@ -70,8 +70,7 @@ def check_runs(plan: Plan, folder: Path) -> None:
     path = folder / TABLES[0]
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.DictReader(file)
-            rows = [row for row in reader if None not in row.values()]
+            rows = [row for row in csv.DictReader(file) if None not in row.values()]
         stored = {row["run"] for row in rows if not row["status"].startswith("failed")}
     except FileNotFoundError:
         return

@@ -55,7 +55,7 @@ WARPWEAR_FN Lanes shear_of(const Materials& materials, Lanes depth, Lanes pressu
     return smaller_of(strength, coefficient * pressure);
 }
 
-// Books of the counter-body and of the disc, and the sum of the shear ratios: that of the weaker of both.
+// Books of the counter-body and of the disc, and the sum of the shear ratios: that of the weakest that meets.
 struct Books {
     MaterialBook of_body[2] = {};
     Lanes sheared = 0.0;
@@ -85,16 +85,19 @@ struct Books {
     }
 
     // Book cells under a pressure. borne: what each body sees of it.
-    template <typename Slide>
-    CUDA_CALLABLE void enter(const Slide& step, const CellRow& own, Lanes pressure, const PerBody& borne,
-                             const PerBody& worn)
+    template <typename Slide, typename Sources>
+    CUDA_CALLABLE void enter(const Slide& step, const Sources& sources, const CellRow& own, int i,
+                             Lanes pressure, const PerBody& borne, const PerBody& worn)
     {
         const Lanes zero = 0.0, one = 1.0, touches = pressure > zero ? one : zero;
         of_cells(own.counter, step.k_counter, touches, borne.counter, worn.counter, of_body[0]);
         of_cells(own.disc, step.k_disc, touches, borne.disc, worn.disc, of_body[1]);
+        const Lanes filmed = sources.films.shear_filmed, limit = sources.largest_shear * pressure;
+        const Lanes bare = own.counter.count + own.disc.count > 0 ? NO_LIMIT : 1.0;
+        const Lanes strength = own_or(own.material, i, one) > zero ? bare : filmed;
         const Lanes shear = smaller_of(shear_of(own.counter, worn.counter, pressure),
                                        shear_of(own.disc, worn.disc, pressure));
-        sheared += pressure > zero ? shear : zero;
+        sheared += pressure > zero ? smaller_of(smaller_of(strength, limit), shear) : zero;
     }
 
     // Leave those of as many materials as there are in the lines of a table.
@@ -118,11 +121,10 @@ WARPWEAR_FN void book_materials(int slot, int slots, const List& list, const Cou
 {
     const auto& step = wp::index(slides, 0);
     const auto& law = wp::index(springs.law, 0);
-    const Lanes stiffness_of_all = wp::index(springs.search, 0).stiffness, zero = 0.0, one = 1.0;
-    const Lanes tie_pressure = law.tie_pressure;
+    const Lanes zero = 0.0, one = 1.0, tie_pressure = law.tie_pressure;
     const int of_row = gaps.shape[1] * OF_VECTOR;
     Books books;
-    for (int row = slot; row < gaps.shape[0]; row += slots) {
+    const auto book_row = [&](int row, const auto& alike) {
         const CellRow own(cells, row);
         const Stored* const gap = row_of(gaps, row);
         const Stored* const worn_counter = row_of(sources.wear_counter, row);
@@ -131,14 +133,21 @@ WARPWEAR_FN void book_materials(int slot, int slots, const List& list, const Cou
             const Span span = span_of_tile(wp::index(list, row, n), of_row);
             for (int i = span.first; i < span.end; i += span.stride) {
                 const Lanes overlap = (law.base - gap[i]) + law.offset;
-                const Lanes stiffness = own_or(own.stiffness, i, stiffness_of_all);
+                const auto& spring = spring_at<true>(own.stiffness, i, alike);
                 const Lanes cap_ratio = own_or(own.cap_ratio, i, one);
-                Lanes p = clipped(on_spring(overlap - law.tie_width, stiffness), law.cap * cap_ratio);
+                Lanes p = clipped(on_spring(overlap - law.tie_width, spring), law.cap * cap_ratio);
                 p = size_of(overlap) > law.tie_width ? p : tie_pressure * cap_ratio;
-                if (any(p > zero)) books.enter(step, own, p, {p, p}, {worn_counter[i], worn_disc[i]});
+                if (any(p > zero))
+                    books.enter(step, sources, own, i, p, {p, p}, {worn_counter[i], worn_disc[i]});
             }
         }
-    }
+    };
+    const Lanes stiffness = wp::index(springs.search, 0).stiffness;
+    for (int row = slot; row < gaps.shape[0]; row += slots)
+        if (springs.bends.knots.shape[0] > 0)
+            book_row(row, bend_of(springs.bends));
+        else
+            book_row(row, stiffness);
     books.leave(cells, sums, slot);
 }
 
@@ -161,7 +170,7 @@ WARPWEAR_FN void book_pressed(int slot, int slots, const Slides& slides, const P
             const Lanes p = pressure[i], mean = passing[i];
             if (!any(p + mean > zero)) continue;
             const PerBody borne = {turned ? p : mean, turned ? mean : p};
-            books.enter(step, own, p, borne, {worn_counter[i], worn_disc[i]});
+            books.enter(step, sources, own, i, p, borne, {worn_counter[i], worn_disc[i]});
         }
     }
     books.leave(pressed.cells, sums, slot);

@@ -1,5 +1,6 @@
 """What people see of a fretting run: figures without faults, the summary, the page, a draft."""
 
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from cases_fretting import BORDER, FRICTION, LOAD, sheared, study_of
 import warpwear
 from warpwear import Study
 from warpwear.calibration.bayes.runs import needs_runs, scales
+from warpwear.calibration.energy import calibrate_energy
 from warpwear.drafts.draft import draft
 from warpwear.figures.of_run.table import FIGURES
 from warpwear.laws.fretting import loop, regime_of
@@ -50,6 +52,15 @@ def test_the_summary_tells_regime_energy_and_slope(result: warpwear.Result) -> N
     assert "disc at rest" not in text
     assert f"{1e3 * history['displacement_border'][-1]:.4g} µm on" in text
     assert any("third body" in sentence for sentence in limits_of(result.study))
+
+
+def test_the_energy_of_a_test_is_that_of_its_loops(tmp_path: Path) -> None:
+    """Where much sticks it is far below μ F times the way that the bodies go."""
+    with warpwear.run(sheared(32, sliding__cycles=2000), out=tmp_path / "run", plots=False) as result:
+        energy, slid = result.history["friction_energy"][-1], result.history["distance"][-1]
+    told = json.loads(calibrate_energy(result=tmp_path / "run", as_json=True))["energy_J"]
+    assert told == energy
+    assert told < 0.1e-3 * FRICTION * LOAD * slid
 
 
 def test_a_line_has_no_loops_of_displacement() -> None:

@@ -140,6 +140,47 @@ def test_a_line_contact() -> None:
     assert np.isnan(history["displacement"]).all()  # a line is displaced by no number
 
 
+def test_layers_wear_by_the_pressure_and_its_mean(device: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By S + ΔL (K_counter of cells + K_disc of the fastest met B²); ∫ p dL wears through layers."""
+    monkeypatch.setattr(half_space, "WindowedHalfSpace", partial(WindowedHalfSpace, tolerance=1e-10))
+    cell, stops = 0.012, [f"0.{n} m" for n in range(1, 7)]
+    layer = {"name": "coat", "thickness": "0.1 um", "wear": "3e-7 mm^3/N/m"}
+    study = study_of(
+        grid__cell=f"{cell} mm",
+        grid__extent=f"{26 * cell} mm",
+        sliding__stroke=f"{4 * cell} mm",
+        sliding__cycles=None,
+        sliding__distance="0.6 m",
+        sliding__positions="mean",
+        stepping__increment="0.1 m",
+        counter__layers=[layer],
+        disc__layers=[layer | {"thickness": "0.05 um"}],
+        wear__disc="3e-6 mm^3/N/m",
+        output__snapshots=stops,
+    )
+    result = warpwear.run(study, device=device)
+    grid, mean, step = study.cells, mean_along(26, 4), 100.0
+    elastic = dense_free(grid) * OF_CASES / MODULUS
+    gap = RADIUS - np.sqrt(RADIUS**2 - np.add.outer(grid.x**2, grid.y**2))
+    worn, profiles = [np.zeros(grid.shape), np.zeros(grid.shape)], study.profiles or ()
+    for snapshot, approach in zip(result.snapshots, result.history["approach"], strict=True):
+        fastest = profiles[1].fastest_above(worn[1].max())
+        matrix = elastic + step * np.diag(profiles[0].coefficient_at(worn[0]).ravel())
+        matrix += step * fastest * np.kron(mean @ mean, np.eye(grid.ny))
+        pressure = bounded(matrix, gap + worn[0] + mean @ worn[1], float(approach), math.inf)
+        worn = [
+            p.worn(w, step * q) for p, w, q in zip(profiles, worn, (pressure, mean @ pressure), strict=True)
+        ]
+        np.testing.assert_allclose(snapshot.pressure, pressure, atol=1e-6 * PEAK)
+        np.testing.assert_allclose(snapshot.wear_counter, worn[0], atol=1e-6 * worn[0].max())
+        np.testing.assert_allclose(snapshot.wear_disc, worn[1], atol=1e-6 * worn[1].max())
+    for body, profile, depth in zip(("counter", "disc"), profiles, worn, strict=True):
+        assert profile.exposure(depth).sum() * grid.cell_area == pytest.approx(LOAD * 600.0, rel=1e-5)
+        assert 0.0 < result.history[f"area_{body}_coat"][-1] < result.history["area_contact"][-1]
+    with pytest.raises(InputError, match="fretting by slips of each cell, do not follow them"):
+        study.replace({"sliding.stroke_of": "body", "sliding.positions": None})
+
+
 @pytest.mark.slow
 def test_each_place_of_a_long_stroke() -> None:
     """Beside the mean; the program in NumPy had 2.54 and 2.42 µm, 450 µm across."""

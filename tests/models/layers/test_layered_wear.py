@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from typing import Any
 
 import cases_half_space
 import numpy as np
@@ -10,6 +11,8 @@ import reference
 from cases_layered import CASE, COAT, HALF_SPACE, PLAIN, SKIN, Profiles, layered, task_of
 from numpy.testing import assert_allclose
 
+import warpwear
+from warpwear import Study
 from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
@@ -242,6 +245,7 @@ def test_a_layer_that_is_not_worn_through_leaves_the_plain_numbers(law: type[Con
 @of_laws
 def test_two_threads_and_a_restart_find_the_same(two_threads: int, law: type[Contact]) -> None:
     task, heights = ground((SKIN, COAT))
+    task = replace(task, largest_shear=1e-3, film=Film(1e-4, (True, True), shear_ratio=0.25))
     step, wear = over_a_track(task, heights, law=law)
     other, twice = over_a_track(task, heights, two_threads, law=law, restarts=True)
     assert np.array_equal(wear, twice)
@@ -294,3 +298,58 @@ def test_layers_of_the_bodies_own_k_are_a_film() -> None:
     assert 0.05 < bare < 0.95
     sheared = other.row["area_contact"] * (0.25 + 0.75 * bare)
     assert step.row["area_sheared"] == pytest.approx(sheared, rel=1e-9)
+
+
+RUNNING_IN = {"sliding.distance": "60 mm", "output.snapshots": [], "wear.particle": None}
+RUNNING_IN |= {"friction.junction_growth": 0.0, "grid.cell": "8 um", "sliding.shift": 3}
+
+
+@pytest.mark.transforms
+@pytest.mark.parametrize("law", ["half-space", "local"])
+def test_layers_of_a_films_numbers_are_the_preset_running_in(law: str) -> None:
+    """A film of 10 nm on both bodies, or a layer on each with its K: all columns of both, friction too.
+
+    A short and coarse copy, without pieces and growing junctions, which bodies with layers do not have.
+    """
+    filmed = Study.load("running-in").replace(RUNNING_IN | {"contact.law": law})
+    layer = {"name": "film", "thickness": "10 nm", "shear_strength": "40 MPa"}
+    own = {body: getattr(filmed.wear, body).write() for body in ("counter", "disc")}
+    keys = {f"{body}.layers": [layer | {"wear": wear}] for body, wear in own.items()}
+    studies = filmed, filmed.replace(keys | {"friction.film": None})
+    one, other = (warpwear.run(study).history for study in studies)
+    assert one["bare_fraction"][0] == 0.0
+    assert one["bare_fraction"].max() > 0.9
+    for name in one.keys() - {"bare_fraction"}:
+        assert_allclose(other[name], one[name], rtol=1e-9, atol=1e-12, err_msg=name)
+
+
+#: A ball of 20 mm over a coat whose shortest waves are six cells of 10 µm long; the groove is narrower than
+#: the domain.
+STEEL = {"young": "210 GPa", "poisson": 0.3, "hardness": "9 GPa"}
+GROUND: dict[str, Any] = {"kind": "self-affine", "sq": "20 nm", "roll_off": "0.2 mm", "cut_off": "60 um"}
+GROUND |= {"hurst": 0.8, "seed": 1, "period": "0.8 mm"}
+ROUGH_COAT: dict[str, Any] = {
+    "study": {"name": "coat"},
+    "counter": {"radius": "20 mm", **STEEL},
+    "disc": STEEL | {"synthetic": GROUND},
+    "contact": {"law": "half-space", "load": "5 N"},
+    "wear": {"counter": "4e-6 mm^3/N/m", "disc": "1.2e-4 mm^3/N/m"},
+    "grid": {"cell": "10 um", "extent": "0.4 mm"},
+    "sliding": {"kinematics": "swept", "stroke": "0.8 mm", "track": "0.8 mm", "shift": 2, "passes": 100},
+    "stepping": {"jump": 1},
+    "output": {"snapshots": []},
+}
+ROUGH_COAT["disc"]["layers"] = [{"name": "coat", "thickness": "0.1 um", "wear": "4e-5 mm^3/N/m"}]
+
+
+@pytest.mark.slow
+@pytest.mark.transforms
+def test_a_rough_coat_breaks_through_after_the_same_way_on_finer_cells() -> None:
+    """First within 5 %, half of the contact within 2 %: on cells of 10 and 5 µm, by two shifts."""
+    study = Study(**ROUGH_COAT)
+    others = {"grid.cell": "5 um", "sliding.shift": 4}, {"sliding.shift": 4}
+    runs = [warpwear.run(one).summary["layers_disc"] for one in (study, *map(study.replace, others))]
+    first, half = ([run[f"{name}breakthrough_mm"] for run in runs] for name in ("", "half_"))
+    print(first, half)
+    assert_allclose(first, first[0], rtol=0.05)
+    assert_allclose(half, half[0], rtol=0.02)

@@ -61,6 +61,15 @@ def test_a_snapshot_by_its_distance(folder: Path, swept: Path) -> None:
             result.at("3.05 mm")
 
 
+def test_a_result_is_opened_by_its_class_or_by_open(folder: Path) -> None:
+    with Result(str(folder)) as one, Result.open(folder / "result.h5") as other:
+        assert repr(one) == repr(other)
+        assert one.path == other.path
+    for way in (Result, Result.open):
+        with pytest.raises(InputError, match="holds no result"):
+            way(folder / "nothing")
+
+
 @pytest.mark.parametrize("wrong", [30.0, "30 mm", None, slice(1)])
 def test_what_is_no_number_of_a_snapshot_is_told(folder: Path, wrong: Any) -> None:
     with (
@@ -103,6 +112,8 @@ def test_a_result_is_pickled_as_its_path(folder: Path, monkeypatch: pytest.Monke
         assert in_memory.path is None
         with pytest.raises(InputError, match="in memory cannot be pickled; give the run a folder"):
             pickle.dumps(in_memory)
+        with pytest.raises(InputError, match="a page needs the folder of its run: run with out"):
+            in_memory.write_page()
 
 
 def test_a_closed_result_says_so(folder: Path) -> None:
@@ -164,15 +175,15 @@ def test_a_log_gets_what_its_level_asks_for(caplog: pytest.LogCaptureFixture) ->
 
 
 def test_notices_are_warnings(capsys: pytest.CaptureFixture[str]) -> None:
-    study = study_of(contact__foundation="pressure", output__snapshots=["30 mm"], grid__cell="100 um")
+    study = study_of(contact__bulk_stiffness="pressure", output__snapshots=["30 mm"], grid__cell="100 um")
     said = study.notices()
-    assert any("new name" in notice for notice in said)
+    assert any("not apply" in notice for notice in said)
     with pytest.warns(warpwear.StudyWarning, match="output.snapshots that no step ends at: 30 mm") as caught:
         result = warpwear.run(study)
     assert [str(warning.message) for warning in caught] == result.summary["warnings"]
     assert set(said) < set(result.summary["warnings"])
     assert {warning.filename for warning in caught} == {__file__}
-    with pytest.warns(warpwear.StudyWarning, match="new name") as caught:
+    with pytest.warns(warpwear.StudyWarning, match="not apply") as caught:
         next(iter(warpwear.steps(study)))
     assert [str(warning.message) for warning in caught][: len(said)] == said
     assert {warning.filename for warning in caught} == {__file__}

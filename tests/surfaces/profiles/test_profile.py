@@ -7,7 +7,7 @@ import pytest
 from cases_instruments import prf, sdf, x3p
 
 from warpwear.errors import InputError
-from warpwear.surfaces.profiles.profile import read_profile
+from warpwear.surfaces.profiles.profile import profile_in
 from warpwear.surfaces.reading import HoldsAProfile, read
 
 SPACING = 0.0005
@@ -32,7 +32,7 @@ TEXTS = {
 @pytest.mark.parametrize("name", TEXTS)
 def test_text(tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_text(TEXTS[name], encoding="utf-8")
-    profile = read_profile(tmp_path / name)
+    profile = profile_in(tmp_path / name)
     assert profile.spacing == pytest.approx(SPACING, rel=1e-6)
     np.testing.assert_allclose(profile.heights, HEIGHTS, atol=1e-12)
     with pytest.raises(HoldsAProfile, match=r"disc\.surface .* holds a profile \(line scan\) of 200 points"):
@@ -42,18 +42,18 @@ def test_text(tmp_path: Path, name: str) -> None:
 def test_one_column_and_depths(tmp_path: Path) -> None:
     path = tmp_path / "one.txt"
     path.write_text("z in um\n" + "\n".join(f"{1e3 * z:.3f}" for z in HEIGHTS) + "\n", encoding="utf-8")
-    profile = read_profile(path, spacing=SPACING, down=True)
+    profile = profile_in(path, spacing=SPACING, down=True)
     np.testing.assert_allclose(profile.heights, -HEIGHTS, atol=1e-12)
     assert profile.length == pytest.approx(0.1)
     with pytest.raises(InputError, match=r"disc\.pixel is not given"):
-        read_profile(path)
+        profile_in(path)
 
 
 def test_points_left_out_are_holes(tmp_path: Path) -> None:
     path = tmp_path / "holes.csv"
     lines = TEXTS["a.csv"].splitlines()
     path.write_text("\n".join(lines[:60] + lines[63:]) + "\n", encoding="utf-8")
-    profile = read_profile(path)
+    profile = profile_in(path)
     assert np.flatnonzero(profile.missing).tolist() == [59, 60, 61]
     there = HEIGHTS[[58, 62]]
     np.testing.assert_allclose(profile.filled()[58:63], np.linspace(*there, 5), atol=1e-12)
@@ -62,7 +62,7 @@ def test_points_left_out_are_holes(tmp_path: Path) -> None:
 @pytest.mark.parametrize("kind", ["D", "I"])
 def test_x3p(tmp_path: Path, kind: str) -> None:
     x3p(tmp_path / "p.x3p", HEIGHTS, SPACING, kind=kind, missing=7)
-    profile = read_profile(tmp_path / "p.x3p")
+    profile = profile_in(tmp_path / "p.x3p")
     assert profile.spacing == pytest.approx(SPACING)
     assert np.flatnonzero(profile.missing).tolist() == [7]
     np.testing.assert_allclose(np.delete(profile.heights, 7), np.delete(HEIGHTS, 7), atol=1e-12)
@@ -72,18 +72,18 @@ def test_x3p(tmp_path: Path, kind: str) -> None:
 def test_sdf_of_one_line(tmp_path: Path, name: str) -> None:
     pytest.importorskip("SurfaceTopography")
     (tmp_path / "p.sdf").write_text(sdf(HEIGHTS, SPACING, name=name), encoding="ascii")
-    profile = read_profile(tmp_path / "p.sdf")
+    profile = profile_in(tmp_path / "p.sdf")
     assert profile.spacing == pytest.approx(SPACING, rel=1e-6)
     np.testing.assert_allclose(profile.heights, HEIGHTS, atol=1e-9)
 
 
 def test_an_array(tmp_path: Path) -> None:
     np.save(tmp_path / "p.npy", 1e3 * HEIGHTS[None, :])
-    profile = read_profile(tmp_path / "p.npy", spacing=SPACING, height_unit="um")
+    profile = profile_in(tmp_path / "p.npy", spacing=SPACING, height_unit="um")
     np.testing.assert_allclose(profile.heights, HEIGHTS, atol=1e-12)
     np.save(tmp_path / "map.npy", np.ones((60, 60)))
     with pytest.raises(InputError, match="holds no profile"):
-        read_profile(tmp_path / "map.npy", spacing=SPACING, height_unit="um")
+        profile_in(tmp_path / "map.npy", spacing=SPACING, height_unit="um")
 
 
 def uneven(text: str) -> str:
@@ -108,7 +108,7 @@ def uneven(text: str) -> str:
 def test_bad_files_are_refused_in_one_sentence(tmp_path: Path, name: str, text: str, what: str) -> None:
     (tmp_path / name).write_bytes(text.encode("utf-8"))
     with pytest.raises(InputError, match=rf"disc\.surface .*({what})") as caught:
-        read_profile(tmp_path / name)
+        profile_in(tmp_path / name)
     assert "\n" not in str(caught.value)
 
 
@@ -117,13 +117,13 @@ def test_a_damaged_x3p(tmp_path: Path) -> None:
     whole = (tmp_path / "p.x3p").read_bytes()
     (tmp_path / "p.x3p").write_bytes(whole[:-40])
     with pytest.raises(InputError, match=r"disc\.surface .*as \.x3p"):
-        read_profile(tmp_path / "p.x3p")
+        profile_in(tmp_path / "p.x3p")
 
 
 def test_a_line_scan_of_surfacetopography(tmp_path: Path) -> None:
     topography = pytest.importorskip("SurfaceTopography")
     scan = topography.UniformLineScan(1e3 * HEIGHTS, 1e3 * SPACING * HEIGHTS.size, unit="um")
     scan.to_netcdf(str(tmp_path / "p.nc"))
-    profile = read_profile(tmp_path / "p.nc")
+    profile = profile_in(tmp_path / "p.nc")
     assert profile.spacing == pytest.approx(SPACING, rel=1e-6)
     np.testing.assert_allclose(profile.heights, HEIGHTS, atol=1e-12)

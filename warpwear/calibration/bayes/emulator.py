@@ -161,8 +161,7 @@ class Emulator:
             return np.zeros((len(places), 0)), np.zeros((len(places), 0))
         among, basis, trend, values, lengths, nuggets, trends, scales = self._stacked
         near = _correlation(places, self.places, lengths[:, None, None]) @ among.transpose(0, 2, 1)
-        terms = np.column_stack([np.ones(len(places)), places])
-        rest = terms - near @ basis
+        rest = np.column_stack([np.ones(len(places)), places]) - near @ basis
         mean = (near @ values[..., None] + rest @ trends[..., None])[..., 0]
         variance = 1.0 + nuggets - np.sum(near**2, axis=-1) + np.sum((rest @ trend) ** 2, axis=-1)
         return mean.T, (scales * np.maximum(variance, 0.0)).T * self._wider

@@ -145,8 +145,7 @@ def _of_courses(posterior: Posterior, values: dict[str, FloatArray], slopes: Flo
 
 def identify(posterior: Posterior, values: dict[str, FloatArray], z: FloatArray) -> Identified:
     """Find what the data tell, from samples of all unknowns: key -> (samples,), and z (samples, unknowns)."""
-    unknowns = posterior.model.unknowns
-    keys = [unknown.key for unknown in unknowns]
+    keys = [unknown.key for unknown in posterior.model.unknowns]
     fisher = information(posterior, some_of(values, PLACES))
     groups: Counter[tuple[str, ...]] = Counter()
     for one in fisher:

@@ -178,8 +178,8 @@ def _check_unknowns(study: Study, unknowns: Sequence[Unknown], data: Data) -> No
         )
     if data.distance.size and study.shears_unalike:
         raise InputError(
-            "friction cannot be inferred of layers with a shear_strength or coefficient of their own: "
-            "allowed are measured volumes, diameters and roughness"
+            "friction cannot be inferred of layers with a shear_strength or coefficient of their own, "
+            "nor with friction.largest_coefficient: allowed are measured volumes, diameters and roughness"
         )
     columns = columns_for(law, 1.0, np.ones(1), np.ones(1))
     for factor in law.factors:

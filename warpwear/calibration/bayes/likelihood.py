@@ -71,8 +71,7 @@ class Posterior:
 
     def log_likelihood(self, z: FloatArray) -> FloatArray:
         """Return the logarithm of the likelihood, (samples,)."""
-        values = self.values(z)
-        known = self._with_linear(values, len(z))
+        known = self._with_linear(self.values(z), len(z))
         logs = np.where(self.model.allowed(known), 0.0, -np.inf)
         for measured in self.data.values:
             mean, variance = self.model.value(known, measured.kind)
@@ -156,8 +155,7 @@ class Posterior:
         if not count:
             return np.asarray(alone)
         rows = stacked[..., :count]
-        gaps = np.minimum(self._gaps / values["noise.length"][:, None], INDEPENDENT)
-        memory = np.exp(-gaps)
+        memory = np.exp(-np.minimum(self._gaps / values["noise.length"][:, None], INDEPENDENT))
         left = values["noise.deviation"][:, None] * np.sqrt(np.maximum(1.0 - memory**2, 1e-15))
         if scatter.any():
             left = _innovations(rows, memory, left**2, scatter[:, :count] ** 2)

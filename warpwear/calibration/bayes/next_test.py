@@ -102,8 +102,7 @@ def best_tests(
     known = information(posterior, some)
     tests = []
     for candidate in candidates:
-        added = candidate.repeats * information(_after(posterior, candidate), some)
-        part = _left(known, added, place)
+        part = _left(known, candidate.repeats * information(_after(posterior, candidate), some), place)
         tests.append(NextTest(candidate.label, candidate.repeats, now, now * part))
     return sorted(tests, key=lambda test: test.expected)
 

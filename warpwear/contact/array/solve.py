@@ -252,8 +252,7 @@ def _contact_of(
     gap_after = task.gap if here else np.empty(task.shape)
 
     def take(rows: slice, p: FloatArray, displaced: FloatArray) -> tuple[float, int]:
-        gap = gap_after[rows] if here else task.gap_of(rows)
-        np.add(gap, displaced, out=gap_after[rows])
+        np.add(gap_after[rows] if here else task.gap_of(rows), displaced, out=gap_after[rows])
         gap_after[rows] -= solution.approach
         gap_after[rows] *= task.length
         np.multiply(p, task.pressure, out=pressure[rows])

@@ -145,8 +145,7 @@ class CupyFilter(PaddedFilter):
             self._plans = [
                 cufft.PlanNd(shape, None, 1, 0, None, 1, 0, way, count, "C", 1, None) for way in (there, back)
             ]
-            waves = cupy.asarray(self.waves)
-            self._waves = waves.view(cupy.complex128 if double else cupy.complex64)
+            self._waves = cupy.asarray(self.waves).view(cupy.complex128 if double else cupy.complex64)
         self._cupy = cupy
         self._warm()
 
@@ -203,5 +202,4 @@ def filter_of(
     kinds: type[Any] = CupyFilter
     if executor.device.is_cpu:
         kinds = Convolution if fits(shape) else ScipyFilter
-    filtered: Filter = kinds(executor, grids or Grids.whole(executor), table, shape, kind, within=within)
-    return filtered
+    return kinds(executor, grids or Grids.whole(executor), table, shape, kind, within=within)

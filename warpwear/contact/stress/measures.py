@@ -14,15 +14,13 @@ from warpwear.laws.elastic import LEAST_TORSION
 
 def hydrostatic(stress: FloatArray) -> FloatArray:
     """Return the mean of the normal stresses, positive in tension."""
-    mean: FloatArray = stress[:3].mean(axis=0)
-    return mean
+    return stress[:3].mean(axis=0)
 
 
 def _second(stress: FloatArray) -> FloatArray:
     """Return J₂, half the sum of the squares of the deviator."""
     xx, yy, zz, xy, xz, yz = stress
-    total: FloatArray = ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 6.0 + xy**2 + xz**2 + yz**2
-    return total
+    return ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 6.0 + xy**2 + xz**2 + yz**2
 
 
 def mises(stress: FloatArray) -> FloatArray:
@@ -62,8 +60,7 @@ def crossland(one: FloatArray, other: FloatArray, *, bending: float, torsion: fl
     """
     factor = 3.0 * torsion / bending - math.sqrt(3.0)
     amplitude = np.sqrt(_second(0.5 * (one - other)))
-    total: FloatArray = amplitude + factor * np.maximum(hydrostatic(one), hydrostatic(other))
-    return total
+    return amplitude + factor * np.maximum(hydrostatic(one), hydrostatic(other))
 
 
 def dang_van(one: FloatArray, other: FloatArray, *, bending: float, torsion: float) -> FloatArray:
@@ -73,7 +70,4 @@ def dang_van(one: FloatArray, other: FloatArray, *, bending: float, torsion: flo
     Message 1989, in Biaxial and Multiaxial Fatigue, EGF 3, 479).
     """
     factor = 3.0 * torsion / bending - 1.5
-    total: FloatArray = principal(0.5 * (one - other))[1] + factor * np.maximum(
-        hydrostatic(one), hydrostatic(other)
-    )
-    return total
+    return principal(0.5 * (one - other))[1] + factor * np.maximum(hydrostatic(one), hydrostatic(other))

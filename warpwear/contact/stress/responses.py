@@ -221,7 +221,7 @@ def sheared_wave(x: FloatArray, y: FloatArray, z: float, poisson: float) -> list
     """Return the stress under a wave of traction along x of unit height, as `pressed_wave`."""
     c, s, k = _directions(x, y)
     decay = np.exp(-k * z)
-    stresses = [
+    return [
         -c * ((2.0 - k * z) * c**2 + 2.0 * (1.0 + poisson) * s**2) * decay,
         -c * (2.0 * poisson * c**2 - k * z * s**2) * decay,
         -c * k * z * decay,
@@ -229,7 +229,6 @@ def sheared_wave(x: FloatArray, y: FloatArray, z: float, poisson: float) -> list
         (c**2 * k * z - 1.0) * decay,
         -c * s * k * z * decay,
     ]
-    return stresses
 
 
 def _directions(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -59,8 +59,7 @@ class Stresses:
         """Return a component, "xx", "yy", "zz", "xy", "xz" or "yz", shape (depths, nx, ny)."""
         if name not in COMPONENTS:
             raise InputError(f"component {name!r} is not known; allowed: {', '.join(COMPONENTS)}.")
-        component: FloatArray = self.tensor[COMPONENTS.index(name)]
-        return component
+        return self.tensor[COMPONENTS.index(name)]
 
     def _of_depths(self, measure: Callable[..., Any], *others: "Stresses") -> FloatArray:
         """Return a measure of the stress at every depth, one after another."""
@@ -104,8 +103,7 @@ class Stresses:
         position = np.interp(place, places, np.arange(places.size))
         low = int(position)
         high, part = min(low + 1, places.size - 1), position - low
-        plane: FloatArray = (1.0 - part) * field.take(low, axis) + part * field.take(high, axis)
-        return plane
+        return (1.0 - part) * field.take(low, axis) + part * field.take(high, axis)
 
     def yielding(self, limit: float) -> Yielding:
         """Return where von Mises' stress exceeds a yield stress."""
@@ -166,8 +164,7 @@ class Stresses:
                 f"traction, the depth 0 first, and the shape of slip, {self.tensor.shape[2:]}."
             )
         tension = np.maximum(measures.principal(self.tensor[:, 0])[0], 0.0)
-        product: FloatArray = tension * np.hypot(*self.traction) * np.abs(sizes)
-        return product
+        return tension * np.hypot(*self.traction) * np.abs(sizes)
 
     def __repr__(self) -> str:
         _, count, nx, ny = self.tensor.shape

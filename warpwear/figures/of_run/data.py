@@ -130,19 +130,23 @@ class FigureData:
         snapshot, window = self.snapshot(index), self.window
         row = self.row_of(snapshot.distance)
         pressure = window.largest(snapshot.pressure)
-        least: Any = self.study.hardness * (1.0 - 1e-9)
-        if snapshot.bare is not None:  # of each block the cap of its most loaded kind of cells
-            filmed, bare = self.study.caps
-            on_metal = window.largest(np.where(snapshot.bare > 0.0, snapshot.pressure, 0.0)) >= pressure
-            least = np.where(on_metal, bare, filmed) * (1.0 - 1e-9)
+        caps = self._caps(snapshot) * (1.0 - 1e-9)
         # The bearing area scales its pressure to the load, so that the hardness is met within a tolerance.
         if self.history["area_plastic"][row] >= self.history["area_contact"][row] * (1.0 - 1e-9):
-            least = 0.0
+            caps = 0.0
         state = window.largest(snapshot.touched).astype(np.uint8)
         state[pressure > 0.0] = State.IN_CONTACT
-        state[(pressure > 0.0) & (pressure >= least)] = State.AT_HARDNESS
+        state[(pressure > 0.0) & window.largest(snapshot.pressure >= caps)] = State.AT_HARDNESS
         cuts = {"along": self._cut(snapshot, 0), "across": self._cut(snapshot, 1)}
         return View(snapshot.distance, row, pressure, state, cuts, self._film(snapshot, window))
+
+    def _caps(self, snapshot: Snapshot) -> Any:
+        """Return the largest pressures of the cells [MPa]: of a film, or of the materials that lie bare."""
+        if self.study.profiles is not None:
+            pairs = zip(self.study.profiles, (snapshot.wear_counter, snapshot.wear_beneath), strict=True)
+            return np.minimum(*(profile.hardness_at(worn) for profile, worn in pairs))
+        filmed, bare = self.study.caps
+        return bare if snapshot.bare is None else np.where(snapshot.bare > 0.0, bare, filmed)
 
     def _film(self, snapshot: Snapshot, window: Window) -> Any:
         if snapshot.bare is None:

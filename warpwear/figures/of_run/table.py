@@ -148,8 +148,7 @@ class Plotter:
 
     def png(self, name: str, *, dpi: int) -> bytes:
         """Draw one figure; returns the bytes of a PNG file. Raises InputError for an unknown name."""
-        png: bytes = style.bytes_of(getattr(self, name)(), dpi=dpi)
-        return png
+        return style.bytes_of(getattr(self, name)(), dpi=dpi)
 
     def check(self, names: Sequence[str], *, file_format: str = "png") -> None:
         """Raise InputError for a name or a format that is not known, before anything is drawn."""

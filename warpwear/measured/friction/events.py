@@ -68,8 +68,7 @@ def laps_of(course: Experiment, lap: float | None) -> Laps:
     distance, cof = course.distance, course.cof
     if course.cycles is not None:
         length = float(np.median(np.diff(distance) / np.diff(course.cycles)))
-        nothing = np.full(cof.size, np.nan)
-        return Laps(distance, cof, nothing, np.ones(cof.size), length, 1.0, "cycle")
+        return Laps(distance, cof, np.full(cof.size, np.nan), np.ones(cof.size), length, 1.0, "cycle")
     start, size = float(distance[0]), float(np.ptp(distance))
     if lap is None or lap > size / 2.0:
         groups = max(min(PARTS, distance.size // POINTS), 1)
@@ -191,8 +190,7 @@ def line_with_error(values: FloatArray) -> tuple[float, float, float, float, flo
 def _scatter(values: FloatArray) -> float:
     """Return the standard deviation of values about a straight line through them."""
     place = np.arange(values.size, dtype=np.float64)
-    residual = values - np.polyval(np.polyfit(place, values, 1), place)
-    return float(residual.std())
+    return float((values - np.polyval(np.polyfit(place, values, 1), place)).std())
 
 
 def _levels(cof: FloatArray) -> list[int]:

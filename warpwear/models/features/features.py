@@ -75,9 +75,10 @@ class Features:
             features["recession"] = Recession(curve, executor)
         if distances is not None:
             features["distances"] = OwnDistances(distances)
-        if task.profiles is not None:
-            features["materials"] = MaterialsByDepth(task, executor, bodies)
-        by_materials = task.profiles is not None and not task.half_space  # which has yields
+        by_materials = False
+        if task.profiles is not None or task.shears_unalike:
+            features["materials"] = materials = MaterialsByDepth(task, executor, bodies)
+            by_materials = materials.gives and not task.half_space  # which has yields
         if task.implicit and not (curve is None and distances is None and not by_materials):
             alike = curve is None and distances is not None and distances.shape[0] == 1
             features["stiffness"] = UnequalStiffness(executor, bodies, curve, alike=alike)

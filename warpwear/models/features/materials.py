@@ -1,4 +1,7 @@
-"""Bodies have materials by worn depth: K and the cap of cells, and what each material bears and loses."""
+"""Bodies have materials by worn depth: K and the cap of cells, and what each material bears and loses.
+
+Where pressures or materials bound it, the shear of cells is booked too.
+"""
 
 import math
 from collections.abc import Mapping
@@ -18,6 +21,8 @@ from warpwear.models.features.feature import Feature, Host, Place
 
 #: Stands for no limit [1].
 NONE = 1.0e300
+#: K of both bodies, as cells and steps have it.
+KS = ("k_counter", "k_disc")
 #: Lines of the books, as the history has them.
 COLUMNS = (
     *(f"{kind}_{body}_{m}" for body in BODIES for kind in kernels.BOOKS for m in range(kernels.BOOKED)),
@@ -91,27 +96,33 @@ class MaterialsByDepth(Feature):
     columns = COLUMNS
 
     def __init__(self, task: ContactTask, executor: Executor, bodies: Mapping[str, Field]) -> None:
-        assert task.profiles is not None
-        self._executor, self._profiles = executor, dict(zip(BODIES, task.profiles, strict=True))
+        profiles = task.profiles or ()
+        self._executor, self._profiles = executor, dict(zip(BODIES, profiles, strict=False))
         self._wear = {body: bodies[f"wear_{body}"] for body in BODIES}
         self.properties: dict[str, Field] = {}
         for body, profile in self._profiles.items():
             numbers = depth_numbers(profile, task.hardness)
             self.properties[f"materials_{body}"] = wp.array(numbers, dtype=wp.float64, device=executor.device)
-            if not profile.is_uniform:
+            if any(m.wear != profile.materials[0].wear for m in profile.materials):
                 self.properties[f"k_{body}"] = self._ones()
-        if task.half_space:
+        if task.half_space and not set(KS).isdisjoint(self.properties):
             self.yields = self.properties["yields"] = executor.zeros()
         #: K over that of the uppermost materials: the mean under the last pressure, and at most.
         self.means: tuple[float, ...] = (1.0, 1.0)
         self._largest: tuple[float, ...] = (1.0, 1.0)
         #: Books of the parts of a step so far, and the distance that they go over [mm].
         self._of_parts, self._slid = np.zeros(kernels.LINES), 0.0
-        if any(m.hardness != p.materials[0].hardness for p in task.profiles for m in p.materials):
+        if any(m.hardness != p.materials[0].hardness for p in profiles for m in p.materials):
             self.properties["cap_ratio"] = self._ones()
-        self.sources = {f"wear_{body}": field for body, field in self._wear.items()} | {"layered": 1}
+        self.sources = {f"wear_{body}": field for body, field in self._wear.items()}
+        self.sources |= {"layered": int(self.gives), "largest_shear": min(task.largest_shear, NONE)}
         slots = executor.slots_of(executor.grid.nx)
         self._books = wp.zeros((kernels.LINES, slots), dtype=wp.float64, device=executor.device)
+
+    @property
+    def gives(self) -> bool:
+        """Tell whether cells have K or a cap of their own by their materials."""
+        return not {*KS, "cap_ratio"}.isdisjoint(self.properties)
 
     def _ones(self) -> Field:
         return self._executor.field(np.ones(self._executor.grid.shape), padding=1.0)
@@ -129,7 +140,7 @@ class MaterialsByDepth(Feature):
     def ratios(self, window: int) -> tuple[float, float]:
         """Return the means of K, and the largest of a body that wears by a mean of pressures."""
         means = list(self.means)
-        if window > 1:
+        if window > 1 and self._profiles:
             by_mean = self._slides["counter_moves"]
             means[by_mean] = self._largest[by_mean]
         return means[0], means[1]
@@ -139,10 +150,13 @@ class MaterialsByDepth(Feature):
         lines = self._books.numpy().sum(axis=1)
         self._of_parts += np.where(IS_DEPTH, 1.0, increment) * lines
         self._slid += increment
-        of_bodies = lines[:-1].reshape(len(BODIES), len(kernels.BOOKS), -1).sum(axis=2)
-        expected = [self._slides[f"k_{body}"] * p for body, (_, p, _) in zip(BODIES, of_bodies, strict=True)]
-        pairs = zip(of_bodies[:, -1].tolist(), expected, strict=True)
-        self.means = tuple(float(lost / by_top) if lost > 0.0 < by_top else 1.0 for lost, by_top in pairs)
+        of_bodies = lines[:-1].reshape(len(BODIES), len(kernels.BOOKS), -1).sum(axis=2).tolist()
+        expected = [self._slides[name] * p for name, (_, p, _) in zip(KS, of_bodies, strict=True)]
+        pairs = zip(KS, (lost for *_, lost in of_bodies), expected, strict=True)
+        self.means = tuple(
+            lost / by_top if name in self.properties and lost > 0.0 < by_top else 1.0
+            for name, lost, by_top in pairs
+        )
         return {}
 
     def before_wear(self, program: Program, place: Place) -> None:

@@ -137,8 +137,7 @@ class Job:
         if self._kept.get("number") != number:
             self._kept.clear()
             self._kept.update(number=number, snapshot=self.result.snapshot(number))
-        snapshot: Snapshot = self._kept["snapshot"]
-        return snapshot
+        return self._kept["snapshot"]
 
     def _heights(self, body: str, number: int) -> FloatArray:
         """Return heights of a worn body at the snapshot of a number [mm], the track's over all its rows."""
@@ -149,8 +148,7 @@ class Job:
             else:
                 lost = snapshot.wear_disc + (0.0 if snapshot.plastic_disc is None else snapshot.plastic_disc)
                 self._kept[body] = self.result.track_heights() - lost
-        heights: FloatArray = self._kept[body]
-        return heights
+        return self._kept[body]
 
     def body(self, name: str, number: int) -> Body:
         """Return a worn body at the snapshot of a number, reduced to `points`."""

@@ -26,8 +26,7 @@ def filled(
         lstrip_blocks=True,
     )
     environment.filters.update(filters)
-    text: str = environment.get_template(form).render(content)
-    return text
+    return environment.get_template(form).render(content)
 
 
 def prose(name: str) -> dict[str, Any]:

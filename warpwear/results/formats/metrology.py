@@ -47,8 +47,7 @@ def write_x3p(path: Path, body: Body) -> None:
     """
     heights = METRES * body.heights.T
     known = np.isfinite(heights)
-    data = np.where(known, heights, np.nan).astype("<f8").tobytes()
-    parts = {POINTS: data}
+    parts = {POINTS: np.where(known, heights, np.nan).astype("<f8").tobytes()}
     if not known.all():
         parts[VALID] = np.packbits(known.ravel(), bitorder="little").tobytes()
     main = _main_xml(body, {name: _md5(content) for name, content in parts.items()})

@@ -17,8 +17,9 @@ UNCHANGED: Mapping[str, Any] = MappingProxyType({})
 
 
 def no_cell_by_cell(why: str, of: tuple[str, ...] = ()) -> tuple[Demand, ...]:
-    """Return the demand that neither a film nor growing junctions give each cell its own shear strength."""
-    return excludes("friction.film", of=of, why=why) + excludes("friction.junction_growth", of=of, why=why)
+    """Return the demand that no film, growing junctions or bound give each cell its own shear strength."""
+    ways = ("film", "junction_growth", "largest_coefficient")
+    return tuple(demand for way in ways for demand in excludes(f"friction.{way}", of=of, why=why))
 
 
 fitted_key = partial(
@@ -111,6 +112,15 @@ class Friction(Section):
         demands=BARE_STRENGTH
         + NO_BEARING_CURVE
         + needs("caps_pressure", what="a finite contact.hardness", why=", which it lowers"),
+    )
+    largest_coefficient: Annotated[float, Number(Range(most=3.0))] | None = key(
+        None,
+        "largest part of its pressure that shears a cell, whatever its strength; if not given there is none",
+        applies=SHEARS,
+        demands=BARE_STRENGTH
+        + NO_BEARING_CURVE
+        + excludes("wear.law", "energy", why=", which wears cells in contact by one strength")
+        + excludes("study.model", "two-scale", why=", whose patches do not follow it"),
     )
     film: FilmSection | None = key(None, "a film that wear breaks", demands=BARE_STRENGTH + NO_BEARING_CURVE)
 

@@ -12,13 +12,14 @@ from typing import Annotated, Any, TypeAlias
 from pydantic import AfterValidator, BeforeValidator
 
 from warpwear.laws.depth_profile import SUBSTRATE, DepthProfile, Material
-from warpwear.study.keys import Hardness, Length, Pressure, Section, excludes, key, needs
+from warpwear.study.keys import Hardness, Length, Pressure, Section, excludes, key, needs, when
 from warpwear.study.sections.friction import NOT_CONTACT
 from warpwear.study.sections.wear import BY_AREA, ArchardCoefficient, WearCoefficient
 from warpwear.study.units import Number, Range
 
-#: Most rows of a gradient.
-MOST_ROWS = 1000
+#: Most rows of a gradient, and layers of a body: with the substrate, that books are kept of.
+MOST_ROWS, MOST_LAYERS = 1000, 7
+OF_PATCHES = when("study.model", "two-scale")
 #: What is computed of materials by depth, and what is not.
 LAYERED = (
     needs("wear.law", "archard", "exponential", "energy", why=": others have one K of a body")
@@ -27,10 +28,9 @@ LAYERED = (
     + excludes("wear.distance_factor", "across", "radial")
     + excludes("stepping.scheme", "explicit")
     + excludes("patches.coupling", "load", why=", which prescribes loads by one K")
+    + excludes("friction.film", where=OF_PATCHES, why=", which patches do not follow with layers")
     + excludes("friction.junction_growth", why=", by which caps follow from one shear strength")
-    + excludes("friction.film", why=", which lies on one material")
     + excludes("friction.area", *NOT_CONTACT, why=": materials shear where they are in contact")
-    + needs("stepping.jump", "auto", 1, why=": cycles wear through layers unalike")
     + excludes("sliding.plastic", "keep", why=", whose dents are as deep as one hardness lets them be")
 )
 

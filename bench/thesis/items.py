@@ -11,13 +11,12 @@ from enum import StrEnum
 from functools import cache
 from typing import Any
 
-from warpwear import lazy
-from warpwear.figures.wording import power_of_ten
-from warpwear.thesis.printed import PRINTED, SERIES, TOLERANCES, Printed, read
-from warpwear.thesis.runs import VERSIONS
+import jinja2
+from printed import PRINTED, SERIES, TOLERANCES, Printed, read
+from recomputed import VERSIONS
 
-jinja2 = lazy.module("jinja2")
-
+#: Digits and sign of an exponent -> those above the line.
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 #: Exponent m and levelling index λ of an area that grows as the square root of the distance.
 SQUARE_ROOT = {"exponent_m": 0.5, "levelling_lambda": 0.25}
 #: What the names of numbers begin with, before their dot.
@@ -154,7 +153,7 @@ def number(value: float, digits: int = 3) -> str:
     text = f"{value:#.{digits}g}"
     if "e" in text:
         mantissa, exponent = text.split("e")
-        raised = f"{mantissa.removesuffix('.')}·{power_of_ten(exponent)}"
+        raised = f"{mantissa.removesuffix('.')}·10{str(int(exponent)).translate(RAISED)}"
         text = f"{float(text):.0f}" if 0 <= int(exponent) < 7 else raised
     return text.removesuffix(".").replace("-", "−")
 

@@ -1,6 +1,5 @@
 """The runs behind the report of the thesis: which studies, and what is kept of them."""
 
-import math
 import sys
 import time
 import warnings
@@ -9,15 +8,10 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 
 import numpy as np
+from coefficients import depth_of_rim, diameter_of_cap, rim_at
 
-from warpwear.calibration.wear import diameter_of_cap
-from warpwear.errors import InputError, StudyWarning
-from warpwear.result import Result
-from warpwear.runs.run import run
-from warpwear.study.study import Study
-from warpwear.study.surface import surface_in
-from warpwear.surfaces.form import sag
-from warpwear.surfaces.worn.patch import extents
+import warpwear
+from warpwear import InputError, Result, Study, StudyWarning
 
 #: Cell of the fine rough model in a quick report; it takes a tenth of the time.
 QUICK_CELL = "5 um"
@@ -46,7 +40,7 @@ class Plan:
     def runs(self) -> dict[str, Study]:
         """Every study by the name of its run in `Runs`, in the order of computing."""
         smooth, rough = self.studies["v1"], self.studies["v3"]
-        step = smooth.increments[2]
+        step = smooth.stepping.increment
         own = rough.disc.synthetic.seed if rough.disc.synthetic else None
         implicit = {IMPLICIT.format(length): _implicit(smooth, length) for length in self.increments}
         beyond = smooth.replace(HERTZ_AREA | {"stepping.force": True})
@@ -89,7 +83,7 @@ def running(plan: Plan, *, device: str, threads: int | None, quiet: bool = False
         for done, (name, study) in enumerate(studies.items(), 1):
             started = time.perf_counter()
             with warnings.catch_warnings(action="ignore", category=StudyWarning):  # the report tells of them
-                result = run(study, device=device, threads=threads, plots=False)
+                result = warpwear.run(study, device=device, threads=threads, plots=False)
             results[name] = stack.enter_context(result)
             if not quiet:
                 label, took = LABELS.get(name, name), time.perf_counter() - started
@@ -123,13 +117,12 @@ def rough_patch(seed: int, result: Result) -> dict[str, float]:
     the distance of the farthest touched cell from the middle; disc_volume [mm³].
     """
     study, history = result.study, result.history
-    heights = surface_in(study).heights(result.x, result.y)
-    radius = 1.0 / study.counter.form.curvature
+    heights, radius = result.unworn_disc(result.x, result.y), study.counter.radius
     depth = depth_of_rim(worn_radius(study), radius=radius)
     square = np.add.outer(result.x**2, result.y**2)
     # A cell is touched where it stands above the counter-body through the smooth patch's rim.
-    over_rim = sag(result.x, result.y, radius=radius) - depth
-    along, across = extents(heights >= over_rim, (study.grid.cell, study.grid.cell))
+    over_rim = result.unworn_counter(result.x, result.y) - depth
+    along, across = (study.grid.cell * _length(np.any(heights >= over_rim, axis=axis)) for axis in (1, 0))
     near_rim = (over_rim >= 0.0) & (over_rim <= heights.max())
     peak = float(heights[near_rim].max()) if near_rim.any() else 0.0
     return {
@@ -145,26 +138,22 @@ def rough_patch(seed: int, result: Result) -> dict[str, float]:
     }
 
 
+def _length(touched: np.ndarray) -> int:
+    """Count the places from the first touched one to the last."""
+    places = np.flatnonzero(touched)
+    return int(places[-1] - places[0] + 1) if places.size else 0
+
+
 def worn_radius(study: Study) -> float:
     """Find the rim's radius [mm] of the patch of smooth bodies on a stationary footprint: a cap of K F L."""
-    return 0.5 * diameter_of_cap(_worn_volume(study), radius=1.0 / study.counter.form.curvature)
+    return 0.5 * diameter_of_cap(_worn_volume(study), radius=study.counter.radius)
 
 
 def worn_radius_of_paraboloid(study: Study) -> float:
     """Find that radius with a paraboloid for the counter-body, (4 R K F L/π)^¼ [mm]; it is a little wider."""
-    return float((4.0 * _worn_volume(study) / (np.pi * study.counter.form.curvature)) ** 0.25)
-
-
-def depth_of_rim(rim: float, *, radius: float) -> float:
-    """Find the height of a cap from its rim's radius, R − √(R² − a²) [mm], without its cancellation."""
-    return rim * rim / (radius + math.sqrt(radius * radius - rim * rim))
-
-
-def rim_at(depth: float, *, radius: float) -> float:
-    """Find the rim's radius of a cap of a height, √(z(2R − z)) [mm]: the inverse of `depth_of_rim`."""
-    return math.sqrt(depth * (2.0 * radius - depth))
+    return float((4.0 * _worn_volume(study) * study.counter.radius / np.pi) ** 0.25)
 
 
 def _worn_volume(study: Study) -> float:
     """Find what both bodies lose together, K F L [mm³]."""
-    return sum(study.wear_coefficients) * study.contact.load * study.sliding.total
+    return sum(study.wear_coefficients) * study.contact.load * study.sliding.distance

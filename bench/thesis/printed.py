@@ -6,7 +6,7 @@ one table, `printed.toml`, so that no number is typed twice.
 
 import tomllib
 from dataclasses import dataclass
-from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 
@@ -22,7 +22,7 @@ class Printed:
 
 def read(name: str) -> dict[str, Any]:
     """Read a file of data of the report. name: of the file."""
-    return tomllib.loads((files("warpwear.thesis") / name).read_text(encoding="utf-8"))
+    return tomllib.loads((Path(__file__).parent / name).read_text(encoding="utf-8"))
 
 
 _CONTENT = read("printed.toml")

@@ -6,17 +6,16 @@ Names are `version.quantity_unit`; what belongs to no version stands alone. NaN 
 import math
 
 import numpy as np
+import printed as thesis
+import recomputed as plans
+from coefficients import DIAMETER, WORK, depth_of_rim, patch, rim_at
 from numpy.typing import NDArray
+from printed import read
+from recomputed import Runs
 
-from warpwear.grid import FloatArray
-from warpwear.result import Result
-from warpwear.results.track import shape_of_growth
-from warpwear.thesis import printed as thesis
-from warpwear.thesis import runs as plans
-from warpwear.thesis.coefficients import DIAMETER, WORK, patch
-from warpwear.thesis.printed import read
-from warpwear.thesis.runs import Runs
+from warpwear import Result
 
+FloatArray = NDArray[np.float64]
 Numbers = dict[str, float]
 #: Distance after which relative differences of areas no longer show single cells [mm].
 SETTLED = 30.0
@@ -41,12 +40,12 @@ def _of_version(result: Result) -> Numbers:
     """Find what each version says of itself."""
     history, summary = result.history, result.summary
     first, end = ({name: values[row] for name, values in history.items()} for row in (0, -1))
-    mean, curvature = history["pressure_mean"], result.study.counter.form.curvature
+    mean, radius = history["pressure_mean"], result.study.counter.radius
     total = end["wear_depth_counter"] + end["wear_depth_disc"]
     values_of_version = {
         "patch_by_area_mm": 2.0 * math.sqrt(end["area_touched"] / math.pi),
         # A ball and a flat whose middles have receded by so much meet at this rim; a paraboloid is wider.
-        "patch_by_depth_mm": 2.0 * plans.rim_at(total, radius=1.0 / curvature) if curvature else math.nan,
+        "patch_by_depth_mm": 2.0 * rim_at(total, radius=radius),
         "counter_volume_error": summary["conservation_relative"]["counter"],
         "disc_volume_error": summary["conservation_relative"]["disc"],
         "disc_volume_over_KFL": summary["disc_volume_over_KFL"] or math.nan,
@@ -68,8 +67,16 @@ def _of_version(result: Result) -> Numbers:
 def shape(result: Result, area: str) -> Numbers:
     """Find exponent m, levelling index λ and R² of a straight line of one area's growth."""
     distance, values = result.history["distance"], result.history[f"area_{area}"]
-    numbers = {"exponent_m": math.nan, "levelling_lambda": math.nan}
-    return numbers | shape_of_growth(distance, values) | {"straightness_R2": straightness(distance, values)}
+    late, total = distance >= 0.5 * distance[-1], distance[-1]
+    slope = np.polyfit(np.log(distance[late]), np.log(values[late]), 1)[0]
+
+    def secant(start: float, end: float) -> float:
+        low, high = np.interp([start * total, end * total], distance, values)
+        return float((high - low) / (end - start))
+
+    levelling = secant(0.5, 1.0) / secant(1.0 / 80.0, 0.1) if distance[0] <= total / 80.0 else math.nan
+    straight = straightness(distance, values)
+    return {"exponent_m": slope, "levelling_lambda": levelling, "straightness_R2": straight}
 
 
 def straightness(x: FloatArray, y: FloatArray) -> float:
@@ -93,8 +100,7 @@ def _settled(distance: FloatArray) -> NDArray[np.bool_]:
 def _smooth(runs: Runs) -> Numbers:
     """Find what V1 says beside Hertz and closed forms."""
     v1 = runs["v1"]
-    history, hertz = v1.history, v1.study.hertz
-    assert hertz is not None  # the smooth model needs elastic constants
+    history, hertz = v1.history, v1.summary["hertz"]
     distance, mean = history["distance"], history["pressure_mean"]
     radius = np.sqrt(history["area_contact"] / np.pi)
     early = thesis.SLOWS_AFTER.value
@@ -103,10 +109,10 @@ def _smooth(runs: Runs) -> Numbers:
     return {
         "closed_form_patch_mm": 2.0 * plans.worn_radius(v1.study),
         "paraboloid_patch_mm": 2.0 * plans.worn_radius_of_paraboloid(v1.study),
-        "hertz_peak_MPa": hertz.peak_pressure,
-        "hertz_area_mm2": hertz.area,
-        "v1.peak_over_hertz": history["pressure_max"][0] / hertz.peak_pressure,
-        "v1.area_over_hertz": history["area_contact"][0] / hertz.area,
+        "hertz_peak_MPa": hertz["peak_pressure_MPa"],
+        "hertz_area_mm2": hertz["area_mm2"],
+        "v1.peak_over_hertz": history["pressure_max"][0] / hertz["peak_pressure_MPa"],
+        "v1.area_over_hertz": history["area_contact"][0] / hertz["area_mm2"],
         "v1.pressure_fallen_early": (mean[0] - np.interp(early, distance, mean)) / (mean[0] - mean[-1]),
         "v1.radius_grown_early": np.interp(early, distance, radius) / radius[-1],
         "v1.depth_exponent": np.polyfit(np.log(distance[late]), np.log(depth[late]), 1)[0],
@@ -123,7 +129,7 @@ def _factor(runs: Runs) -> Numbers:
     middle = pressure.shape[0] // 2
     line = pressure[middle][pressure[middle] > 0.0]
     edge = 0.5 * v2["patch_across"][-1] - 0.5 * study.grid.cell
-    cosine = math.sqrt(max(0.0, 1.0 - (edge * study.counter.form.curvature) ** 2))
+    cosine = math.sqrt(max(0.0, 1.0 - (edge / study.counter.radius) ** 2))
     counter, disc = study.wear_coefficients
     settled = _settled(v1["distance"])
     change = v2["cof"][settled] / v1["cof"][settled] - 1.0
@@ -147,7 +153,7 @@ def _rough(runs: Runs) -> Numbers:
     low, high = (printed.value for printed in thesis.V3_PRESSURES)
     mean, cells = v3["pressure_mean"], v3["cells_in_contact"]
     rough, study = runs["v3"].study, runs["fine"].study
-    hardness, load, tolerance = rough.hardness, rough.contact.load, rough.load_tolerance
+    hardness, load, tolerance = rough.contact.hardness, rough.contact.load, rough.stepping.load_tolerance
     numbers = {
         "v3.sum_over_worn_patch": v3["area_cumulative"][-1] / v1["area_contact"][-1],
         "v3.cof_over_v1": v3["cof"][-1] / v1["cof"][-1],
@@ -159,7 +165,7 @@ def _rough(runs: Runs) -> Numbers:
         "v3.most_cells": cells.max(),
         "v3.load_over_hardness_mm2": load / hardness,
         "fine.area_over_v1": fine["area_contact"][-1] / v1["area_contact"][-1],
-        "fine.area_first_over_F_H": fine["area_contact"][0] * study.hardness / study.contact.load,
+        "fine.area_first_over_F_H": fine["area_contact"][0] * study.contact.hardness / study.contact.load,
     }
     for name, history in (("v1", v1), ("v3", v3)):
         numbers[f"{name}.counter_pattern_um"] = 1e3 * pattern(runs[name])
@@ -193,9 +199,9 @@ def _patches(runs: Runs) -> Numbers:
     measured = np.array([of("along"), of("across")])
     predicted = np.array([of("predicted_along"), of("predicted_across")])
     volumes = of("disc_volume") / runs["v2"].history["wear_volume_disc"][-1] - 1.0
-    radius, smooth = 1.0 / rough.counter.form.curvature, plans.worn_radius(rough)
+    radius, smooth = rough.counter.radius, plans.worn_radius(rough)
     printed = 0.5 * thesis.PATCH_DIAMETERS["v3"].value
-    height = plans.depth_of_rim(printed, radius=radius) - plans.depth_of_rim(smooth, radius=radius)
+    height = depth_of_rim(printed, radius=radius) - depth_of_rim(smooth, radius=radius)
     numbers: Numbers = {
         "surfaces": len(patches),
         "surfaces.patch_mean_mm": float(np.mean(0.5 * (of("along") + of("across")))),
@@ -236,18 +242,22 @@ def _stability(runs: Runs) -> Numbers:
     beyond, steady = runs["beyond"].history, runs["steady"].history
     ratio = beyond["area_contact"] / np.interp(beyond["distance"], steady["distance"], steady["area_contact"])
     low = ratio[_settled(beyond["distance"])] - 1.0
-    study = runs["beyond"].study
-    wear = sum(study.wear_coefficients)
     return {
-        "beyond.limit_mm": study.stable_increment(wear),
-        "beyond.increment_mm": study.increments[2],
-        "v1.limit_mm": runs["v1"].study.stable_increment(wear),
+        "beyond.limit_mm": stable_increment(runs["beyond"]),
+        "beyond.increment_mm": runs["beyond"].study.stepping.increment,
+        "v1.limit_mm": stable_increment(runs["v1"]),
         "beyond.area_last": low[-1],
         "beyond.area_mean": low.mean(),
         "beyond.area_lowest": low.min(),
         "beyond.area_highest": low.max(),
         "beyond.pressure_unevenness": beyond["pressure_std"][-1] / beyond["pressure_mean"][-1],
     }
+
+
+def stable_increment(result: Result) -> float:
+    """Find the largest stable increment of explicit wear on a foundation K_N, 2/(K_N K) [mm]."""
+    wear = sum(result.study.wear_coefficients)
+    return float(2.0 / result.summary["foundation_N_per_mm3"] / wear)
 
 
 def calibration() -> Numbers:

@@ -1,0 +1,86 @@
+"""The page that sets Python beside the command line: each row runs, and prints what the command does."""
+
+import re
+import shlex
+import shutil
+import textwrap
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from warpwear.cli.main import commands
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = DOCS / "reference" / "commands-in-python.md"
+#: Commands whose rows are not run here, which takes a minute; tests/inference runs one like it.
+LEFT_OUT = ("calibrate bayes",)
+#: Commands of which the page has no row yet.
+WITHOUT_ROW = {"calibrate energy", "calibrate friction", "calibrate loop", "calibrate wear"}
+WITHOUT_ROW |= {"calibrate thesis", "report thesis"}
+#: Commands that print what Python prints, to the last sign.
+SAME = ("studies", "materials", "show", "surface")
+
+
+def rows() -> list[tuple[list[str], str]]:
+    """The words of each command and the Python beside it."""
+    boxes = re.findall(
+        r"^\* - ```sh\n(.*?)^    ```\n  - ```python\n(.*?)^    ```$",
+        PAGE.read_text("utf-8"),
+        re.DOTALL | re.M,
+    )
+    return [(shlex.split(shell.replace("\\\n", " "))[1:], textwrap.dedent(python)) for shell, python in boxes]
+
+
+def names(group: click.Group, prefix: str = "") -> set[str]:
+    """The commands of a group, those of groups within by two words."""
+    found = set()
+    for name, command in group.commands.items():
+        found |= names(command, f"{name} ") if isinstance(command, click.Group) else {prefix + name}
+    return found
+
+
+def test_every_command_has_a_row_of_ten_lines_at_most() -> None:
+    shown = set()
+    for words, python in rows():
+        command, name = commands.commands[words[0]], words[0]
+        given = words[1:]
+        if isinstance(command, click.Group):
+            inner = words[1] if words[1] in command.commands else "DIR"
+            command, name, given = command.commands[inner], f"{name} {inner}", words[1 + (inner != "DIR") :]
+        command.make_context(name, given)
+        shown.add(name)
+        assert len(python.strip().splitlines()) <= 10, python
+    assert names(commands) - shown <= WITHOUT_ROW
+
+
+def test_rows_do_what_the_commands_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for package in ("SurfaceTopography", "ruptures", "pandas"):
+        pytest.importorskip(package)
+    monkeypatch.chdir(tmp_path)
+    for name in ("ground-disc.x3p", "ball-on-disc.csv"):
+        shutil.copy(DOCS / "files" / name, tmp_path)
+    rough = np.random.default_rng(0).normal(0.0, 0.1, (120, 120))
+    y = np.linspace(-1.0, 1.0, 120)
+    bowl = np.maximum(0.0, 1.0 - np.add.outer(y**2, y**2) / 0.2)
+    np.save("new.npy", rough)
+    np.save("worn.npy", rough - 2.0 * bowl)
+    space: dict[str, Any] = {}
+    for words, python in rows():
+        if " ".join(words[:2]) in LEFT_OUT:
+            continue
+        capsys.readouterr()
+        exec(python, space)
+        printed = capsys.readouterr().out
+        if words[0] in SAME:
+            done = CliRunner().invoke(commands, [*words, *["--overwrite"] * ("--figure" in words)])
+            assert done.exit_code == 0, done.output
+            assert done.stdout.strip() in (printed.strip(), f"{printed.strip()}\nwritten to disc.png"), words
+    made = {path.name for path in tmp_path.iterdir()}
+    assert made >= {"my-test.toml", "my-test", "cof.png", "my-test.gif", "exported", "disc.png", "record"}
+    assert made >= {"loads", "comparison"}

@@ -1,0 +1,122 @@
+"""Compare runs and measurements, for Python and for `warpwear compare`."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Unpack
+
+from warpwear.comparison.folder import write
+from warpwear.comparison.gather import Comparison, check_number, gather
+from warpwear.comparison.scar import ScarFiles
+from warpwear.comparison.table import UNITS, to_text
+from warpwear.comparison.table import columns as values_of
+from warpwear.errors import in_python, named_in_python
+from warpwear.measured.options import flag, refuse
+from warpwear.measured.surface import HowToRead, Length
+from warpwear.results.frames import package
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ComparedRuns(Comparison):
+    """Runs in groups, experiments and a measured scar are laid beside each other; `print` shows the table."""
+
+    def __repr__(self) -> str:
+        return in_python(to_text(self))
+
+    def to_dataframe(self) -> Any:
+        """Return the values as a pandas.DataFrame: a row a group of runs or an experiment, units in `attrs`.
+
+        Raises InputError where pandas is not installed.
+        """
+        frame = package("pandas", "to_dataframe").DataFrame.from_dict(values_of(self), orient="index")
+        frame.attrs["units"] = UNITS
+        return frame
+
+    def write(self, folder: str | Path, *, file_format: str = "png", overwrite: bool = False) -> list[Path]:
+        """Write page, tables and figures into a folder, all of them or none.
+
+        Parameters
+        ----------
+        folder
+            A new or an empty one, or with overwrite that of a comparison.
+        file_format
+            Of the figures: "png", "pdf" or "svg".
+        overwrite
+            Whether to replace the comparison that the folder holds.
+
+        Returns
+        -------
+        list of Path
+            Of all files.
+
+        Raises
+        ------
+        InputError
+            For a folder that holds other files, or another format.
+        """
+        return write(self, Path(folder), file_format=file_format, overwrite=overwrite)
+
+
+@named_in_python()
+def compare(
+    *folders: str | Path,
+    experiments: Sequence[str | Path] = (),
+    band_over: Sequence[str] = (),
+    speed: Length | None = None,
+    stroke: Length | None = None,
+    columns: str | None = None,
+    scar: str | Path | None = None,
+    before: str | Path | None = None,
+    **how: Unpack[HowToRead],
+) -> ComparedRuns:
+    """Lay runs, measured courses of friction and a measured wear scar over each other.
+
+    Parameters
+    ----------
+    *folders
+        Of runs, or of sweeps for all their runs; two or more, or one beside an experiment or a scar.
+    experiments
+        Tribometers' records of friction, or folders of their files.
+    band_over
+        Keys with dots: runs that differ in them alone are one group, with a mean and a band.
+    speed, stroke
+        Of experiments that give times [mm/s], or cycles or positions [mm], or text with a unit; by default
+        those of the runs.
+    columns
+        Which columns of experiments to take, as for `read_record`.
+    scar, before
+        The worn disc, to lay over the computed scars, and the same place before it was worn.
+    **how
+        How these two are read, as for `read_surface`.
+
+    Returns
+    -------
+    ComparedRuns
+        A table of the ends, groups and courses, and `write` for figures and page.
+
+    Raises
+    ------
+    InputError
+        For fewer than two of them together, and for what is no run, record or scar.
+
+    Examples
+    --------
+    >>> study = warpwear.Study.load("v3-fine").replace({"grid.cell": "20 um", "sliding.distance": "3 mm"})
+    >>> for load in ("4 N", "8 N"):
+    ...     result = warpwear.run(study.replace({"contact.load": load}), out=load, plots=False)
+    >>> warpwear.compare("4 N", "8 N").to_dataframe()["area_contact"].round(3).to_list()
+    [0.015, 0.026]
+    """
+    check_choice(folders, experiments, scar, {"before": before, **how})
+    files = None if scar is None else ScarFiles(Path(scar), None if before is None else Path(before), how)
+    settings: Any = {"band_over": band_over, "speed": speed, "stroke": stroke, "columns": columns}
+    return ComparedRuns(**vars(gather(folders, experiments, scar=files, **settings)))
+
+
+def check_choice(
+    folders: Sequence[str | Path], experiments: Sequence[str | Path], scar: object, of_scar: Mapping[str, Any]
+) -> None:
+    """Raise InputError for fewer than two, and for options of a scar where there is none."""
+    if scar is None:
+        refuse({flag(key): value for key, value in of_scar.items()}, "needs --scar")
+    check_number(folders, experiments, scar)

@@ -1,0 +1,157 @@
+"""Read a tribometer's record, say what is in it, and write it as a folder."""
+
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from warpwear.errors import named_in_python
+from warpwear.figures import style
+from warpwear.figures.sections import under_headings
+from warpwear.measured.friction.analysis import Analysis, analyse
+from warpwear.measured.friction.figures import course_figure, figures_of
+from warpwear.measured.friction.report import HOW, rows_of, table_of
+from warpwear.measured.motion import Motion
+from warpwear.measured.options import optional, quantity, with_unit
+from warpwear.measured.report import Report
+from warpwear.measured.rows import Paths, read_rows
+from warpwear.page.folder import write_report
+from warpwear.page.html import page_of
+from warpwear.results.folder import check_folder
+from warpwear.results.frames import package
+from warpwear.results.report import lines, to_json
+from warpwear.version import __version__
+
+#: What every folder of a record has, its page, and its table.
+MARK, PAGE, TABLE = "record.json", "record.html", "record.csv"
+CAPTION = "Means, with the standard deviation of the points within; the part that the steady value is of."
+SECTIONS = (("Course", "course", ("course",), CAPTION), ("Friction loops", "loops", ("loops",), ""))
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class FrictionRecord(Report):
+    """A record of friction has steps with courses and what happens in them; `print` shows its numbers.
+
+    analysis: its steps (course, laps, events, energy), friction loops, and what was left out.
+    """
+
+    analysis: Analysis
+
+    def to_dataframe(self) -> Any:
+        """Return the course as a pandas.DataFrame: a row a lap, cycle or group of them, units in the names.
+
+        Raises InputError where pandas is not installed.
+        """
+        return package("pandas", "to_dataframe").read_csv(io.StringIO(table_of(self.analysis)))
+
+    def write(self, folder: str | Path, *, file_format: str = "png", overwrite: bool = False) -> list[Path]:
+        """Write page, tables and figures into a folder, all of them or none.
+
+        Parameters
+        ----------
+        folder
+            A new or an empty one, or with overwrite that of a record.
+        file_format
+            Of the figures: "png", "pdf" or "svg".
+        overwrite
+            Whether to replace the record that the folder holds.
+
+        Returns
+        -------
+        list of Path
+            Of all files.
+
+        Raises
+        ------
+        InputError
+            For a folder that holds other files, or another format.
+        """
+        folder, figures = Path(folder), figures_of(self.analysis)
+        check_out(folder, file_format=file_format, overwrite=overwrite)
+        content = {
+            "name": f"Record {self.analysis.rows.path.name}",
+            "version": __version__,
+            "lines": lines(self.rows),
+            "how": HOW,
+            "sections": under_headings(figures, SECTIONS),
+        }
+        return write_report(
+            folder,
+            figures,
+            pages={PAGE: partial(page_of, "record.html", content)},
+            files={TABLE: table_of(self.analysis), MARK: to_json(self.numbers) + "\n"},
+            marks=[MARK],
+            file_format=file_format,
+            older=["course", "loops"],
+        )
+
+
+@named_in_python()
+def read_record(
+    paths: Paths,
+    *,
+    radius: float | str | Sequence[float | str] | None = None,
+    stroke: float | str | None = None,
+    speed: float | str | None = None,
+    load: float | str | None = None,
+    columns: str | None = None,
+) -> FrictionRecord:
+    """Read a tribometer's record of friction, as its machine wrote it, and find what happens in it.
+
+    Parameters
+    ----------
+    paths
+        A file, a folder of files, or files that follow each other: one record.
+    radius
+        Of the track [mm], or text with a unit; of several steps one for each, "6 mm, 9 mm".
+    stroke
+        Length of one pass [mm], or text with a unit, where there is no position.
+    speed
+        Sliding speed [mm/s], or text with a unit, where there is a time alone.
+    load
+        Normal load [N], or text with a unit, where it is not recorded.
+    columns
+        Which columns to take: "DISTANCE,COF", "TIME,FX,FZ" or "TIME,FX,FZ,POSITION".
+
+    Returns
+    -------
+    FrictionRecord
+        Course, incubation, jump, steady value with its error, energy, loops, and a figure.
+
+    Raises
+    ------
+    InputError
+        For what is no record, or where it does not say how far it slid.
+
+    References
+    ----------
+    Killick, Fearnhead and Eckley 2012 (changes of level, by the package ruptures).
+
+    Examples
+    --------
+    >>> record = warpwear.read_record("ball-on-disc.csv", radius="6 mm")
+    >>> round(record.numbers["steady_cof"], 2), round(record.numbers["steady_cof_error"], 3)
+    (0.6, 0.007)
+    >>> record.analysis.steps[0].events.jump
+    Jump(start=1498..., end=1618..., low=0.17..., high=0.64...)
+    """
+    radii = with_unit(radius.split(",") if isinstance(radius, str) else radius, "mm")
+    tracks = radii if isinstance(radii, list) else [] if radii is None else [radii]
+    motion = Motion(
+        radius=[quantity("--radius", track, "mm") for track in tracks] or None,
+        stroke=optional("--stroke", stroke, "mm"),
+        speed=optional("--speed", speed, "mm/s"),
+        load=optional("--load", load, "N"),
+    )
+    analysis = analyse(read_rows(paths, columns), motion)
+    rows = rows_of(analysis)
+    text = "\n".join([f"record {analysis.rows.path}", *lines(rows)])
+    return FrictionRecord(text=text, rows=rows, draw=partial(course_figure, analysis), analysis=analysis)
+
+
+def check_out(folder: Path, *, file_format: str, overwrite: bool) -> None:
+    """Raise InputError for what `write` would refuse."""
+    style.check_format(file_format)
+    check_folder(folder, [MARK], what="a record", overwrite=overwrite)

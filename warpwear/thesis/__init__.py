@@ -1,1 +1,0 @@
-"""The thesis that these models come from: its numbers, and whether ours agree."""
