@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from contextlib import ExitStack, contextmanager, nullcontext
 from pathlib import Path
+from typing import Any
 
 from warpwear.batches.plan import Plan
 from warpwear.batches.points import task_of
@@ -61,15 +62,9 @@ def make_all(
         )
     here = nullcontext((executor, 1, 1)) if executor is not None else local_executor(plan, workers=workers)
     count = Count(len(plan.points))
+    calls: Any = {"on_row": lambda _, row: LOG.info(count.one(row)), "on_warning": warn}
     with here as (pool, threads, _):
-        return make_runs(
-            plan,
-            folder,
-            pool,
-            threads=threads,
-            on_row=lambda _, row: LOG.info(count.one(row)),
-            on_warning=warn,
-        )
+        return make_runs(plan, folder, pool, threads=threads, **calls)
 
 
 def make_runs(

@@ -67,10 +67,10 @@ class WearCalibration(Calibration):
         """Give K's standard uncertainty of every test [mm²/N], from those of volume, load and distance."""
         tests = zip(self.values, self.volumes, self.loads, self.distances, strict=True)
         errors: list[float | None] = []
-        for k, worn, load, distance in tests:
-            by_work = (k * (each.error or 0.0) / each.value for each in (load, distance))
-            by_volume = None if worn.error is None else worn.error / (load.value * distance.value)
-            errors.append(None if by_volume is None else math.hypot(by_volume, *by_work))
+        for k, worn, *work in tests:
+            others = [k * (each.error or 0.0) / each.value for each in work]
+            own = None if worn.error is None else worn.error / (work[0].value * work[1].value)
+            errors.append(None if own is None else math.hypot(own, *others))
         return tuple(errors)
 
     @property
@@ -107,8 +107,7 @@ class WearCalibration(Calibration):
         return f"wear coefficient K = V/(F L){work}"
 
     def __repr__(self) -> str:
-        k = _k("K", self.mean, self.uncertainty)
-        return f"<wear coefficient K = {k.text}, tests: {len(self.volumes)}>"
+        return f"<wear coefficient K = {_k('', self.mean, self.uncertainty).text}, tests: {len(self.values)}>"
 
     def _rows(self) -> list[Row]:
         count, deviation, error = len(self.volumes), self.deviation, self.uncertainty
@@ -186,11 +185,11 @@ class WearCalibration(Calibration):
 
 def _alike(label: str, key: str, values: tuple[Value, ...]) -> Row:
     """Declare what tests have alike; in JSON a list where they differ, which people read of each test."""
-    (first, *_), alike = values, len({*values}) == 1
-    if not alike:
-        return Row("", key, [value.value for value in values])
-    error = None if first.error is None else (key.replace("_", "_uncertainty_"), first.error)
-    return Row(label, key, first.value, digits=6, error=error)
+    value, error, _ = values[0]
+    if len({*values}) > 1:
+        return Row("", key, [each.value for each in values])
+    key_of_error = key.replace("_", "_uncertainty_") if error is not None else ""
+    return Row(label, key, value, digits=6, error=(key_of_error, error))
 
 
 def _k(label: str, value: float, error: float | None, *, note: str = "") -> Row:
@@ -264,8 +263,8 @@ def calibrate_wear(
         raise InputError(f"what was measured is missing: one of {', '.join(SOURCES)}")
     name, *others = labels
     if others:
-        both = " and ".join(labels.values())
-        raise InputError(f"{both} exclude each other: a wear coefficient has one source; name it by --source")
+        why = "exclude each other: a wear coefficient has one source; name it by --source"
+        raise InputError(f"{' and '.join(labels.values())} {why}")
     relation = SOURCES[name].relation
     if standard is not None:
         if standard not in STANDARDS:
@@ -277,12 +276,10 @@ def calibrate_wear(
         relation = TWO_DIAMETERS
     taken = {named: checked[named] for named, _ in measured}
     for named, test in taken.items():
-        if test.load is None:
-            raise InputError(f"{named}.load is missing: the normal load of the test, a force such as '8 N'")
-        if test.distance is None:
-            raise InputError(f"{named}.distance is missing: how far it slid, a length such as '2400 mm'")
-    prepared = preparation or {}
-    worn = [worn_volume(test, name, named, preparation=prepared) for named, test in taken.items()]
+        for key, what in (("load", "the normal load, such as '8 N'"), ("distance", "such as '2400 mm'")):
+            if getattr(test, key) is None:
+                raise InputError(f"{named}.{key} is missing: {what}")
+    worn = [worn_volume(t, name, named, preparation=preparation or {}) for named, t in taken.items()]
     return WearCalibration(
         volumes=tuple(worn),
         loads=tuple(test.load for test in taken.values() if test.load),

@@ -64,8 +64,7 @@ def wear(file: Path | None, preparation: Preparation, *, as_json: bool, **texts:
         if before and option not in ("--track", "--after"):
             raise InputError(f"--before is not for {option}: allowed is it with --track and --after")
         if (before or option == "--after") and len(before) != len(tests):
-            times = f"{len(before)} times, {option} {len(tests)}"
-            raise InputError(f"--before is given {times}: each needs its own")
+            raise InputError(f"--before is given {len(before)} times, {option} {len(tests)}: each needs one")
         for test, earlier in zip(tests, before, strict=False):
             test["before"] = earlier
         _add_stroke(alike, o, grooves=sources.keys() & {"--section", "--track"})

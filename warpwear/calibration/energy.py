@@ -16,8 +16,6 @@ from warpwear.results.report import Row, lines, table
 
 #: Speeds that are shown where none is named.
 SPEEDS = ("10 mm/min", "20 mm/min", "50 mm/min", "100 mm/min")
-#: Options of a constant coefficient.
-GIVEN = ("--load", "--distance", "--cof", "--area")
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -55,10 +53,7 @@ class EnergyCalibration(Calibration):
         return 1e3 * self.energy / (self.load * self.distance)
 
     def _title(self) -> str:
-        return f"dissipated energy ∫ μ F dL = {self._energy().text}"
-
-    def _energy(self) -> Row:
-        return Row("", "energy_J", self.energy, digits=5)
+        return f"dissipated energy ∫ μ F dL = {Row('', 'energy_J', self.energy, digits=5).text}"
 
     def _table(self) -> list[list[Row]]:
         return [self.at(speed) for speed in self.speeds]
@@ -69,7 +64,7 @@ class EnergyCalibration(Calibration):
         rate = "the energy is the same at every speed; only time, power and PV change with it"
         return [
             Row("source", "source", self.source),
-            self._energy(),
+            Row("", "energy_J", self.energy, digits=5),
             *([Row("worn volume", "wear_mm3_per_J", worn, unit="mm³/J", note=of)] if worn else ()),
             Row("distance", "distance_mm", self.distance, digits=6),
             Row("load", "load_N", self.load, digits=6),
@@ -139,7 +134,8 @@ def calibrate_energy(
     o = Options(result=result, load=load, distance=distance, cof=cof, area=area)
     each = tuple(quantity("--speed", text, "mm/s") for text in speeds or SPEEDS)
     if result is not None:
-        o.refuse(*GIVEN, why="and --result exclude each other: the run has its own")
+        why = "and --result exclude each other: the run has its own"
+        o.refuse("--load", "--distance", "--cof", "--area", why=why)
         return _of_run(Path(result), each)
     force, slid = o.load, o.distance
     if cof is None:

@@ -105,11 +105,10 @@ class LoopCalibration(Calibration):
             note = "(Mindlin, unworn)"
             rows.append(Row("of the contact", "contact_um_per_N", contact, unit="µm/N", note=note))
             rows.append(Row("of the rig", "rig_compliance_um_per_N", rig, unit="µm/N"))
-        keys = f'[sliding] stroke = "{1e3 * self.slip:.4g} um"'
+        keys = f'[sliding] force = "{self.force:.4g} N"'
         if self.coefficient is not None:
-            keys = f'[friction] law = "coulomb", coefficient = {self.coefficient:.3g}; {keys}'
-        else:
-            keys = f'[sliding] force = "{self.force:.4g} N"'
+            law = f'[friction] law = "coulomb", coefficient = {self.coefficient:.3g}'
+            keys = f'{law}; [sliding] stroke = "{1e3 * self.slip:.4g} um"'
         keys += "" if rig is None else f', rig_compliance = "{rig:.3g} um/N"'
         return [*rows, Row("in a study", "", keys)]
 

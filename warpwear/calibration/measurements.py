@@ -59,9 +59,8 @@ class WithError:
         try:
             return Number(allowed).read(float(value) if isinstance(value, str) else value)
         except ValueError as error:
-            if "could not convert" not in str(error):
-                raise
-            raise ValueError("is no number; no unit is expected, such as '0.60 +- 0.02'") from None
+            plain = "is no number; no unit is expected, such as '0.60 +- 0.02'"
+            raise ValueError(plain if "could not convert" in str(error) else str(error)) from None
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)

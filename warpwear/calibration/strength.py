@@ -123,12 +123,14 @@ def calibrate_friction(
     o = Options(load=load, cof=cof, ploughing=ploughing, columns=columns, stroke=stroke, speed=speed)
     if result is not None:
         o.refuse("--load", why="and --result exclude each other: the run has its load")
+        if area is not None and area not in WORDS:
+            raise InputError(f"--area is {area!r}: allowed with --result is one of {', '.join(WORDS)}")
     if experiment is not None:
         if result is None:
             raise InputError("--experiment needs --result, the run folder whose areas it is fitted with")
         o.refuse("--cof", "--ploughing", why="and --experiment exclude each other: the fit finds it")
         reading = {"stroke": o.optional("--stroke", "mm"), "speed": o.optional("--speed", "mm/s")}
-        return _of_curve(Path(experiment), Path(result), _name(area), reading | {"columns": columns})
+        return _of_curve(Path(experiment), Path(result), area, reading | {"columns": columns})
     o.refuse("--columns", "--stroke", "--speed", why="needs --experiment: it says how that file is read")
     if cof is None:
         raise InputError("--cof is missing: a measured coefficient of friction, or --experiment")
@@ -137,17 +139,10 @@ def calibrate_friction(
     if measured <= offset:
         raise InputError(f"--cof = {measured:g} must exceed --ploughing = {offset:g}")
     if result is not None:
-        return _of_run(Path(result), measured, None if ploughing is None else offset, _name(area))
+        return _of_run(Path(result), measured, None if ploughing is None else offset, area)
     if area is None or load is None:
         raise InputError("the area is missing: --result, or --area and --load such as '1.254 mm^2' '8 N'")
     return _of_area(area, load, measured, offset)
-
-
-def _name(area: str | None) -> str | None:
-    """Check the name of a run's area, if there is one. Raises InputError."""
-    if area is not None and area not in WORDS:
-        raise InputError(f"--area is {area!r}: allowed with --result is one of {', '.join(WORDS)}")
-    return area
 
 
 def _of_area(area: Any, load: Any, cof: float, ploughing: float) -> FrictionCalibration:

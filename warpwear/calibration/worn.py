@@ -25,7 +25,6 @@ class Source:
     file: Kind | None = None
 
 
-_SCAR = "diameter of the worn patch; flat cap"
 _SEGMENT = "width of a circular track; an unworn ball's circular section"
 _TRACK = "topography of the track, or a profile across it; mean net section × length"
 _AFTER = "topographies of the scar's place before and after; net volume lost"
@@ -35,11 +34,13 @@ SOURCES = {
     "volume": Source("a measured volume"),
     "volume_counter": Source("a measured volume", "counter"),
     "volume_disc": Source("a measured volume", "disc"),
-    "scar": Source(_SCAR, "counter", needs=("radius",)),
+    "scar": Source("diameter of the worn patch; flat cap", "counter", needs=("radius",)),
     "width": Source(_SEGMENT, "disc", needs=("radius", "track_radius")),
     "section": Source("cross-section of a groove × length", "disc", needs=("length",)),
     "profile": Source(_TRACK, "disc", needs=("length",), may_have=("track_width",), file="track"),
-    "after": Source(_AFTER, "disc", file="scar"),
+    "after": Source(
+        "topographies of the scar's place before and after; net volume lost", "disc", file="scar"
+    ),
     "ball": Source(_BALL, "counter", may_have=("radius",), file="ball"),
 }
 TWO_DIAMETERS = "two diameters of the worn patch; flat cap, its width their mean"

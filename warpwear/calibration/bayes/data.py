@@ -186,8 +186,7 @@ def _repeated(values: list[Measured]) -> tuple[list[Measured], list[str]]:
     notes = []
     for kind in dict.fromkeys(value.kind for value in values):
         same = [value for value in values if value.kind == kind]
-        mean = weighted([value.value for value in same], [value.error for value in same])
-        if mean is not None and (ratio := mean[2]) > 1.0:
+        if (mean := weighted([v.value for v in same], [v.error for v in same])) and (ratio := mean[2]) > 1.0:
             values = [replace(v, error=ratio * v.error) if v.kind == kind else v for v in values]
             notes.append(
                 f"{KINDS[kind][1]}: {len(same)} tests scatter {ratio:.2g} times as much as their "
@@ -212,15 +211,14 @@ def _measured(study: Study, test: MeasuredTest, kind: str, label: str) -> Measur
         if not 0.0 < at <= total * (1.0 + 1e-9):
             raise InputError(f"{label}: the study slides {total:g} mm, and not to {at:g} mm")
     if kind == "scar" and value > min(*study.grid.sides, 2.0 * (study.counter.radius or np.inf)):
-        size = study.grid.size
-        raise InputError(f"{label}: the scar is larger than the field of the study, {size} (grid.extent)")
+        larger = "the scar is larger than the field of the study"
+        raise InputError(f"{label}: {larger}, {study.grid.size} (grid.extent)")
     if kind == "section" and study.sliding.stroke is None:
         raise InputError(f"{label} needs sliding.stroke in the study: section × stroke is the disc's volume")
     if not PARTS[0] <= (part := (error or 0.0) / value) <= PARTS[1]:
-        least, most = PARTS
         raise InputError(
-            f"{label}: the standard uncertainty is {part:.3g} of the value, and allowed is {least:g} to "
-            f"{most:g}; write it behind the value, such as '0.80 +- 0.02 mm'"
+            f"{label}: the standard uncertainty is {part:.3g} of the value, and allowed is {PARTS[0]:g} to "
+            f"{PARTS[1]:g}; write it behind the value, such as '0.80 +- 0.02 mm'"
         )
     return Measured(kind, value, error or 0.0, at)
 

@@ -149,9 +149,8 @@ def _unknown(study: Study, key: str, text: str | None) -> Unknown:
         raise InputError(f"'{key}' cannot be an unknown: it is no number")
     unit = study.wear.unit if wear else getattr(kind, "unit", "")
     allowed = Range(or_equal=True) if kind is None else kind.range
-    prior = (
-        _about(key, number_of(study, key), unit) if text is None else _in_unit(_read(text, key), unit, key)
-    )
+    own = number_of(study, key)
+    prior = _about(key, own, unit) if text is None else _in_unit(_read(text, key), unit, key)
     return _within_allowed(Unknown(key, prior, unit, allowed.least, allowed.most, assumed=text is None))
 
 
