@@ -1,6 +1,5 @@
 """What people see of a fretting run: figures without faults, the summary, the page, a draft."""
 
-import json
 import re
 from pathlib import Path
 from typing import Any
@@ -58,7 +57,7 @@ def test_the_energy_of_a_test_is_that_of_its_loops(tmp_path: Path) -> None:
     """Where much sticks it is far below μ F times the way that the bodies go."""
     with warpwear.run(sheared(32, sliding__cycles=2000), out=tmp_path / "run", plots=False) as result:
         energy, slid = result.history["friction_energy"][-1], result.history["distance"][-1]
-    told = json.loads(calibrate_energy(result=tmp_path / "run", as_json=True))["energy_J"]
+    told = calibrate_energy(result=tmp_path / "run").energy
     assert told == energy
     assert told < 0.1e-3 * FRICTION * LOAD * slid
 
