@@ -78,7 +78,7 @@ def ask_for(springs: Springs, lists: Listing):
 
 @wp.func
 def search_from(approach: wp.float64, step: wp.float64, scatter: wp.float64, stiffness: wp.float64):
-    """A search that expects the balance a step beyond an approach, give or take a scatter."""
+    """Return a search that expects the balance a step beyond an approach, give or take a scatter."""
     s = Search()
     s.base = approach
     s.start = approach
@@ -91,7 +91,7 @@ def search_from(approach: wp.float64, step: wp.float64, scatter: wp.float64, sti
 
 @wp.func
 def search_from_lowest(springs: Springs, lowest: wp.float64, stiffness: wp.float64, softest: wp.float64):
-    """A search that begins at the lowest cell, of which nothing is known. softest: stiffness of a cell."""
+    """Begin a search at the lowest cell, of which nothing is known. softest: stiffness of a cell."""
     s = search_from(
         lowest, HALF * wp.min(springs.cap, springs.load / springs.cell_area) / softest, ZERO, stiffness
     )
@@ -112,7 +112,7 @@ def judged(
     slope: wp.float64,
     near: wp.float64,
 ):
-    """The search on springs after a pass, and the list of tiles that it needs.
+    """Return the search on springs after a pass, and the list of tiles that it needs.
 
     force, slope: carried at the trial [N, N/mm]. near: change of pressure that the nearest cell needs to
     change its state [MPa].
@@ -176,7 +176,7 @@ def select(
     unworn: wp.array2d(dtype=Cells),
     tiles: Tiles,
 ):
-    """Lists anew, row by row, the tiles whose smallest gap does not exceed the limit. On a CPU.
+    """List anew, row by row, the tiles whose smallest gap does not exceed the limit. On a CPU.
 
     Of a tile that leaves the list it is kept what the pass that wears sums over listed tiles only.
     """
@@ -249,8 +249,7 @@ def carried(
     stiffness: wp.array2d(dtype=Cells),
     cap_ratio: wp.array2d(dtype=Cells),
 ):
-    """Sum of the pressures at the trial, of the stiffnesses of the cells between open and cap, and how far
-    those stay so.
+    """Add up pressures at the trial and stiffnesses of cells between open and cap; find how far they are so.
 
     stiffness, cap_ratio: of every cell, or no rows where the search has one, and all bear the cap.
     """
@@ -258,7 +257,7 @@ def carried(
 
 @wp.func
 def judged_pass(springs: Springs):
-    """The search on springs after a pass, and the list of tiles that it needs. All threads follow it."""
+    """Return the search on springs after a pass, and the tiles that it needs. All threads follow it."""
     force = sum_of(springs.trial, 0) * springs.cell_area
     slope = sum_of(springs.trial, 1) * springs.cell_area
     near = -most_of(springs.trial, 2)

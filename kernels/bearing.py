@@ -38,7 +38,7 @@ UP_TO_TIE = wp.constant(wp.int32(3))
 
 @wp.func
 def area_between(springs: Springs, start: wp.float64, scatter: wp.float64):
-    """A search in a bracket of all that lies up to the highest gap before wear, whatever is expected.
+    """Begin a search in a bracket of all that lies up to the highest gap before wear, whatever is expected.
 
     scatter: how far from the start the approach may be; 0 where that is not known [mm].
     """
@@ -56,7 +56,7 @@ def area_between(springs: Springs, start: wp.float64, scatter: wp.float64):
 
 @wp.func
 def area_near(approach: wp.float64, scatter: wp.float64):
-    """A search in growing steps from an approach that may be off by a scatter."""
+    """Return a search in growing steps from an approach that may be off by a scatter."""
     s = Search()
     s.bracket = bracket_at(approach, scatter)
     s.margin = scatter
@@ -75,7 +75,7 @@ def bracketed(
     lowest: wp.float64,
     highest: wp.float64,
 ):
-    """The search of which nothing was known, with a bracket, or the list of all tiles that it needs for that.
+    """Return the search of which nothing was known, with a bracket, or all tiles that it needs for that.
 
     count: of cells listed. lowest, highest: gap of them [mm].
     """
@@ -182,7 +182,7 @@ def _inside_up_to(springs: Springs) -> wp.float64: ...
 
 @wp.func
 def judged_area(springs: Springs):
-    """The search after a pass, the list of tiles that it needs, and the law of the pressures at its end.
+    """Return the search after a pass, the tiles that it needs, and the law of pressures at its end.
 
     Every thread of the deciding slot follows it.
     """
@@ -249,7 +249,7 @@ def counted_below(
     gap: wp.array2d(dtype=Cells),
     cap_ratio: wp.array2d(dtype=Cells),
 ):
-    """Counts cells in contact at the trial, in cells at the cap: of each its part of it, if it has one.
+    """Count cells in contact at the trial, in cells at the cap: of each its part of it, if it has one.
 
     Those inside the bracket are gathered; the lowest and the highest gap are found.
     """

@@ -13,4 +13,4 @@ wp.set_module_options(native_code.options("bounds.h"))
 
 @native_code.native_pass("remake_bounds")
 def remake(bodies: Bodies, bounds: Bounds):
-    """Makes the bounds of every tile of both bodies, of eight tiles and of rows, from the heights."""
+    """Make the bounds of every tile of both bodies, of eight tiles and of rows, from the heights."""

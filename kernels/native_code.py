@@ -115,8 +115,8 @@ def width() -> wp.int32:
     """Tell how many threads a slot has."""
 
 
-@wp.func_native("return of_slot(value, adds);")
-def of_slot(value: wp.float64, adds: wp.bool) -> wp.float64:
+@wp.func_native("return reduce_slot(value, adds);")
+def reduce_slot(value: wp.float64, adds: wp.bool) -> wp.float64:
     """Bring what the threads of a slot have to one number."""
 
 

@@ -24,6 +24,24 @@ DEEPEST = wp.constant(wp.float64(0.1))
 
 
 @wp.struct
+class Removal:
+    """Tells what a step takes off cells, by the pressure that they bear and by their shear."""
+
+    k_counter: wp.float64  # K ΔL of what leaves at once, of cells with a ratio of 1 [mm³/N]
+    k_disc: wp.float64
+    pending_counter: wp.float64  # K ΔL of what leaves in pieces [mm³/N]
+    pending_disc: wp.float64
+    shear_counter: wp.float64  # depth that a cell in contact all the step loses by its shear [mm]
+    shear_disc: wp.float64
+    least_shear_ratio: wp.float64  # of a cell, and the largest
+    most_shear_ratio: wp.float64
+    slipping_counter: wp.float64  # K ΔL over the distance of a cycle, of what slips by cells [mm²/N]
+    slipping_disc: wp.float64
+    slip_of_gap: wp.float64  # of a cycle [mm], over a gap [mm]
+    ahead: wp.float64  # of what slips grew by in the last jump, to the end of this one
+
+
+@wp.struct
 class Slide:
     """Describes a step of a pair of bodies, or a part of one; passes read it from an array of one."""
 
@@ -33,27 +51,16 @@ class Slide:
     window: wp.int32  # rows of the disc that pass over one of the counter-body
     first_column: wp.int32  # first column that was ever touched, and the one after the last
     end_column: wp.int32
+    counter_moves: wp.int32  # 1 where pressures move with the counter-body, so that the disc sees their mean
     start: wp.float64  # sliding distance at its start and at its end [mm]
     end: wp.float64
-    k_counter: wp.float64  # K ΔL of what leaves at once, of cells with a ratio of 1 [mm³/N]
-    k_disc: wp.float64
-    pending_counter: wp.float64  # K ΔL of what leaves in pieces [mm³/N]
-    pending_disc: wp.float64
-    shear_counter: wp.float64  # depth that a cell in contact all the step loses by its shear [mm]
-    shear_disc: wp.float64
-    least_shear_ratio: wp.float64  # of a cell, and the largest
-    most_shear_ratio: wp.float64
     own: wp.float64  # compliance that is not wear [mm³/N]
     compliance: wp.float64  # of a cell that slides as far as the middle [mm³/N]
     stiffness: wp.float64  # 1/c where that is of all cells, else 0 [N/mm³]
     full_depth: wp.float64  # overlap of a cell at the hardness [mm]; NONE: the disc springs back
     approach: wp.float64  # [mm]
-    slip_of_gap: wp.float64  # of a cycle [mm], over a gap [mm]
-    ahead: wp.float64  # of what slips grew by in the last jump, to the end of this one
-    slipping_counter: wp.float64  # K ΔL over the distance of a cycle, of what slips by cells [mm²/N]
-    slipping_disc: wp.float64
-    counter_moves: wp.int32  # 1 where pressures move with the counter-body, so that the disc sees their mean
     reference: wp.float64  # squares are those of the deviation from it [MPa]
+    removal: Removal
 
 
 @wp.struct
@@ -70,8 +77,8 @@ class Bodies:
 
 
 @wp.struct
-class OfRows:
-    """Holds the sums of `OfTiles` over every row of the counter-body and of the disc."""
+class RowSums:
+    """Holds the sums of `TileBounds` over every row of the counter-body and of the disc."""
 
     touched: wp.array(dtype=wp.float64)
     worn_counter: wp.array(dtype=wp.float64)
@@ -80,7 +87,7 @@ class OfRows:
 
 
 @wp.struct
-class OfTiles:
+class TileBounds:
     """Bounds and sums that are kept of every tile of either body, rows × tiles."""
 
     lowest: wp.array2d(dtype=wp.float64)  # height of the counter-body [mm]
@@ -90,7 +97,7 @@ class OfTiles:
     worn_counter: wp.array2d(dtype=wp.float64)  # sums [mm]
     worn_disc: wp.array2d(dtype=wp.float64)
     pressed_disc: wp.array2d(dtype=wp.float64)  # displaced for good; one row where the disc springs back
-    rows: OfRows
+    rows: RowSums
 
 
 @wp.struct
@@ -125,7 +132,7 @@ def select(
     list_out: wp.array2d(dtype=wp.int32),
     count_out: wp.array(dtype=wp.int32),
 ):
-    """Lists, row by row, the tiles with a gap that does not exceed the limit, and writes their gaps."""
+    """List, row by row, the tiles with a gap that does not exceed the limit, and writes their gaps."""
 
 
 @wp.func_native("return count_listed(count);")
@@ -165,7 +172,7 @@ def wear_step(
     springs: Springs,
     cells: CellProperties,
     bodies: Bodies,
-    of_tiles: OfTiles,
+    tile_bounds: TileBounds,
     tables: StepTables,
 ):
     """One increment of wear in place: each body loses K p ΔL.

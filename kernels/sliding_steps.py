@@ -11,7 +11,7 @@ from warpwear.kernels.balance import Springs, ask_for, search_from, search_from_
 from warpwear.kernels.bearing import area_between, area_near
 from warpwear.kernels.cells import NONE, ONE, ZERO, TrackMost, TrackSum
 from warpwear.kernels.newton import HALF, STUCK
-from warpwear.kernels.sliding import OfRows, Slide, StepTables
+from warpwear.kernels.sliding import RowSums, Slide, StepTables
 from warpwear.kernels.tiles import reached
 from warpwear.kernels.wear import BALANCE, enter_balance, is_within, total_of
 
@@ -72,7 +72,7 @@ class Steps:
 
 @wp.func
 def scatter_of(changes: wp.array(dtype=wp.float64)):
-    """What the approach may be off by from the last one."""
+    """Return what the approach may be off by from the last one."""
     most = -ONE
     for n in range(CHANGES):
         most = wp.max(most, changes[n])
@@ -81,8 +81,8 @@ def scatter_of(changes: wp.array(dtype=wp.float64)):
 
 @wp.func
 def least_shear(slide: Slide):
-    """What of a depth [mm] that shear wears all cells lose, at least."""
-    return (slide.shear_counter + slide.shear_disc) * slide.least_shear_ratio
+    """Return what of a depth [mm] that shear wears all cells lose, at least."""
+    return (slide.removal.shear_counter + slide.removal.shear_disc) * slide.removal.least_shear_ratio
 
 
 @wp.func
@@ -92,8 +92,8 @@ def begin_step(springs: Springs, steps: Steps):
     slide = steps.plan[c.step]
     lends = wp.where(slide.compliance > slide.own, ONE, ZERO)  # implicit wear does
     springs.bends.step[0] = slide.own
-    springs.bends.step[1] = lends * slide.k_counter
-    springs.bends.step[2] = lends * slide.k_disc
+    springs.bends.step[1] = lends * slide.removal.k_counter
+    springs.bends.step[2] = lends * slide.removal.k_disc
     steps.slides[0] = with_columns(slide, c, steps)
     scatter = scatter_of(steps.changes)
     lists = springs.lists[0]
@@ -127,7 +127,7 @@ def begin_step(springs: Springs, steps: Steps):
 
 @wp.func
 def with_columns(before: Slide, c: Course, steps: Steps):
-    """A step with the columns that were touched before it, and those beside them that are worn too."""
+    """Give a step the columns that were touched before it, and those beside them that are worn too."""
     slide = before
     slide.first_column = 0
     slide.end_column = 0
@@ -177,13 +177,13 @@ def end_search(springs: Springs, steps: Steps):
 def _sum_of(values: wp.array(dtype=wp.float64)) -> wp.float64: ...
 
 
-@wp.func_native("return end_of_rows(of_rows, is_last != 0);")
-def _end_of(of_rows: wp.array(dtype=wp.float64), is_last: wp.int32) -> wp.float64: ...
+@wp.func_native("return end_of_rows(row_sums, is_last != 0);")
+def _end_of(row_sums: wp.array(dtype=wp.float64), is_last: wp.int32) -> wp.float64: ...
 
 
 @wp.kernel(module=TOGETHER)
-def record(springs: Springs, steps: Steps, tables: StepTables, of_rows: OfRows):
-    """Writes the row of a step, and tells whether another one follows.
+def record(springs: Springs, steps: Steps, tables: StepTables, row_sums: RowSums):
+    """Write the row of a step, and tells whether another one follows.
 
     Steps end where the contact reaches the edge or the rim, as a run may stop there and be kept as it is, and
     where no balance was found.
@@ -193,12 +193,12 @@ def record(springs: Springs, steps: Steps, tables: StepTables, of_rows: OfRows):
     total_of(tables.sums, 1, history, row, TOTALS)
     total_of(tables.maxima, 0, history, row, MAXIMA)
     total_of(tables.bearing, 1, history, row, OF_ROWS + 6)
-    touched = _sum_of(of_rows.touched)
-    worn_counter = _sum_of(of_rows.worn_counter)
-    worn_disc = _sum_of(of_rows.worn_disc)
-    pressed_disc = _sum_of(of_rows.pressed_disc)
-    first_row = _end_of(of_rows.touched, 0)
-    last_row = _end_of(of_rows.touched, 1)
+    touched = _sum_of(row_sums.touched)
+    worn_counter = _sum_of(row_sums.worn_counter)
+    worn_disc = _sum_of(row_sums.worn_disc)
+    pressed_disc = _sum_of(row_sums.pressed_disc)
+    first_row = _end_of(row_sums.touched, 0)
+    last_row = _end_of(row_sums.touched, 1)
     if wp.tid() == 0:
         c = steps.course[0]
         enter_balance(history, row, springs, steps.slides[0].reference)

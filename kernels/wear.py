@@ -279,7 +279,7 @@ def write_row(springs: Springs, steps: Steps, tables: Tables, thread: wp.int32):
 
 @wp.kernel
 def record(springs: Springs, steps: Steps, tables: Tables):
-    """Writes the row of a step that was worn, if any, and begins the next one, if there is one.
+    """Write the row of a step that was worn, if any, and begins the next one, if there is one.
 
     It does nothing while a search goes on. Steps end where the contact reaches the edge or the rim, as a run
     may stop there and be kept as it is, and at a step whose pressures do not carry the load.

@@ -12,7 +12,7 @@ import warp as wp
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import CellProperties, Cells, Layout, Sources
 from warpwear.kernels.contact import Bends
-from warpwear.kernels.sliding import Bodies, OfRows, Slide
+from warpwear.kernels.sliding import Bodies, RowSums, Slide
 
 wp.set_module_options(native_code.options("wear_from_pressure.h"))
 
@@ -72,7 +72,7 @@ def wear(
     layout: Layout,
     pressed: Pressed,
     bodies: Bodies,
-    of_rows: OfRows,
+    row_sums: RowSums,
     sums_out: wp.array2d(dtype=wp.float64),
     maxima_out: wp.array2d(dtype=wp.float64),
 ):
@@ -83,7 +83,7 @@ def wear(
 
     Without a disc all wear is the ball's, whose height is then the gap. A disc that keeps its dents is
     displaced for good by what is beyond the gap after the step. Sums are lines of `PressureSum`, maxima of
-    `PressureMost`, over what is visited; those of the disc are left in `of_rows`, a sum a row.
+    `PressureMost`, over what is visited; those of the disc are left in `row_sums`, a sum a row.
     """
 
 
@@ -111,12 +111,26 @@ def yields(
 @native_code.native_pass("wearing_pressures")
 def wearing_pressures(
     bends: Bends,
+    passing: wp.array2d(dtype=Cells),
     pressure: wp.array2d(dtype=Cells),
     counter_out: wp.array2d(dtype=Cells),
     disc_out: wp.array2d(dtype=Cells),
     sums_out: wp.array2d(dtype=wp.float64),
 ):
-    """Find the pressures that wear both bodies at the K of a step, where K goes with the pressure."""
+    """Find the pressures that wear both bodies at the K of a step, where K goes with the pressure.
+
+    passing: the pressure that the counter-body sees.
+    """
+
+
+@native_code.native_pass("add_mean")
+def add_mean(
+    window: wp.int32,
+    field_in: wp.array2d(dtype=Cells),
+    to_in: wp.array2d(dtype=Cells),
+    field_out: wp.array2d(dtype=Cells),
+):
+    """Return the mean of a field over a window along x at every cell, added to another field."""
 
 
 @native_code.native_pass("straighten")

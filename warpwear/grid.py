@@ -23,10 +23,12 @@ class Grid:
 
     @property
     def shape(self) -> tuple[int, int]:
+        """Return the numbers of cells along both axes."""
         return self.nx, self.ny
 
     @property
     def cells(self) -> int:
+        """Return the number of cells."""
         return self.nx * self.ny
 
     @property

@@ -15,13 +15,13 @@ _LOADED: dict[str, Any] = {}
 
 
 def resolve(place: str) -> Any:
-    """The object at a place, such as "warpwear.study.study:Study", whose module is imported only now."""
+    """Return the object at a place, such as "warpwear.study.study:Study", whose module is imported now."""
     name, _, attribute = place.partition(":")
     return getattr(load(name), attribute)
 
 
 def load(name: str) -> Any:
-    """A module, imported now. Raises ImportError where it is of a package that is not installed.
+    """Return a module, imported now. Raises ImportError where it is of a package that is not installed.
 
     Nothing of what an import makes is garbage: looking for some meanwhile takes a seventh of its time.
     """

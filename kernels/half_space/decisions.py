@@ -266,7 +266,7 @@ def with_kind(solve: Solve, before: search.Numbers, judged: Judged):
 
 @wp.kernel(module=TOGETHER)
 def judge(solve: Solve):
-    """Judge the pressure: is it the solution, and if not of what kind is the next step?"""
+    """Judge whether the pressure is the solution, and if not of what kind the next step is."""
     n = solve.numbers[0]
     judged = judge_groups(solve, n)
     if search.lane() == 0:

@@ -40,6 +40,11 @@ def bound(solve: Solve):
     """Bring pressures down to caps that may have fallen."""
 
 
+@native_pass("streak", module=TOGETHER)
+def streak(solve: Solve, of_step: wp.bool):
+    """Find what yields of a body that the pressure, or the step, passes along x."""
+
+
 @native_pass("yield<false>", module=TOGETHER)
 def yield_to_pressure(solve: Solve):
     """Add what compliances of each cell make of the pressure to its response."""

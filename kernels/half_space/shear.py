@@ -230,7 +230,7 @@ def level(shear: Shear):
 
 @wp.kernel
 def judge(shear: Shear):
-    """Judge the traction: is it the solution?"""
+    """Judge whether the traction is the solution."""
     lines = lines_of(shear, 0, 2)
     if lane() == 0:
         n = shear.numbers[0]

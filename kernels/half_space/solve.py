@@ -12,7 +12,7 @@ import warp as wp
 
 from warpwear.kernels import native_code
 from warpwear.kernels.cells import Cells
-from warpwear.kernels.native_code import Lines, lane, lines_of_table, of_slot, width
+from warpwear.kernels.native_code import Lines, lane, lines_of_table, reduce_slot, width
 from warpwear.kernels.newton import Bracket
 
 #: Kernels of a search are compiled together: each file of its own would compile Warp's headers again.
@@ -188,6 +188,8 @@ class Fields:
     cap: wp.float64  # H [MPa]
     cap_ratio: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear all of it
     yields: wp.array2d(dtype=Cells)  # compliance of each cell [mm/MPa]; no rows where none has its own
+    streak_yields: wp.array2d(dtype=Cells)  # under the mean along x that passes it; no rows where none has
+    streak: wp.array2d(dtype=Cells)  # what yields by them [mm]
 
 
 @wp.struct
@@ -226,6 +228,7 @@ class Solve:
     neighbours: wp.array(dtype=wp.float32)  # weights of those along x, along y and across corners
     rules: wp.array(dtype=Rules)  # one
     fields: Fields
+    streak_window: wp.array(dtype=wp.int32)  # cells of the mean of streaks, one number
     request: wp.array(dtype=wp.float64)  # by `Request`
     loads: wp.array(dtype=wp.float64)  # of each group, Σ p [MPa]; at approaches those [mm]
     visited: wp.array(dtype=wp.int32)  # rows, one number
@@ -292,4 +295,4 @@ def over_groups(solve: Any, value: wp.float64, adds: wp.bool):
     """Bring what the threads have of their groups to one number."""
     if is_one(solve):
         return value
-    return of_slot(value, adds)
+    return reduce_slot(value, adds)

@@ -22,7 +22,7 @@ WARPWEAR_FN int teams_of_slot() { return (width_of_slot() + TEAM - 1) / TEAM; }
 WARPWEAR_FN int lane_of_team() { return lane_of_slot() % TEAM; }
 
 // Bring what the threads of a team have to one number, in the first of them.
-WARPWEAR_FN double of_team(double value, bool adds)
+WARPWEAR_FN double reduce_team(double value, bool adds)
 {
 #if defined(__CUDA_ARCH__)
     for (int apart = TEAM / 2; apart > 0; apart /= 2) {
@@ -39,10 +39,10 @@ struct Span {
 };
 
 // Those of a tile, by the threads of a team.
-WARPWEAR_FN Span span_of_tile(int t, int of_row)
+WARPWEAR_FN Span span_of_tile(int t, int vectors_per_row)
 {
     const int end = (t + 1) * OF_TILE;
-    return {t * OF_TILE + lane_of_team(), end < of_row ? end : of_row, TEAM};
+    return {t * OF_TILE + lane_of_team(), end < vectors_per_row ? end : vectors_per_row, TEAM};
 }
 
 // Numbers of the lanes, added to the index of the first cell.
@@ -59,12 +59,59 @@ WARPWEAR_FN Lanes columns_from(int first)
 WARPWEAR_FN Lanes larger_of(Lanes a, Lanes b) { return a > b ? a : b; }
 WARPWEAR_FN Lanes smaller_of(Lanes a, Lanes b) { return a < b ? a : b; }
 
+// The mean of a field at a cell over `window` rows around its own; of an even number the row at either end
+// counts half. At the first and the last row the field is mirrored, so that its sum is kept there too. Over
+// as many rows as there are it is that of all.
+template <typename Field> WARPWEAR_FN Lanes mean_at(const Field& field, int row, int i, int window)
+{
+#if !defined(__CUDA_ARCH__)
+#pragma clang fp contract(fast)
+#endif
+    const int rows = field.shape[0], half = window / 2;
+    Lanes sum = 0.0;
+    if (window >= rows) {
+        for (int other = 0; other < rows; ++other) sum += row_of(field, other)[i];
+        return sum / double(rows);
+    }
+    const double at_ends = window % 2 == 0 ? 0.5 : 1.0;
+    for (int other = row - half; other <= row + half; ++other) {
+        const int inside = other < 0 ? -1 - other : (other < rows ? other : 2 * rows - 1 - other);
+        const double weight = other == row - half || other == row + half ? at_ends : 1.0;
+        sum += weight * row_of(field, inside)[i];
+    }
+    return sum / double(window);
+}
+
+// Those of all cells; a mean of all rows is made in the first. Over one row none is made: the field is its
+// own.
+template <typename Slides, typename Field>
+WARPWEAR_FN void mean_along(int slot, int slots, const Slides& slides, const Field& field, const Field& means)
+{
+    const int window = wp::index(slides, 0).window, cells = field.shape[1] * OF_VECTOR;
+    const int width = width_of_slot();
+    if (window == 1) return;
+    if (window >= field.shape[0])
+        for (int i = slot * width + lane_of_slot(); i < cells; i += slots * width)
+            row_of(means, 0)[i] = mean_at(field, 0, i, window);
+    for (int row = slot; row < field.shape[0] && window < field.shape[0]; row += slots)
+        for (int i = lane_of_slot(); i < cells; i += width)
+            row_of(means, row)[i] = mean_at(field, row, i, window);
+}
+
+// The row of the means that a row of cells sees, see `mean_along`.
+template <typename Field>
+WARPWEAR_FN Stored* mean_of(const Field& field, const Field& means, int row, int window)
+{
+    if (window == 1) return row_of(field, row);
+    return row_of(means, window < field.shape[0] ? row : 0);
+}
+
 // A depth [mm] to divide by where shear wears nothing.
 static const double NEARLY_NONE = 1e-200;
 
 // What of a depth [mm] that shear wears all cells lose, at least.
 template <typename Slide> WARPWEAR_FN double least_shear(const Slide& slide)
-{ return (slide.shear_counter + slide.shear_disc) * slide.least_shear_ratio; }
+{ return (slide.removal.shear_counter + slide.removal.shear_disc) * slide.removal.least_shear_ratio; }
 
 static const int OVERFLOW_BEFORE = 5; // where a body counts what had overflowed, as in pieces.py
 
@@ -78,7 +125,7 @@ WARPWEAR_FN void total_body(int slot, int slots, const Slides& slides, const Foo
 #pragma clang fp contract(off)
 #endif
     const auto& slide = wp::index(slides, 0);
-    const int rows = wear_of.shape[0], of_row = wear_of.shape[1] * OF_VECTOR;
+    const int rows = wear_of.shape[0], vectors_per_row = wear_of.shape[1] * OF_VECTOR;
     int first = slide.shift * body.number - footprint.margin, count = slide.rows + 2 * footprint.margin;
     if (wp::index(body.counts, OVERFLOW_BEFORE) > 0) {
         first = 0;
@@ -92,13 +139,13 @@ WARPWEAR_FN void total_body(int slot, int slots, const Slides& slides, const Foo
         const int row = (first + rows + number) % rows;
         const Stored *const wear = row_of(wear_of, row), *const pending = row_of(pending_of, row);
         Lanes worn = 0.0, waits = 0.0, deepest = 0.0;
-        for (int i = lane_of_slot(); i < of_row; i += width_of_slot()) {
+        for (int i = lane_of_slot(); i < vectors_per_row; i += width_of_slot()) {
             worn += wear[i];
             waits += pending[i];
             deepest = larger_of(deepest, wear[i]);
         }
-        leave_sum(body.of_rows, 0, row, total(worn));
-        leave_sum(body.of_rows, 1, row, total(waits));
-        leave_most(body.of_rows, 2, row, most(deepest));
+        store_sum(body.of_rows, 0, row, total(worn));
+        store_sum(body.of_rows, 1, row, total(waits));
+        store_most(body.of_rows, 2, row, most(deepest));
     }
 }

@@ -8,20 +8,20 @@
 template <typename Field, typename Numbers>
 WARPWEAR_FN double bound_tiles(const Field& field, int row, double sign, const Numbers& bounds)
 {
-    const int of_row = field.shape[1] * OF_VECTOR, tiles = (of_row + OF_TILE - 1) / OF_TILE;
+    const int vectors_per_row = field.shape[1] * OF_VECTOR, tiles = (vectors_per_row + OF_TILE - 1) / OF_TILE;
     const Stored* const values = row_of(field, row);
     double* const numbers = (double*)row_of(bounds, row);
     double of_all = -ABSENT;
     for (int t = team_of_slot(); t < tiles; t += teams_of_slot()) {
-        const int last = (t + 1) * OF_TILE < of_row ? (t + 1) * OF_TILE : of_row;
+        const int last = (t + 1) * OF_TILE < vectors_per_row ? (t + 1) * OF_TILE : vectors_per_row;
         Lanes here = -ABSENT;
         for (int i = t * OF_TILE + lane_of_team(); i < last; i += TEAM)
             here = larger_of(here, sign * (Lanes)values[i]);
-        const double of_tile = of_team(most(here), false);
+        const double of_tile = reduce_team(most(here), false);
         of_all = wp::max(of_all, of_tile);
         if (lane_of_team() == 0) numbers[t] = sign * of_tile;
     }
-    return of_slot(of_all, false);
+    return reduce_slot(of_all, false);
 }
 
 // Make the bounds of all tiles of the disc's rows, and of the counter-body's.

@@ -17,7 +17,7 @@ WARPWEAR_FN void slip_of_gaps(int slot, int slots, const Slides& slides, const F
                               const Field& pressures, const Field& slips, const Field& grown)
 {
     const auto& slide = wp::index(slides, 0);
-    const Lanes by = slide.slip_of_gap, level = slide.approach, zero = 0.0;
+    const Lanes by = slide.removal.slip_of_gap, level = slide.approach, zero = 0.0;
     for (int row = slot; row < slips.shape[0]; row += slots) {
         const Stored *const gap = row_of(gaps, row), *const pressure = row_of(pressures, row);
         Stored* const slip = row_of(slips, row);
@@ -37,7 +37,8 @@ WARPWEAR_FN void yields_of_slips(int slot, int slots, const Slides& slides, cons
                                  const Field& grown, const Field& yields)
 {
     const auto& slide = wp::index(slides, 0);
-    const Lanes by = slide.slipping_counter + slide.slipping_disc, ahead = slide.ahead;
+    const Lanes by = slide.removal.slipping_counter + slide.removal.slipping_disc,
+                ahead = slide.removal.ahead;
     for (int row = slot; row < yields.shape[0]; row += slots)
         for (int i = lane_of_slot(); i < yields.shape[1] * OF_VECTOR; i += width_of_slot())
             row_of(yields, row)[i] = by * slip_ahead(row_of(slips, row)[i], row_of(grown, row)[i], ahead);

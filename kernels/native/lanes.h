@@ -113,7 +113,7 @@ template <typename Field> WARPWEAR_FN StoredSingle* single_row_of(const Field& f
 { return (StoredSingle*)&wp::index(field, row < field.shape[0] ? row : field.shape[0] - 1, 0); }
 
 // Bring what the threads of a slot have to one number.
-WARPWEAR_FN double of_slot(double value, bool adds)
+WARPWEAR_FN double reduce_slot(double value, bool adds)
 {
 #if defined(__CUDA_ARCH__)
     __shared__ double of_warps[32];
@@ -133,15 +133,15 @@ WARPWEAR_FN double of_slot(double value, bool adds)
 }
 
 // Leave a sum, or a maximum, in the column of the slot in a table of partial results.
-template <typename Table> WARPWEAR_FN void leave_sum(Table& table, int line, int slot, double value)
+template <typename Table> WARPWEAR_FN void store_sum(Table& table, int line, int slot, double value)
 {
-    value = of_slot(value, true);
+    value = reduce_slot(value, true);
     if (lane_of_slot() == 0) wp::index(table, line, slot) = value;
 }
 
-template <typename Table> WARPWEAR_FN void leave_most(Table& table, int line, int slot, double value)
+template <typename Table> WARPWEAR_FN void store_most(Table& table, int line, int slot, double value)
 {
-    value = of_slot(value, false);
+    value = reduce_slot(value, false);
     if (lane_of_slot() == 0) wp::index(table, line, slot) = value;
 }
 
@@ -172,7 +172,7 @@ template <typename Table> WARPWEAR_FN double sum_of_line(const Table& table, int
 #if defined(__CUDA_ARCH__)
     double sum = 0.0;
     for (int i = threadIdx.x; i < columns; i += blockDim.x) sum += v[i];
-    return of_slot(sum, true);
+    return reduce_slot(sum, true);
 #else
     return sum_in_pairs(v, columns);
 #endif
@@ -193,11 +193,11 @@ WARPWEAR_FN double most_of_line(const Table& table, int line, int first, int col
     largest = most(most_here);
 #endif
     for (; i < columns; i += width_of_slot()) largest = largest > v[i] ? largest : v[i];
-    return of_slot(largest, false);
+    return reduce_slot(largest, false);
 }
 
 // What a slot leaves in a column of a table: the sum of what its threads have, or the largest.
-struct Left {
+struct Partial {
     double value;
     double* place;
     bool adds;
@@ -213,16 +213,17 @@ template <typename Line> struct Sums {
     CUDA_CALLABLE inline Lanes& of(Line line) { return numbers[int(line)]; }
     CUDA_CALLABLE inline Counts& counted(Line line) { return cells[int(line)]; }
 
-    // What the slot leaves in its column of the table.
-    template <typename Table> CUDA_CALLABLE inline void list(Left* left, Table& table, int slot) const
+    // What the slot leaves in its column of the table: in the first lines, where the others stay 0.
+    template <int FIRST = LINES, typename Table>
+    CUDA_CALLABLE inline void list(Partial* partials, Table& table, int slot) const
     {
 #pragma unroll
-        for (int line = 0; line < LINES; ++line)
-            left[line] = {total(numbers[line]) + count(cells[line]), &wp::index(table, line, slot), true};
+        for (int line = 0; line < FIRST; ++line)
+            partials[line] = {total(numbers[line]) + count(cells[line]), &wp::index(table, line, slot), true};
     }
 };
 
-template <int N> WARPWEAR_FN void leave_each(const Left (&left)[N])
+template <int N> WARPWEAR_FN void store_partials(const Partial (&partials)[N])
 {
 #if defined(__CUDA_ARCH__)
     // All at once: each warp brings every value to one, then has some of the values of all warps.
@@ -237,29 +238,29 @@ template <int N> WARPWEAR_FN void leave_each(const Left (&left)[N])
     };
 #pragma unroll
     for (int n = 0; n < N; ++n) {
-        const double v = of_warp(left[n].value, left[n].adds);
+        const double v = of_warp(partials[n].value, partials[n].adds);
         if (lane == 0) of_warps[n][warp] = v;
     }
     __syncthreads();
 #pragma unroll
     for (int n = 0; n < N; ++n) {
         if (n % warps != warp) continue;
-        const double nothing = left[n].adds ? 0.0 : -NO_LIMIT;
-        const double v = of_warp(lane < warps ? of_warps[n][lane] : nothing, left[n].adds);
-        if (lane == 0) *left[n].place = v;
+        const double nothing = partials[n].adds ? 0.0 : -NO_LIMIT;
+        const double v = of_warp(lane < warps ? of_warps[n][lane] : nothing, partials[n].adds);
+        if (lane == 0) *partials[n].place = v;
     }
 #else
-    for (const Left& one : left) *one.place = one.value;
+    for (const Partial& one : partials) *one.place = one.value;
 #endif
 }
 
 // Leave the first lines of a column of a table likewise: so many sums, then maxima.
 template <int N, typename Table>
-WARPWEAR_FN void leave_lines(Table& table, int slot, int sums, const double (&values)[N])
+WARPWEAR_FN void store_lines(Table& table, int slot, int sums, const double (&values)[N])
 {
-    Left left[N];
-    for (int n = 0; n < N; ++n) left[n] = {values[n], &wp::index(table, n, slot), n < sums};
-    leave_each(left);
+    Partial partials[N];
+    for (int n = 0; n < N; ++n) partials[n] = {values[n], &wp::index(table, n, slot), n < sums};
+    store_partials(partials);
 }
 
 // The sum of the first columns of a line of a table, or the largest: on a GPU by the threads of a warp, of

@@ -103,14 +103,14 @@ template <typename Real> WARPWEAR_FN Real slope_on_spring(Real overlap, const Be
 
 WARPWEAR_FN double stiffness_of(const Bend& bend) { return bend.stiffness; }
 
-WARPWEAR_FN constexpr bool is_straight(const Bend&) { return false; }
-WARPWEAR_FN constexpr bool is_straight(Lanes) { return IS_STRAIGHT; }
+template <typename Spring> constexpr bool is_straight = IS_STRAIGHT;
+template <> constexpr bool is_straight<Bend> = false;
 
 // By how much a pressure without bounds may change before the slope of a cell does: until it opens, closes or
 // reaches its cap.
 template <typename Spring> WARPWEAR_FN Lanes to_bound(Lanes x, Lanes cap, const Spring& spring)
 {
-    if (!is_straight(spring)) return 0.0;
+    if (!is_straight<Spring>) return 0.0;
     const Lanes open = size_of(x), full = size_of(x - cap);
     return open < full ? open : full;
 }

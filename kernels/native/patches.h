@@ -123,7 +123,7 @@ WARPWEAR_FN void carry_on(int patch, const Spring& alike, const Steps& steps, Cu
         between += p > zero && q < most_here ? slope : zero;
         nearest = nearest < near ? nearest : near;
     });
-    leave_each(
+    store_partials(
         {{total(pressure), &wp::index(surfaces.trial, 0, patch), true},
          {total(between) * stiffness, &wp::index(surfaces.trial, 1, patch), true},
          {-wp::min(-most(-nearest), beside * stiffness), &wp::index(surfaces.trial, 2, patch), false}});
@@ -253,7 +253,7 @@ WARPWEAR_FN void wear_patch(int patch, int slots, const Steps& steps, Curves& cu
         });
     });
     const Extents extents = extents_of(patch, surfaces, by, now, was_reached);
-    leave_wear(books, patch, sums, extents, by.stiffness_next, 0.0, 0.0, beside);
+    store_wear<Bend>(books, patch, sums, extents, by.stiffness_next, 0.0, 0.0, beside);
     if (steps.looks_ahead)
         give_answer(curves.answer, patch, books.ahead, surfaces.cells_of_patch, by.stiffness_next);
 }

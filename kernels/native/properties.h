@@ -51,44 +51,37 @@ struct PerBody {
     Lanes counter, disc;
 };
 
-// What a step wears cells by, as plain numbers: a loop over cells need not read them again.
-struct WearOfStep {
-    double k_counter, k_disc, shear_counter, shear_disc;
-
-    template <typename Slide>
-    CUDA_CALLABLE explicit WearOfStep(const Slide& slide)
-        : k_counter(slide.k_counter), k_disc(slide.k_disc), shear_counter(slide.shear_counter),
-          shear_disc(slide.shear_disc)
-    {
-    }
-};
-
 // The pressure of a cell over which both bodies wear by K of the step: its own, or where K goes with it, that
 // times K over that of the step.
 WARPWEAR_FN PerBody wearing_pressure(Lanes, Lanes p) { return {p, p}; }
 WARPWEAR_FN PerBody wearing_pressure(const Bend& bend, Lanes p)
 { return {bend.k_at(0, p) * p, bend.k_at(1, p) * p}; }
 
+// K of the disc over that of the step, where cells may have one each; RARE: all may be alike in it.
+template <bool RARE> WARPWEAR_FN Lanes k_disc_at(const CellRow& cells, int i)
+{ return RARE ? own_or(cells.k_disc, i, 1.0) : (Lanes)cells.k_disc[i]; }
+
 // The depths that a step wears off both bodies of cells [mm]: K ΔL p, and what their shear wears. pressure:
 // that which wears each body, as it sees it. worn: what they have lost before, through whose materials they
-// wear. sheared: part of the step in contact times the shear ratio. OWN: whether cells have a K each; SHEARS:
-// whether shear wears. Nothing of it is fused with what it is added to.
-template <bool OWN, bool SHEARS>
-WARPWEAR_FN PerBody removal_of(const WearOfStep& step, const CellRow& cells, int i, const PerBody& pressure,
+// wear. sheared: part of the step in contact times the shear ratio. OWN: whether the disc's cells have a K
+// each; RARE: whether those of both have materials or a K each, or shear wears. Nothing of it is fused with
+// what it is added to.
+template <bool OWN, bool RARE, typename Removal>
+WARPWEAR_FN PerBody removal_of(const Removal& step, const CellRow& cells, int i, const PerBody& pressure,
                                const PerBody& worn, const PerBody& sheared)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(off)
 #endif
     const Lanes one = 1.0;
-    const Lanes k_counter = OWN ? own_or(cells.k_counter, i, one) : one;
-    const Lanes k_disc = OWN ? own_or(cells.k_disc, i, one) : one;
+    const Lanes k_counter = OWN && RARE ? own_or(cells.k_counter, i, one) : one;
+    const Lanes k_disc = OWN ? k_disc_at<RARE>(cells, i) : one;
     PerBody depth = {step.k_counter * k_counter * pressure.counter, step.k_disc * k_disc * pressure.disc};
-    if (OWN && cells.counter.count > 0)
+    if (OWN && RARE && cells.counter.count > 0)
         depth.counter = lost_from_each(cells.counter, worn.counter, step.k_counter * pressure.counter);
-    if (OWN && cells.disc.count > 0)
+    if (OWN && RARE && cells.disc.count > 0)
         depth.disc = lost_from_each(cells.disc, worn.disc, step.k_disc * pressure.disc);
-    if (SHEARS) {
+    if (RARE) {
         depth.counter += step.shear_counter * sheared.counter;
         depth.disc += step.shear_disc * sheared.disc;
     }

@@ -10,7 +10,7 @@ template <typename Slide>
 WARPWEAR_FN Lanes gap_of_tile(const Span& span, const Stored* counter, const Stored* disc, Stored* gap,
                               const Stored* shear_ratio, const Slide& slide)
 {
-    const double lift = slide.shear_counter + slide.shear_disc, least = least_shear(slide);
+    const double lift = slide.removal.shear_counter + slide.removal.shear_disc, least = least_shear(slide);
     Lanes low = ABSENT;
     for (int i = span.first; i < span.end; i += span.stride) {
         Lanes g = counter[i] - disc[i];
@@ -33,24 +33,25 @@ WARPWEAR_FN void select_by(int slot, int slots, const Lists& lists, const Slides
                            const Bodies& bodies, const List& list, const Count& counts)
 {
     const auto& step = wp::index(slides, 0);
-    const double lift = (step.shear_counter + step.shear_disc) * step.most_shear_ratio;
+    const double lift =
+        (step.removal.shear_counter + step.removal.shear_disc) * step.removal.most_shear_ratio;
     const double limit = wp::index(lists, 0).limit + lift;
-    const int shift = step.shift, of_row = bodies.gap.shape[1] * OF_VECTOR;
-    const int tiles = (of_row + OF_TILE - 1) / OF_TILE;
+    const int shift = step.shift, vectors_per_row = bodies.gap.shape[1] * OF_VECTOR;
+    const int tiles = (vectors_per_row + OF_TILE - 1) / OF_TILE;
     const bool stays = bounds.stays == 1;
     for (int row = slot; row < bodies.gap.shape[0]; row += slots) {
         const int under = under_row(row, shift, bodies.disc.shape[0]);
         const Stored *const counter = row_of(bodies.counter, row), *const disc = row_of(bodies.disc, under);
         const Stored *const lowest = row_of(bounds.lowest, row), *const highest =
                                                                      row_of(bounds.highest, under);
-        Stored *const gap = row_of(bodies.gap, row), *const of_tiles = row_of(bounds.gap, row);
+        Stored *const gap = row_of(bodies.gap, row), *const tile_bounds = row_of(bounds.gap, row);
         const Stored* const shear_ratio = MAKES ? row_or_none(cells.shear_ratio, row) : nullptr;
         const auto lowest_gap = [&](int t) {
-            const Span span = span_of_tile(t, of_row);
+            const Span span = span_of_tile(t, vectors_per_row);
             if (MAKES) make_cells(step, sources, cells, row, under, span);
             const Lanes apart = gap_of_tile(span, counter, disc, gap, shear_ratio, step);
-            const double low = -of_team(most(-apart), false);
-            if (lane_of_team() == 0) ((double*)of_tiles)[t] = low;
+            const double low = -reduce_team(most(-apart), false);
+            if (lane_of_team() == 0) ((double*)tile_bounds)[t] = low;
             return low;
         };
         int listed = 0;
@@ -62,7 +63,7 @@ WARPWEAR_FN void select_by(int slot, int slots, const Lists& lists, const Slides
         for (int first = 0; first < tiles; first += blockDim.x) {
             for (int n = warp; n < blockDim.x && first + n < tiles; n += warps) {
                 const int t = first + n;
-                const double low = stays ? of_tiles[t] : 0.0;
+                const double low = stays ? tile_bounds[t] : 0.0;
                 bool here = (low != 0.0 ? low : lowest[t] - highest[t]) <= limit;
                 __syncwarp(); // before the first thread of the warp notes another
                 if (here && low == 0.0) here = lowest_gap(t) <= limit;
@@ -85,7 +86,7 @@ WARPWEAR_FN void select_by(int slot, int slots, const Lists& lists, const Slides
         const Lanes zero = 0.0;
         for (int m = 0; m < bounds.lowest.shape[1]; ++m) {
             if (wp::index(bounds.lowest_of_eight, row, m) - highest_here > limit) continue;
-            const Lanes low = stays ? (Lanes)of_tiles[m] : zero;
+            const Lanes low = stays ? (Lanes)tile_bounds[m] : zero;
             const Lanes bound = low != zero ? low : lowest[m] - highest[m];
             if (!any(bound <= limit)) continue;
             const int end = tiles - m * LANES < LANES ? tiles - m * LANES : LANES;
@@ -124,7 +125,7 @@ template <typename Count> WARPWEAR_FN int count_listed(const Count& counts)
     int listed = 0;
     for (int row = lane_of_slot(); row < counts.shape[0]; row += width_of_slot())
         listed += wp::index(counts, row);
-    return int(of_slot(listed, true));
+    return int(reduce_slot(listed, true));
 }
 
 // Sum of an array, as of `sum_of_line`.
@@ -133,19 +134,19 @@ template <typename Array> WARPWEAR_FN double sum_of_array(const Array& array)
 #if defined(__CUDA_ARCH__)
     double sum = 0.0;
     for (int i = threadIdx.x; i < array.shape[0]; i += blockDim.x) sum += array.data[i];
-    return of_slot(sum, true);
+    return reduce_slot(sum, true);
 #else
     return sum_in_pairs(array.data, array.shape[0]);
 #endif
 }
 
 // Last row of those with a number above 0, or the first one negated.
-template <typename Array> WARPWEAR_FN double end_of_rows(const Array& of_rows, bool is_last)
+template <typename Array> WARPWEAR_FN double end_of_rows(const Array& row_sums, bool is_last)
 {
     double end = NO_INDEX;
-    for (int row = lane_of_slot(); row < of_rows.shape[0]; row += width_of_slot())
-        if (of_rows.data[row] > 0.0) end = wp::max(end, is_last ? double(row) : -double(row));
-    return of_slot(end, false);
+    for (int row = lane_of_slot(); row < row_sums.shape[0]; row += width_of_slot())
+        if (row_sums.data[row] > 0.0) end = wp::max(end, is_last ? double(row) : -double(row));
+    return reduce_slot(end, false);
 }
 
 // Sum what is kept of the tiles of a row, by all threads of the slot.
@@ -154,26 +155,26 @@ template <typename Numbers> WARPWEAR_FN double sum_of_tiles(const Numbers& numbe
     const Stored* const values = row_of(numbers, row);
     Lanes sum = 0.0;
     for (int i = lane_of_slot(); i * LANES < numbers.shape[1]; i += width_of_slot()) sum += values[i];
-    return of_slot(total(sum), true);
+    return reduce_slot(total(sum), true);
 }
 
 // Sum the tiles of a row of the counter-body, and of the disc's row beneath it. Sums over the fields as they
 // are: increments added up would drift.
-template <typename OfTiles>
-WARPWEAR_FN void total_rows(int row, int under, bool presses, const OfTiles& of_tiles)
+template <typename TileBounds>
+WARPWEAR_FN void total_rows(int row, int under, bool presses, const TileBounds& tile_bounds)
 {
 #if defined(__CUDA_ARCH__)
     __syncthreads(); // other threads have worn tiles of the row
 #endif
-    const double touched = sum_of_tiles(of_tiles.touched, row);
-    const double counter = sum_of_tiles(of_tiles.worn_counter, row);
-    const double disc = sum_of_tiles(of_tiles.worn_disc, under);
-    const double pressed = presses ? sum_of_tiles(of_tiles.pressed_disc, under) : 0.0;
+    const double touched = sum_of_tiles(tile_bounds.touched, row);
+    const double counter = sum_of_tiles(tile_bounds.worn_counter, row);
+    const double disc = sum_of_tiles(tile_bounds.worn_disc, under);
+    const double pressed = presses ? sum_of_tiles(tile_bounds.pressed_disc, under) : 0.0;
     if (lane_of_slot() != 0) return;
-    of_tiles.rows.touched.data[row] = touched;
-    of_tiles.rows.worn_counter.data[row] = counter;
-    of_tiles.rows.worn_disc.data[under] = disc;
-    if (presses) of_tiles.rows.pressed_disc.data[under] = pressed;
+    tile_bounds.rows.touched.data[row] = touched;
+    tile_bounds.rows.worn_counter.data[row] = counter;
+    tile_bounds.rows.worn_disc.data[under] = disc;
+    if (presses) tile_bounds.rows.pressed_disc.data[under] = pressed;
 }
 
 // Wear the listed tiles by one increment: each body loses K p dL. What goes beyond the full depth is
@@ -181,27 +182,27 @@ WARPWEAR_FN void total_rows(int row, int under, bool presses, const OfTiles& of_
 // it lifts the approach, so cells that stand out less than that were in contact for a part of the step, and
 // bear nothing at its end. Bounds and sums of the tiles and rows are made anew; tiles that
 // do not touch stay as they are, where their lowest gaps are known. Each sum grows lane by lane, in the order
-// of the cells. alike: stiffness, or `Bend`, of all. OWN: cells have a K, a stiffness or a cap each; RARE:
-// they have more of their own, shear, keep their dents, or belong to a ball that does not wear.
+// of the cells. alike: stiffness, or `Bend`, of all. OWN: the disc's cells have a K each; RARE: cells have
+// more of their own, shear, keep their dents, or belong to a ball that does not wear.
 template <bool OWN, bool RARE, typename Spring, typename List, typename Count, typename Slides,
-          typename Springs, typename Properties, typename Bodies, typename OfTiles, typename Tables>
+          typename Springs, typename Properties, typename Bodies, typename TileBounds, typename Tables>
 WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& list, const Count& counts,
                          const Slides& slides, const Springs& springs, const Properties& cells,
-                         const Bodies& bodies, const OfTiles& of_tiles, Tables& tables)
+                         const Bodies& bodies, const TileBounds& tile_bounds, Tables& tables)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(off)
 #endif
     const auto& step = wp::index(slides, 0);
-    const WearOfStep wear(step);
+    const auto wear = step.removal; // a loop over cells need not read it again
     const auto& law = wp::index(springs.law, 0);
     const double base = law.base, offset = law.offset, cap = law.cap, tie_width = law.tie_width;
     const double tie_pressure = law.tie_pressure, full_depth = step.full_depth, reference = step.reference;
     const bool keeps_reached = RARE && bodies.reached.shape[0] == bodies.gap.shape[0];
-    const bool presses = RARE && full_depth < NO_LIMIT, is_known = of_tiles.gap.shape[0] > 0;
-    const double lift = step.shear_counter + step.shear_disc;
+    const bool presses = RARE && full_depth < NO_LIMIT, is_known = tile_bounds.gap.shape[0] > 0;
+    const double lift = step.removal.shear_counter + step.removal.shear_disc;
     const bool sheared = RARE && lift > 0.0;
-    const int of_row = bodies.gap.shape[1] * OF_VECTOR;
+    const int vectors_per_row = bodies.gap.shape[1] * OF_VECTOR;
     const Lanes zero = 0.0, one = 1.0, none = NO_INDEX, least_lift = NEARLY_NONE;
     const Counts no = 0, yes = 1;
     Sums<TrackSum> sums;
@@ -220,8 +221,8 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
         const CellRow own(cells, row);
         for (int n = team_of_slot(); n < listed; n += teams_of_slot()) {
             const int t = wp::index(list, row, n), first = t * OF_TILE;
-            const int last = first + OF_TILE < of_row ? first + OF_TILE : of_row;
-            if (is_known && (base - wp::index(of_tiles.gap, row, t)) + offset < -tie_width) continue;
+            const int last = first + OF_TILE < vectors_per_row ? first + OF_TILE : vectors_per_row;
+            if (is_known && (base - wp::index(tile_bounds.gap, row, t)) + offset < -tie_width) continue;
             wears = true;
             // Extents are known up to tiles that lie beyond them: all but a few of the first steps'.
             const bool beyond_known = first * LANES < step.first_column || last * LANES > step.end_column;
@@ -231,8 +232,9 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
             Lanes was_touched[OF_TILE / TEAM];
             for (int i = first + lane_of_team(); i < last; i += TEAM) {
                 const Lanes overlap = (base - gap[i]) + offset;
-                const auto& spring = spring_at<OWN>(own.stiffness, i, alike);
-                const Lanes cap_ratio = OWN ? own_or(own.cap_ratio, i, one) : one, cap_here = cap * cap_ratio;
+                const auto& spring = spring_at<RARE>(own.stiffness, i, alike);
+                const Lanes cap_ratio = RARE ? own_or(own.cap_ratio, i, one) : one,
+                            cap_here = cap * cap_ratio;
                 Lanes p = clipped(on_spring(overlap - tie_width, spring), cap_here);
                 p = size_of(overlap) > tie_width ? p : tie_pressure * cap_ratio;
                 Lanes d = disc[i];
@@ -252,6 +254,8 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
                     sums.of(TrackSum::RUBBED) += rubs;
                 }
                 const PerBody wearing = wearing_pressure(alike, p);
+                sums.of(TrackSum::PRESSURE_TIMES_FACTOR) +=
+                    OWN ? wearing.disc * k_disc_at<RARE>(own, i) : wearing.disc;
                 const PerBody lost = removal_of<OWN, RARE>(wear, own, i, wearing,
                                                            {wear_counter[i], wear_disc[i]}, {rubs, rubs});
                 const Lanes s = counter[i] + lost.counter, a = wear_counter[i] + lost.counter;
@@ -264,9 +268,7 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
                 wear_counter[i] = a;
                 wear_disc[i] = b;
                 sums.of(TrackSum::PRESSURE) += p;
-                sums.of(TrackSum::PRESSURE_TIMES_FACTOR) +=
-                    OWN ? wearing.disc * own_or(own.k_disc, i, one) : wearing.disc;
-                if (!is_straight(alike)) sums.of(TrackSum::WEARING_COUNTER) += wearing.counter;
+                if (!is_straight<Spring>) sums.of(TrackSum::WEARING_COUNTER) += wearing.counter;
                 highest = larger_of(highest, p);
                 const Lanes from_reference = p > zero ? p - reference : zero;
                 sums.of(TrackSum::DEVIATION_SQUARED) += from_reference * from_reference;
@@ -290,20 +292,21 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
                 first_column = wp::max(first_column, most(ever > zero ? -column : none));
                 last_column = wp::max(last_column, most(ever > zero ? column : none));
             }
-            const double lowest = -of_team(most(-low), false), largest = of_team(most(high), false);
-            const double smallest = is_known ? -of_team(most(-apart), false) : 0.0;
-            const double of_tile[] = {of_team(total(worn_counter), true), of_team(total(worn_disc), true),
-                                      of_team(count(touched), true), of_team(total(pressed), true)};
+            const double lowest = -reduce_team(most(-low), false), largest = reduce_team(most(high), false);
+            const double smallest = is_known ? -reduce_team(most(-apart), false) : 0.0;
+            const double of_tile[] = {reduce_team(total(worn_counter), true),
+                                      reduce_team(total(worn_disc), true), reduce_team(count(touched), true),
+                                      reduce_team(total(pressed), true)};
             if (lane_of_team() != 0) continue;
-            wp::index(of_tiles.lowest, row, t) = lowest;
-            wp::index(of_tiles.highest, under, t) = largest;
-            if (is_known) wp::index(of_tiles.gap, row, t) = smallest;
-            wp::index(of_tiles.worn_counter, row, t) = of_tile[0];
-            wp::index(of_tiles.worn_disc, under, t) = of_tile[1];
-            wp::index(of_tiles.touched, row, t) = of_tile[2];
-            if (presses) wp::index(of_tiles.pressed_disc, under, t) = of_tile[3];
+            wp::index(tile_bounds.lowest, row, t) = lowest;
+            wp::index(tile_bounds.highest, under, t) = largest;
+            if (is_known) wp::index(tile_bounds.gap, row, t) = smallest;
+            wp::index(tile_bounds.worn_counter, row, t) = of_tile[0];
+            wp::index(tile_bounds.worn_disc, under, t) = of_tile[1];
+            wp::index(tile_bounds.touched, row, t) = of_tile[2];
+            if (presses) wp::index(tile_bounds.pressed_disc, under, t) = of_tile[3];
         }
-        if (wears) total_rows(row, under, presses, of_tiles);
+        if (wears) total_rows(row, under, presses, tile_bounds);
     }
     if (!wears) { // most rows
         for (int line = 0; line < tables.sums.shape[0]; ++line) wp::index(tables.sums, line, slot) = 0.0;
@@ -313,32 +316,35 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
     }
     const double largest[] = {most(highest), most(deepest_counter), most(deepest_disc), first_column,
                               last_column};
-    const int lines = Sums<TrackSum>::LINES, more = sizeof(largest) / sizeof(double);
-    Left left[lines + more];
-    sums.list(left, tables.sums, slot);
+    const int lines = is_straight<Spring> ? int(TrackSum::WEARING_COUNTER) : Sums<TrackSum>::LINES;
+    const int more = sizeof(largest) / sizeof(double);
+    Partial partials[lines + more];
+    sums.list<lines>(partials, tables.sums, slot);
 #pragma unroll
-    for (int n = 0; n < more; ++n) left[lines + n] = {largest[n], &wp::index(tables.maxima, n, slot), false};
-    leave_each(left);
+    for (int n = 0; n < more; ++n)
+        partials[lines + n] = {largest[n], &wp::index(tables.maxima, n, slot), false};
+    store_partials(partials);
 }
 
 // The same, told what cells have one each of.
 template <typename List, typename Count, typename Slides, typename Springs, typename Properties,
-          typename Bodies, typename OfTiles, typename Tables>
+          typename Bodies, typename TileBounds, typename Tables>
 WARPWEAR_FN void wear_tiles(int slot, int slots, const List& list, const Count& counts, const Slides& slides,
                             const Springs& springs, const Properties& cells, const Bodies& bodies,
-                            const OfTiles& of_tiles, Tables& tables)
+                            const TileBounds& tile_bounds, Tables& tables)
 {
     const auto by = [&](auto own, auto rare, const auto& alike) {
         wear_by<decltype(own)::value, decltype(rare)::value>(slot, slots, alike, list, counts, slides,
-                                                             springs, cells, bodies, of_tiles, tables);
+                                                             springs, cells, bodies, tile_bounds, tables);
     };
     const Lanes alike = wp::index(springs.search, 0).stiffness;
     const bool keeps_reached = bodies.reached.shape[0] == bodies.gap.shape[0];
     const auto& step = wp::index(slides, 0);
-    const bool rare = keeps_reached || step.full_depth < NO_LIMIT || step.shear_counter > 0.0 ||
-                      step.shear_disc > 0.0 || cells.material.shape[0] > 0;
-    const bool own = cells.k_counter.shape[0] > 0 || cells.k_disc.shape[0] > 0 ||
-                     cells.stiffness.shape[0] > 0 || cells.cap_ratio.shape[0] > 0;
+    const bool rare = keeps_reached || step.full_depth < NO_LIMIT || step.removal.shear_counter > 0.0 ||
+                      step.removal.shear_disc > 0.0 || cells.material.shape[0] > 0 ||
+                      cells.k_counter.shape[0] > 0 || cells.stiffness.shape[0] > 0 ||
+                      cells.cap_ratio.shape[0] > 0;
+    const bool own = cells.k_disc.shape[0] > 0;
     if (springs.bends.knots.shape[0] > 0) return by(Is<true>(), Is<true>(), bend_of(springs.bends));
     if (rare) by(Is<true>(), Is<true>(), alike);
     if (!rare && own) by(Is<true>(), Is<false>(), alike);

@@ -14,10 +14,10 @@ static const int AT_ONCE = 1;
 // Do something with the cells of the listed tiles of a row, or with those of a thread of the slot: places of
 // `Lanes` in the row, AT_ONCE of them, -1 where there is none.
 template <typename Visit>
-WARPWEAR_FN void visit_listed(const int* tiles, int listed, int of_row, const Visit& visit)
+WARPWEAR_FN void visit_listed(const int* tiles, int listed, int vectors_per_row, const Visit& visit)
 {
 #if defined(__CUDA_ARCH__)
-    const bool is_whole = listed * OF_TILE >= of_row; // then no place waits for a number of the list
+    const bool is_whole = listed * OF_TILE >= vectors_per_row; // then no place waits for a number of the list
     for (int first = threadIdx.x; first < listed * OF_TILE; first += AT_ONCE * blockDim.x) {
         int at[AT_ONCE];
 #pragma unroll
@@ -25,13 +25,14 @@ WARPWEAR_FN void visit_listed(const int* tiles, int listed, int of_row, const Vi
             const int n = first + j * blockDim.x;
             at[j] = n;
             if (!is_whole) at[j] = n < listed * OF_TILE ? tiles[n / OF_TILE] * OF_TILE + n % OF_TILE : -1;
-            at[j] = at[j] < of_row ? at[j] : -1;
+            at[j] = at[j] < vectors_per_row ? at[j] : -1;
         }
         visit(at);
     }
 #else
     for (int n = 0; n < listed; ++n) {
-        const int first = tiles[n] * OF_TILE, last = first + OF_TILE < of_row ? first + OF_TILE : of_row;
+        const int first = tiles[n] * OF_TILE,
+                  last = first + OF_TILE < vectors_per_row ? first + OF_TILE : vectors_per_row;
         for (int at[AT_ONCE] = {first}; at[0] < last; ++at[0]) visit(at);
     }
 #endif
@@ -50,7 +51,7 @@ WARPWEAR_FN void carry_by(int slot, int slots, const List& list, const Count& co
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(off)
 #endif
-    const int of_row = gap_in.shape[1] * OF_VECTOR;
+    const int vectors_per_row = gap_in.shape[1] * OF_VECTOR;
     const Lanes zero = 0.0;
     Lanes pressure = 0.0, slope = 0.0, nearest = ABSENT;
     for (int row = slot; row < gap_in.shape[0]; row += slots) {
@@ -59,7 +60,7 @@ WARPWEAR_FN void carry_by(int slot, int slots, const List& list, const Count& co
         const Stored* const gap = row_of(gap_in, row);
         const Stored* const own = OWN ? row_of(stiffness_in, row) : nullptr;
         const Stored* const cap_ratio = OWN_CAPS ? row_of(cap_ratio_in, row) : nullptr;
-        visit_listed(&wp::index(list, row, 0), listed, of_row, [&](const int (&at)[AT_ONCE]) {
+        visit_listed(&wp::index(list, row, 0), listed, vectors_per_row, [&](const int (&at)[AT_ONCE]) {
             Lanes g[AT_ONCE];
 #pragma unroll
             for (int j = 0; j < AT_ONCE; ++j) g[j] = AT_ONCE == 1 || at[j] >= 0 ? Lanes(gap[at[j]]) : ABSENT;
@@ -77,9 +78,9 @@ WARPWEAR_FN void carry_by(int slot, int slots, const List& list, const Count& co
             }
         });
     }
-    leave_each({{total(pressure), &wp::index(trial, 0, slot), true},
-                {total(slope), &wp::index(trial, 1, slot), true},
-                {most(-nearest), &wp::index(trial, 2, slot), false}});
+    store_partials({{total(pressure), &wp::index(trial, 0, slot), true},
+                    {total(slope), &wp::index(trial, 1, slot), true},
+                    {most(-nearest), &wp::index(trial, 2, slot), false}});
 }
 
 template <bool IS> struct Is {
@@ -128,7 +129,7 @@ WARPWEAR_FN void count_level(int slot, int slots, const List& list, const Count&
 {
     const auto& search = wp::index(springs.search, 0);
     const double level = search.bracket.offset, from = search.bracket.low, to = inside_up_to(springs);
-    const int of_row = gap_in.shape[1] * OF_VECTOR, room = springs.near.shape[1] * OF_VECTOR;
+    const int vectors_per_row = gap_in.shape[1] * OF_VECTOR, room = springs.near.shape[1] * OF_VECTOR;
     const Lanes zero = 0.0, one = 1.0, absent = ABSENT, none = -ABSENT;
     const Counts no = 0, yes = 1;
     const bool own_caps = cap_ratio_in.shape[0] > 0, gathers = springs.near.shape[0] > 0;
@@ -145,38 +146,39 @@ WARPWEAR_FN void count_level(int slot, int slots, const List& list, const Count&
     for (int row = slot; row < gap_in.shape[0]; row += slots) {
         const Stored* const gap = row_of(gap_in, row);
         const Stored* const cap_ratio = own_caps ? row_of(cap_ratio_in, row) : nullptr;
-        visit_listed(&wp::index(list, row, 0), wp::index(counts, row), of_row, [&](const int (&at)[AT_ONCE]) {
+        visit_listed(
+            &wp::index(list, row, 0), wp::index(counts, row), vectors_per_row, [&](const int (&at)[AT_ONCE]) {
 #pragma unroll
-            for (int j = 0; j < AT_ONCE; ++j) {
-                if (AT_ONCE > 1 && at[j] < 0) continue;
-                const Lanes g = gap[at[j]];
-                below += g < level ? (own_caps ? Lanes(cap_ratio[at[j]]) : one) : zero;
-                const Lanes there = g < 0.5 * ABSENT ? g : none; // places without a surface do not count
-                lowest = lowest < g ? lowest : g;
-                highest = highest > there ? highest : there;
-                if (!gathers) continue;
-                const Mask is_inside = (g >= from) & (g < to);
-                inside += is_inside ? yes : no;
+                for (int j = 0; j < AT_ONCE; ++j) {
+                    if (AT_ONCE > 1 && at[j] < 0) continue;
+                    const Lanes g = gap[at[j]];
+                    below += g < level ? (own_caps ? Lanes(cap_ratio[at[j]]) : one) : zero;
+                    const Lanes there = g < 0.5 * ABSENT ? g : none; // places without a surface do not count
+                    lowest = lowest < g ? lowest : g;
+                    highest = highest > there ? highest : there;
+                    if (!gathers) continue;
+                    const Mask is_inside = (g >= from) & (g < to);
+                    inside += is_inside ? yes : no;
 #if defined(__CUDA_ARCH__)
-                if (!is_inside) continue;
-                const int place = atomicAdd(&places, 1); // in any order: they are only counted
-                if (place < room) near[place] = g;
+                    if (!is_inside) continue;
+                    const int place = atomicAdd(&places, 1); // in any order: they are only counted
+                    if (place < room) near[place] = g;
 #else
                 near[places < room ? places : room - 1] = is_inside ? g : absent;
                 places += any(is_inside);
 #endif
-            }
-        });
+                }
+            });
     }
 #if defined(__CUDA_ARCH__)
     __syncthreads();
 #endif
     const double filled = places;
-    leave_each({{total(below), &wp::index(springs.trial, 0, slot), true},
-                {most(-lowest), &wp::index(springs.trial, 1, slot), false},
-                {most(highest), &wp::index(springs.trial, 2, slot), false},
-                {count(inside), &wp::index(springs.trial, 3, slot), true},
-                {filled, &wp::index(springs.trial, 4, slot), false}});
+    store_partials({{total(below), &wp::index(springs.trial, 0, slot), true},
+                    {most(-lowest), &wp::index(springs.trial, 1, slot), false},
+                    {most(highest), &wp::index(springs.trial, 2, slot), false},
+                    {count(inside), &wp::index(springs.trial, 3, slot), true},
+                    {filled, &wp::index(springs.trial, 4, slot), false}});
 }
 
 // Whether all cells inside the bracket are gathered. Every thread of a deciding slot gets the answer. On a
@@ -213,5 +215,5 @@ template <typename Springs> WARPWEAR_FN double count_gathered(const Springs& spr
         const int places = int(wp::index(springs.trial, 4, slot));
         for (int i = 0; i < places; ++i) below += near[i] < level ? yes : no;
     }
-    return of_slot(count(below), true);
+    return reduce_slot(count(below), true);
 }

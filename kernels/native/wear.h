@@ -31,7 +31,7 @@ WARPWEAR_FN Lanes wear_cell(WearSums& sums, const WearBy& by, const Spring& spri
     if (by.tie_width > 0.0) p = size_of((by.base - g) + by.offset) > by.tie_width ? p : by.tie_pressure;
     const Lanes wearing = wearing_pressure(spring, p).counter;
     g += removal_of(by.wear_per_pressure, wearing);
-    if (!is_straight(spring)) sums.of(WearSum::WEARING) += wearing;
+    if (!is_straight<Spring>) sums.of(WearSum::WEARING) += wearing;
     sums.of(WearSum::PRESSURE) += p;
     sums.highest = sums.highest > p ? sums.highest : p;
     const Lanes d = p > zero ? p - by.reference : zero;
@@ -66,43 +66,44 @@ struct Extents {
 
 // Leave the sums of a slot. rest: cells touched, and wear, of tiles that it did not visit; beside: the change
 // of pressure that those need to touch at the next approach.
-template <typename Tables>
-WARPWEAR_FN void leave_wear(Tables& tables, int slot, const WearSums& sums, const Extents& extents,
+template <typename Spring, typename Tables>
+WARPWEAR_FN void store_wear(Tables& tables, int slot, const WearSums& sums, const Extents& extents,
                             double stiffness_next, double rest_touched, double rest_worn, double beside)
 {
     const double nearest = -most(-sums.nearest_next), slope = stiffness_next * total(sums.between_next);
     const auto largest = [&](WearMost line, double v) {
-        return Left{v, &wp::index(tables.maxima, int(line), slot), false};
+        return Partial{v, &wp::index(tables.maxima, int(line), slot), false};
     };
     const auto ahead = [&](int line, double v, bool adds) {
-        return Left{v, &wp::index(tables.ahead, line, slot), adds};
+        return Partial{v, &wp::index(tables.ahead, line, slot), adds};
     };
-    const Left others[] = {largest(WearMost::PRESSURE, most(sums.highest)),
-                           largest(WearMost::WORN, most(sums.deepest)),
-                           largest(WearMost::FIRST_ROW, extents.first_row),
-                           largest(WearMost::LAST_ROW, extents.last_row),
-                           largest(WearMost::FIRST_COLUMN, extents.first_column),
-                           largest(WearMost::LAST_COLUMN, extents.last_column),
-                           ahead(0, total(sums.pressure_next), true),
-                           ahead(1, slope, true),
-                           ahead(2, nearest < beside ? -nearest : -beside, false)};
-    const int lines = WearSums::LINES, more = sizeof(others) / sizeof(Left);
-    Left left[lines + more];
-    sums.list(left, tables.sums, slot);
-    left[int(WearSum::TOUCHED)].value += rest_touched;
-    left[int(WearSum::WORN)].value += rest_worn;
+    const Partial others[] = {largest(WearMost::PRESSURE, most(sums.highest)),
+                              largest(WearMost::WORN, most(sums.deepest)),
+                              largest(WearMost::FIRST_ROW, extents.first_row),
+                              largest(WearMost::LAST_ROW, extents.last_row),
+                              largest(WearMost::FIRST_COLUMN, extents.first_column),
+                              largest(WearMost::LAST_COLUMN, extents.last_column),
+                              ahead(0, total(sums.pressure_next), true),
+                              ahead(1, slope, true),
+                              ahead(2, nearest < beside ? -nearest : -beside, false)};
+    const int lines = is_straight<Spring> ? int(WearSum::WEARING) : WearSums::LINES;
+    const int more = sizeof(others) / sizeof(Partial);
+    Partial partials[lines + more];
+    sums.list<lines>(partials, tables.sums, slot);
+    partials[int(WearSum::TOUCHED)].value += rest_touched;
+    partials[int(WearSum::WORN)].value += rest_worn;
 #pragma unroll
-    for (int n = 0; n < more; ++n) left[lines + n] = others[n];
-    leave_each(left);
+    for (int n = 0; n < more; ++n) partials[lines + n] = others[n];
+    store_partials(partials);
 }
 
 // Columns of what was ever touched in a worn row of a CPU, looked for beyond those that are known.
 template <typename Increment>
 WARPWEAR_FN void find_columns(Extents& extents, const WearBy& by, const Increment& step, const int* tiles,
-                              int listed, int of_row, const Stored* gap, const Stored* unworn)
+                              int listed, int vectors_per_row, const Stored* gap, const Stored* unworn)
 {
     const double *const g = (const double*)gap, *const u = (const double*)unworn;
-    const int cells = of_row * LANES, of_tile = OF_TILE * LANES;
+    const int cells = vectors_per_row * LANES, of_tile = OF_TILE * LANES;
     for (int n = 0; n < listed && tiles[n] * of_tile < step.first_column; ++n)
         for (int i = tiles[n] * of_tile; i < tiles[n] * of_tile + of_tile && i < cells; ++i)
             if (was_touched(by, g[i], u[i])) {
@@ -139,13 +140,13 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
                        step.base_next,
                        step.offset_next,
                        step.stiffness_next};
-    const int of_row = gap_out.shape[1] * OF_VECTOR;
+    const int vectors_per_row = gap_out.shape[1] * OF_VECTOR;
     const bool first_thread = lane_of_slot() == 0;
     const Lanes cap = by.cap, stiffness = by.stiffness, stiffness_next = by.stiffness_next;
 #if !defined(__CUDA_ARCH__)
     if (wp::index(counts, slot) == 0) { // most rows of an early contact
-        leave_wear(tables, slot, WearSums(), Extents(), 0.0, wp::index(rest, slot)[0],
-                   wp::index(rest, slot)[1], NO_LIMIT);
+        store_wear<Lanes>(tables, slot, WearSums(), Extents(), 0.0, wp::index(rest, slot)[0],
+                          wp::index(rest, slot)[1], NO_LIMIT);
         return;
     }
 #endif
@@ -153,7 +154,7 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
     Extents extents;
     double rest_touched = 0.0, rest_worn = 0.0;
     // On a GPU whole numbers, of a thread: they take half the registers.
-    int first_row = gap_out.shape[0], last_row = -1, first_column = of_row, last_column = -1;
+    int first_row = gap_out.shape[0], last_row = -1, first_column = vectors_per_row, last_column = -1;
     for (int row = slot; row < gap_out.shape[0]; row += slots) {
         if (first_thread) {
             rest_touched += wp::index(rest, row)[0];
@@ -164,7 +165,7 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
         const int* const tiles = &wp::index(list, row, 0);
         const Stored* const unworn = row_of(unworn_in, row);
         Stored* const gap = row_of(gap_out, row);
-        visit_listed(tiles, listed, of_row, [&](const int (&at)[AT_ONCE]) {
+        visit_listed(tiles, listed, vectors_per_row, [&](const int (&at)[AT_ONCE]) {
             Lanes g[AT_ONCE], u[AT_ONCE];
 #pragma unroll
             for (int j = 0; j < AT_ONCE; ++j) {
@@ -197,13 +198,13 @@ WARPWEAR_FN void wear_rows(int slot, int slots, const List& list, const Count& c
         if (count(sums.counted(WearSum::TOUCHED)) > 0.0) { // a slot has one row
             extents.first_row = -row;
             extents.last_row = row;
-            find_columns(extents, by, step, tiles, listed, of_row, gap, unworn);
+            find_columns(extents, by, step, tiles, listed, vectors_per_row, gap, unworn);
         }
 #endif
     }
     if (last_row >= 0)
         extents = {-double(first_row), double(last_row), -double(first_column), double(last_column)};
-    leave_wear(tables, slot, sums, extents, by.stiffness_next, rest_touched, rest_worn, NO_LIMIT);
+    store_wear<Lanes>(tables, slot, sums, extents, by.stiffness_next, rest_touched, rest_worn, NO_LIMIT);
 }
 
 // Where a line is brought to one number, among the warps of a slot, and whether a thread writes it.

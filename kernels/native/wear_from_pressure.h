@@ -4,48 +4,6 @@
 #include "fretting.h"
 #include "running_in/sources.h"
 
-// Means of a field over `window` rows around each; of an even number the row at either end counts half. At
-// the first and the last row the field is mirrored, so that its sum is kept there too. Over as many rows as
-// there are it is one mean, in the first row; over one row none is made: the field is its own.
-template <typename Slides, typename Field>
-WARPWEAR_FN void mean_along(int slot, int slots, const Slides& slides, const Field& field, const Field& means)
-{
-#if !defined(__CUDA_ARCH__)
-#pragma clang fp contract(fast)
-#endif
-    const int window = wp::index(slides, 0).window, rows = field.shape[0];
-    const int of_row = field.shape[1] * OF_VECTOR, width = width_of_slot();
-    if (window == 1) return;
-    if (window >= rows) {
-        for (int i = slot * width + lane_of_slot(); i < of_row; i += slots * width) {
-            Lanes sum = 0.0;
-            for (int row = 0; row < rows; ++row) sum += row_of(field, row)[i];
-            row_of(means, 0)[i] = sum / double(rows);
-        }
-        return;
-    }
-    const int half = window / 2;
-    const double at_ends = window % 2 == 0 ? 0.5 : 1.0;
-    for (int row = slot; row < rows; row += slots)
-        for (int i = lane_of_slot(); i < of_row; i += width) {
-            Lanes sum = 0.0;
-            for (int other = row - half; other <= row + half; ++other) {
-                const int inside = other < 0 ? -1 - other : (other < rows ? other : 2 * rows - 1 - other);
-                const double weight = other == row - half || other == row + half ? at_ends : 1.0;
-                sum += weight * row_of(field, inside)[i];
-            }
-            row_of(means, row)[i] = sum / double(window);
-        }
-}
-
-// The row of the means that a row of cells sees, see `mean_along`.
-template <typename Field>
-WARPWEAR_FN Stored* mean_of(const Field& field, const Field& means, int row, int window)
-{
-    if (window == 1) return row_of(field, row);
-    return row_of(means, window < field.shape[0] ? row : 0);
-}
-
 // The gap that a cell of the disc meets on its way through a step: that of the bodies, with the mean of the
 // counter-body's wear along the way instead of the wear at its middle. Where pressures move with the
 // counter-body it is the mean of the disc's wear. What cells have of their own is made with it.
@@ -57,19 +15,19 @@ WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& b
 #pragma clang fp contract(fast)
 #endif
     const auto& slide = wp::index(slides, 0);
-    const int of_row = gaps.shape[1] * OF_VECTOR, window = slide.window;
-    const double lift = slide.shear_counter + slide.shear_disc, least = least_shear(slide);
+    const int vectors_per_row = gaps.shape[1] * OF_VECTOR, window = slide.window;
+    const double lift = slide.removal.shear_counter + slide.removal.shear_disc, least = least_shear(slide);
+    const Span span = {lane_of_slot(), vectors_per_row, width_of_slot()};
+    for (int row = slot; row < gaps.shape[0] && makes(sources, cells); row += slots)
+        make_cells(slide, sources, cells, row, under_row(row, slide.shift, bodies.disc.shape[0]), span);
     for (int row = slot; row < gaps.shape[0]; row += slots) {
         const auto& worn = slide.counter_moves == 1 ? bodies.wear_disc : bodies.wear_counter;
         const Stored *const counter = row_of(bodies.counter, row), *const wear = row_of(worn, row);
-        const int under = under_row(row, slide.shift, bodies.disc.shape[0]);
-        const Stored* const disc = row_of(bodies.disc, under);
-        if (makes(sources, cells))
-            make_cells(slide, sources, cells, row, under, {lane_of_slot(), of_row, width_of_slot()});
+        const Stored* const disc = row_of(bodies.disc, under_row(row, slide.shift, bodies.disc.shape[0]));
         const Stored* const met = mean_of(worn, means, row, window);
         const Stored* const shear_ratio = row_or_none(cells.shear_ratio, row);
         Stored* const gap = row_of(gaps, row);
-        for (int i = lane_of_slot(); i < of_row; i += width_of_slot()) {
+        for (int i = lane_of_slot(); i < vectors_per_row; i += width_of_slot()) {
             Lanes g = (counter[i] + (met[i] - wear[i])) - disc[i];
             if (shear_ratio) g += lift * shear_ratio[i] - least; // as of tiles listed
             gap[i] = g;
@@ -83,14 +41,14 @@ template <typename Slides, typename Pressed>
 WARPWEAR_FN void part_of_step(int slot, int slots, const Slides& slides, const Pressed& pressed)
 {
     const auto& slide = wp::index(slides, 0);
-    const double lift = slide.shear_counter + slide.shear_disc, approach = slide.approach;
-    const int of_row = pressed.pressure.shape[1] * OF_VECTOR;
+    const double lift = slide.removal.shear_counter + slide.removal.shear_disc, approach = slide.approach;
+    const int vectors_per_row = pressed.pressure.shape[1] * OF_VECTOR;
     const Lanes zero = 0.0, one = 1.0, least_lift = NEARLY_NONE;
     for (int row = slot; row < slide.rows; row += slots) {
         const Stored *const p = row_of(pressed.pressure, row), *const target = row_of(pressed.gradient, row);
         const Stored* const shear_ratio = row_or_none(pressed.cells.shear_ratio, row);
         Stored* const rubbed = row_of(pressed.rubbed, row);
-        for (int i = lane_of_slot(); i < of_row; i += width_of_slot()) {
+        for (int i = lane_of_slot(); i < vectors_per_row; i += width_of_slot()) {
             const Lanes tau = own_or(shear_ratio, i, one);
             const Lanes own = larger_of(lift * tau, least_lift);
             const Lanes part = smaller_of(larger_of((approach + own - target[i]) / own, zero), one);
@@ -107,25 +65,25 @@ WARPWEAR_FN void part_of_step(int slot, int slots, const Slides& slides, const P
 // Where the pressure moves with the counter-body, that sees p, and the disc the mean. Cells with slips of
 // their own lose more by them, K dL over the distance of a cycle times p times the slip, and slip by more
 // then. OWN: whether cells have anything of their own.
-template <bool OWN, typename Slides, typename Layout, typename Pressed, typename Bodies, typename OfRows,
+template <bool OWN, typename Slides, typename Layout, typename Pressed, typename Bodies, typename RowSums,
           typename Table>
 WARPWEAR_FN void wear_cells_by_pressure(int slot, int slots, const Slides& slides, const Layout& layout,
-                                        const Pressed& pressed, const Bodies& bodies, const OfRows& of_rows,
+                                        const Pressed& pressed, const Bodies& bodies, const RowSums& row_sums,
                                         Table& sums, Table& maxima)
 {
 #if !defined(__CUDA_ARCH__)
 #pragma clang fp contract(fast)
 #endif
     const auto& slide = wp::index(slides, 0);
-    const WearOfStep wear(slide);
+    const auto wear = slide.removal; // a loop over cells need not read it again
     const double cap = pressed.cap, approach = slide.approach, reference = slide.reference;
     const int of_line = layout.vectors * OF_VECTOR, lines = bodies.counter.shape[1] / layout.vectors;
     const bool has_disc = bodies.disc.shape[0] > 0;
     const bool shears = pressed.rubbed.shape[0] > 0;
     const bool keeps = has_disc && bodies.plastic_disc.shape[0] == bodies.disc.shape[0];
     const bool slips = pressed.slips.shape[0] > 0;
-    const double more_counter = slide.slipping_counter, more_disc = slide.slipping_disc;
-    const double slip_of_gap = slide.slip_of_gap, ahead = slide.ahead;
+    const double more_counter = slide.removal.slipping_counter, more_disc = slide.removal.slipping_disc;
+    const double slip_of_gap = slide.removal.slip_of_gap, ahead = slide.removal.ahead;
     const bool shows = bodies.reached.shape[0] != bodies.counter.shape[0];
     const Lanes zero = 0.0, one = 1.0, none = NO_INDEX;
     const Counts no = 0, yes = 1;
@@ -137,8 +95,8 @@ WARPWEAR_FN void wear_cells_by_pressure(int slot, int slots, const Slides& slide
         const Stored *const p_of = row_of(pressed.pressure, row), *const target =
                                                                       row_of(pressed.gradient, row);
         const bool bends = pressed.on_counter.shape[0] > 0; // K goes with the pressure
-        const Stored* const passing =
-            mean_of(bends ? pressed.on_counter : pressed.pressure, pressed.means, row, slide.window);
+        const Stored* const passing = bends ? row_of(pressed.on_counter, row)
+                                            : mean_of(pressed.pressure, pressed.means, row, slide.window);
         const bool turned = slide.counter_moves == 1;
         const Stored* const own_disc = bends ? row_of(pressed.on_disc, row) : p_of;
         const Stored *const over_counter = turned ? p_of : passing, *const over_disc =
@@ -230,45 +188,57 @@ WARPWEAR_FN void wear_cells_by_pressure(int slot, int slots, const Slides& slide
             }
         }
         if (has_disc) {
-            const double worn = of_slot(total(worn_disc), true);
-            if (lane_of_slot() == 0) wp::index(of_rows.worn_disc, under) = worn;
+            const double worn = reduce_slot(total(worn_disc), true);
+            if (lane_of_slot() == 0) wp::index(row_sums.worn_disc, under) = worn;
         }
         if (keeps) {
-            const double dents = of_slot(total(pressed_disc), true);
-            if (lane_of_slot() == 0) wp::index(of_rows.pressed_disc, under) = dents;
+            const double dents = reduce_slot(total(pressed_disc), true);
+            if (lane_of_slot() == 0) wp::index(row_sums.pressed_disc, under) = dents;
         }
     }
-    Left left[Sums<PressureSum>::LINES];
-    summed.list(left, sums, slot);
-    leave_each(left);
-    leave_lines(maxima, slot, 0,
+    Partial partials[Sums<PressureSum>::LINES];
+    summed.list(partials, sums, slot);
+    store_partials(partials);
+    store_lines(maxima, slot, 0,
                 {most(highest), most(deepest_counter), most(deepest_disc), first_row, last_row, most(first),
                  most(last)});
 }
 
 // The pressures that wear counter-body and disc at their K of a step, where that goes with the pressure; and
-// their sums.
+// their sums. passing: what the counter-body sees of the pressure.
 template <typename Bends, typename Field, typename Table>
-WARPWEAR_FN void wearing_pressures(int slot, int slots, const Bends& bends, const Field& pressure,
-                                   const Field& counter, const Field& disc, Table& sums)
+WARPWEAR_FN void wearing_pressures(int slot, int slots, const Bends& bends, const Field& passing,
+                                   const Field& pressure, const Field& counter, const Field& disc,
+                                   Table& sums)
 {
     const Bend bend = bend_of(bends);
     Lanes of_counter = 0.0, of_disc = 0.0;
     for (int row = slot; row < pressure.shape[0]; row += slots)
         for (int i = lane_of_slot(); i < pressure.shape[1] * OF_VECTOR; i += width_of_slot()) {
-            const Lanes p = row_of(pressure, row)[i], a = bend.k_at(0, p) * p, b = bend.k_at(1, p) * p;
+            const Lanes m = row_of(passing, row)[i], p = row_of(pressure, row)[i];
+            const Lanes a = bend.k_at(0, m) * m, b = bend.k_at(1, p) * p;
             row_of(counter, row)[i] = a;
             row_of(disc, row)[i] = b;
             of_counter += a;
             of_disc += b;
         }
-    leave_lines(sums, slot, 2, {total(of_counter), total(of_disc)});
+    store_lines(sums, slot, 2, {total(of_counter), total(of_disc)});
+}
+
+// The mean of a field along sliding at every cell, added to another field.
+template <typename Field>
+WARPWEAR_FN void add_mean(int slot, int slots, int window, const Field& field, const Field& to,
+                          const Field& out)
+{
+    for (int row = slot; row < field.shape[0]; row += slots)
+        for (int i = lane_of_slot(); i < field.shape[1] * OF_VECTOR; i += width_of_slot())
+            row_of(out, row)[i] = row_of(to, row)[i] + mean_at(field, row, i, window);
 }
 
 // What wear takes off a cell at a K of its pressure, as a line over the pressure: a part of the gap, and a
 // compliance. It is the chord to a pressure on the other side of what is looked for: the last one where the
 // present one has gone past it, else half as far as before; or the tangent where that is steeper; and no
-// less steep than `keeps` of the line before. Left is the
+// less steep than `keeps` of the line before. Partial is the
 // most by which the line before was off.
 template <typename Bends, typename Field, typename Table>
 WARPWEAR_FN void straighten(int slot, int slots, const Bends& bends, double keeps, const Field& pressure,
@@ -295,18 +265,18 @@ WARPWEAR_FN void straighten(int slot, int slots, const Bends& bends, double keep
             row_of(last, row)[i] = p;
             row_of(far, row)[i] = beyond;
         }
-    leave_most(off, 0, slot, most(largest));
+    store_most(off, 0, slot, most(largest));
 }
 
 // The same, told whether cells have anything of their own.
-template <typename Slides, typename Layout, typename Pressed, typename Bodies, typename OfRows,
+template <typename Slides, typename Layout, typename Pressed, typename Bodies, typename RowSums,
           typename Table>
 WARPWEAR_FN void wear_by_pressure(int slot, int slots, const Slides& slides, const Layout& layout,
-                                  const Pressed& pressed, const Bodies& bodies, const OfRows& of_rows,
+                                  const Pressed& pressed, const Bodies& bodies, const RowSums& row_sums,
                                   Table& sums, Table& maxima)
 {
     if (CellRow(pressed.cells, 0).has_own())
-        wear_cells_by_pressure<true>(slot, slots, slides, layout, pressed, bodies, of_rows, sums, maxima);
+        wear_cells_by_pressure<true>(slot, slots, slides, layout, pressed, bodies, row_sums, sums, maxima);
     else
-        wear_cells_by_pressure<false>(slot, slots, slides, layout, pressed, bodies, of_rows, sums, maxima);
+        wear_cells_by_pressure<false>(slot, slots, slides, layout, pressed, bodies, row_sums, sums, maxima);
 }

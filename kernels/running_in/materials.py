@@ -53,5 +53,5 @@ def record(
     history_out: wp.array2d(dtype=wp.float64),
     first_column: wp.int32,
 ):
-    """Writes the sums of the books into the row of the step."""
+    """Write the sums of the books into the row of the step."""
     total_of(sums_in, 1, history_out, slides[0].number, first_column)

@@ -109,11 +109,11 @@ def beneath(row: wp.int32, shift: wp.int32, rows: wp.int32):
 def share_out(row: wp.int32, column: wp.int32, pressure: wp.float64, slide: Slide, both: Both):
     """Make the wear by the pressure of one cell pending."""
     if pressure > ZERO:
-        if slide.pending_counter > ZERO:
-            add_pending(row, column, slide.pending_counter * pressure, both.footprint, both.counter)
-        if slide.pending_disc > ZERO:
+        if slide.removal.pending_counter > ZERO:
+            add_pending(row, column, slide.removal.pending_counter * pressure, both.footprint, both.counter)
+        if slide.removal.pending_disc > ZERO:
             under = beneath(row, slide.shift, both.disc.pending.shape[0])
-            add_pending(under, column, slide.pending_disc * pressure, both.footprint, both.disc)
+            add_pending(under, column, slide.removal.pending_disc * pressure, both.footprint, both.disc)
 
 
 @wp.kernel

@@ -51,7 +51,7 @@ def recede(
             beyond_out[row, k] = b
 
 
-@wp.func_native("leave_sum(table, 0, slot, value);")
+@wp.func_native("store_sum(table, 0, slot, value);")
 def _leave(slot: wp.int32, value: wp.float64, table: wp.array2d(dtype=wp.float64)): ...
 
 

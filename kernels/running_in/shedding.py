@@ -94,7 +94,7 @@ def find_peak(cell: wp.int32, footprint: Footprint, body: Body):
 
 @wp.func
 def cut_at(peak: wp.int32, place: wp.int32, footprint: Footprint, body: Body, release: Release):
-    """A piece leaves at a peak, and is entered in a place of the table, but for its step.
+    """Let a piece leave at a peak, which is entered in a place of the table, but for its step.
 
     Its middle is the cell near the peak with most pending, the last of those with as much. The crack surface
     lies where the cut has the volume of a piece, or what is pending.
@@ -167,7 +167,7 @@ def cut_at(peak: wp.int32, place: wp.int32, footprint: Footprint, body: Body, re
 
 @wp.kernel(module=TOGETHER)
 def begin_rounds(body: Body, release: Release):
-    """A body begins to shed, or goes on with it."""
+    """Begin to shed, or go on with it."""
     if wp.tid() == 0:
         if body.counts[STAGE] == TAKES:
             body.counts[STAGE] = SHEDS
@@ -202,7 +202,7 @@ def find_peaks(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body
 
 @wp.kernel(module=TOGETHER)
 def begin_cut(footprint: Footprint, body: Body, release: Release):
-    """The peaks of a round are cut if the table has room for them, and another round follows."""
+    """Cut the peaks of a round if the table has room for them, and let another round follow."""
     if wp.tid() == 0:
         peaks = body.counts[PEAKS]
         body.counts[PEAKS] = 0
@@ -226,7 +226,7 @@ def cut(
     body: Body,
     release: Release,
 ):
-    """A piece leaves at each peak."""
+    """Let a piece leave at each peak."""
     peaks = body.counts[CUT]
     for n in range(first_slot * wp.block_dim() + wp.tid(), peaks, slots * wp.block_dim()):
         place = release.count[0] - peaks + n
@@ -284,7 +284,7 @@ def note(
 
 @wp.kernel(module=TOGETHER)
 def end_step(counter: Body, disc: Body, release: Release, goes_out: wp.array(dtype=wp.int32)):
-    """A step ends when both bodies are done with it; the program stops where the table is full."""
+    """End a step when both bodies are done with it; stop the program where the table is full."""
     if wp.tid() == 0:
         ends = wp.where(release.full[0] == 0, 1, 0)
         if ends == 1:

@@ -19,8 +19,8 @@ ROWS, COLUMNS = 60, 16
 LIMIT = 1.0e6
 
 
-@wp.func_native("leave_sum(table, 0, slot, part);")
-def leave_part(table: wp.array2d(dtype=wp.float64), slot: wp.int32, part: wp.float64): ...
+@wp.func_native("store_sum(table, 0, slot, part);")
+def store_part(table: wp.array2d(dtype=wp.float64), slot: wp.int32, part: wp.float64): ...
 
 
 @wp.func_native("return sum_of_line(table, 0, 0, table.shape[1]);")
@@ -95,7 +95,7 @@ def grow(
         for column in range(wp.tid() % wp.block_dim(), values.shape[1], wp.block_dim()):
             values[row, column] = numbers.factor * values[row, column] + numbers.more[0]
             part += values[row, column]
-    leave_part(table, slot, part)
+    store_part(table, slot, part)
 
 
 @wp.kernel

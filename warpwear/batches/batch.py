@@ -126,7 +126,7 @@ def make_runs(
 
 
 def _submitted(executor: Executor, task: Task) -> "Future[Row]":
-    """The future of a run; an executor that takes none any more has it fail."""
+    """Return the future of a run; an executor that takes none any more has it fail."""
     try:
         return executor.submit(run_one, task)
     except RuntimeError as error:
@@ -136,7 +136,7 @@ def _submitted(executor: Executor, task: Task) -> "Future[Row]":
 
 
 def _row(future: "Future[Row]") -> Row:
-    """The row of a run; one whose worker was lost says so."""
+    """Return the row of a run; one whose worker was lost says so."""
     try:
         return future.result()
     except CancelledError:
@@ -169,7 +169,7 @@ def estimate(
 
 
 def check_folder(folder: Path, *, resume: bool, files: Sequence[str] = ()) -> None:
-    """Raises InputError for a folder that runs may not be made in. files: others that are written there."""
+    """Raise InputError for a folder that runs may not be made in. files: others that are written there."""
     check_writable(folder)
     names = {path.name for path in folder.iterdir()} - {LOCK} if folder.is_dir() else set()
     if not names:

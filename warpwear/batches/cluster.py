@@ -29,7 +29,7 @@ LOOK, LOST = 5.0, 300.0
 def connected(
     address: str, *, insecure: bool = False, device: str = "cpu"
 ) -> Iterator[tuple[Executor, int, int]]:
-    """The executor of a Dask scheduler, the threads of a run, and how many workers it has.
+    """Return the executor of a Dask scheduler, the threads of a run, and how many workers it has.
 
     Raises InputError for an address that is refused or not reached, and for workers that will not do. A plain
     TCP address that is not of this machine is refused unless insecure: whoever reaches such a scheduler runs
@@ -74,7 +74,7 @@ def _watch(client: Any, executor: Executor, address: str, ended: threading.Event
 
 
 def _check(address: str, *, insecure: bool) -> None:
-    """Raises InputError for an address that is none, or that others could listen in on."""
+    """Raise InputError for an address that is none, or that others could listen in on."""
     try:
         parts = urlsplit(address if "//" in address else f"tcp://{address}")
         host, port = parts.hostname, parts.port
@@ -99,7 +99,7 @@ def _is_here(host: str) -> bool:
 
 
 def _check_workers(client: Any, address: str) -> int:
-    """The number of workers. Raises InputError where one would make two runs at a time."""
+    """Return the number of workers. Raises InputError where one would make two runs at a time."""
     if not client.nthreads():
         warn(f"--cluster {address} has no workers yet: waiting {PATIENCE:g} s for the first.")
         try:

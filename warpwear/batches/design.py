@@ -34,7 +34,7 @@ class Factor:
     distribution: Distribution | None = None
 
     def at(self, u: FloatArray) -> list[Value]:
-        """The values at parts u of the distribution, or of the list, whose values are equally likely."""
+        """Return values at parts u of the distribution, or of the list, whose values are equally likely."""
         if self.distribution is not None:
             return [self.distribution.written(value) for value in self.distribution.quantiles(u)]
         places = np.minimum((u * len(self.values)).astype(np.intp), len(self.values) - 1)
@@ -105,7 +105,7 @@ class Design:
 
 
 def factors_of(vary: Mapping[str, Any]) -> list[Factor]:
-    """What each key is varied over: a list, a range "1:20" with both ends, or a distribution.
+    """Return what each key is varied over: a list, a range "1:20" with both ends, or a distribution.
 
     Raises InputError for anything else.
     """

@@ -48,7 +48,7 @@ class Distribution:
         return f"{self.kind} {self.first:.4g} {between} {self.second:.4g}{cut} {self.unit}".rstrip()
 
     def quantiles(self, u: FloatArray) -> FloatArray:
-        """The values below which parts u of the distribution lie. u: in (0, 1), of any shape."""
+        """Return the values below which parts u of the distribution lie. u: in (0, 1), of any shape."""
         a, b = self.first, self.second
         if self.kind == "uniform":
             return a + (b - a) * u
@@ -79,12 +79,12 @@ class Distribution:
         return math.log(value) if self.is_logarithmic else value
 
     def written(self, value: float) -> str | float:
-        """A value as a study takes it."""
+        """Return a value as a study takes it."""
         return f"{float(value)!r} {self.unit}" if self.unit else float(value)
 
 
 def distribution(text: str, key: str) -> Distribution:
-    """The distribution that a text describes. Raises InputError, naming the key, for another text."""
+    """Return the distribution that a text describes. Raises InputError, naming the key, for another text."""
     match = _WRITTEN.fullmatch(text)
     kind, between = "", ""
     if match is not None:
@@ -100,7 +100,7 @@ def distribution(text: str, key: str) -> Distribution:
 
 
 def _check(parsed: Distribution, text: str, key: str) -> None:
-    """Raises InputError for numbers that make no distribution."""
+    """Raise InputError for numbers that make no distribution."""
     problem = None
     if KINDS[parsed.kind] == ".." and not parsed.first < parsed.second:
         problem = "the first number must be the smaller one"

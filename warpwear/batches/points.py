@@ -32,7 +32,7 @@ class Point:
 
 
 def points_of(study: Study, values: Iterable[Mapping[str, Any]], *, device: str) -> list[Point]:
-    """The runs of a study with these values of its keys.
+    """Return the runs of a study with these values of its keys.
 
     A combination that makes no study is a point with its sentence. Raises InputError where none makes one.
     """
@@ -55,7 +55,7 @@ def _point(
 
 
 def task_of(point: Point, runs: Path, *, device: str, threads: int | None = None) -> Task:
-    """What a worker is asked for a run. runs: the folder of all of them."""
+    """Return what a worker is asked for a run. runs: the folder of all of them."""
     assert point.study is not None
     return Task(point.study.to_toml(), str((runs / point.run).resolve()), device, threads, point.files)
 

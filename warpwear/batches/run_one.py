@@ -119,7 +119,7 @@ def _made(task: Task, study: Study) -> Row:
 
 
 def row_of(result: Result) -> Row:
-    """What a run came to; its seconds are those of its steps."""
+    """Return what a run came to; its seconds are those of its steps."""
     summary, history = result.summary, result.history
     columns = [column for column in columns_of(result.study) if column.name != "distance"]
     ends = {"distance [mm]": summary["distance_mm"]}

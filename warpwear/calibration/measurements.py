@@ -35,7 +35,7 @@ class Value(NamedTuple):
 
 @dataclass(frozen=True)
 class WithError:
-    """This annotates a measured number in a unit, maybe with its uncertainty; without a unit a friction."""
+    """Annotates a measured number in a unit, maybe with its uncertainty; without a unit a friction."""
 
     unit: str = ""
 
@@ -67,7 +67,7 @@ class WithError:
 
 
 class Diameters(WithError):
-    """This annotates one diameter of a scar, or two across each other."""
+    """Annotates one diameter of a scar, or two across each other."""
 
     def read(self, value: Any) -> Any:
         """Return one or two numbers. Raises ValueError, saying what is allowed."""

@@ -150,7 +150,7 @@ def figures_of(comparison: Comparison) -> dict[str, Figure]:
 
 
 def cof_of(run: RunData) -> Course | None:
-    """The course of the coefficient of friction of a run, if it is known."""
+    """Draw the course of the coefficient of friction of a run, if it is known."""
     if run.cof is None:
         return None
     distance, values = run.course

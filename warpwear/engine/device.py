@@ -75,6 +75,7 @@ def _native_messages_hidden() -> Iterator[None]:
 
 
 def check_threads(threads: int | None) -> int:
+    """Return the number of threads asked for, or of usable cores. Raises InputError."""
     cores = usable_cores()
     if threads is None:
         return cores

@@ -8,6 +8,13 @@ import warp as wp
 from warpwear.engine.executor import Field
 
 
+def members_of(host: Any) -> dict[str, Any]:
+    """Return views of what an array of structs holds, by name: also of what structs within it do."""
+    own = {name: host[name] for name in host.dtype.names or ()}
+    within = {name: view for member in own.values() for name, view in members_of(member).items()}
+    return within | own
+
+
 class Numbers:
     """Holds an instance of a struct in an array of one, which kernels read and, by default, write.
 
@@ -23,7 +30,7 @@ class Numbers:
     ) -> None:
         self.array: Field = wp.zeros(1, dtype=kind, device=device)
         self._there = self.array if device.is_cpu else wp.zeros(1, dtype=kind, device="cpu")
-        self._host, self._written = self._there.numpy(), written
+        self._host, self._written = members_of(self._there.numpy()), written
         self.set(**values)
 
     def __getitem__(self, name: str) -> Any:
@@ -33,7 +40,7 @@ class Numbers:
         """Give some of them other values."""
         host = self._read()
         for name, value in values.items():
-            host[name] = value
+            host[name][...] = value
         if self._there is not self.array:
             wp.copy(self.array, self._there)
 
@@ -41,7 +48,7 @@ class Numbers:
     def values(self) -> dict[str, Any]:
         """Return all members by name, of a struct of numbers, vectors and structs of such."""
         host = self._read()
-        return {name: host[name][0].tolist() for name in host.dtype.names}
+        return {name: host[name][0].tolist() for name in self._there.numpy().dtype.names}
 
     @values.setter
     def values(self, values: Mapping[str, Any]) -> None:

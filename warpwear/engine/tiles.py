@@ -21,7 +21,7 @@ NO_LIMIT = 1.0e300
 LEAST_TILES = 16
 
 
-def of_tiles(extreme: np.ufunc, field: Field | FloatArray, *, lines: int = 1) -> FloatArray:
+def tile_extremes(extreme: np.ufunc, field: Field | FloatArray, *, lines: int = 1) -> FloatArray:
     """Return the lowest or the highest number of each tile, by `np.minimum` or `np.maximum`: (rows, tiles).
 
     lines: of which a row of the field is made, one after another, each with tiles of its own.
@@ -97,7 +97,7 @@ class Tiles(TileList):
         self._gap, self._unworn = gap, unworn
         executor.put(self.list, np.broadcast_to(np.arange(columns), (nx, columns)))
         executor.put(self.count, columns)
-        lowest = of_tiles(np.minimum, gap)
+        lowest = tile_extremes(np.minimum, gap)
         self.smallest = float(lowest.min())
         self._lowest: Field = wp.array(lowest, dtype=wp.float64, device=device)
         self._kept = wp.zeros((nx, columns), dtype=TileSums, device=device)
@@ -122,7 +122,7 @@ class Tiles(TileList):
 
     def below_bounds(self) -> float:
         """Return by how much a gap lies below the lowest of its tile, at most [mm]."""
-        return float((self._lowest.numpy() - of_tiles(np.minimum, self._gap)).max())
+        return float((self._lowest.numpy() - tile_extremes(np.minimum, self._gap)).max())
 
     def restored(self) -> None:
         """Go on with the list of another time. Raises ValueError for one that leads beyond the field."""

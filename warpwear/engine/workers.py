@@ -75,7 +75,7 @@ class Workers(ThreadPoolExecutor):
         )
 
     def _process(self) -> "subprocess.Popen[bytes]":
-        """The process of this thread, started where there is none that lives."""
+        """Return the process of this thread, started where there is none that lives."""
         process: subprocess.Popen[bytes] | None = getattr(self._own, "process", None)
         if process is None or process.poll() is not None:
             with self._lock:
@@ -113,7 +113,7 @@ class Workers(ThreadPoolExecutor):
 
 
 def _started(environment: Mapping[str, str], *, quiet: bool) -> "subprocess.Popen[bytes]":
-    """A worker process that imports this very package, wherever this process found it."""
+    """Return a worker process that imports this very package, wherever this process found it."""
     home = str(Path(__file__).parents[2])
     path = os.pathsep.join([home, *filter(None, [os.environ.get("PYTHONPATH")])])
     return subprocess.Popen(

@@ -106,6 +106,7 @@ def of_look(look: Look) -> dict[str, Any]:
 
 
 def paint_level(axes: Axes, level: Level) -> None:
+    """Draw a level across the axes."""
     draw = axes.axhline if level.axis == "y" else axes.axvline
     draw(level.value, label=level.label or None, **of_look(level.look))
 

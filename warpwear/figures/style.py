@@ -84,6 +84,7 @@ class PlainNumbers(LogFormatter):
     """
 
     def __call__(self, x: float, pos: int | None = None) -> str:
+        """Write the number at a tick."""
         return wording.short(x) if super().__call__(x, pos) else ""
 
 
@@ -91,4 +92,5 @@ class Thousands(ScalarFormatter):
     """Writes 20 000 instead of 20000 along a linear axis."""
 
     def __call__(self, x: float, pos: int | None = None) -> str:
+        """Write the number at a tick."""
         return wording.short(x) if wording.THOUSANDS <= abs(x) < 1e5 else super().__call__(x, pos)

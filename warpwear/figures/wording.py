@@ -18,7 +18,7 @@ def chosen(count: int, most: int) -> list[int]:
 
 
 def after(distance: float) -> str:
-    """Say in words when a snapshot was taken. distance: [mm]"""
+    """Say in words when a snapshot was taken. distance: in mm."""
     return f"after {with_unit(distance, 4)}" if distance else "static contact"
 
 

@@ -195,7 +195,6 @@ def greenwood_williamson_area(
     pressures beyond the theory's range. Sources: Greenwood and Williamson 1966, Proc. R. Soc. A 295, 300;
     McCool 1987, J. Tribol. 109, 264 for the summits of a spectrum.
     """
-
     alpha = moments.m0 * moments.m4 / moments.m2**2
     density = moments.m4 / (6.0 * math.pi * math.sqrt(3.0) * moments.m2)
     radius = 0.375 * math.sqrt(math.pi / moments.m4)

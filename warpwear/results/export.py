@@ -143,7 +143,7 @@ def _write_all(folder: Path, writers: dict[str, Callable[[Path], None]]) -> list
 def numbers_of(
     result: ResultFile, snapshot: int | str | Sequence[int | str] | None
 ) -> tuple[int, ...] | None:
-    """Number the snapshots that are asked for, each once and in their order; None for None.
+    """Find the numbers of the snapshots that are asked for, each once and in their order; None for None.
 
     Raises InputError for those that are not there.
     """

@@ -41,7 +41,7 @@ MAGIC = "warpwear result"
 
 
 def check_seal(path: Path) -> None:
-    """Raises InputError for a sealed file that is not what was written. One made by hand may be anything."""
+    """Raise InputError for a sealed file that is not what was written. One made by hand may be anything."""
     with explained(f"{path} cannot be read"), path.open("rb") as file:
         words = read_header(file)
         if " ".join(words[:2]) == MAGIC and words[2:] != [digest_of(file)]:
@@ -131,12 +131,12 @@ class ResultFile:
 
     @classmethod
     def open(cls, path: str | Path) -> Self:
-        """The result in a run folder or an HDF5 file, as `Result(path)`. Raises InputError."""
+        """Return the result in a run folder or an HDF5 file, as `Result(path)`. Raises InputError."""
         return cls(path)
 
     @classmethod
     def of(cls, file: h5py.File | Path) -> Self:
-        """The result in a file of memory, or in one that this process has just sealed, or looked at.
+        """Return the result in a file of memory, or in one that this process has just sealed, or looked at.
 
         Raises InputError.
         """
@@ -152,7 +152,7 @@ class ResultFile:
 
     @contextmanager
     def _reading(self) -> Iterator[h5py.File]:
-        """The open file. Raises InputError where it is closed, or cannot give what it must hold."""
+        """Return the open file. Raises InputError where it is closed, or cannot give what it must hold."""
         if not self._file:
             again = f"open it again with Result.open({str(self.path)!r})" if self.path else "it was in memory"
             raise InputError(f"this result is closed, so that nothing more can be read from it: {again}.")
@@ -290,7 +290,7 @@ class ResultFile:
             return Snapshot(float(group.attrs["distance"]), row=row, load_on_filled=on_filled, **fields)
 
     def at(self, distance: str | float) -> Snapshot:
-        """The snapshot kept at a sliding distance: text with its unit, such as "30 mm", or a number [mm].
+        """Return the snapshot kept at a distance: text with a unit, such as "30 mm", or a number [mm].
 
         One that was asked for there, where no step ends (of a swept run, or snapshots = "auto"), is the first
         after it. Raises InputError, naming those that are kept, for another distance.
@@ -298,7 +298,7 @@ class ResultFile:
         return self.snapshot(self.number_at(distance))
 
     def number_at(self, distance: str | float) -> int:
-        """The number of the snapshot that `at` finds. Raises InputError."""
+        """Return the number of the snapshot that `at` finds. Raises InputError."""
         try:
             number = isinstance(distance, Real) and not isinstance(distance, bool)
             place = float(distance) if number else parse(distance, "mm")
@@ -357,7 +357,7 @@ class ResultFile:
             return json.loads(file.attrs.get("record", "{}"))
 
     def once(self, make: Callable[[Self], Derived]) -> Derived:
-        """What a function makes of this result; it is called the first time only."""
+        """Return what a function makes of this result; it is called the first time only."""
         name = f"{make.__module__}.{make.__qualname__}"
         if name not in self._derived:
             self._derived[name] = make(self)
@@ -379,7 +379,7 @@ class ResultFile:
         self.close()
 
     def __reduce__(self) -> tuple[type[Self], tuple[Path]]:
-        """A result is pickled as its path, and opened again from there."""
+        """Pickle a result as its path, from which it is opened again."""
         if self.path is None:
             raise InputError("a result in memory cannot be pickled; give the run a folder with out.")
         return type(self), (self.path.resolve(),)

@@ -50,7 +50,7 @@ def to_xarray(result: ResultFile) -> Any:
 
 
 def courses(result: ResultFile, numbers: Sequence[int]) -> Any:
-    """What `to_xarray` gives but for the fields, with the coordinates of snapshots of these numbers."""
+    """Return what `to_xarray` gives but for the fields, with coordinates of snapshots of these numbers."""
     xarray = package("xarray", "to_xarray")
     history, columns = dict(result.history), COLUMNS | {c.name: c for c in columns_of(result.study)}
     coordinates = {

@@ -61,7 +61,7 @@ def _seal(path: Path, mark: str) -> None:
 
 
 def read_header(file: BufferedIOBase) -> list[str]:
-    """The words of the first line of a file that is open at its beginning: its mark's, and its digest."""
+    """Return the words of the first line of a file that is open at its beginning: mark, and digest."""
     return file.readline(HEADER).decode(errors="replace").split()
 
 

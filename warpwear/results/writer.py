@@ -236,7 +236,7 @@ class ResultWriter:
         return axis
 
     def _require_space(self, nbytes: int) -> None:
-        """Raises OSError unless the file can grow by what is to be written, before compression [B]."""
+        """Raise OSError unless the file can grow by what is to be written, before compression [B]."""
         if not self._in_memory:
             path = Path(self._file.filename)
             require_free_space(path.parent, nbytes + SPACE_FOR_THE_REST, offset=path.stat().st_size)
@@ -282,7 +282,7 @@ def _label(dataset: h5py.Dataset, scales: h5py.Group, *names: str) -> None:
 
 
 def require_free_space(folder: Path, nbytes: int, *, offset: int = 0) -> None:
-    """Raises OSError unless a file in the folder can grow by `nbytes` beyond an offset [B].
+    """Raise OSError unless a file in the folder can grow by `nbytes` beyond an offset [B].
 
     Where the system can, the room is set aside for a moment: a quota and a limit to the size of a file show
     only then.

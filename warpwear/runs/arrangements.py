@@ -186,7 +186,7 @@ def is_alike(task: ContactTask, recedes: bool) -> bool:
 def model_at_rest(
     task: ContactTask, heights: FloatArray, executor: Executor, *, bearing_curve: Logistic | None = None
 ) -> Model:
-    """The model of one grid that lies still. Laws of cell by cell are those of a track that does not move.
+    """Return the model of one grid that lies still. Laws cell by cell are those of a track that lies still.
 
     heights: of the disc over its mean plane [mm], shape (nx, ny). bearing_curve: of a roughness that the grid
     does not resolve.

@@ -39,14 +39,14 @@ class ArraySurface:
         np.save(folder / SURFACE_FILE, self.heights)
 
     def refuse_others(self, folder: Path) -> None:
-        """Raises InputError unless the heights that a finished run's folder holds are these."""
+        """Raise InputError unless the heights that a finished run's folder holds are these."""
         path = folder / SURFACE_FILE
         if not (path.is_file() and np.array_equal(np.load(path), self.heights)):
             raise InputError(f"out = {folder} holds a run on another surface; {OTHER_FOLDER}.")
 
 
 def take_surface(study: Study, surface: Any, folder: Path | None) -> ArraySurface:
-    """The study on heights [mm] of its domain, or of its track, and what it takes them for.
+    """Return the study on heights [mm] of its domain, or of its track, and what it takes them for.
 
     surface: an array of the shape of `study.cells`, (rows, ny) of a swept study's track; or an object with
     the methods of `Surface`, which is sampled there; what a `Measured` filled is known as such. Heights count
@@ -93,7 +93,7 @@ def take_surface(study: Study, surface: Any, folder: Path | None) -> ArraySurfac
 
 
 def _on_file(study: Study, path: str) -> Study:
-    """The study with the disc that a file of one height a cell describes."""
+    """Return the study with the disc that a file of one height a cell describes."""
     cell = text(study.grid.cell, "mm")
     named = {"surface": path, "pixel": [cell, cell], "height_unit": "mm", "level": "none"}
     other = study.disc.model_fields_set - {*named, *OF_THE_BODY, "synthetic"}

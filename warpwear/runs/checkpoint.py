@@ -153,7 +153,7 @@ class StoredCheckpoint:
 
     @contextmanager
     def reading(self) -> Iterator[None]:
-        """Raises InputError for whatever a file sealed by hand may lack or hold instead."""
+        """Raise InputError for whatever a file sealed by hand may lack or hold instead."""
         try:
             yield
         except InputError:
@@ -167,7 +167,7 @@ class StoredCheckpoint:
         return str(self._about["version"])
 
     def refuse_changes(self, order: RunOrder, *, device: str) -> None:
-        """Raises InputError for a run that would not go on where this one stopped."""
+        """Raise InputError for a run that would not go on where this one stopped."""
         # What the pieces are follows from the junctions where they are as large as these.
         free = (*LABELS, "friction") if order.study.wear.particle == "critical" else FREE
         changed = changed_keys(self._order.keys, order.keys, free=free)
@@ -193,7 +193,7 @@ class StoredCheckpoint:
             )
 
     def refuse_other_files(self, files: Mapping[str, str]) -> None:
-        """Raises InputError where files are not what they were. files: their digests by keys."""
+        """Raise InputError where files are not what they were. files: their digests by keys."""
         if self._about["files"] != files:
             raise InputError(
                 f"{self._path} cannot go on: a file that {' or '.join(files)} names is not what it was when "
@@ -242,7 +242,7 @@ class StoredCheckpoint:
 
 @contextmanager
 def opened(path: Path | None) -> Iterator[StoredCheckpoint | None]:
-    """The checkpoint in a file, None without one. Raises InputError for one that is damaged or too new."""
+    """Return the checkpoint in a file, None without one. Raises InputError for one damaged or too new."""
     if path is None or not path.exists():
         yield None
         return
@@ -273,12 +273,12 @@ def is_one(path: Path) -> bool:
 
 
 def _of_counter(order: RunOrder) -> int | None:
-    """A number that tells what was measured of the counter-body; None where nothing was."""
+    """Return a number that tells what was measured of the counter-body; None where nothing was."""
     return checksum(order.form.values) if isinstance(order.form, Given) else None
 
 
 def checksum(heights: FloatArray) -> int:
-    """A number that tells the heights of one surface from those of another."""
+    """Return a number that tells the heights of one surface from those of another."""
     return zlib.crc32(np.ascontiguousarray(heights).data)
 
 
@@ -299,7 +299,7 @@ def changed_keys(
 
 
 def _kinds(value: Any) -> Any:
-    """The type of a value, with its shape if it is an array; in a mapping or list, of each that it holds."""
+    """Tell the type of a value, with the shape of an array; in a mapping or list, of each that it holds."""
     if isinstance(value, dict):
         return {name: _kinds(item) for name, item in value.items()}
     if isinstance(value, list):

@@ -43,7 +43,7 @@ class Progress:
         self._next, self._compiles, self._by_cycles = 0.1, False, False
 
     def start(self, steps: int, *, done: int = 0, by_cycles: bool = False) -> None:
-        """The run of `steps` steps begins, or goes on where `done` of them are done.
+        """Begin a run of `steps` steps, or go on where `done` of them are done.
 
         by_cycles: whether a step counts as often as the cycles that it stands for.
         """
@@ -79,7 +79,7 @@ class Progress:
             self._next = self._done / self._steps + 0.1
 
     def phase(self, name: str) -> None:
-        """A phase of the run begins: what may take long is told, once."""
+        """Begin a phase of the run: what may take long is told, once."""
         if name == "compile" and not self._compiles:
             self._compiles = True
             self.say(f"{self._name}: compiling kernels, which are kept for the next run")
@@ -93,7 +93,7 @@ class Progress:
                 tqdm.write(line, file=sys.stderr)
 
     def note(self, sentence: str, *, kind: str = "note") -> None:
-        """What misleads: a line for the user behind the result, or a warning of Python where none is printed.
+        """Tell what misleads: a line for the user after the result, or a warning of Python without console.
 
         kind: "note", or "warning" where numbers are not to be trusted.
         """
@@ -124,7 +124,7 @@ class Progress:
             self._tell(self._left - 1, ranks=2)
 
     def end(self) -> None:
-        """The run is over, one way or another."""
+        """End the run, one way or another."""
         if self._bar is not None:
             self._bar.close()
 

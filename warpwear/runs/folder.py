@@ -33,7 +33,7 @@ NAMES = (*TABLES, METADATA, LOG, manifest.NAME, manifest.PAGE)
 
 
 def check(folder: Path, *, overwrite: bool, resume: bool) -> None:
-    """Raises InputError for a folder that a run must not, or cannot, be written into."""
+    """Raise InputError for a folder that a run must not, or cannot, be written into."""
     check_writable(folder)
     if folder.is_dir():
         refuse_if_held(folder)
@@ -64,7 +64,7 @@ def _check_content(folder: Path, *, overwrite: bool, resume: bool) -> None:
 
 
 def _refuse_to_replace(folder: Path) -> None:
-    """Raises InputError for a file that the run would replace and no run wrote."""
+    """Raise InputError for a file that the run would replace and no run wrote."""
     figures, ours = folder / manifest.FIGURES, manifest.written(folder)
     if figures.is_symlink():
         raise InputError(f"{figures} is a link; a run draws its figures into its own folder: move it away.")
@@ -196,7 +196,7 @@ def move_into_place(work: Path, folder: Path) -> None:
 
 
 def _log_so_far(folder: Path, left: Iterable[str]) -> bytes:
-    """The log of the sessions that went before, killed ones too: each began with that of those before it."""
+    """Return the log of the sessions before, killed ones too: each began with that of those before it."""
     logs = []
     for path in (folder / LOG, *(folder / name / LOG for name in left)):
         with suppress(OSError):

@@ -63,7 +63,7 @@ class Invariants:
     def of_row(
         self, row: Mapping[str, float], *, touches_edge: bool = False, touches_rim: bool = False
     ) -> Iterator[Violation]:
-        """What a row violates, the worst first.
+        """Return what a row violates, the worst first.
 
         touches_edge, touches_rim: whether the contact reached the domain's edge or the ball's rim, which a
         rigid flat has not.
@@ -87,14 +87,14 @@ class Invariants:
             yield self._outside(row, rim=touches_rim)
 
     def of_bounds(self, depth: float, row: Mapping[str, float]) -> Iterator[Violation]:
-        """A gap that lies below the bound of its tile by a depth [mm], so that its tile may be missed."""
+        """Report a gap below the bound of its tile by a depth [mm], so that its tile may be missed."""
         if depth > ROUNDING:
             yield Violation(
                 "bounds", f"a gap lies {depth:.3g} mm below the bound of its tile {_where(row)}", MISSED
             )
 
     def of_filled(self, snapshot: Snapshot, row: Mapping[str, float]) -> Iterator[Violation]:
-        """A contact that rests on points of the disc which were not measured, but filled in."""
+        """Return a contact that rests on points of the disc which were not measured, but filled in."""
         share = snapshot.load_on_filled or 0.0
         if share > ON_FILLED:
             yield Violation(

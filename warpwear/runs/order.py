@@ -281,6 +281,6 @@ def _heights_of(study: Study, surface: Surface, track: Track) -> FloatArray:
 
 
 def _roughness_on(grid: Grid, heights: FloatArray) -> dict[str, float]:
-    """What the cells see of the surface: after filtering, mirroring and sampling, NaN where not measured."""
+    """Return what cells see of the surface: after filtering, mirroring and sampling; NaN: not measured."""
     numbers = roughness(heights, pixel=(grid.cell, grid.cell))
     return {f"{key}_um": 1.0e3 * numbers.pop(key) for key in ("sa", "sq", "sz")} | numbers

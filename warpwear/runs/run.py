@@ -50,6 +50,7 @@ class ForwardToUserLogger(logging.Handler):
     """Forwards what log.txt has in full to the logger "warpwear", at the level that its user has set."""
 
     def emit(self, record: logging.LogRecord) -> None:
+        """Forward a record."""
         if USER_LOG.isEnabledFor(record.levelno):
             USER_LOG.handle(record)
 
@@ -142,7 +143,7 @@ class RunOptions:
     import_seconds: float = 0.0
 
     def check(self) -> None:
-        """Raises InputError for options that are not known or exclude each other."""
+        """Raise InputError for options that are not known or exclude each other."""
         if self.callback is not None and not callable(self.callback):
             raise InputError(
                 f"callback = {self.callback!r}: a function is expected, which is called with every step."
@@ -238,7 +239,7 @@ def _compute(
 def _writer_of(
     file: h5py.File, order: RunOrder, options: RunOptions, executor: Executor, work: Path | None
 ) -> ResultWriter:
-    """The writer of the result's file, with the heights that were given beside it."""
+    """Return the writer of the result's file, with the heights that were given beside it."""
     if work:
         order.save_heights(work)
     study = order.study
@@ -322,7 +323,7 @@ def _log_to(work: Path | None) -> Iterator[None]:
 
 @contextmanager
 def _result_file(work: Path | None) -> Iterator[h5py.File]:
-    """The HDF5 file of the run, in memory without a folder. Closed here only when something went wrong."""
+    """Open the HDF5 file of the run, in memory without a folder. Closed here only after an error."""
     if work is None:
         file = h5py.File(f"memory-{uuid4()}", "w", driver="core", backing_store=False)
     else:

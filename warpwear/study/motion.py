@@ -70,7 +70,7 @@ growing_key = partial(key, applies=STEPS + FIXED, one_of="plan: growing")
 
 @dataclass(frozen=True)
 class Sides(Quantity):
-    """This annotates the sides of a domain: a quantity, or a list of two, along sliding and across it."""
+    """Annotates the sides of a domain: a quantity, or a list of two, along sliding and across it."""
 
     def read(self, value: Any) -> Any:
         """Return the number in `unit`, or two. Raises ValueError, saying what is allowed."""

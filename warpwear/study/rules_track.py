@@ -56,6 +56,7 @@ def check(study: Content) -> None:
 
 
 def check_patches(study: Content) -> None:
+    """Refuse patches that do not fit the domain, by InputError."""
     patches, cell = study.patches, study.grid.cell
     refuse_parts("patches.macro_cell", patches.macro_cell, cell)
     refuse_parts("patches.width", patches.patch_width, cell)

@@ -219,7 +219,7 @@ NOT_NEGATIVE = Range(or_equal=True)
 
 @dataclass(frozen=True)
 class Quantity:
-    """This annotates a field: a quantity in the study, a float in `unit` here; or one of `words`."""
+    """Annotates a field: a quantity in the study, a float in `unit` here; or one of `words`."""
 
     unit: str
     range: Range = POSITIVE
@@ -253,6 +253,7 @@ class LineLoad(float):
     length: float
 
     def __new__(cls, per_length: float, length: float = 1.0) -> Self:
+        """Make a load of a force by a length [N/mm] and a length [mm]."""
         load = super().__new__(cls, per_length * length)
         load.per_length, load.length = per_length, length
         return load
@@ -263,7 +264,7 @@ class LineLoad(float):
 
 @dataclass(frozen=True)
 class Load(Quantity):
-    """This annotates a load: a force, or a force of a length, which is times a length known later."""
+    """Annotates a load: a force, or a force of a length, which is times a length known later."""
 
     def read(self, value: Any) -> Any:
         """Return the load [N], or a `LineLoad`. Raises ValueError, saying what is allowed."""
@@ -287,11 +288,12 @@ class Load(Quantity):
 
 @dataclass(frozen=True)
 class Number:
-    """This annotates a field: a number without a unit."""
+    """Annotates a field: a number without a unit."""
 
     range: Range = POSITIVE
 
     def read(self, value: Any) -> float:
+        """Return the number. Raises ValueError, saying what is allowed."""
         if isinstance(value, bool) or not isinstance(value, Real):
             written = value.strip() if isinstance(value, str) else ""
             comma = re.fullmatch(r"[+-]?\d+,\d+", written[:LONGEST_TEXT])

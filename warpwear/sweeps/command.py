@@ -37,7 +37,7 @@ def varied(texts: Sequence[str]) -> dict[str, Any]:
 
 
 def values_of_text(text: str) -> Any:
-    """A list of the values between commas; a range, a distribution or {positions = 12} as it is."""
+    """Return a list of the values between commas; a range, a distribution or {positions = 12} as it is."""
     value = value_of_text(text)
     if not isinstance(value, str):
         return value if isinstance(value, list | dict) else [value]
@@ -117,7 +117,7 @@ def command(
 def _executor(
     plan: Plan, *, workers: int | None, cluster: str | None, insecure: bool, gpus: str | None
 ) -> AbstractContextManager[tuple[Executor, int, int]]:
-    """The executor that was asked for, the threads of a run, and the number of workers."""
+    """Return the executor that was asked for, the threads of a run, and the number of workers."""
     if cluster is None:
         return batch.local_executor(plan, workers=workers, gpus=gpus is not None)
     if workers is not None or gpus is not None:

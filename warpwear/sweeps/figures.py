@@ -84,7 +84,7 @@ def courses(
 
 
 def scatter(result: SweepResult, quantity: Quantity, varied: dict[str, tuple[FloatArray, str]]) -> Figure:
-    """An end value of every run over each key that is a number; over a seed there is only scatter."""
+    """Draw an end value of every run over each key that is a number; over a seed there is only scatter."""
     keys = [key for key in varied if not is_label(key)][:4] or list(varied)[:4]
     ends, look = (
         quantity.scaled(result.ends(quantity.name)),
@@ -100,7 +100,7 @@ def scatter(result: SweepResult, quantity: Quantity, varied: dict[str, tuple[Flo
 
 
 def heat_map(result: SweepResult, quantity: Quantity, keys: dict[str, tuple[FloatArray, str]]) -> Figure:
-    """The mean end value for each pair of values of two keys."""
+    """Draw the mean end value for each pair of values of two keys."""
     names, unit = [result.plan.names[key] for key in keys], _at_the_end(quantity)
     x, y = (values for values, _ in keys.values())
     along, up = (_axis_of(name, unit) for name, (_, unit) in zip(names, keys.values(), strict=True))

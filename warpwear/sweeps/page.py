@@ -137,7 +137,7 @@ def group_rows(result: SweepResult) -> list[dict[str, Any]]:
 
 
 def failures(result: SweepResult) -> list[str]:
-    """The sentences of runs that did not end as asked, each once, with their number."""
+    """Return the sentences of runs that did not end as asked, each once, with their number."""
     counted = Counter(row.status for row in result.rows if row.status != "done")
     return [f"{count} × {status}" for status, count in counted.most_common(MOST_FAILURES)]
 

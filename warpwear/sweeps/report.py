@@ -58,7 +58,7 @@ def _moved(work: Path, folder: Path) -> list[Path]:
 
 
 def summary_text(result: SweepResult) -> str:
-    """The groups of a sweep and what decides the coefficient of friction, for the screen."""
+    """Return the groups of a sweep and what decides the coefficient of friction, for the screen."""
     done = sum(row.status == "done" for row in result.rows)
     lines = [f"{done} of {len(result.rows)} runs done"]
     rows = group_rows(result)
@@ -86,7 +86,7 @@ def _without_influence(result: SweepResult) -> list[str]:
 
 
 def _end_of(row: dict[str, Any]) -> str:
-    """What the runs of a group came to, for the screen."""
+    """Return what the runs of a group came to, for the screen."""
     if not np.isfinite(row["mean"]):
         return "no coefficient of friction"
     band = f"   5–95 %: {row['low']:.4g} – {row['high']:.4g}" if row["runs"] > 1 else ""

@@ -62,7 +62,7 @@ def sweep(
 
 
 def check_runs(plan: Plan, folder: Path) -> None:
-    """Raises InputError for the folder of a sweep with runs that this one has not: its tables would go.
+    """Raise InputError for the folder of a sweep with runs that this one has not: its tables would go.
 
     A sweep may grow, so that its runs are part of those of a larger one. Runs that failed are no loss, and
     neither is a row that was cut off while it was written.

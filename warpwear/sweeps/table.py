@@ -67,7 +67,7 @@ class SweepResult:
         return table
 
     def open(self, number: int) -> Result:
-        """The run of a row, counted from 0, with fields and figures. Raises InputError if there is none."""
+        """Return the run of a row, counted from 0, with fields and figures. InputError if there is none."""
         names = self.table["run"]
         if not -len(names) <= number < len(names):
             raise InputError(f"the sweep has no run {number}: it has {len(names)}, counted from 0")
@@ -78,7 +78,7 @@ class SweepResult:
         return Result.open(self.folder / RUNS / names[number])
 
     def to_dataframe(self) -> Any:
-        """The table as a pandas.DataFrame, a row a run. Raises InputError without pandas."""
+        """Return the table as a pandas.DataFrame, a row a run. Raises InputError without pandas."""
         return package("pandas", "to_dataframe").DataFrame(self.table)
 
     def to_xarray(self) -> Any:
@@ -218,7 +218,7 @@ class SweepResult:
 
 
 def _between(values: FloatArray, words: Sequence[str]) -> float:
-    """The part of the variance of values that lies between the means of groups, η²."""
+    """Return the part of the variance of values that lies between the means of groups, η²."""
     known = np.isfinite(values)
     if not known.any() or np.ptp(values[known]) == 0.0:
         return 0.0

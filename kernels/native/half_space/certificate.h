@@ -44,7 +44,7 @@ template <typename Proof> WARPWEAR_FN void proof_extremes(int slot, int slots, P
             lowest = lowest > down ? lowest : down;
         };
     });
-    leave_lines(proof.table, slot, 2,
+    store_lines(proof.table, slot, 2,
                 {total(sum), count(lost), most(over), most(under), most(highest), most(lowest)});
 }
 
@@ -75,7 +75,7 @@ template <typename Proof> WARPWEAR_FN void proof_carried(int slot, int slots, Pr
     for (int n = 0; n < LEVELS; ++n) values[1 + n] = total(sums[n]);
     values[LEVELS + 1] = most(highest);
     values[LEVELS + 2] = most(lowest);
-    leave_lines(proof.table, slot, LEVELS + 1, values);
+    store_lines(proof.table, slot, LEVELS + 1, values);
 }
 
 // Sum of p max(t - L', 0) + (H - p) max(L' - t, 0); without a cap the first term alone.
@@ -92,5 +92,5 @@ template <typename Proof> WARPWEAR_FN void proof_gap(int slot, int slots, Proof&
             sum += (there & (p < cap) & (t < level)) ? (cap - p) * (level - t) : zero;
         };
     });
-    leave_sum(proof.table, 0, slot, total(sum));
+    store_sum(proof.table, 0, slot, total(sum));
 }

@@ -5,6 +5,7 @@
 // (level), H the cap. At the solution t = L on cells with 0 < p < H, t >= L where p = 0, t <= L where p = H.
 // A cell is free if it may move: p > 0 or t < L, and p < H or t > L. Lines of the table are those of the
 // kernels in `half_space/passes.py`.
+#include "bodies.h"
 #include "law.h"
 
 // Rounding of a sum of two numbers, relatively.
@@ -39,16 +40,16 @@ struct SearchRow {
     CUDA_CALLABLE Lanes cap_of(int i) const { return cap_ratio ? cap * cap_ratio[i] : cap; }
 };
 
-// Visit every cell of a slot. `of_row` takes a row and the group that carries its load, and returns what is
-// done with each of its cells, by their place in the row.
-template <typename Row = SearchRow, typename Solve, typename OfRow>
-WARPWEAR_FN void each_cell(const Solve& solve, int slot, int slots, const OfRow& of_row)
+// Visit every cell of a slot. `on_row` takes a row and the group that carries its load, and returns
+// what is done with each of its cells, by their place in the row.
+template <typename Row = SearchRow, typename Solve, typename OnRow>
+WARPWEAR_FN void each_cell(const Solve& solve, int slot, int slots, const OnRow& on_row)
 {
     const int rows = solve.visited.data[0], cells = solve.fields.pressure.shape[1] * OF_VECTOR;
     const bool is_one = solve.groups.shape[0] == 1;
     for (int row = slot; row < rows; row += slots) {
-        const auto of_cell = of_row(Row(solve.fields, row), solve.groups.data[is_one ? 0 : row]);
-        for (int i = lane_of_slot(); i < cells; i += width_of_slot()) of_cell(i);
+        const auto on_cell = on_row(Row(solve.fields, row), solve.groups.data[is_one ? 0 : row]);
+        for (int i = lane_of_slot(); i < cells; i += width_of_slot()) on_cell(i);
     }
 }
 
@@ -95,7 +96,7 @@ template <typename Solve> WARPWEAR_FN void moments(int slot, int slots, Solve& s
             lowest = lowest > down ? lowest : down;
         };
     });
-    leave_lines(solve.table, slot, 3, {count(cells), total(first), total(second), most(lowest)});
+    store_lines(solve.table, slot, 3, {count(cells), total(first), total(second), most(lowest)});
 }
 
 // Trial pressure of springs under the gap's mean; far below zero in the padding. Sums as those of `carried`.
@@ -116,7 +117,7 @@ template <typename Solve> WARPWEAR_FN void springs(int slot, int slots, Solve& s
             between += ((x > zero) & (x < cap)) ? yes : no;
         };
     });
-    leave_lines(solve.table, slot, 2, {total(sum), count(between)});
+    store_lines(solve.table, slot, 2, {total(sum), count(between)});
 }
 
 // Sums of the trial pressures, shifted and clipped, and of the cells between the bounds. takes: whether they
@@ -135,7 +136,7 @@ template <bool takes, typename Solve> WARPWEAR_FN void carried(int slot, int slo
             between += ((q > zero) & (q < cap)) ? yes : no;
         };
     });
-    leave_lines(solve.table, slot, 2, {total(sum), count(between)});
+    store_lines(solve.table, slot, 2, {total(sum), count(between)});
 }
 
 // Pressures down to caps that may have fallen since they were solved.
@@ -149,14 +150,31 @@ template <typename Solve> WARPWEAR_FN void bound(int slot, int slots, Solve& sol
     });
 }
 
+// What passes the cells of a body and yields there: the mean of the pressure, or of the step, times their
+// compliance.
+template <typename Solve> WARPWEAR_FN void streak(int slot, int slots, const Solve& solve, bool of_step)
+{
+    const auto& fields = solve.fields;
+    const int window = solve.streak_window.data[0];
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&) {
+        return [&, row](int i) {
+            const Lanes mean = mean_at(of_step ? fields.step : fields.pressure, row.number, i, window);
+            row_of(fields.streak, row.number)[i] = row_of(fields.streak_yields, row.number)[i] * mean;
+        };
+    });
+}
+
 // What compliances of each cell add to the response to the pressure, or to the step.
 template <bool of_step, typename Solve> WARPWEAR_FN void yield(int slot, int slots, Solve& solve)
 {
+    const bool streaks = solve.fields.streak.shape[0] > 0;
+    const int window = solve.streak_window.data[0];
     each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&) {
-        return [row](int i) {
+        return [&, row](int i) {
             CONTRACT_FAST
             const Lanes x = of_step ? row.step[i] : row.pressure[i], b = row.yields[i];
             row.response[i] = row.response[i] + b * x;
+            if (streaks) row.response[i] += mean_at(solve.fields.streak, row.number, i, window);
         };
     });
 }
@@ -190,7 +208,7 @@ template <typename Solve> WARPWEAR_FN void gradient(int slot, int slots, Solve& 
             largest = largest > size ? largest : size;
         };
     });
-    leave_most(solve.table, 0, slot, most(largest));
+    store_most(solve.table, 0, slot, most(largest));
 }
 
 // p += length x step, t += length x response; a whole step takes the shifted trial itself, exact at the
@@ -226,7 +244,7 @@ template <typename Solve> WARPWEAR_FN void advance(int slot, int slots, Solve& s
             lowest = lowest > down ? lowest : down;
         };
     });
-    leave_lines(solve.table, slot, 4,
+    store_lines(solve.table, slot, 4,
                 {total(sum), count(touching), count(between), total(level), most(highest), most(lowest)});
 }
 
@@ -262,7 +280,7 @@ template <typename Solve> WARPWEAR_FN void scatter(int slot, int slots, Solve& s
             if (i + 1 < cells) ends += one != is_between(i + 1);
         }
     }
-    leave_lines(solve.table, slot, 2, {inner, ends});
+    store_lines(solve.table, slot, 2, {inner, ends});
 }
 
 // Where a step goes down from a cell: its gradient, or what the preconditioner made of that.
@@ -320,7 +338,7 @@ template <typename Solve> WARPWEAR_FN void products(int slot, int slots, Solve& 
             largest_r = largest_r > of_r ? largest_r : of_r;
         };
     });
-    leave_lines(solve.table, slot, 7,
+    store_lines(solve.table, slot, 7,
                 {count(free_cells), total(sum_z), total(sum_r), total(sum_y), total(zy), total(zr), total(sr),
                  most(largest_z), most(largest_r)});
 }
@@ -350,7 +368,7 @@ template <typename Solve> WARPWEAR_FN void direction(int slot, int slots, Solve&
             between += ((x > zero) & (x < cap)) ? yes : no;
         };
     });
-    leave_lines(solve.table, slot, 2, {total(sum), count(between)});
+    store_lines(solve.table, slot, 2, {total(sum), count(between)});
 }
 
 // Feasible step to the shifted trial. Sum: step x (t - L). Maximum: fraction used of the room to a bound.
@@ -372,8 +390,8 @@ template <typename Solve> WARPWEAR_FN void step(int slot, int slots, Solve& solv
             slope += moves ? s * (row.gradient[i] - level) : zero;
         };
     });
-    leave_each({{total(slope), &wp::index(solve.table, 0, slot), true},
-                {most(used), &wp::index(solve.table, 2, slot), false}});
+    store_partials({{total(slope), &wp::index(solve.table, 0, slot), true},
+                    {most(used), &wp::index(solve.table, 2, slot), false}});
 }
 
 // Sum of step x response. Maximum: |response|.
@@ -388,6 +406,6 @@ template <typename Solve> WARPWEAR_FN void curvature(int slot, int slots, Solve&
             largest = largest > size ? largest : size;
         };
     });
-    leave_each({{total(sum), &wp::index(solve.table, 1, slot), true},
-                {most(largest), &wp::index(solve.table, 3, slot), false}});
+    store_partials({{total(sum), &wp::index(solve.table, 1, slot), true},
+                    {most(largest), &wp::index(solve.table, 3, slot), false}});
 }

@@ -149,7 +149,7 @@ template <typename Shear> WARPWEAR_FN void shear_scale(int slot, int slots, Shea
         row.trial.put(i, {zero, zero});
     });
     const double cells = count(touching);
-    leave_lines(shear.table, slot, 6, {0.0, 0.0, cells, 0.0, cells, total(sum), most(largest)});
+    store_lines(shear.table, slot, 6, {0.0, 0.0, cells, 0.0, cells, total(sum), most(largest)});
 }
 
 // Sums over cells in contact: how many, e - Aq, what of it all may follow by their last weights, and the sum
@@ -169,7 +169,7 @@ template <typename Shear> WARPWEAR_FN void shear_levels(int slot, int slots, She
         touching += one_if(touches);
         ways.add(row, i, weight, on);
     });
-    leave_lines(shear.table, slot, 8,
+    store_lines(shear.table, slot, 8,
                 {count(touching), total(all.x), total(all.y), total(of_ways.x), total(of_ways.y),
                  total(ways.xx), total(ways.xy), total(ways.yy)});
 }
@@ -196,7 +196,7 @@ template <typename Shear> WARPWEAR_FN void shear_slips(int slot, int slots, Shea
         aside = larger(aside, dot(across, across));
         against = larger(against, only(on, -outward));
     });
-    leave_lines(shear.table, slot, 0, {most(aside), most(against)});
+    store_lines(shear.table, slot, 0, {most(aside), most(against)});
 }
 
 // Descent z of what the preconditioner made of the trial, and the last way d along the circles of now. Sums:
@@ -225,7 +225,7 @@ template <typename Shear> WARPWEAR_FN void shear_descends(int slot, int slots, S
         cz += dot(change, z);
         gd += dot(g, d);
     });
-    leave_lines(shear.table, slot, 14,
+    store_lines(shear.table, slot, 14,
                 {total(all.x), total(all.y), total(last.x), total(last.y), total(ways.xx), total(ways.xy),
                  total(ways.yy), total(gz), total(cz), total(gd), total(of_g.x), total(of_g.y),
                  total(of_change.x), total(of_change.y)});
@@ -252,7 +252,7 @@ template <typename Shear> WARPWEAR_FN void shear_curves(int slot, int slots, She
         const Lanes l = row.tie[i], zero = 0.0;
         sum += dot(d, row.response[i]) + larger(l, zero) * dot(d, d);
     });
-    leave_sum(shear.table, 0, slot, total(sum));
+    store_sum(shear.table, 0, slot, total(sum));
 }
 
 // The nearest traction within the circles to a trial, q + length x d, and a shift of all. goes: make the
@@ -284,5 +284,5 @@ template <bool goes, typename Shear> WARPWEAR_FN void shear_moves(int slot, int 
         yy += weight * (one - n.y * n.y);
         if (goes) hit = larger(hit, (free_cell & row.on_circle(i) & ~was_on) ? one : zero);
     });
-    leave_lines(shear.table, slot, 5, {total(x), total(y), total(xx), total(xy), total(yy), most(hit)});
+    store_lines(shear.table, slot, 5, {total(x), total(y), total(xx), total(xy), total(yy), most(hit)});
 }

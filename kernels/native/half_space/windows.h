@@ -25,7 +25,7 @@ template <typename Reach> WARPWEAR_FN void extents(int slot, int slots, const Re
             }
         }
     }
-    leave_lines(reach.extents, slot, 0, {first_row, last_row, first, last});
+    store_lines(reach.extents, slot, 0, {first_row, last_row, first, last});
 }
 
 // Do something with every stored vector of a window, and with that of the larger grid where it lies.

@@ -76,5 +76,5 @@ WARPWEAR_FN void count_bare(int slot, int slots, const Slides& slides, const Pro
         for (int i = lane_of_slot(); i < pressures.shape[1] * OF_VECTOR; i += width_of_slot())
             sum += pressure[i] > zero ? (Lanes)bare[i] : zero;
     }
-    leave_sum(sums, 0, slot, total(sum));
+    store_sum(sums, 0, slot, total(sum));
 }

@@ -90,8 +90,8 @@ struct Books {
                              Lanes pressure, const PerBody& borne, const PerBody& worn)
     {
         const Lanes zero = 0.0, one = 1.0, touches = pressure > zero ? one : zero;
-        of_cells(own.counter, step.k_counter, touches, borne.counter, worn.counter, of_body[0]);
-        of_cells(own.disc, step.k_disc, touches, borne.disc, worn.disc, of_body[1]);
+        of_cells(own.counter, step.removal.k_counter, touches, borne.counter, worn.counter, of_body[0]);
+        of_cells(own.disc, step.removal.k_disc, touches, borne.disc, worn.disc, of_body[1]);
         const Lanes filmed = sources.films.shear_filmed, limit = sources.largest_shear * pressure;
         const Lanes bare = own.counter.count + own.disc.count > 0 ? NO_LIMIT : 1.0;
         const Lanes strength = own_or(own.material, i, one) > zero ? bare : filmed;
@@ -107,8 +107,8 @@ struct Books {
         const int counts[] = {cells.materials_counter.shape[1], cells.materials_disc.shape[1]};
         for (int book = 0; book < 2 * BOOKS; ++book)
             for (int m = 0; m < BOOKED && m < counts[book / BOOKS]; ++m)
-                leave_sum(sums, book * BOOKED + m, slot, total((&of_body[0][0][0])[book * BOOKED + m]));
-        leave_sum(sums, 2 * BOOKS * BOOKED, slot, total(sheared));
+                store_sum(sums, book * BOOKED + m, slot, total((&of_body[0][0][0])[book * BOOKED + m]));
+        store_sum(sums, 2 * BOOKS * BOOKED, slot, total(sheared));
     }
 };
 
@@ -122,7 +122,7 @@ WARPWEAR_FN void book_materials(int slot, int slots, const List& list, const Cou
     const auto& step = wp::index(slides, 0);
     const auto& law = wp::index(springs.law, 0);
     const Lanes zero = 0.0, one = 1.0, tie_pressure = law.tie_pressure;
-    const int of_row = gaps.shape[1] * OF_VECTOR;
+    const int vectors_per_row = gaps.shape[1] * OF_VECTOR;
     Books books;
     const auto book_row = [&](int row, const auto& alike) {
         const CellRow own(cells, row);
@@ -130,7 +130,7 @@ WARPWEAR_FN void book_materials(int slot, int slots, const List& list, const Cou
         const Stored* const worn_counter = row_of(sources.wear_counter, row);
         const Stored* const worn_disc = row_of(sources.wear_disc, row_beneath(row, step, sources));
         for (int n = team_of_slot(); n < wp::index(counts, row); n += teams_of_slot()) {
-            const Span span = span_of_tile(wp::index(list, row, n), of_row);
+            const Span span = span_of_tile(wp::index(list, row, n), vectors_per_row);
             for (int i = span.first; i < span.end; i += span.stride) {
                 const Lanes overlap = (law.base - gap[i]) + law.offset;
                 const auto& spring = spring_at<true>(own.stiffness, i, alike);

@@ -33,8 +33,8 @@ WARPWEAR_FN void stiffen(const Slide& slide, const Sources& sources, const Prope
     const Stored* const wear = curve.scale > 0.0 ? row_of(sources.wear_disc, under) : nullptr;
     const Lanes one = 1.0, rigid = RIGID;
     for (int i = span.first; i < span.end; i += span.stride) {
-        const Lanes compliance = slide.own + slide.k_counter * own_or(own.k_counter, i, one);
-        const Lanes k_disc = slide.k_disc * own_or(own.k_disc, i, one);
+        const Lanes compliance = slide.own + slide.removal.k_counter * own_or(own.k_counter, i, one);
+        const Lanes k_disc = slide.removal.k_disc * own_or(own.k_disc, i, one);
         if (wear) {
             const Lanes ratio = each_lane(wear[i], [&](double v) { return bearing_ratio(v, curve); });
             stiffness[i] = one / (compliance + k_disc / ratio);
@@ -57,8 +57,8 @@ WARPWEAR_FN void look_at_materials(const Slide& slide, const Sources& sources, c
     Stored* const cap_ratio = (Stored*)own.cap_ratio;
     Stored* const yields = (Stored*)row_or_none(cells.yields, row);
     const bool by_place = slide.window == 1, turned = slide.counter_moves == 1;
-    const double of_counter = by_place || turned ? slide.k_counter : 0.0;
-    const double of_disc = by_place || !turned ? slide.k_disc : 0.0;
+    const double of_counter = by_place || turned ? slide.removal.k_counter : 0.0;
+    const double of_disc = by_place || !turned ? slide.removal.k_disc : 0.0;
     const Lanes none = NO_LIMIT, one = 1.0;
     for (int i = span.first; i < span.end; i += span.stride) {
         if (k_counter) k_counter[i] = own.counter.number_at(RATIO, counter[i]);
@@ -121,11 +121,11 @@ WARPWEAR_FN void make_listed(int slot, int slots, const List& list, const Count&
 {
     const auto& slide = wp::index(slides, 0);
     const auto& any = cells.material.shape[0] > 0 ? cells.material : cells.stiffness;
-    const int of_row = any.shape[1] * OF_VECTOR;
+    const int vectors_per_row = any.shape[1] * OF_VECTOR;
     for (int row = slot; row < any.shape[0]; row += slots)
         for (int n = team_of_slot(); n < wp::index(counts, row); n += teams_of_slot())
             make_cells(slide, sources, cells, row, row_beneath(row, slide, sources),
-                       span_of_tile(wp::index(list, row, n), of_row));
+                       span_of_tile(wp::index(list, row, n), vectors_per_row));
 }
 
 // Note the distance at the end of a step where the bodies under the tiles listed were worn in it.
@@ -135,12 +135,12 @@ WARPWEAR_FN void rub_listed(int slot, int slots, const List& list, const Count& 
 {
     const auto& slide = wp::index(slides, 0);
     const auto& films = sources.films;
-    const int of_row =
+    const int vectors_per_row =
         (films.counter.seen.shape[0] > 0 ? films.counter : films.disc).seen.shape[1] * OF_VECTOR;
     for (int row = slot; row < counts.shape[0]; row += slots)
         for (int n = team_of_slot(); n < wp::index(counts, row); n += teams_of_slot())
             rub_film(slide, films, row, row_beneath(row, slide, sources),
-                     span_of_tile(wp::index(list, row, n), of_row));
+                     span_of_tile(wp::index(list, row, n), vectors_per_row));
 }
 
 // The same of the columns ever touched, where more is worn than what is listed.

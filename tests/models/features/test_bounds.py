@@ -12,7 +12,7 @@ from numpy.testing import assert_array_equal
 import warpwear
 from warpwear.engine.executor import Executor
 from warpwear.engine.program import Program
-from warpwear.engine.tiles import of_tiles
+from warpwear.engine.tiles import tile_extremes
 from warpwear.errors import InvariantError
 from warpwear.grid import FloatArray
 from warpwear.kernels.cells import LANES, PADDING, TILE_VECTORS
@@ -65,7 +65,7 @@ def test_bounds_are_made_anew(device: str, threads: int) -> None:
         tiles.refresh(program)
         program.run()
         assert tiles.below_bounds() == 0.0
-        lowest, highest = of_tiles(np.minimum, bodies.counter), of_tiles(np.maximum, bodies.disc)
+        lowest, highest = tile_extremes(np.minimum, bodies.counter), tile_extremes(np.maximum, bodies.disc)
         count = lowest.shape[1]
         assert_array_equal(tiles.lowest.to_numpy()[:, :count], lowest)
         assert_array_equal(tiles.highest.to_numpy()[:, :count], highest)

@@ -52,7 +52,7 @@ def corner(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray]) -> Fig
 
 
 def course(predicted: tuple[FloatArray, FloatArray, FloatArray], data: Data) -> Figure:
-    """The predicted coefficient of friction with what was measured on it."""
+    """Draw the predicted coefficient of friction with what was measured on it."""
     distance, (mean, low, high), (least, most) = predicted
     lines: list[Line] = []
     if np.any(most - least > (high - low) * (1.0 + 1e-9)):

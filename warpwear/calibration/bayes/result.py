@@ -197,7 +197,7 @@ class Inference:
         return distance, np.array(band(cof)), np.array(band(with_scatter))[1:]
 
     def computed(self) -> list[dict[str, Any]]:
-        """A row a measured value: what it is, what the study computes, and how far apart they are."""
+        """Return a row a measured value: what it is, what the study computes, and how far apart they are."""
         return computed(self.posterior, self._some)
 
     def plot(self, name: str) -> Figure:

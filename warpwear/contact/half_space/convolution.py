@@ -96,11 +96,13 @@ class Convolution(Filter):
         )
 
     def set_mean(self, value: float) -> None:
+        """Set the answer to a uniform pressure [mm/MPa]."""
         self._table.numpy()[0, 0, 0] = value
 
     def add_to(
         self, program: Program, field_in: Field, line: Any, field_out: Field, *, divides: bool = False
     ) -> None:
+        """Add the transforms and the product between them to a program."""
         plan = arguments(fourier.Plan, divides=divides, **self._plan)
         scratch, modes = self.memory
 

@@ -60,11 +60,13 @@ class PaddedFilter(Filter):
         return False
 
     def set_mean(self, value: float) -> None:
+        """Set the answer to a uniform pressure [mm/MPa]."""
         self._table[:1, :1].fill_(value)
 
     def add_to(
         self, program: Program, field_in: Field, line: Any, field_out: Field, *, divides: bool = False
     ) -> None:
+        """Add the transforms and the filter between them to a program."""
         grids, executor = self._grids, self._executor
         members = {name: getattr(grids, name) for name in ("visited", "rows", "columns", "stride")}
         around = arguments(fourier.Plan, divides=divides, scale=self.scale, **members)

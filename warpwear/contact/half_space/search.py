@@ -40,7 +40,8 @@ class Search:
 
     fields: arrays of `solve.Fields` by name; its gap is from the mean planes [mm]. cap_ratio: parts of the
     hardness that cells bear; None: all of it. yields: compliance of each cell beside the operator's [mm/MPa];
-    None: none. groups: 1, all rows together, or as
+    None: none. streak_yields: that of cells under the mean along x that passes them, of so many cells as
+    `streak` is told. groups: 1, all rows together, or as
     many as the executor has rows, each of which has a load of its own. tiled: whether gradients are extended
     tile by tile, as a CPU does by default. After a run `numbers` and `groups` hold what the search knows, by
     the names of `kernels.half_space.solve`.
@@ -56,6 +57,7 @@ class Search:
         fields: Mapping[str, Field],
         cap_ratio: Field | None,
         yields: Field | None = None,
+        streak_yields: Field | None = None,
         groups: int,
         tiled: bool | None = None,
     ) -> None:
@@ -63,7 +65,7 @@ class Search:
         device, grid = executor.device, executor.grid
         on_cpu = device.is_cpu
         self._single = operator.is_one and on_cpu and operator.cells >= LEAST_SINGLE
-        self._yields = yields is not None
+        self._yields, self._streaks = yields is not None, streak_yields is not None
         self._extends = operator.is_one and not self._yields
         self._few = rules.few if self._extends and on_cpu and hardness < NO_CAP and groups == 1 else 0
         #: Whether what is extended is gathered tile by tile.
@@ -86,8 +88,11 @@ class Search:
                 cap=min(hardness, NO_CAP),
                 cap_ratio=executor.zeros(0) if cap_ratio is None else cap_ratio,
                 yields=executor.zeros(0) if yields is None else yields,
+                streak_yields=executor.zeros(0) if streak_yields is None else streak_yields,
+                streak=executor.zeros(0 if streak_yields is None else None),
                 gathered=gathered,
             ),
+            streak_window=1,
             request=len(Request),
             loads=groups,
             visited=operator.visited,
@@ -106,6 +111,10 @@ class Search:
         #: Ranges of slots for the threads, as of `Program.launch`.
         self._chunks = None if operator.chunks is None else lambda: operator.chunks or [(0, slots)]
         self._program = self._make_program()
+
+    def streak(self, window: int) -> None:
+        """Tell over how many cells along x the pressures are averaged that pass a cell."""
+        self._executor.put(self._solve.streak_window, window)
 
     def run(self, request: Mapping[Request, float], loads: FloatArray, then: Program | None = None) -> int:
         """Search; return how it ended, by the numbers of `kernels.half_space.solve`.
@@ -272,6 +281,8 @@ class Search:
     def _respond(self, program: Program, field: str, *, single: bool) -> None:
         fields = self._solve.fields
         self._operator.add_response(program, getattr(fields, field), fields.response, single=single)
+        if self._streaks:
+            self._pass(program, passes.streak, field == "step")
         if self._yields:
             self._pass(program, passes.yield_to_step if field == "step" else passes.yield_to_pressure)
 

@@ -9,11 +9,12 @@ decide where load goes, it then need not spend on the fine grid.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
+import warp as wp
 
 from warpwear.contact.balance import TOLERANCE as LOAD_TOLERANCE
 from warpwear.contact.certificate import Certificate
@@ -129,7 +130,7 @@ class BoundedPressure:
         mean_pressure: float | FloatArray | None = None,
         approach: float | None = None,
         compliance: float = 0.0,
-        streak_compliance: float = 0.0,
+        streak_compliance: float | Field = 0.0,
         streak_window: int | None = None,
         cap_ratio: Field | None = None,
         yields: Field | None = None,
@@ -144,7 +145,8 @@ class BoundedPressure:
         bodies for an implicit step of wear. streak_compliance: K ΔL of a body that the other slides over,
         under pressures averaged along x, see `Influence`. streak_window: cells of that mean; None: the whole
         line. cap_ratio: of the hardness, 0 < ratio ≤ 1, that cells bear; None: all of it. yields: compliance
-        that each cell has beside these [mm/MPa]; None: none. certified: whether to certify the pressure, for
+        that each cell has beside these [mm/MPa]; None: none; with it that of streaks may be one of each cell.
+        certified: whether to certify the pressure, for
         one more pair of transforms; None: if it is found from nothing. then: the program that follows a
         search before the host looks.
 
@@ -153,8 +155,13 @@ class BoundedPressure:
         """
         loads = self._loads(mean_pressure, approach)
         certified = not self.started if certified is None else certified
-        search = self._search_for(gap, cap_ratio, yields, groups=isinstance(mean_pressure, np.ndarray))
-        self._influence.set_compliance(compliance, streak_compliance, streak_window)
+        streaks = streak_compliance if isinstance(streak_compliance, wp.array) else None
+        own = {"cap_ratio": cap_ratio, "yields": yields, "streak_yields": streaks}
+        search = self._search_for(gap, own, groups=isinstance(mean_pressure, np.ndarray))
+        if streaks is not None:
+            search.streak(streak_window or self._executor.grid.nx)
+        along = 0.0 if isinstance(streak_compliance, wp.array) else streak_compliance
+        self._influence.set_compliance(compliance, along, streak_window)
         request = {
             Request.RESPONSE: self._influence.shortest_response + compliance,
             Request.LONGER_RESPONSE: LONGER * self._influence.shortest_response + compliance,
@@ -185,11 +192,9 @@ class BoundedPressure:
         """Return the displacement under the pressure that was certified last [mm]; lost in a solve."""
         return self._fields["response"]
 
-    def _search_for(
-        self, gap: Field, cap_ratio: Field | None, yields: Field | None, *, groups: bool
-    ) -> Search:
+    def _search_for(self, gap: Field, own: Mapping[str, Field | None], *, groups: bool) -> Search:
         """Return the search for contacts with a gap, caps and compliances; it is said once for each."""
-        said = gap.ptr, *(None if field is None else field.ptr for field in (cap_ratio, yields)), groups
+        said = gap.ptr, *(None if field is None else field.ptr for field in own.values()), groups
         if self._search is None or said != self._said:
             self._search = None  # and its memory, before the next takes its own
             self._search = Search(
@@ -198,8 +203,7 @@ class BoundedPressure:
                 hardness=self._hardness,
                 rules=self._rules,
                 fields={"gap": gap, **self._fields},
-                cap_ratio=cap_ratio,
-                yields=yields,
+                **own,
                 groups=self._executor.grid.nx if groups else 1,
             )
             self._said = said
@@ -233,7 +237,7 @@ class BoundedPressure:
         )
 
     def _loads(self, mean_pressure: float | FloatArray | None, approach: float | None) -> FloatArray | None:
-        """Sums of the pressures that the groups are to carry [MPa]; None at an approach."""
+        """Return the sums of pressures that the groups are to carry [MPa]; None at an approach."""
         if mean_pressure is None:
             return None
         means = np.atleast_1d(mean_pressure)
@@ -284,6 +288,8 @@ class HalfSpace(BoundedPressure):
     def _start(self, gap: Field, *, streak_window: int | None = None, then: Any = None, **where: Any) -> int:
         """Start from the contact on cells twice as wide, of whose transforms four count as one."""
         fine, fields = self._executor, {"gap": gap}
+        if isinstance(where.get("streak_compliance"), wp.array):
+            del where["streak_compliance"]  # it begins well enough without
         fields |= {name: where.pop(name) for name in ("cap_ratio", "yields") if where.get(name) is not None}
         if self._wide is None or self._wide_fields.keys() != fields.keys():
             # Of an odd number of cells the last wide one goes over the edge.

@@ -103,6 +103,7 @@ class Window:
         launch_once(executor, passes.give_window, transfer)
 
     def grid(self, whole: Grid) -> Grid:
+        """Return the grid of the window on a whole one."""
         columns = min(self.end * LANES, whole.ny) - self.first * LANES
         return Grid(self.end_row - self.first_row, columns, whole.cell)
 
@@ -241,7 +242,7 @@ class WindowedHalfSpace:
         gap: Field,
         *,
         load: float,
-        streak_compliance: float = 0.0,
+        streak_compliance: float | Field = 0.0,
         streak_window: int | None = None,
         cap_ratio: Field | None = None,
         yields: Field | None = None,
@@ -255,10 +256,12 @@ class WindowedHalfSpace:
         cap_ratio. Raises InputError for a load that not all cells at the least of their caps carry.
         """
         whole, least = self._executor.grid, least_cap_ratio * self._hardness
-        there = {"gap": gap, "cap_ratio": cap_ratio, "yields": yields}
+        streaks = streak_compliance if isinstance(streak_compliance, wp.array) else None
+        there = {"gap": gap, "cap_ratio": cap_ratio, "yields": yields, "streak_compliance": streaks}
         fields = {name: field for name, field in there.items() if field is not None}
-        wear = {"compliance": compliance, "streak_compliance": streak_compliance}
-        options: dict[str, Any] = {**wear, "streak_window": streak_window}
+        options: dict[str, Any] = {"compliance": compliance, "streak_window": streak_window}
+        if streaks is None:
+            options["streak_compliance"] = streak_compliance
         options["certified"] = not self._started if certified is None else certified
 
         if self._bodies is None and math.isfinite(least):
@@ -269,8 +272,11 @@ class WindowedHalfSpace:
             return self._most(window, least) * (1.0 + LOAD_TOLERANCE) >= load
 
         # No more of a mean along x may reach beyond the window than it holds.
-        rows = 2 * (streak_window or (whole.nx if streak_compliance else 1))
-        if self._window is None:
+        rows = 2 * (streak_window or (whole.nx if streaks is not None or streak_compliance else 1))
+        has_windows = self._has_windows and streaks is None  # which reach beyond them
+        if not has_windows:
+            self._look_at(self._everything)
+        elif self._window is None:
             self._look_at(self._first(gap, load, rows, least))
         elif self._window.end_row - self._window.first_row < min(rows, whole.nx):
             self._look_at(self._around(self._window.box, rows=rows))
@@ -299,14 +305,14 @@ class WindowedHalfSpace:
                 transforms, iterations = transforms + contact.transforms, iterations + contact.iterations
                 first_row, last_row, first, last = self._mirror.read()[0].max(axis=1).tolist()
                 reached = round(-first_row), round(last_row), round(-first), round(last)
-                if not self._has_windows or window.holds(reached):
+                if not has_windows or window.holds(reached):
                     break
             # Too few cells give too large an approach: what lies below it holds the contact of them all. They
             # may give no contact either, where more do.
             del here, contact  # and their memory, before others take theirs
             self._look_at(self._around(reached, rows=rows))
         fitting = self._around(reached, rows=rows)
-        if self._has_windows and fitting.area <= SMALLER * window.area and carries(fitting):
+        if has_windows and fitting.area <= SMALLER * window.area and carries(fitting):
             self._look_at(fitting)
         return replace(
             contact,
@@ -323,7 +329,6 @@ class WindowedHalfSpace:
 
         Beyond the window no cell may count in the certificate either.
         """
-
         executor = self._executor
         fields = {"gap": gap, "columns": executor.grid.ny, "extents": self._extents}
 

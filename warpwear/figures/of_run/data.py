@@ -177,6 +177,7 @@ class FigureData:
 
     @property
     def steps(self) -> int:
+        """Return the number of rows of the history."""
         return int(self.history["distance"].size)
 
     @cached_property

@@ -10,7 +10,7 @@ from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.engine.state import InFrame
-from warpwear.engine.tiles import of_tiles
+from warpwear.engine.tiles import tile_extremes
 from warpwear.grid import FloatArray
 from warpwear.kernels import patches as kernels
 from warpwear.kernels.cells import LANES
@@ -35,7 +35,7 @@ class PatchContact:
     def __init__(self, task: ContactTask, patches: Patches, heights: FloatArray, executor: Executor) -> None:
         self.initial = gap_over(task.form, heights, executor, patches)
         self.gap: Field = wp.clone(self.initial)
-        lowest = of_tiles(np.minimum, self.gap, lines=patches.side)
+        lowest = tile_extremes(np.minimum, self.gap, lines=patches.side)
         #: Lowest gap of each patch before any wear [mm]: below that approach it carries nothing.
         self.lowest: FloatArray = lowest.min(axis=1)
         #: Worn by both bodies [mm], where a feature asks for it.

@@ -12,7 +12,7 @@ from warpwear.contact.search import bends_of
 from warpwear.engine.executor import Arguments, Executor, Field, arguments
 from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
-from warpwear.engine.tiles import of_tiles
+from warpwear.engine.tiles import tile_extremes
 from warpwear.grid import FloatArray
 from warpwear.history.recorder import Step
 from warpwear.history.recorder_patches import PatchLedger, Worn
@@ -235,7 +235,7 @@ class TwoScaleModel(Model):
 
     def below_bounds(self) -> float:
         """Compare with the lowest gap of every tile before any wear, see `Model.below_bounds`."""
-        now = of_tiles(np.minimum, self.contact.gap, lines=self.patches.side)
+        now = tile_extremes(np.minimum, self.contact.gap, lines=self.patches.side)
         return float((self.contact.surfaces.lowest.numpy() - now).max())
 
     def _begin(self, increments: Sequence[float], then: float | None) -> list[tuple[float, float]]:

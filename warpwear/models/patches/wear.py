@@ -14,7 +14,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.recorder_patches import PatchLedger, Worn
 from warpwear.kernels import wear_from_pressure
 from warpwear.kernels.cells import LANES, MAXIMA, PATCH_MAXIMA, PATCH_SUMS, PressureSum, names_of
-from warpwear.kernels.sliding import Bodies, OfRows, Slide
+from warpwear.kernels.sliding import Bodies, RowSums, Slide
 from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.archard import BODIES, wear_in_steps
 from warpwear.laws.patches import Patches
@@ -137,7 +137,7 @@ class PatchWear:
                 bodies = {"counter": self._shared["gap"], "wear_counter": self._shared["worn"]}
             place = self._place._replace(pressed=pressed)
             self.features.ask("before_wear", program, place)
-            tables = arguments(OfRows, worn_disc=self._disc), self._sums, self._maxima
+            tables = arguments(RowSums, worn_disc=self._disc), self._sums, self._maxima
             worn = self.slides.array, self._layout, pressed, arguments(Bodies, **bodies)
             program.launch(wear_from_pressure.wear, *worn, *tables, slots=self._sums.shape[1])
             self.features.ask("after_step", program, self._place)

@@ -121,12 +121,12 @@ class OneScaleModel(Model):
         program.decide(wear.record, self._search.springs, self._steps, self._tables)
 
     def _add_search(self, program: Program) -> None:
-        """The search of a step, and the list of tiles that its wear needs."""
+        """Return the search of a step, and the list of tiles that its wear needs."""
         self._search.add_to(program, wear.judge_area if self.task.rigid else wear.judge, self._steps)
         self.tiles.add_to(program)
 
     def _add_wear(self, program: Program) -> None:
-        """The wear of a step, and its row."""
+        """Return the wear of a step, and its row."""
         listed, steps = self.tiles, self._steps
         program.launch(
             wear.wear_step,
@@ -138,7 +138,7 @@ class OneScaleModel(Model):
         program.decide(wear.record, self._search.springs, steps, self._tables)
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
-        """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
+        """Return the fields after the last step, which was asked for its pressure, at its distance [mm]."""
         assert step.pressure is not None
         gap = self._executor.to_numpy(self.gap)
         counter, disc = self.worn_depths(gap)
@@ -205,7 +205,7 @@ class OneScaleModel(Model):
         return removals
 
     def _booked(self, increments: Sequence[float], removals: Sequence[tuple[float, float]]) -> Iterator[Step]:
-        """The steps that the device has made, as the ledger enters them."""
+        """Return the steps that the device has made, as the ledger enters them."""
         count = self._course["step"]
         table = np.ascontiguousarray(self._steps.history[: max(count, 1)].numpy()[:count].T)
         base, offset, cap, residual, *others = table[: len(wear.BALANCE)]

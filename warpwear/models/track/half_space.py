@@ -21,7 +21,7 @@ from warpwear.history.recorder import Ledger, Step
 from warpwear.kernels import contact, fourier, wear_from_pressure
 from warpwear.kernels.cells import MAXIMA, OF_FEATURES, PressureSum, names_of
 from warpwear.kernels.half_space import passes
-from warpwear.kernels.sliding import Bodies, OfRows, Slide
+from warpwear.kernels.sliding import Bodies, RowSums, Slide
 from warpwear.kernels.sliding_steps import Steps
 from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.archard import BODIES
@@ -128,7 +128,7 @@ class SlidingHalfSpace:
         self.ledger = Ledger(task, executor.grid, margin=edge, track_fraction=track_fraction)
         self._length = PartLength(task, moves=moves, shortens=self.features.window is None)
         #: Finds what wears cells whose K goes with their pressure; None where none does.
-        self._lines = WearLines(task.knots, executor) if len(task.knots) else None
+        self._lines = WearLines(task.knots, executor, moves=moves) if len(task.knots) else None
         #: Solves contacts without the wear of the step. It is a second solver: the first goes on as it was.
         self._static = None
         if task.static_area_every:
@@ -267,7 +267,8 @@ class SlidingHalfSpace:
         else:
             wears, start = self._wears(part), self._half_space.start
             removals = wears["k_counter"], wears["k_disc"]
-            contact = self._lines.solve(solve, self.gap, start, removals, certified=certified)
+            window = self.cells_passing(part.increment)
+            contact = self._lines.solve(solve, self.gap, start, removals, certified=certified, window=window)
         for one in self._asked:
             one.note(contact)
         return contact
@@ -328,7 +329,7 @@ class SlidingHalfSpace:
             pressed.on_counter, pressed.on_disc = self._lines.counter, self._lines.disc
         program.launch(wear_from_pressure.means, slides, pressure, self._means)
         self._asked.ask("before_wear", program, self._place._replace(pressed=pressed))
-        tables = [arguments(OfRows, **self._of_rows), self._sums, self._maxima]
+        tables = [arguments(RowSums, **self._of_rows), self._sums, self._maxima]
         program.launch(wear_from_pressure.wear, slides, self._layout, pressed, self._bodies, *tables)
 
     def _run(self, name: str, add: Callable[[Program], None]) -> None:

@@ -1,14 +1,14 @@
 """A disc moves by whole cells under a wearing counter-body, step by step, on one grid."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
 import warp as wp
 
 from warpwear.contact.balance import Balance, stiffness_of
-from warpwear.engine.executor import Executor, Field, arguments
-from warpwear.engine.numbers import Numbers
+from warpwear.engine.executor import Arguments, Executor, Field, arguments
+from warpwear.engine.numbers import Numbers, members_of
 from warpwear.engine.program import Program
 from warpwear.engine.state import InFrame
 from warpwear.engine.tiles import NO_LIMIT
@@ -16,7 +16,7 @@ from warpwear.grid import FloatArray
 from warpwear.history.recorder import Entry, Ledger, Step
 from warpwear.kernels import balance, bearing, sliding, sliding_steps
 from warpwear.kernels.cells import NO_INDEX, OF_FEATURES, PADDING, TrackMost, TrackSum, names_of
-from warpwear.kernels.sliding import Bodies, OfRows, OfTiles, Slide, StepTables
+from warpwear.kernels.sliding import Bodies, RowSums, Slide, StepTables, TileBounds
 from warpwear.kernels.wear import BALANCE
 from warpwear.laws.archard import distance_factor, wear_in_steps
 from warpwear.laws.bearing_curve import Logistic
@@ -72,7 +72,7 @@ class SlidingContact:
         "features": Features,
         "ledger": Ledger,
     }
-    SCRATCH: ClassVar = ("_slides", "_steps", "_programs", "_of_steps", "_search")
+    SCRATCH: ClassVar = ("_slides", "_steps", "_host_plan", "_planned", "_programs", "_of_steps", "_search")
 
     def __init__(
         self,
@@ -90,21 +90,20 @@ class SlidingContact:
         self.state = SlidingBodies.of(task, executor, disc, counter=counter)
         self.task, self.periodic, self._moves = task, periodic, moves
         self._executor, self._track_fraction = executor, track_fraction
-        device = executor.device
-        self._slides = Numbers(Slide, device)
-        bodies = arguments(Bodies, **self.state.fields, gap=executor.zeros())
+        self._slides = Numbers(Slide, executor.device)
         #: What the study adds to a step.
         self.features = Features.of(
             task,
             executor,
             self.state.fields,
             periodic=periodic,
-            distances=self._factor() if self._factored else None,
+            distances=self._distances(),
             curve=bearing_curve,
             own=COLUMNS,
         )
         # What shear wears may lie higher than what a list that serves several steps reaches.
         wears_alone = not self.features.changes_heights and not task.shears
+        bodies = arguments(Bodies, **self.state.fields, gap=executor.zeros())
         fully = task.load / (task.least_hardness * executor.grid.cell_area)
         self.tiles = SlidingTiles(
             executor,
@@ -115,18 +114,15 @@ class SlidingContact:
             stays=wears_alone and not moves,
         )
         self.features.refresh = self.tiles.refresh
-        # Of every tile and of every row: cells of the ball ever touched, wear of the ball, of the disc,
-        # what is displaced of the disc.
-        rows = (executor.grid.nx, executor.grid.nx, disc.shape[0], self.state.plastic_disc.shape[0])
-        names = sliding_steps.KEPT
-        self._kept = {
-            name: PerTile(n, executor.tiles_per_row, device) for name, n in zip(names, rows, strict=True)
-        }
-        totals = arguments(OfRows, device, **dict(zip(names, rows, strict=True)))
-        self._totals = {name: getattr(totals, name) for name in names}
         self.ledger = Ledger(task, executor.grid, track_fraction=track_fraction)
         #: Steps of a replay at most.
         self.longest = int(min(max(CELLS_OF_REPLAY / executor.grid.cells, 1), LONGEST))
+        self._make_steps(stays=wears_alone and not moves)
+        self._make_programs(bodies, self._make_sums(with_gaps=wears_alone))
+
+    def _make_steps(self, *, stays: bool) -> None:
+        """Make the plan, the history and the memory of steps. stays: whether a list may serve several."""
+        executor, device = self._executor, self._executor.device
         #: What the steps on the device remember.
         self._course = Numbers(sliding_steps.Course, device, extents=[NO_INDEX] * 4)
         self._changes: Field = wp.full(int(sliding_steps.CHANGES), -1.0, dtype=wp.float64, device=device)
@@ -139,48 +135,65 @@ class SlidingContact:
             changes=self._changes,
             course=self._course.array,
             slides=self._slides.array,
-            moves=int(moves),
-            stays=int(wears_alone and not moves),
+            moves=int(self._moves),
+            stays=int(stays),
             columns=executor.grid.ny,
             margin=sum(one.margin for one in self.features),
         )
-        slots = executor.slots_of(executor.grid.nx)
+        #: The plan as the host writes it, which on a CPU is the device's, and its numbers by name.
+        self._host_plan = self._steps.plan.numpy()
+        self._planned = members_of(self._host_plan)
+
+    def _make_sums(self, *, with_gaps: bool) -> Arguments:
+        """Make what is kept of every tile and row, and return it with the bounds of tiles.
+
+        with_gaps: whether the lowest gaps of tiles are known.
+        """
+        executor, tiles, nx = self._executor, self.tiles, self._executor.grid.nx
+        # Cells of the ball ever touched, wear of the ball, of the disc, what is displaced of the disc.
+        rows = nx, nx, self.state.disc.shape[0], self.state.plastic_disc.shape[0]
+        sizes = dict(zip(sliding_steps.KEPT, rows, strict=True))
+        self._kept = {n: PerTile(size, executor.tiles_per_row, executor.device) for n, size in sizes.items()}
+        row_sums = arguments(RowSums, executor.device, **sizes)
+        self._totals = {name: getattr(row_sums, name) for name in sizes}
+        known = ["lowest", "highest", *(["gap"] if with_gaps else [])]
+        bounds = {name: getattr(tiles, name) for name in known} | self._kept
+        numbers = {name: one.numbers for name, one in bounds.items()}
+        return arguments(TileBounds, rows=row_sums, **numbers)
+
+    def _make_programs(self, bodies: Arguments, tile_bounds: Arguments) -> None:
+        """Make the programs of steps with all features, and of those that reach no other material."""
+        executor, slots = self._executor, self._executor.slots_of(self._executor.grid.nx)
         tables = {"sums": (len(SUMS), slots), "maxima": (len(MAXIMA), slots), "bearing": (1, slots)}
-        bounds = {"lowest": self.tiles.lowest.numbers, "highest": self.tiles.highest.numbers}
-        if wears_alone:
-            bounds["gap"] = self.tiles.gap.numbers
-        numbers = {name: bound.numbers for name, bound in self._kept.items()}
         place = Place(
             self._slides.array,
             self._steps,
             listed=(self.tiles.list, self.tiles.count),
             bodies=bodies,
-            tables=arguments(StepTables, device, **tables),
+            tables=arguments(StepTables, executor.device, **tables),
         )
         # Until a cell can reach another material, steps are those of bodies without any.
-        unreached = [] if task.profiles is None else [self.features.without("materials", "stiffness")]
+        unreached = [] if self.task.profiles is None else [self.features.without("materials", "stiffness")]
         self._of_steps = [
             StepPrograms(
                 executor,
-                task,
+                self.task,
                 self.tiles,
                 place,
-                arguments(OfTiles, rows=totals, **bounds, **numbers),
+                tile_bounds,
                 features,
-                highest=lambda: NO_LIMIT if moves else self._highest,
+                highest=lambda: NO_LIMIT if self._moves else self._highest,
             )
             for features in (self.features, *unreached)
         ]
         self._programs = self._of_steps[-1]
 
-    @property
-    def _factored(self) -> bool:
-        return not self._moves and self.task.distance_factor != "none"
-
-    def _factor(self) -> Field:
-        """Make the factor of the sliding distance of the disc's cells, one row for all or one a row."""
-        kind, grid = "none" if self._moves else self.task.distance_factor, self._executor.grid
-        factor = distance_factor(grid, kind, curvature=self.task.form.curvature)
+    def _distances(self) -> Field | None:
+        """Make the factor of the distance that the disc's cells slide, one row for all or one a row."""
+        grid, task = self._executor.grid, self.task
+        if self._moves or task.distance_factor == "none":
+            return None
+        factor = distance_factor(grid, task.distance_factor, curvature=task.form.curvature)
         return self._executor.field(np.broadcast_to(factor, (factor.shape[0], grid.ny)))
 
     @property
@@ -278,17 +291,16 @@ class SlidingContact:
             **task.shear_ratios,
             "full_depth": self._full_depth(own, k_counter, k_disc) if task.keeps_dents else NO_LIMIT,
         }
-        plan = self._steps.plan.numpy()
         for name, values in steps.items():
-            plan[name][: len(rows)] = values
+            self._planned[name][: len(rows)] = values
         if not self._executor.device.is_cpu:
-            self._steps.plan.assign(plan)
+            self._steps.plan.assign(self._host_plan)
         rigid = bool(compliance[0] == 0.0)
         count = int(np.argmax((compliance == 0.0) != rigid)) or len(rows)  # a replay has steps of one kind
         count = min(count, most)
         self._course.set(step=0, steps=count)
         if not self._course["is_begun"]:
-            self._begin_at(plan[0])
+            self._begin_at({name: values[0] for name, values in self._planned.items()})
         return np.stack([counter, disc, *depths], axis=1)[:count], rigid
 
     def _full_depth(self, own: float, counter: FloatArray, disc: FloatArray) -> FloatArray:
@@ -305,7 +317,7 @@ class SlidingContact:
         self._programs = self._of_steps[-1 if most else 0]
         return most or len(removals["disc"])
 
-    def _begin_at(self, step: Any) -> None:
+    def _begin_at(self, step: Mapping[str, Any]) -> None:
         """Tell the device where the search of the first step begins."""
         smallest, limit = self.tiles.begin_at(int(step["shift"]))
         softest = step["stiffness"]
@@ -315,7 +327,7 @@ class SlidingContact:
         self._course.set(smallest=smallest, first_limit=limit, softest=softest)
 
     def _booked(self, increments: Sequence[float], removals: FloatArray) -> Iterator[Step]:
-        """The steps that the device has made, as the ledger enters them."""
+        """Return the steps that the device has made, as the ledger enters them."""
         count = self._course["step"]
         table = np.ascontiguousarray(self._steps.history[: max(count, 1)].numpy()[:count].T)
         columns = dict(zip(self.features.columns, table, strict=True))

@@ -129,7 +129,7 @@ class SweptModel(Model):
         return step
 
     def snapshot(self, step: Step, distance: float) -> Snapshot:
-        """The fields after the last step given, which was asked for its pressure, at its distance [mm]."""
+        """Return the fields after the last step, which was asked for its pressure, at its distance [mm]."""
         assert step.pressure is not None
         state, to_numpy = self.contact.state, self._executor.to_numpy
         row = self._row

@@ -16,7 +16,7 @@ from warpwear.models.track.tiles import SlidingTiles
 class StepPrograms:
     """Makes the programs of steps, each when it is first asked for.
 
-    place: what they work on, but for the springs of a search. of_tiles: what is kept of every tile.
+    place: what they work on, but for the springs of a search. tile_bounds: what is kept of every tile.
     features: what a study adds. highest: finds the largest gap before any wear [mm].
     """
 
@@ -26,13 +26,13 @@ class StepPrograms:
         task: ContactTask,
         tiles: SlidingTiles,
         place: Place,
-        of_tiles: Arguments,
+        tile_bounds: Arguments,
         features: Features,
         *,
         highest: Callable[[], float],
     ) -> None:
         self._executor, self._task, self._tiles, self._highest = executor, task, tiles, highest
-        self._place, self._of_tiles, self.features = place, of_tiles, features
+        self._place, self._tile_bounds, self.features = place, tile_bounds, features
         #: Searches by whether the cells are rigid; programs by that too, and whether threads share them.
         self._searches: dict[bool, LoadSearch] = {}
         self._said: dict[tuple[str, bool, bool], Program] = {}
@@ -108,11 +108,11 @@ class StepPrograms:
             self.features.ask("before_wear", program, place)
             program.launch(
                 sliding.wear_step,
-                *(*listed, slides, springs, cells, bodies, self._of_tiles, tables),
+                *(*listed, slides, springs, cells, bodies, self._tile_bounds, tables),
                 chunks=lambda: tiles.chunks,
             )
             self.features.ask("after_wear", program, place)
         self.features.ask("between", program, place)
         with self.features.enclosing("at_end", program):
-            program.decide(sliding_steps.record, springs, steps, tables, self._of_tiles.rows)
+            program.decide(sliding_steps.record, springs, steps, tables, self._tile_bounds.rows)
             self.features.ask("after_step", program, place)

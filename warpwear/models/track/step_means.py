@@ -10,6 +10,8 @@ from warpwear.laws.task import ContactTask
 
 #: Sums that are averaged over the parts of a step; the others accumulate: the last part's are the step's.
 OF_A_PART = ("pressure", "deviation_squared", "contact", "capped", "bare", "rubbed")
+#: The same where K goes with the pressure.
+BY_PRESSURE = ("wearing_counter", "pressure_times_factor")
 
 
 @dataclass(frozen=True)
@@ -34,7 +36,7 @@ class StepMeans:
         counter, disc = task.wear_per_contact(start, increment)
         self._shears, self._track_fraction = (counter, disc), track_fraction
         self.approach = self.residual = self.highest = 0.0  # [mm], [N], [MPa]
-        self.total = dict.fromkeys(OF_A_PART, 0.0)
+        self.total = dict.fromkeys(OF_A_PART + (BY_PRESSURE if len(task.knots) else ()), 0.0)
         #: K ΔL of counter and disc, and the depths that shear wears off cells in contact.
         self.removals = (0.0, 0.0, counter, disc)
         self.transforms = 0

@@ -8,7 +8,7 @@ import warp as wp
 from warpwear.engine.executor import Arguments, Executor, Field, arguments, as_numbers
 from warpwear.engine.program import Program
 from warpwear.engine.state import InFrame
-from warpwear.engine.tiles import NO_LIMIT, TileList, of_tiles
+from warpwear.engine.tiles import NO_LIMIT, TileList, tile_extremes
 from warpwear.grid import FloatArray
 from warpwear.kernels import bounds, sliding
 from warpwear.kernels.cells import LANES, PADDING, Cells
@@ -81,8 +81,8 @@ class SlidingTiles(TileList):
         self.lowest = PerTile(nx, columns, device)  # of the counter-body
         self.highest = PerTile(bodies.disc.shape[0], columns, device)  # of the disc
         self.gap = PerTile(nx, columns, device)  # the lowest of each pair, where it was made
-        self.lowest.fill(of_tiles(np.minimum, bodies.counter), padding=PADDING)
-        self.highest.fill(of_tiles(np.maximum, bodies.disc), padding=-PADDING)
+        self.lowest.fill(tile_extremes(np.minimum, bodies.counter), padding=PADDING)
+        self.highest.fill(tile_extremes(np.maximum, bodies.disc), padding=-PADDING)
         # The counter-body's lowest of eight tiles and the disc's highest of a row, as they were first made.
         lowest = self.lowest.to_numpy().reshape(nx, -1, LANES).min(axis=2)
         highest = self.highest.to_numpy().max(axis=1)
@@ -132,7 +132,7 @@ class SlidingTiles(TileList):
     def below_bounds(self) -> float:
         """Return by how much a body stands out of a bound of a tile, or a gap below its own, at most."""
         bodies = self._bodies
-        counter, disc = of_tiles(np.minimum, bodies.counter), of_tiles(np.maximum, bodies.disc)
+        counter, disc = tile_extremes(np.minimum, bodies.counter), tile_extremes(np.maximum, bodies.disc)
         nx, tiles = counter.shape
         lowest = np.maximum(self.lowest.to_numpy(), np.repeat(self.lowest_of_eight.numpy(), LANES, axis=1))
         highest = np.minimum(self.highest.to_numpy(), self.highest_of_row.numpy()[:, None])
@@ -140,7 +140,7 @@ class SlidingTiles(TileList):
         worst = max(float(below.max()), float(above.max()))
         if self._bounds.stays:  # gaps, too, stay as they were made
             rows = (np.arange(nx) + self._slides.numpy()["shift"][0]) % disc.shape[0]
-            now = of_tiles(np.minimum, bodies.counter.numpy() - bodies.disc.numpy()[rows])
+            now = tile_extremes(np.minimum, bodies.counter.numpy() - bodies.disc.numpy()[rows])
             known = self.gap.to_numpy()[:, :tiles]
             worst = max(worst, float((known - now)[known != 0.0].max(initial=0.0)))
         return worst

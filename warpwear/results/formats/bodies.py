@@ -123,7 +123,7 @@ class Job:
     _kept: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def suffix(self, number: int) -> str:
-        """What tells a snapshot's file from others of its kind: nothing where there is one."""
+        """Return what tells a snapshot's file from others of its kind: nothing where there is one."""
         return f"_{number:04d}" if len(self.numbers) > 1 else ""
 
     @property
@@ -133,7 +133,7 @@ class Job:
         return ("fields", "track_fields") if has_track else ("fields",)
 
     def snapshot(self, number: int) -> Snapshot:
-        """The snapshot of a number; it is kept, with heights made of it, until another is asked for."""
+        """Return the snapshot of a number, kept with heights made of it until another is asked for."""
         if self._kept.get("number") != number:
             self._kept.clear()
             self._kept.update(number=number, snapshot=self.result.snapshot(number))

@@ -34,7 +34,6 @@ BY_COULOMB = ", or friction.law = 'coulomb', by which cells in contact wear unal
 no_energy = partial(excludes, of="energy", where=BY_AREA, why=BY_COULOMB.replace("or", "unless", 1))
 #: Laws by which K goes with the pressure of a cell.
 OF_PRESSURE = tuple(name for name, law in WEAR_LAWS.items() if law.over_pressure is not WearLaw.over_pressure)
-MEANS = " under a disc that moves, whose pressures wear the counter-body by their means"
 IN_ONE_PROPORTION = ", which keeps what counter-body and disc wear in one proportion"
 
 
@@ -117,8 +116,7 @@ class Wear(Section):
         + excludes("wear.distance_factor", "across", "radial", of=OF_PRESSURE)
         + excludes("wear.particle", of=OF_PRESSURE)
         + excludes("kinematics", "fretting", of=OF_PRESSURE, why=", where cells slip by their own lengths")
-        + excludes("patches.coupling", "load", of=OF_PRESSURE)
-        + excludes("contact.law", "half-space", of=OF_PRESSURE, where=when("kinematics", "swept"), why=MEANS),
+        + excludes("patches.coupling", "load", of=OF_PRESSURE),
     )
     decay: Annotated[float, Quantity("1/mm")] | None = key(
         None,
