@@ -2,6 +2,8 @@
 
 from warpwear.calibration.bayes.infer import infer as infer
 from warpwear.calibration.bayes.result import Inference as Inference
+from warpwear.calibration.coat import CoatCalibration as CoatCalibration
+from warpwear.calibration.coat import calibrate_coat as calibrate_coat
 from warpwear.calibration.coefficient import WearCalibration as WearCalibration
 from warpwear.calibration.coefficient import calibrate_wear as calibrate_wear
 from warpwear.calibration.energy import EnergyCalibration as EnergyCalibration

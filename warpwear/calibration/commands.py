@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from warpwear.calibration import worn
+from warpwear.calibration.coat import calibrate_coat
 from warpwear.calibration.coefficient import calibrate_wear
 from warpwear.calibration.strength import calibrate_friction
-from warpwear.errors import InputError
+from warpwear.errors import InputError, explained
 from warpwear.measured.options import Options, flag, quantity
 from warpwear.measured.surface import Preparation
 from warpwear.results.report import to_json
@@ -46,6 +47,14 @@ def wear(file: Path | None, preparation: Preparation, *, as_json: bool, **texts:
     for a measured file. texts: options with a unit, None where left out; a source's by test.
     """
     o = Options(texts)
+    figure = o["--figure"]
+    if o["--source"] == "coat" and file is not None:
+        outcome = calibrate_coat(file, **{key[2:]: o[key] for key in ("--load", "--distance") if o[key]})
+        if figure is not None:
+            with explained(f"--figure {figure} cannot be written"):
+                outcome.plot().savefig(figure)
+        return to_json(outcome.to_dict()) if as_json else str(outcome)
+    o.refuse("--figure", why="is for FILE with --source coat")
     sources = {option: _with_errors(option, o[option], o["--uncertainty"]) for option in SOURCES if o[option]}
     if o["--diameter"] is not None:
         o.refuse("--radius", why="and --diameter exclude each other: both say how large the ball is")

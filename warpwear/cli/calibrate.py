@@ -61,7 +61,10 @@ def calibrate() -> None:
 @click.option("--track-width", metavar="W", help="--track: width with its pile-up, when it is not found.")
 @click.option("--length", metavar="L", help="Length of the whole track, e.g. '30 mm'. [default: --stroke]")
 @click.option("--uncertainty", metavar="U", help=UNCERTAINTY)
-@click.option("--source", metavar="KEY", help="FILE: which of several kinds of measurement to take.")
+@click.option(
+    "--source", metavar="KEY", help="FILE: which of several measurements to take; 'coat' for two K."
+)
+@click.option("--figure", metavar="PNG", type=PATH, help="--source coat: draw the craters and both K.")
 @click.option("--standard", type=click.Choice(METHODS), help="By this ASTM test method.")
 @LOAD
 @DISTANCE
@@ -74,7 +77,8 @@ def wear(file: Path | None, **options: Any) -> None:
 
     Repeat the measurement's option for repeated tests of one load and distance: mean, standard deviation and
     standard error are given. Or list the tests in FILE, a TOML file with tables [[test]], each with its own
-    load and distance.
+    load and distance. With --source coat they are craters through a coat, and give its K and the
+    substrate's.
 
     \b
     warpwear calibrate wear --diagonals "0.80 mm" "0.82 mm" --radius "3 mm" \\
