@@ -206,8 +206,7 @@ def one(number: int, shared: Path) -> dict[str, Any]:
         found = warpwear.infer(
             study,
             unknown=UNKNOWN,
-            experiments=[record],
-            measured={"volume_counter": volume},
+            tests=[{"record": record, "volume_counter": volume}],
             out=folder / "found",
             seed=number,
         )

@@ -11,10 +11,10 @@ from pydantic.fields import FieldInfo
 
 import warpwear
 from warpwear import Study
-from warpwear.inference.command import InferSection
-from warpwear.inference.data import KINDS
-from warpwear.inference.unknowns import NOISE
-from warpwear.study.keys import TABLES, Demand, Rule, declarations, key_of, section_in
+from warpwear.calibration.bayes.command import InferSection
+from warpwear.calibration.bayes.unknowns import NOISE
+from warpwear.calibration.measurements import MeasuredTest
+from warpwear.study.keys import TABLES, Demand, Rule, Section, declarations, key_of, section_in
 from warpwear.study.units import Number, Range
 
 PAGE = Path(__file__).parent / "reference" / "keys.md"
@@ -26,6 +26,17 @@ Quantities are text with a unit. In Python they may be pairs such as `(8, "N")`,
 unit here is the one of Python and results; any other of its kind may be given. *allowed* is what one key may
 be by itself; a study that has not what its keys need is refused in a sentence when it is read. A default
 that is marked *assumed* is a choice of ours, with its reason. A key that is given but not used gets a notice.
+"""
+OF_TESTS = """\
+Each table is a test; repeated tests have one each. They stand in a file of their own or in that of a study,
+for `warpwear calibrate wear FILE` and `warpwear calibrate bayes STUDY`; in Python they are dictionaries. A
+number may end in its standard uncertainty: `"0.80 +- 0.02 mm"`. A scar may have two diameters across each
+other, `["0.80 mm", "0.82 mm"]`, and a coefficient of friction its distance, `"0.2 +- 0.02 at 30 mm"`; without
+it is that of the end. Files lie beside the one that names them. `calibrate wear` takes load, distance and
+lengths of a test, or else the study's; in an inference they have to agree with the study.
+"""
+OF_INFER = """\
+This section stands in a study file for `warpwear calibrate bayes`; see [Inference](../how-to/inference.md).
 """
 
 
@@ -137,23 +148,24 @@ def page() -> str:
             lines.append(f"Each table is one of the {keys[section].description}.\n")
         here = [name for name in keys if name.rpartition(".")[0] == section and name not in sections]
         lines += [*(entry(name, len(rules)) for name in here), ""]
-    return "\n".join([*lines, *of_infer(), ""])
+    return "\n".join([*lines, *beside(), ""])
 
 
-def of_infer() -> list[str]:
-    """Return the lines about the section [infer], which is of a study file and not of a study."""
-    keys = [f"- `infer.{name}`: {info.description}" for name, info in InferSection.model_fields.items()]
-    values = [
-        f"- `infer.measured.{kind}`: {what}" + f", in `{unit}`" * bool(unit)
-        for kind, (unit, what) in KINDS.items()
-    ]
+def beside() -> list[str]:
+    """Return the lines about [[test]] and [infer], which are of a file and not of a study."""
     noise = [f'- `infer.unknown."{name}"`: {what}' for name, what in NOISE.items()]
-    told = (
-        "This section stands in a study file for `warpwear calibrate bayes`, which "
-        "[Inference](../how-to/inference.md) explains. A coefficient of friction may end in its distance, "
-        'such as `"0.2 +- 0.02 at 30 mm"`.'
-    )
-    return ["## [infer]\n", told + "\n", *keys, *values, *noise]
+    tests = ["## [[test]]\n", OF_TESTS, *of(MeasuredTest, "test"), ""]
+    return [*tests, "## [infer]\n", OF_INFER, *of(InferSection, "infer"), *noise]
+
+
+def of(section: type[Section], name: str) -> list[str]:
+    """Return a line a key of a section that stands beside a study."""
+    lines = []
+    for key, info in section.model_fields.items():
+        every = [*info.metadata, *parts(info.annotation)]
+        unit = next((unit for part in every if (unit := getattr(part, "unit", ""))), "")
+        lines.append(f"- `{name}.{key}`: {info.description}" + f", in `{unit}`" * bool(unit))
+    return lines
 
 
 if __name__ == "__main__":

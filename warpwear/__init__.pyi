@@ -1,5 +1,17 @@
 """Public names, each with where it is made; `__init__.py` imports one when it is first asked for."""
 
+from warpwear.calibration.bayes.infer import infer as infer
+from warpwear.calibration.bayes.result import Inference as Inference
+from warpwear.calibration.coat import CoatCalibration as CoatCalibration
+from warpwear.calibration.coat import calibrate_coat as calibrate_coat
+from warpwear.calibration.coefficient import WearCalibration as WearCalibration
+from warpwear.calibration.coefficient import calibrate_wear as calibrate_wear
+from warpwear.calibration.energy import EnergyCalibration as EnergyCalibration
+from warpwear.calibration.energy import calibrate_energy as calibrate_energy
+from warpwear.calibration.loop import LoopCalibration as LoopCalibration
+from warpwear.calibration.loop import calibrate_loop as calibrate_loop
+from warpwear.calibration.strength import FrictionCalibration as FrictionCalibration
+from warpwear.calibration.strength import calibrate_friction as calibrate_friction
 from warpwear.comparison.compare import ComparedRuns as ComparedRuns
 from warpwear.comparison.compare import compare as compare
 from warpwear.contact.array.contact import ArrayContact as ArrayContact
@@ -19,8 +31,6 @@ from warpwear.errors import InputError as InputError
 from warpwear.errors import InvariantError as InvariantError
 from warpwear.errors import StudyWarning as StudyWarning
 from warpwear.history.snapshot import Snapshot as Snapshot
-from warpwear.inference.infer import infer as infer
-from warpwear.inference.result import Inference as Inference
 from warpwear.measured.friction.record import FrictionRecord as FrictionRecord
 from warpwear.measured.friction.record import read_record as read_record
 from warpwear.measured.report import Report as Report

@@ -34,19 +34,19 @@ import numpy as np  # noqa: E402
 from scipy import stats  # noqa: E402
 
 TOP = Path(__file__).parents[2]
-sys.path[:0] = [str(TOP), str(TOP / "tests" / "inference")]
+sys.path[:0] = [str(TOP), str(TOP / "tests" / "calibration" / "bayes")]
 
 from cases_inference import course_like, simulate  # noqa: E402
 
 from warpwear import Study  # noqa: E402
+from warpwear.calibration.bayes.data import Data, Measured  # noqa: E402
+from warpwear.calibration.bayes.infer import check_priors, noise_for  # noqa: E402
+from warpwear.calibration.bayes.likelihood import Posterior  # noqa: E402
+from warpwear.calibration.bayes.model import Model  # noqa: E402
+from warpwear.calibration.bayes.runs import Runs, make_runs  # noqa: E402
+from warpwear.calibration.bayes.sampler import sample  # noqa: E402
+from warpwear.calibration.bayes.unknowns import unknowns_of  # noqa: E402
 from warpwear.errors import ConvergenceError, InputError  # noqa: E402
-from warpwear.inference.data import Data, Measured  # noqa: E402
-from warpwear.inference.infer import check_priors, noise_for  # noqa: E402
-from warpwear.inference.likelihood import Posterior  # noqa: E402
-from warpwear.inference.model import Model  # noqa: E402
-from warpwear.inference.runs import Runs, make_runs  # noqa: E402
-from warpwear.inference.sampler import sample  # noqa: E402
-from warpwear.inference.unknowns import unknowns_of  # noqa: E402
 
 #: Ranks that a histogram has, and samples that a rank is among.
 BINS, AMONG = 10, 199
@@ -104,8 +104,8 @@ class Case:
     def like(self) -> Data:
         """What a test measures: two courses, a coefficient, a volume and a diameter; values are drawn."""
         volume = Measured("volume_disc" if self.name == "rest" else "volume_counter", 1.0, 0.0015)
-        values = (volume, Measured("diameter", 1.0, 0.02))
-        end = Measured("cof", 0.5, 0.02, self.study.sliding.total)
+        values = (volume, Measured("scar", 1.0, 0.02))
+        end = Measured("friction", 0.5, 0.02, self.study.sliding.total)
         return Data((course_like(self.study), course_like(self.study)), (end,), values)
 
     def posterior(self, data: Data, study: Study | None = None, runs: Runs | None = None) -> Posterior:

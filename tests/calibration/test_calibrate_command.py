@@ -122,6 +122,56 @@ def test_replicates_give_mean_scatter_and_count() -> None:
     assert "counter or disc" in page
 
 
+def test_a_list_of_tests_serves_the_command_and_python(tmp_path: Path) -> None:
+    """Loads and distances differ; the weighted mean is the posterior's of a fine grid of K."""
+    tests = [
+        {"volume_disc": "0.016 +- 0.001 mm^3", "load": "8 N", "distance": "2400 mm", "scar": "0.8 mm"},
+        {"volume_disc": "0.010 +- 0.001 mm^3", "load": "4 +- 0.1 N", "distance": "2400 mm"},
+    ]
+    path = tmp_path / "tests.toml"
+    lines = ("[[test]]\n" + "".join(f'{key} = "{value}"\n' for key, value in test.items()) for test in tests)
+    path.write_text("\n".join(lines), encoding="utf-8")
+    found = record("wear", path, "--source", "volume_disc")
+    k = warpwear.calibrate_wear(tests, source="volume_disc")
+    assert found == json.loads(json.dumps(k.to_dict()))
+    assert found["load_N"] == [8.0, 4.0]
+    assert found["worn"] == "disc"
+    values, errors = np.array(k.values), np.array(k.errors)
+    assert 1e3 * values == pytest.approx([0.016 / 19.2, 0.010 / 9.6])
+    assert errors / values == pytest.approx([1 / 16, math.hypot(1 / 10, 1 / 40)])
+    grid = np.linspace(0.5, 1.5, 20001) * values.mean()
+    density = np.exp(-0.5 * np.sum(((grid[:, None] - values) / errors) ** 2, axis=1))
+    mean = float(np.average(grid, weights=density))
+    assert k.weighted is not None
+    assert k.weighted[:2] == pytest.approx(
+        (mean, math.sqrt(np.average((grid - mean) ** 2, weights=density))), rel=1e-4
+    )
+    table = k.to_dataframe()
+    assert list(table["volume_mm3"]) == [0.016, 0.010]
+    assert "tests: 2" in repr(k)
+    assert "volume_disc and test.1.scar exclude each other" in str(calibrate("wear", path).exception)
+    assert "--volume and FILE exclude each other" in str(
+        calibrate("wear", path, "--volume", "1 mm^3").exception
+    )
+
+
+def test_a_study_brings_load_distance_and_ball(tmp_path: Path) -> None:
+    study = warpwear.Study.load("v1")
+    path = tmp_path / "study.toml"
+    path.write_text(f'{study.to_toml()}\n[[test]]\nscar = ["0.80 mm", "0.82 mm"]\n', encoding="utf-8")
+    same = record("wear", "--diagonals", "0.80 mm", "0.82 mm", "--radius", "3 mm", *TEST)
+    assert record("wear", path) == same
+    heavier = record("wear", path, "--load", "16 N")
+    assert heavier["wear_coefficient_mm3_per_Nm"] == pytest.approx(same["wear_coefficient_mm3_per_Nm"] / 2)
+
+
+def test_sentences_of_python_name_its_parameters() -> None:
+    with pytest.raises(InputError, match=r"^test\.1\.width needs test\.1\.track_radius, such as '3 mm'"):
+        warpwear.calibrate_wear([{"width": "1 mm"}], load="8 N", distance="1 m", radius="3 mm")
+    with pytest.raises(InputError, match=r"^cof and result exclude each other"):
+        warpwear.calibrate_energy(result="none", cof=0.6)
+
+
 def test_topographies(files: Path) -> None:
     found = record("wear", "--track", files / "track.npy", *GIVEN, "--length", "30 mm", *TEST)
     assert found["wear_coefficient_mm3_per_Nm"] == pytest.approx(0.002 * 30 / 19.2, rel=0.01)
@@ -156,9 +206,9 @@ def test_a_profile_across_a_track(tmp_path: Path) -> None:
 
 
 def test_a_value_brings_its_own_uncertainty() -> None:
-    for text in ("0.018 +- 0.001 mm^3", "0.018 ± 0.001 mm^3", "(0.018 +- 0.001) mm^3"):
+    for text in ("0.018 +- 0.001 mm^3", "0.018 mm^3 ± 1e6 um^3", "(0.018±0.001) mm^3"):
         found = record("wear", "--volume", text, *TEST)["tests"][0]
-        assert (found["volume_mm3"], found["volume_uncertainty_mm3"]) == (0.018, 0.001)
+        assert (found["volume_mm3"], found["volume_uncertainty_mm3"]) == pytest.approx((0.018, 0.001))
     ball = ("--radius", "3 mm", *TEST)
     sizes = [
         record("wear", "--diagonals", "0.8 +- 0.01 mm", "0.82 +- 0.01 mm", *ball),
@@ -168,7 +218,9 @@ def test_a_value_brings_its_own_uncertainty() -> None:
     done = calibrate("wear", "--volume", "0.018 +- 0.001 mm^3", "--uncertainty", "0.001 mm^3", *TEST)
     assert done.exit_code != 0
     assert "--uncertainty and --volume with +- exclude each other" in str(done.exception)
-    assert "--volume = '-1 mm^3'" in str(calibrate("wear", "--volume", "0.018 +- -1 mm^3", *TEST).exception)
+    assert "+- -1 mm^3': must be at least 0" in str(
+        calibrate("wear", "--volume", "0.018 +- -1 mm^3", *TEST).exception
+    )
 
 
 def test_a_place_before_and_after_the_test(tmp_path: Path) -> None:
@@ -277,13 +329,13 @@ BALL = ("--scar", "0.8 mm", "--radius", "3 mm")
         (["wear", "--volume", "1 mm^3", "--load", "8 N", "--passes", "0"], "--passes is 0"),
         (["wear", "--volume", "1 mm^3", *TEST, "--radius", "3 mm"], "--radius is not for --volume"),
         (["wear", "--volume", "1 mm^3", *TEST, "--crop", "3 mm"], "--crop is not for --volume"),
-        (["wear", "--volume", "1 mm^3", *TEST, "--standard", "g99-disc"], "is for --width"),
+        (["wear", "--volume", "1 mm^3", *TEST, "--standard", "g99-disc"], "is for width"),
         (["wear", "--scar", "0.8 mm", *TEST], "--scar needs --radius"),
         (
             ["wear", "--scar", "6.1 mm", "--radius", "3 mm", *TEST],
             "allowed is up to the ball's, 6 mm",
         ),
-        (["wear", *BALL, *TEST, "--uncertainty", "-1 um"], "--uncertainty = '-1 um': must be at least 0"),
+        (["wear", *BALL, *TEST, "--uncertainty", "-1 um"], "--scar = '0.8 mm +- -1 um': must be at least 0"),
         (["wear", "--width", "7 mm", "--radius", "3 mm", "--track-radius", "9 mm", *TEST], "width is 7 mm"),
         (["wear", "--section", "1 um^2", *TEST], "--section needs --length"),
         (["wear", "--track", "none.sur", "--length", "1 mm", *TEST], "'none.sur' does not exist"),

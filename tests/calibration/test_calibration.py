@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from scipy import integrate
 
-from warpwear.calibration.energy import Dissipation
+from warpwear.calibration.coefficient import WearCalibration
+from warpwear.calibration.energy import EnergyCalibration
 from warpwear.calibration.friction import fit_friction
+from warpwear.calibration.measurements import Value
 from warpwear.calibration.wear import (
-    WearCalibration,
     cap,
     circular_track,
     groove,
@@ -21,9 +22,10 @@ from warpwear.laws.friction import friction_energy
 from warpwear.results.report import record, scientific
 
 
-def wear_coefficient(volumes, **test):
+def wear_coefficient(volumes, *, load, distance, **more):
     """K of tests alike."""
-    return WearCalibration(volumes=tuple(volumes), **test)
+    work = {"loads": (Value(load),) * len(volumes), "distances": (Value(distance),) * len(volumes)}
+    return WearCalibration(volumes=tuple(volumes), **work, **more)
 
 
 def k_of(*volumes, **more):
@@ -258,7 +260,9 @@ def test_friction_energy():
 
 
 def test_speed_changes_power_and_pv_and_not_the_energy():
-    found = Dissipation(energy=11.52, distance=2400.0, load=8.0, cof_end=0.7, pressures={"contact": 6.0})
+    found = EnergyCalibration(
+        energy=11.52, distance=2400.0, load=8.0, cof_end=0.7, pressures={"contact": 6.0}
+    )
     assert found.cof == pytest.approx(0.6)
     slow, fast = record(found.at(1 / 6)), record(found.at(5 / 3))
     assert slow["time_s"] == pytest.approx(240 * 60)

@@ -14,11 +14,11 @@ from cases_comparison import refusal, warpwear_compare
 
 import warpwear
 from warpwear import Study
+from warpwear.batches.batch import make_runs
+from warpwear.batches.plan import Plan, section_of
 from warpwear.comparison.figures import FIGURES
 from warpwear.comparison.gather import gather
 from warpwear.figures.paint import paint
-from warpwear.sweeps.plan import Plan, section_of
-from warpwear.sweeps.sweep import make_runs
 from warpwear.sweeps.table import SweepResult
 
 

@@ -22,7 +22,7 @@ LEFT_OUT = {
     "docs/how-to/programme.md": {"block=[": "tests/runs/stopped/test_blocks.py runs one like it"},
     "README.md": {"plt.subplots": "tests/test_readme.py runs it"},
     "docs/how-to/sweeps.md": {"SLURMCluster": "needs a cluster"},
-    "docs/how-to/inference.md": {"warpwear.infer(": "takes a minute; tests/inference runs one like it"},
+    "docs/how-to/inference.md": {"warpwear.infer(": "takes a minute; tests run one like it"},
     "docs/developer/programs.md": {"program.loop(": "a part of warpwear/contact/search.py"},
     "docs/developer/kernels.md": {
         "def carried(": "tests/docs/test_kernels_page.py runs it",
@@ -30,7 +30,7 @@ LEFT_OUT = {
     },
 }
 #: Sections that are no keys of a run.
-OTHER_SECTIONS = ("sweep", "infer")
+OTHER_SECTIONS = ("sweep", "infer", "test")
 
 
 def boxes(page: Path, language: str) -> list[str]:

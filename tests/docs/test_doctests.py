@@ -13,6 +13,7 @@ import warpwear
 
 #: Names that show by an example how they are used.
 SHOWN = {"Study.replace", "run", "solve_contact", "steps"}
+SHOWN |= {f"calibrate_{what}" for what in ("wear", "coat", "friction", "energy", "loop")}
 SHOWN |= {"compare", "materials", "new_study", "read_profile", "read_record", "read_surface"}
 SHOWN |= {"read_worn", "studies", "worn_cap"}
 #: Those whose examples need a package that need not be installed.

@@ -16,6 +16,7 @@ from PIL import Image
 
 import warpwear
 from warpwear import InputError, Result
+from warpwear.batches.run_one import row_of
 from warpwear.cli.main import commands
 from warpwear.comparison.gather import gather
 from warpwear.comparison.table import columns, to_text
@@ -35,7 +36,6 @@ from warpwear.results.track import (
     roughness_in_track,
     whole_steps,
 )
-from warpwear.sweeps.run_one import row_of
 
 
 @pytest.fixture(scope="module")

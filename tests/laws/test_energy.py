@@ -1,6 +1,5 @@
 """Wear by the energy of friction, and Coulomb's law: the same as Archard's with K = α μ, and refusals."""
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +9,8 @@ from runs.stopped.cases_stopped import run_stopped
 
 import warpwear
 from warpwear import InputError, Study
+from warpwear.calibration.bayes.unknowns import unknowns_of
 from warpwear.calibration.energy import calibrate_energy
-from warpwear.inference.unknowns import unknowns_of
 from warpwear.laws import friction
 
 COULOMB = {"friction.law": "coulomb", "friction.coefficient": 0.37}
@@ -72,7 +71,7 @@ def test_the_energy_of_a_rising_coefficient(tmp_path: Path) -> None:
     np.testing.assert_allclose(energy[1:], 1e-3 * study.contact.load * sums, rtol=1e-12)
     assert cof[0] < 0.5 * cof[-1]
     assert summary["friction_energy_J"] == energy[-1]
-    told = json.loads(calibrate_energy(result=tmp_path / "run", as_json=True))
+    told = calibrate_energy(result=tmp_path / "run").to_dict()
     assert told["energy_J"] == pytest.approx(energy[-1], rel=1e-12)
     assert told["wear_mm3_per_J"]["disc"] == pytest.approx(history["wear_volume_disc"][-1] / energy[-1])
     step = next(iter(warpwear.steps(study)))
@@ -327,7 +326,7 @@ def test_a_wear_of_energy_is_inferred(tmp_path: Path) -> None:
     found = warpwear.infer(
         study,
         unknown=unknown,
-        measured={"volume_disc": f"{volume!r} +- {0.02 * volume!r} mm^3", "cof": "0.4 +- 0.008"},
+        tests=[{"volume_disc": f"{volume!r} +- {0.02 * volume!r} mm^3", "friction": "0.4 +- 0.008"}],
     )
     alpha, mu = found.values["wear.disc"], found.values["friction.coefficient"]
     assert mu.mean() == pytest.approx(0.4, abs=0.001)

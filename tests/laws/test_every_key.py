@@ -3,7 +3,6 @@
 It changes the result as in the run, or is refused in one sentence.
 """
 
-import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -15,14 +14,15 @@ import pytest
 
 import warpwear
 from warpwear import InputError, Result, Study
+from warpwear.batches.run_one import Task, run_one
+from warpwear.calibration.bayes.data import Data, Measured
+from warpwear.calibration.bayes.infer import _check_unknowns
+from warpwear.calibration.bayes.model import Model
+from warpwear.calibration.bayes.runs import make_runs, needs_runs
+from warpwear.calibration.bayes.unknowns import Unknown, unknowns_of
 from warpwear.calibration.energy import calibrate_energy
-from warpwear.calibration.friction_command import calibrate_friction
+from warpwear.calibration.strength import calibrate_friction
 from warpwear.comparison.gather import gather
-from warpwear.inference.data import Data, Measured
-from warpwear.inference.infer import _check_unknowns
-from warpwear.inference.model import Model
-from warpwear.inference.runs import make_runs, needs_runs
-from warpwear.inference.unknowns import Unknown, unknowns_of
 from warpwear.laws import archard
 from warpwear.laws.friction import FITTED, KEYS
 from warpwear.page.content import words_of
@@ -31,7 +31,6 @@ from warpwear.results.track import course
 from warpwear.study.keys import declarations, section_in
 from warpwear.study.sections.friction import Friction
 from warpwear.study.sections.wear import Wear
-from warpwear.sweeps.run_one import Task, run_one
 
 #: The smooth ball at rest on coarse cells, and a rough one: a run of them takes a moment.
 SMOOTH = {
@@ -248,7 +247,7 @@ def test_a_key_changes_an_inference_as_it_changes_the_run(
     """A model of the changed study computes what its run came to."""
     study, history = pair.studies[1], pair.results[1].history
     distance, cof = course(pair.results[1], "cof")  # along a track the means of its passes
-    like = Data(points=(Measured("cof", 0.6, 0.02, study.sliding.total),))
+    like = Data(points=(Measured("friction", 0.6, 0.02, study.sliding.total),))
     asked = constant_of(study)
     if refusal(pair, "inference", lambda: _check_unknowns(study, asked, like)):
         return
@@ -291,14 +290,14 @@ def test_a_key_is_no_unknown_that_nothing_follows_from(pair: Pair, tmp_path: Pat
 def test_a_key_changes_a_calibration_as_it_changes_the_run(pair: Pair) -> None:
     """The strength that is told makes the run's friction what was measured; energies follow the run."""
     study, history, laps = pair.studies[1], pair.results[1].history, pair.studies[1].laps
-    energies = [json.loads(calibrate_energy(result=f, as_json=True))["energy_J"] for f in pair.folders]
+    energies = [calibrate_energy(result=f).energy for f in pair.folders]
     same = study.friction.law == "coulomb" and pair.key.startswith("wear.")  # the energy says nothing of wear
     assert (energies[0] == energies[1]) == same
-    how = {"result": pair.folders[1], "cof": 0.7, "as_json": True}
+    how = {"result": pair.folders[1], "cof": 0.7}
     if refusal(pair, "calibrate friction", lambda: calibrate_friction(**how)):
         return
     area = study.friction.area
-    told = json.loads(calibrate_friction(**how))["areas"][area]
+    told = calibrate_friction(**how).to_dict()["areas"][area]
     for when, place in (("initial", 0), ("end", -1)):
         strength = f"{told[f'shear_strength_{when}_MPa']!r} MPa"
         keys = {"friction.law": "shear-strength", "friction.shear_strength": strength}

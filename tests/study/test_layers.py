@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from warpwear import InputError, Study
+from warpwear.calibration.bayes.runs import scales
+from warpwear.calibration.bayes.unknowns import unknowns_of
 from warpwear.history.quantities import columns_of
-from warpwear.inference.runs import scales
-from warpwear.inference.unknowns import unknowns_of
 from warpwear.study import rules_track
 from warpwear.study.rules_track import extent_for, worn_widths
 from warpwear.study.text import to_marked_toml

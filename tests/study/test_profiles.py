@@ -8,10 +8,10 @@ from cases_instruments import rough
 
 import warpwear
 from warpwear import Study
+from warpwear.batches.points import points_of
 from warpwear.errors import InputError
 from warpwear.study.keys import files_of
 from warpwear.study.surface import surface_in
-from warpwear.sweeps.points import points_of
 
 STEP = 0.002
 

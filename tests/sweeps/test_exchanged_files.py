@@ -18,6 +18,8 @@ from fuzzing import numbers
 
 import warpwear
 from warpwear import InputError, Result, Study
+from warpwear.batches.batch import RUNS, make_runs
+from warpwear.batches.plan import Plan, section_of
 from warpwear.results.ensemble import digests_in
 from warpwear.runs.loop import StepLoop
 from warpwear.study.keys import declarations, files_of
@@ -25,9 +27,6 @@ from warpwear.study.loading import FILES
 from warpwear.study.study import Content
 from warpwear.surfaces import formats
 from warpwear.surfaces.reading import digest_of, read
-from warpwear.sweeps.plan import Plan, section_of
-from warpwear.sweeps.sweep import make_runs
-from warpwear.sweeps.table import RUNS
 
 ARRAY = {"pixel": "10 um", "height_unit": "mm", "level": "none"}
 DISC = {

@@ -15,13 +15,13 @@ from fuzzing import check_sentence
 
 import warpwear
 from warpwear import InputError
+from warpwear.batches import cluster
+from warpwear.batches.batch import RUNS, estimate, local_executor, make_runs
+from warpwear.batches.plan import Plan, section_of
 from warpwear.engine.workers import WorkerDiedError
 from warpwear.results import manifest
 from warpwear.results.folder import held
-from warpwear.sweeps import cluster
-from warpwear.sweeps.plan import Plan, section_of
-from warpwear.sweeps.sweep import check_runs, estimate, local_executor, make_runs
-from warpwear.sweeps.table import RUNS
+from warpwear.sweeps.sweep import check_runs
 
 VARY = {"contact.load": ["8 N"]}
 
@@ -126,7 +126,7 @@ def test_a_folder_that_cannot_be_written_is_refused_at_once(
         raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr("warpwear.results.folder.tempfile.TemporaryFile", refused)
-    monkeypatch.setattr("warpwear.sweeps.sweep.run_one", None)  # no run is begun
+    monkeypatch.setattr("warpwear.batches.batch.run_one", None)  # no run is begun
     with pytest.raises(InputError, match="cannot be written: Permission denied"):
         sweep(tmp_path / "s")
     assert not (tmp_path / "s").exists()

@@ -10,11 +10,12 @@ from click.testing import CliRunner
 
 import warpwear
 from warpwear import InputError, Study, StudyWarning
+from warpwear.batches.batch import Count
+from warpwear.batches.plan import Plan, section_of
+from warpwear.batches.run_one import Row
 from warpwear.cli.main import commands
 from warpwear.results import manifest
-from warpwear.sweeps.plan import Plan, section_of
-from warpwear.sweeps.run_one import Row
-from warpwear.sweeps.sweep import Count, check_runs
+from warpwear.sweeps.sweep import check_runs
 from warpwear.sweeps.table import TABLES, SweepResult
 
 #: A smooth contact of few cells and no sliding.
@@ -90,7 +91,7 @@ def test_what_was_varied_is_known_of_runs_that_cannot_be() -> None:
 
 def test_the_time_left_is_that_of_runs_that_are_made(monkeypatch: pytest.MonkeyPatch) -> None:
     now = iter([0.0, 1.0, 2.0, 12.0])
-    monkeypatch.setattr("warpwear.sweeps.sweep.time.monotonic", lambda: next(now))
+    monkeypatch.setattr("warpwear.batches.batch.time.monotonic", lambda: next(now))
     counted = Count(5)
     there = Row("done", 10.0, was_there=True)
     assert counted.one(there) == "1 of 5 runs, the last done; 1 s gone"

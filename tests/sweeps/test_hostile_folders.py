@@ -14,12 +14,13 @@ from fuzzing import check_sentence
 
 import warpwear
 from warpwear import InputError
+from warpwear.batches.batch import RUNS
 from warpwear.results import manifest
 from warpwear.results.file import FILE_NAME
 from warpwear.results.folder import LOCK
 from warpwear.runs.checkpoint import FILE_NAME as CHECKPOINT
 from warpwear.sweeps.report import PAGE
-from warpwear.sweeps.table import RUNS, TABLES
+from warpwear.sweeps.table import TABLES
 
 MINE = b"mine: nobody else may change this\n" * 9
 VARY = {"contact.load": ["4 N", "8 N"]}

@@ -25,7 +25,7 @@ from warpwear.figures import style
 write = style.bytes_of
 style.bytes_of = lambda figure, kind="png", **more: BLANK if kind == "png" else write(figure, kind, **more)
 from warpwear.cli import main as cli
-from warpwear.sweeps import cluster
+from warpwear.batches import cluster
 cluster.LOOK, cluster.LOST = 0.5, 5.0
 cli.main(sys.argv[1:])
 """

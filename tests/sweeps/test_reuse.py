@@ -9,10 +9,9 @@ from cases_sweeps import Here, small
 
 import warpwear
 from warpwear import InputError, Result, Study
-from warpwear.sweeps.plan import Plan, section_of
-from warpwear.sweeps.run_one import Row
-from warpwear.sweeps.sweep import make_runs
-from warpwear.sweeps.table import RUNS
+from warpwear.batches.batch import RUNS, make_runs
+from warpwear.batches.plan import Plan, section_of
+from warpwear.batches.run_one import Row
 
 
 def rough(path: Path, seed: int) -> None:

@@ -13,12 +13,12 @@ from cases_sweeps import ROOT, SMALL, VARY, Here, small
 
 import warpwear
 from warpwear import InputError, Study
+from warpwear.batches.batch import make_runs, share_runs
+from warpwear.batches.plan import Plan, section_of
 from warpwear.figures.paint import paint
 from warpwear.history.quantities import BY_NAME
 from warpwear.sweeps.figures import courses
-from warpwear.sweeps.plan import Plan, section_of
 from warpwear.sweeps.report import summary_text
-from warpwear.sweeps.sweep import make_runs, share_runs
 from warpwear.sweeps.table import SweepResult
 
 

@@ -17,7 +17,7 @@ from warpwear.cli.main import main
 @pytest.fixture
 def work_here(monkeypatch: pytest.MonkeyPatch, quick_pictures: Any) -> Iterator[None]:
     """Let the workers of a command be this process, which has imported all; pictures have few dots."""
-    monkeypatch.setattr("warpwear.sweeps.sweep.local_workers", lambda *_, **__: Here())
+    monkeypatch.setattr("warpwear.batches.batch.local_workers", lambda *_, **__: Here())
     with quick_pictures():
         yield
 

@@ -13,12 +13,12 @@ import pytest
 from cases_sweeps import VARY, Here, address_in, processes, small
 
 from warpwear import InputError
+from warpwear.batches.batch import make_runs
+from warpwear.batches.plan import Plan, section_of
+from warpwear.batches.points import task_of
+from warpwear.batches.run_one import Row, run_one
 from warpwear.engine.workers import WorkerDiedError, Workers, local_workers
 from warpwear.results.folder import LOCK
-from warpwear.sweeps.plan import Plan, section_of
-from warpwear.sweeps.points import task_of
-from warpwear.sweeps.run_one import Row, run_one
-from warpwear.sweeps.sweep import make_runs
 
 
 def test_worker_that_dies_is_started_again(tmp_path: Path) -> None:
@@ -62,8 +62,8 @@ def test_killed_sweep_goes_on_where_it_was(tmp_path: Path) -> None:
 def test_run_that_takes_far_longer_than_the_others_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("warpwear.sweeps.sweep.LOOK", 0.01)
-    monkeypatch.setattr("warpwear.sweeps.sweep.SILENCE", 0.2)
+    monkeypatch.setattr("warpwear.batches.batch.LOOK", 0.01)
+    monkeypatch.setattr("warpwear.batches.batch.SILENCE", 0.2)
     plan = Plan(small(), section_of({"vary": {"contact.load": ["4 N", "8 N"]}}, {}))
     hanging = threading.Event()
 
@@ -106,7 +106,7 @@ def test_work_of_a_lost_computer_is_cleaned_up(tmp_path: Path) -> None:
 def test_dask_cluster_that_loses_a_worker(tmp_path: Path) -> None:
     """A scheduler and three workers of their own; one is killed, one frozen for a while."""
     distributed = pytest.importorskip("distributed")
-    from warpwear.sweeps.cluster import connected
+    from warpwear.batches.cluster import connected
 
     place = tmp_path / "scheduler.json"
     run_dask = [sys.executable, "-m", "distributed.cli.dask_scheduler"]
@@ -154,7 +154,7 @@ def test_dask_cluster_that_loses_a_worker(tmp_path: Path) -> None:
 )
 def test_cluster_that_is_refused(address: str, says: str, monkeypatch: pytest.MonkeyPatch) -> None:
     distributed = pytest.importorskip("distributed")
-    from warpwear.sweeps.cluster import connected
+    from warpwear.batches.cluster import connected
 
     client = distributed.Client
     monkeypatch.setattr(distributed, "Client", lambda address, **_: client(address, timeout="1s"))

@@ -1,51 +1,81 @@
 """Compute the dissipated energy ∫ μ F dL, frictional power and PV at one or several sliding speeds."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from warpwear.errors import InputError
+from warpwear.calibration.outcome import Calibration
+from warpwear.errors import InputError, named_in_python
 from warpwear.laws.archard import BODIES
 from warpwear.measured.options import COF, Options, number, quantity
 from warpwear.result import Result
-from warpwear.results.report import Row, lines, record, table, to_json
+from warpwear.results.report import Row, lines, table
 
 #: Speeds that are shown where none is named.
 SPEEDS = ("10 mm/min", "20 mm/min", "50 mm/min", "100 mm/min")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Dissipation:
-    """An energy [J] that friction dissipates over a distance [mm] under a load [N].
+@dataclass(frozen=True, kw_only=True, repr=False)
+class EnergyCalibration(Calibration):
+    """Hold the energy that friction dissipates, which is the same at every speed.
 
-    cof_end: coefficient at the end. pressures: name -> MPa, at the end.
+    Attributes
+    ----------
+    energy, distance, load : float
+        The energy [J] over a sliding distance [mm] under a load [N].
+    cof_end : float
+        Coefficient of friction at the end; `cof` is the mean over the distance.
+    pressures : dict
+        Name of an area -> mean pressure on it at the end [MPa].
+    speeds : tuple of float
+        Sliding speeds of the table [mm/s].
+    wear_per_energy : dict
+        Body -> worn volume of the energy [mm³/J]; empty without a run.
+    source : str
+        Where the coefficient is from.
     """
 
     energy: float
     distance: float
     load: float
     cof_end: float
-    pressures: dict[str, float]
+    pressures: Mapping[str, float]
+    speeds: Sequence[float] = ()
+    wear_per_energy: Mapping[str, float] = field(default_factory=dict)
+    source: str = ""
 
     @property
     def cof(self) -> float:
         """Coefficient of friction, mean over the distance."""
         return 1e3 * self.energy / (self.load * self.distance)
 
-    @property
-    def rows(self) -> list[Row]:
-        """What holds at every speed, declared for a report."""
+    def _title(self) -> str:
+        return f"dissipated energy ∫ μ F dL = {Row('', 'energy_J', self.energy, digits=5).text}"
+
+    def _table(self) -> list[list[Row]]:
+        return [self.at(speed) for speed in self.speeds]
+
+    def _rows(self) -> list[Row]:
+        worn, of = self.wear_per_energy, "of friction energy"
         cof = [Row("mean over the distance", "cof_mean", self.cof), Row("end", "cof_end", self.cof_end)]
         rate = "the energy is the same at every speed; only time, power and PV change with it"
         return [
+            Row("source", "source", self.source),
+            Row("", "energy_J", self.energy, digits=5),
+            *([Row("worn volume", "wear_mm3_per_J", worn, unit="mm³/J", note=of)] if worn else ()),
             Row("distance", "distance_mm", self.distance, digits=6),
             Row("load", "load_N", self.load, digits=6),
             Row("coefficient", "", cof),
             Row("mean pressure", "pressure_MPa", self.pressures, note="at the end"),
             Row("rate-independent", "rate_independent", True, sentence=rate),
+            Row("", "speeds", self._table()),
         ]
+
+    def __str__(self) -> str:
+        return "\n".join([self._title(), *lines(self._rows()[:-1]), *table(self._table())])
 
     def at(self, speed: float) -> list[Row]:
         """Declare what depends on the speed [mm/s], which the energy does not."""
@@ -61,39 +91,69 @@ class Dissipation:
         ]
 
 
-def calibrate_energy(*, as_json: bool = False, **options: Any) -> str:
-    """Say what a run, or a constant coefficient, dissipates: as text for people, or as JSON.
+@named_in_python()
+def calibrate_energy(
+    *,
+    result: str | Path | None = None,
+    load: Any = None,
+    distance: Any = None,
+    cof: float | None = None,
+    area: Any = None,
+    speeds: Sequence[Any] = SPEEDS,
+) -> EnergyCalibration:
+    """Find the energy that friction dissipates in a run, or by a constant coefficient.
 
-    options: result, the run's folder, or load, distance, cof and area; speed, any number of them. Lengths,
-    forces and speeds are texts with a unit. Raises InputError.
+    Parameters
+    ----------
+    result : path, optional
+        The folder of a run, or else:
+    load, distance : str, optional
+        Normal load and sliding distance, such as ``"8 N"`` and ``"2400 mm"``.
+    cof : float, optional
+        The constant coefficient of friction.
+    area : str, optional
+        Area of the mean pressure, such as ``"1.254 mm^2"``.
+    speeds : list of str, optional
+        Sliding speeds at which time, power and PV are told.
+
+    Returns
+    -------
+    EnergyCalibration
+        The energy, and a row a speed.
+
+    Raises
+    ------
+    InputError
+        For what is missing or does not go together, and for a run that slides nowhere.
+
+    Examples
+    --------
+    >>> warpwear.calibrate_energy(load="8 N", distance="2400 mm", cof=0.6)
+    <dissipated energy ∫ μ F dL = 11.52 J>
     """
-    o = Options(options)
-    speeds = [quantity("--speed", text, "mm/s") for text in o["--speed"] or SPEEDS]
-    if o["--result"] is not None:
+    o = Options(result=result, load=load, distance=distance, cof=cof, area=area)
+    each = tuple(quantity("--speed", text, "mm/s") for text in speeds or SPEEDS)
+    if result is not None:
         why = "and --result exclude each other: the run has its own"
         o.refuse("--load", "--distance", "--cof", "--area", why=why)
-        work, source, worn = _of_run(o["--result"])
-    else:
-        force, slid = o.load, o.distance
-        if o["--cof"] is None:
-            raise InputError("--cof is missing: the coefficient of friction, such as 0.6, or --result")
-        mu = number("--cof", o["--cof"], COF)
-        size = o.optional("--area", "mm^2")
-        pressures = {} if size is None else {"given": force / size}
-        energy = 1e-3 * mu * force * slid
-        work = Dissipation(energy=energy, distance=slid, load=force, cof_end=mu, pressures=pressures)
-        source, worn = f"a constant coefficient of {mu:g}", []
-    in_joule = Row("", "energy_J", work.energy, digits=5)
-    rows = [Row("source", "source", source), in_joule, *worn, *work.rows]
-    at_speeds = [work.at(speed) for speed in speeds]
-    if as_json:
-        return to_json(record([*rows, Row("", "speeds", at_speeds)]))
-    title = f"dissipated energy ∫ μ F dL = {in_joule.text}"
-    return "\n".join([title, *lines(rows), *table(at_speeds)])
+        return _of_run(Path(result), each)
+    force, slid = o.load, o.distance
+    if cof is None:
+        raise InputError("--cof is missing: the coefficient of friction, such as 0.6, or --result")
+    mu, size = number("--cof", cof, COF), o.optional("--area", "mm^2")
+    return EnergyCalibration(
+        energy=1e-3 * mu * force * slid,
+        distance=slid,
+        load=force,
+        cof_end=mu,
+        pressures={} if size is None else {"given": force / size},
+        speeds=each,
+        source=f"a constant coefficient of {mu:g}",
+    )
 
 
-def _of_run(folder: Path) -> tuple[Dissipation, str, list[Row]]:
-    """Find what a run dissipates, say where that is from, and what it wears. Raises InputError."""
+def _of_run(folder: Path, speeds: Sequence[float]) -> EnergyCalibration:
+    """Find what a run dissipates, and what it wears. Raises InputError."""
     with Result.open(folder) as result:
         history, finished = result.history, result.finished
     slid, cof = float(history["distance"][-1]), history["cof"]
@@ -102,13 +162,14 @@ def _of_run(folder: Path) -> tuple[Dissipation, str, list[Row]]:
     if not np.isfinite(cof).all():
         raise InputError(f"{folder} has no coefficient of friction: it was stopped before its τ0 was fixed")
     load = float(history["load"][-1])
-    work = Dissipation(
-        energy=float(history["friction_energy"][-1]),
+    energy = float(history["friction_energy"][-1])
+    return EnergyCalibration(
+        energy=energy,
         distance=slid,
         load=load,
         cof_end=float(cof[-1]),
         pressures={name: load / float(history[f"area_{name}"][-1]) for name in ("nominal", "contact")},
+        speeds=speeds,
+        wear_per_energy={body: float(history[f"wear_volume_{body}"][-1]) / energy for body in BODIES},
+        source=f"the run {folder}, {'whole' if finished else 'interrupted'}",
     )
-    worn = {body: float(history[f"wear_volume_{body}"][-1]) / work.energy for body in BODIES}
-    of_energy = [Row("worn volume", "wear_mm3_per_J", worn, unit="mm³/J", note="of friction energy")]
-    return work, f"the run {folder}, {'whole' if finished else 'interrupted'}", of_energy

@@ -1,17 +1,18 @@
 """A measured fretting loop tells the coefficient of friction, the slip, and what the rig yields."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from warpwear.errors import InputError
+from warpwear.calibration.outcome import Calibration
+from warpwear.errors import InputError, named_in_python
 from warpwear.grid import FloatArray
-from warpwear.laws.elastic import Hertz
 from warpwear.measured.columns import choose
 from warpwear.measured.options import Options
 from warpwear.measured.record import read_record
-from warpwear.results.report import Row, lines, record, to_json
+from warpwear.results.report import Row, times
 from warpwear.study.study import Study
 
 #: Part of the way from a tip to the other force over which unloading is taken as a straight line.
@@ -24,31 +25,141 @@ PARTIAL = 0.2
 ROUNDING = 1.0e-9
 
 
-def calibrate_loop(file: Path, *, study: str | None = None, as_json: bool = False, **options: Any) -> str:
-    """Say what one cycle in a file tells, as text for people or JSON.
+@dataclass(frozen=True, kw_only=True, repr=False)
+class LoopCalibration(Calibration):
+    """Hold what one cycle of fretting tells.
 
-    file: a table with a displacement and a friction force, of one whole cycle. study: a file or preset, whose
-    load and bodies hold; options: load, text with a unit, instead. Raises InputError.
+    Attributes
+    ----------
+    coefficient : float or None
+        Coefficient of friction by the energy; None of partial slip, which tells none.
+    force, load : float
+        Largest friction force, and normal load [N].
+    slip, travel : float
+        Width of the loop at no force, and what the drive moves to and fro [mm].
+    energy : float
+        Energy of the cycle [mJ]; `energy_ratio` is that over 4 Q Δ.
+    compliance : float
+        What yields behind the tips, in all [mm/N]; `contact` of that by the contact, where a study tells.
+    points : int
+        Points of the cycle.
+    source : str
+        The file.
     """
-    o = Options(options)
-    if study is not None:
-        o.refuse("--load", why="and --study exclude each other: the study has its load")
-    known = None if study is None else Study.load(study)
+
+    source: str
+    load: float
+    points: int
+    force: float
+    slip: float
+    travel: float
+    energy: float
+    compliance: float
+    contact: float | None = None
+
+    @property
+    def energy_ratio(self) -> float:
+        """Return the energy over 4 Q Δ of the largest force and displacement."""
+        return self.energy / (2.0 * self.force * self.travel)
+
+    @property
+    def coefficient(self) -> float | None:
+        """Return the coefficient of friction by the energy, None of partial slip."""
+        return self.energy / (2.0 * self.slip * self.load) if self.energy_ratio > PARTIAL else None
+
+    @property
+    def rig(self) -> float | None:
+        """Return the compliance of the rig [mm/N]; None where that of the contact is not known."""
+        return None if self.contact is None else max(self.compliance - self.contact, 0.0)
+
+    def _title(self) -> str:
+        return f"one cycle of {self.points} points"
+
+    def __repr__(self) -> str:
+        least, slip = self.force / self.load, 1e3 * self.slip
+        return f"<fretting loop: slip {slip:.4g} µm, largest force over the load {least:.3g}>"
+
+    def _rows(self) -> list[Row]:
+        partial = "" if self.coefficient is not None else "partial slip: it tells no μ"
+        least, ratio = self.force / self.load, self.energy_ratio
+        behind, contact, rig = (times(1e3, c) for c in (self.compliance, self.contact, self.rig))
+        rows = [
+            Row("source", "source", self.source),
+            Row("load F", "load_N", self.load),
+            Row("", "points", self.points),
+            Row("coefficient", "coefficient", self.coefficient),
+            Row("least coefficient", "coefficient_least", least, note="the largest force over the load"),
+            Row("force", "force_N", self.force),
+            Row("slip", "stroke_um", 1e3 * self.slip, note="width at no force: sliding.stroke"),
+            Row(
+                "travel of drive",
+                "travel_um",
+                1e3 * self.travel,
+                note="sliding.stroke with stroke_of = 'body'",
+            ),
+            Row("energy", "energy_mJ", self.energy, unit="mJ"),
+            Row("energy over 4QΔ", "energy_ratio", ratio, note=partial),
+            Row("behind the tips", "compliance_um_per_N", behind, unit="µm/N", note="yields in all"),
+        ]
+        if contact is not None:
+            note = "(Mindlin, unworn)"
+            rows.append(Row("of the contact", "contact_um_per_N", contact, unit="µm/N", note=note))
+            rows.append(Row("of the rig", "rig_compliance_um_per_N", rig, unit="µm/N"))
+        keys = f'[sliding] force = "{self.force:.4g} N"'
+        if self.coefficient is not None:
+            law = f'[friction] law = "coulomb", coefficient = {self.coefficient:.3g}'
+            keys = f'{law}; [sliding] stroke = "{1e3 * self.slip:.4g} um"'
+        keys += "" if rig is None else f', rig_compliance = "{rig:.3g} um/N"'
+        return [*rows, Row("in a study", "", keys)]
+
+
+@named_in_python()
+def calibrate_loop(
+    file: str | Path, *, study: Study | str | Path | None = None, load: Any = None
+) -> LoopCalibration:
+    """Find coefficient of friction, slip and compliance of the rig from one cycle of fretting.
+
+    Parameters
+    ----------
+    file : path
+        A table with a displacement and a friction force, of one whole cycle.
+    study : Study, path or name of a preset, optional
+        Whose load and bodies hold; what its contact yields is told apart from the rig.
+    load : str, optional
+        The normal load instead, such as ``"20 N"``.
+
+    Returns
+    -------
+    LoopCalibration
+        The numbers of the cycle.
+
+    Raises
+    ------
+    InputError
+        For a file without such columns, and for what is no whole cycle.
+
+    References
+    ----------
+    R. D. Mindlin and H. Deresiewicz, Elastic spheres in contact under varying oblique forces, Journal of
+    Applied Mechanics 20 (1953) 327-344.
+
+    Examples
+    --------
+    >>> angle = np.arange(0.0, 2.0 * np.pi, 0.01)
+    >>> force = 12.0 * np.clip(3.0 * np.cos(angle - 0.9), -1.0, 1.0)
+    >>> rows, names = np.column_stack([20.0 * np.cos(angle), force]), "Displacement [um],Friction force [N]"
+    >>> np.savetxt("loop.csv", rows, delimiter=",", header=names, comments="")
+    >>> warpwear.calibrate_loop("loop.csv", load="20 N")
+    <fretting loop: slip ... µm, largest force over the load 0.6>
+    """
+    if study is not None and load is not None:
+        raise InputError("--load and --study exclude each other: the study has its load")
+    known = study if study is None or isinstance(study, Study) else Study.load(study)
     if known is not None and known.is_line:
         raise InputError(f"--study {study} is a line contact: type --load, that of all of it, instead")
-    force = o.load if known is None else known.contact.load
-    place, friction = _read(file)
-    rows = [
-        Row("source", "source", str(file)),
-        Row("load F", "load_N", force),
-        *_of_loop(place, friction, force),
-    ]
-    numbers = record(rows)
-    if known is not None and known.hertz is not None and known.hertz.is_line is False:
-        rows += _of_rig(numbers["compliance_um_per_N"], known, known.hertz)
-    if as_json:
-        return to_json(record(rows))
-    return "\n".join([f"one cycle of {numbers['points']} points", *lines([*rows, _in_study(record(rows))])])
+    place, friction = _read(Path(file))
+    normal = Options(load=load).load if known is None else known.contact.load
+    return _of_loop(place, friction, source=str(file), load=normal, contact=_of_contact(known))
 
 
 def _read(file: Path) -> tuple[FloatArray, FloatArray]:
@@ -69,31 +180,23 @@ def _read(file: Path) -> tuple[FloatArray, FloatArray]:
     return values[:, 0], values[:, 1]
 
 
-def _of_loop(place: FloatArray, force: FloatArray, load: float) -> list[Row]:
-    """Declare coefficient, slip and compliance of a loop. Raises InputError for one without an area."""
-    energy = abs(float(np.sum(0.5 * (force + np.roll(force, -1)) * (np.roll(place, -1) - place))))
+def _of_loop(place: FloatArray, force: FloatArray, **more: Any) -> LoopCalibration:
+    """Measure a loop. more: other fields of the result. Raises InputError for one without an area."""
+    following = np.roll(place, -1) - place
+    energy = abs(float(np.sum(0.5 * (force + np.roll(force, -1)) * following)))
     tip, most = float(place.max()), float(force.max())
     crossings = _at_no_force(place, force)
     if energy <= ROUNDING * most * tip or crossings.size < 2:
         raise InputError("the loop does not enclose an area about no force: a whole cycle is needed")
-    slip, ratio = float(np.ptp(crossings)), energy / (4.0 * most * tip)
-    compliance = _compliance(place, force)
-    return [
-        Row("", "points", int(place.size)),
-        Row("coefficient", "coefficient", energy / (2.0 * slip * load) if ratio > PARTIAL else None),
-        Row("least coefficient", "coefficient_least", most / load, note="the largest force over the load"),
-        Row("force", "force_N", most),
-        Row("slip", "stroke_um", 1e3 * slip, note="width at no force: sliding.stroke"),
-        Row("travel of drive", "travel_um", 2e3 * tip, note="sliding.stroke with stroke_of = 'body'"),
-        Row("energy", "energy_mJ", energy, unit="mJ"),
-        Row(
-            "energy over 4QΔ",
-            "energy_ratio",
-            ratio,
-            note="" if ratio > PARTIAL else "partial slip: it tells no μ",
-        ),
-        Row("behind the tips", "compliance_um_per_N", 1e3 * compliance, unit="µm/N", note="yields in all"),
-    ]
+    return LoopCalibration(
+        points=int(place.size),
+        force=most,
+        slip=float(np.ptp(crossings)),
+        travel=2.0 * tip,
+        energy=energy,
+        compliance=_compliance(place, force),
+        **more,
+    )
 
 
 def _at_no_force(place: FloatArray, force: FloatArray) -> FloatArray:
@@ -118,21 +221,9 @@ def _compliance(place: FloatArray, force: FloatArray) -> float:
     return float(np.mean(slopes))
 
 
-def _of_rig(compliance: float, study: Study, hertz: Hertz) -> list[Row]:
-    """Declare what the contact of unworn bodies yields of that, κ/(2 E* a), and what is left for the rig."""
-    contact = 1e3 * study.softness_ratio / (2.0 * hertz.modulus * hertz.radius)
-    return [
-        Row("of the contact", "contact_um_per_N", contact, unit="µm/N", note="(Mindlin, unworn)"),
-        Row("of the rig", "rig_compliance_um_per_N", max(compliance - contact, 0.0), unit="µm/N"),
-    ]
-
-
-def _in_study(numbers: dict[str, float | None]) -> Row:
-    """Declare keys of a study with these numbers."""
-    keys = f'[sliding] stroke = "{numbers["stroke_um"]:.4g} um"'
-    if numbers["coefficient"] is not None:
-        keys = f'[friction] law = "coulomb", coefficient = {numbers["coefficient"]:.3g}; {keys}'
-    else:
-        keys = f'[sliding] force = "{numbers["force_N"]:.4g} N"'
-    rig = numbers.get("rig_compliance_um_per_N")
-    return Row("in a study", "", keys + (f', rig_compliance = "{rig:.3g} um/N"' if rig is not None else ""))
+def _of_contact(study: Study | None) -> float | None:
+    """Return what the contact of unworn bodies yields, κ/(2 E* a) [mm/N]; None where that is not known."""
+    hertz = None if study is None else study.hertz
+    if study is None or hertz is None or hertz.is_line:
+        return None
+    return float(study.softness_ratio / (2.0 * hertz.modulus * hertz.radius))

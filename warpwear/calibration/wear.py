@@ -5,7 +5,6 @@ under their names: both take one body as unworn, G99 the disc for its ball and t
 """
 
 import math
-import statistics
 from dataclasses import dataclass
 from typing import Any
 
@@ -37,58 +36,6 @@ class WornVolume:
     bulging: float | None = None
     depth: float | None = None
     measured: str = ""
-
-
-@dataclass(frozen=True, kw_only=True)
-class WearCalibration:
-    """Wear coefficients K [mm²/N] (1e-3 mm³/(N·m), 1e-6 Pa) of one worn body, of one or several tests alike.
-
-    volumes: one a test; load [N], distance [mm]: of each test, taken as exact; hardness [MPa] or None.
-    """
-
-    volumes: tuple[WornVolume, ...]
-    load: float
-    distance: float
-    hardness: float | None = None
-
-    def __post_init__(self) -> None:
-        for value in self.values:
-            if not 1.0 / LARGEST < value < LARGEST:
-                raise InputError(
-                    f"load {self.load:g} N and distance {self.distance:g} mm make a wear coefficient of "
-                    f"{value:g} mm²/N: allowed is {1.0 / LARGEST:g} to {LARGEST:g}"
-                )
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        """Return K of every test [mm²/N]."""
-        return tuple(v.volume / (self.load * self.distance) for v in self.volumes)
-
-    @property
-    def errors(self) -> tuple[float | None, ...]:
-        """Return K's standard uncertainty of every test from its volume's [mm²/N], None where unknown."""
-        return tuple(None if v.error is None else v.error / (self.load * self.distance) for v in self.volumes)
-
-    @property
-    def mean(self) -> float:
-        """K [mm²/N]: the mean over the tests."""
-        return statistics.fmean(self.values)
-
-    @property
-    def deviation(self) -> float | None:
-        """Return the standard deviation of the tests [mm²/N], divided by n − 1; None of a single one."""
-        return statistics.stdev(self.values) if len(self.values) > 1 else None
-
-    @property
-    def uncertainty(self) -> float | None:
-        """Standard uncertainty of `mean` [mm²/N]: from the scatter of several tests, else of the volume."""
-        deviation = self.deviation
-        return self.errors[0] if deviation is None else deviation / math.sqrt(len(self.values))
-
-    @property
-    def dimensionless(self) -> float | None:
-        """Return k of V = k F L/H (thesis eq 4.12), None without a hardness."""
-        return None if self.hardness is None else self.mean * self.hardness
 
 
 def volume_given(volume: float, *, error: float | None = None) -> WornVolume:

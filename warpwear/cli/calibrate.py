@@ -1,5 +1,6 @@
 """The command group `warpwear calibrate`: wear, shear strength, energy, unknowns of a study from a test."""
 
+from pathlib import Path
 from typing import Any
 
 import click
@@ -36,10 +37,10 @@ MEASURED = {
     "--volume-counter": ("volume_counter", "Worn volume of the ball, e.g. '0.0072 +- 0.0008 mm^3'."),
     "--volume-disc": ("volume_disc", "Worn volume of the disc."),
     "--section": ("section", "Mean cross-section of the groove, e.g. '812 +- 30 um^2'."),
-    "--diameter": ("diameter", "Diameter of the scar, mean of two diagonals, e.g. '0.80 +- 0.02 mm'."),
+    "--diameter": ("scar", "Diameter of the scar, mean of two diagonals, e.g. '0.80 +- 0.02 mm'."),
     "--sq-counter": ("sq_counter", "Sq in the scar of the ball, form removed, e.g. '0.55 +- 0.03 um'."),
     "--sq-disc": ("sq_disc", "Sq in the scar of the disc."),
-    "--cof": ("cof", "Coefficient of friction, e.g. '0.2 +- 0.02 at 30 mm'. [default: at the end]"),
+    "--cof": ("friction", "Coefficient of friction, e.g. '0.2 +- 0.02 at 30 mm'. [default: at the end]"),
 }
 
 
@@ -49,6 +50,7 @@ def calibrate() -> None:
 
 
 @calibrate.command()
+@click.argument("file", type=PATH, required=False)
 @SOURCES
 @repeated(
     "--diagonals", "A B", "Two diameters of a ball's patch: '0.8 mm' '0.82 mm'. Needs --radius.", nargs=2
@@ -59,6 +61,10 @@ def calibrate() -> None:
 @click.option("--track-width", metavar="W", help="--track: width with its pile-up, when it is not found.")
 @click.option("--length", metavar="L", help="Length of the whole track, e.g. '30 mm'. [default: --stroke]")
 @click.option("--uncertainty", metavar="U", help=UNCERTAINTY)
+@click.option(
+    "--source", metavar="KEY", help="FILE: which of several measurements to take; 'coat' for two K."
+)
+@click.option("--figure", metavar="PNG", type=PATH, help="--source coat: draw the craters and both K.")
 @click.option("--standard", type=click.Choice(METHODS), help="By this ASTM test method.")
 @LOAD
 @DISTANCE
@@ -66,17 +72,19 @@ def calibrate() -> None:
 @click.option("--stroke", metavar="L", help="Length of one stroke, e.g. '30 mm'.")
 @click.option("--hardness", metavar="H", help="For the dimensionless coefficient, e.g. '590 MPa'.")
 @AS_JSON
-def wear(**options: Any) -> None:
+def wear(file: Path | None, **options: Any) -> None:
     """Find the wear coefficient K = V/(F L) of a worn body, from one kind of measurement.
 
     Repeat the measurement's option for repeated tests of one load and distance: mean, standard deviation and
-    standard error are given.
+    standard error are given. Or list the tests in FILE, a TOML file with tables [[test]], each with its own
+    load and distance. With --source coat they are craters through a coat, and give its K and the
+    substrate's.
 
     \b
     warpwear calibrate wear --diagonals "0.80 mm" "0.82 mm" --radius "3 mm" \\
         --load "8 N" --distance "2400 mm"
     """
-    click.echo(places.wear_command.calibrate_wear(prepared(options), **options))
+    click.echo(places.calibrations.wear(file, prepared(options), **options))
 
 
 @calibrate.command()
@@ -103,7 +111,7 @@ def friction(**options: Any) -> None:
     The areas of a run are contact, touched, cumulative and nominal; a fit uses the run's friction.area unless
     told otherwise.
     """
-    click.echo(places.friction_command.calibrate_friction(**options))
+    click.echo(places.calibrations.friction(**options))
 
 
 @calibrate.command()
@@ -112,11 +120,11 @@ def friction(**options: Any) -> None:
 @DISTANCE
 @click.option("--cof", type=float, help="Constant coefficient of friction, without --result.")
 @click.option("--area", metavar="A", help="Area of the mean pressure of PV, without --result.")
-@repeated("--speed", "V", "e.g. '20 mm/min'.", default="10, 20, 50, 100 mm/min")
+@repeated("--speed", "V", "e.g. '20 mm/min'.", "speeds", default="10, 20, 50, 100 mm/min")
 @AS_JSON
 def energy(**options: Any) -> None:
     """Find the dissipated energy ∫ μ F dL, and time, frictional power and PV at several speeds."""
-    click.echo(places.energy_of_test.calibrate_energy(**options))
+    click.echo(places.calibrations.printed(places.energy_of_test.calibrate_energy, **options))
 
 
 @calibrate.command()
@@ -129,7 +137,7 @@ def loop(**options: Any) -> None:
 
     The slip is the width at no force. A rig of some compliance, and the contact, yield behind the tips.
     """
-    click.echo(places.loop_of_test.calibrate_loop(**options))
+    click.echo(places.calibrations.printed(places.loop_of_test.calibrate_loop, **options))
 
 
 @calibrate.command(epilog=STUDY)
@@ -164,8 +172,8 @@ def bayes(study: str, changes: tuple[str, ...], **options: Any) -> None:
                       where it misses the data
     posterior.csv     samples of the unknowns
 
-    A value measured in repeated tests is given repeatedly. Unknowns, measurements and tests may stand in the
-    study's own section [infer] too.
+    A value measured in repeated tests is given repeatedly. What was measured may stand in STUDY too, in
+    tables [[test]], and unknowns and tests to rank in its section [infer].
     """
     measured = {name: options.pop(name) for name, _ in MEASURED.values()}
     changed = parsed_changes(changes)

@@ -2,13 +2,13 @@
 
 from warpwear.lazy import module
 
+calibrations = module("warpwear.calibration.commands")
 compared = module("warpwear.comparison.compare")
 comparison_folder = module("warpwear.comparison.folder")
 comparison_table = module("warpwear.comparison.table")
 drafts = module("warpwear.drafts.draft")
 energy_of_test = module("warpwear.calibration.energy")
-friction_command = module("warpwear.calibration.friction_command")
-inference_command = module("warpwear.inference.command")
+inference_command = module("warpwear.calibration.bayes.command")
 loop_of_test = module("warpwear.calibration.loop")
 known = module("warpwear.drafts.known")
 measured = module("warpwear.measured.surface")
@@ -22,5 +22,4 @@ study_files = module("warpwear.study.loading")
 study_types = module("warpwear.study.study")
 summaries = module("warpwear.results.summary")
 sweep_command = module("warpwear.sweeps.command")
-wear_command = module("warpwear.calibration.wear_command")
 written = module("warpwear.results.report")

@@ -7,9 +7,9 @@ from reprlib import Repr
 from typing import Any
 
 import tomli_w
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, ValidationError, create_model
 
-from warpwear.errors import printable
+from warpwear.errors import InputError, printable
 from warpwear.study.bodies import CONSTANTS
 from warpwear.study.content import Content
 from warpwear.study.keys import (
@@ -137,12 +137,22 @@ def _short(number: float, unit: str, *, back: float) -> str | None:
     return text if exact or number == float(f"{number:g}") else None
 
 
+def read_section(name: str, kind: Any, content: Any) -> Any:
+    """Return a section that stands beside those of a study. Raises InputError with one sentence."""
+    fields: Any = {name: (kind, ...)}
+    whole = create_model("Whole", **fields)
+    try:
+        return getattr(whole.model_validate({name: content}), name)
+    except ValidationError as error:
+        raise InputError(sentence(error, whole)) from error
+
+
 def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     """Return a sentence about the first problem of a study, for its author."""
     # A misspelt section is unknown and leaves the right one missing: the first is the cause.
     first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
     # Branches of a union (an int or one of some words) are pydantic's, not the user's.
-    of_table = next((t for t in TABLES if ".".join(map(str, first["loc"])).startswith(t)), "")
+    of_table = next((t for t in (*TABLES, "test") if ".".join(map(str, first["loc"])).startswith(t)), "")
     name = ".".join(
         str(p + bool(of_table) if isinstance(p, int) else p)  # people number tables from 1
         for p in first["loc"]

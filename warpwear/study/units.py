@@ -17,6 +17,7 @@ pint = lazy.module("pint")
 #: What to write in a message about a unit of each kind.
 EXAMPLES = {
     "mm": "a length such as '1.5 mm'",
+    "um": "a height such as '0.5 um'",
     "mm^2": "an area such as '1.254 mm^2'",
     "mm^3": "a volume such as '0.018 mm^3'",
     "N": "a force such as '8 N'",

@@ -12,15 +12,16 @@ from typing import Any
 import click
 from tqdm import tqdm
 
+from warpwear.batches import batch
+from warpwear.batches.cluster import connected
+from warpwear.batches.plan import Plan, read_plan
+from warpwear.batches.run_one import Row
 from warpwear.errors import InputError
 from warpwear.measured.course import read_experiment
 from warpwear.runs.console import EVERY_SECONDS
 from warpwear.study.loading import value_of_text
-from warpwear.sweeps import sweep
-from warpwear.sweeps.cluster import connected
-from warpwear.sweeps.plan import Plan, read_plan
-from warpwear.sweeps.report import failed_sentence, summary_text, write_report
-from warpwear.sweeps.run_one import Row
+from warpwear.sweeps.report import FILES, failed_sentence, summary_text, write_report
+from warpwear.sweeps.sweep import check_runs
 from warpwear.sweeps.table import SweepResult
 
 
@@ -68,20 +69,20 @@ def command(
     motion: Any = {"speed": sliding.speed, "stroke": sliding.stroke, "radius": plan.study.same_radius}
     measured = tuple(read_experiment(path, load=load, **motion) for path in experiments)
     folder = out if out is not None else Path(f"{plan.study.study.name}-sweep")
-    sweep.check_folder(folder, resume=resume)
-    sweep.check_runs(plan, folder)
+    batch.check_folder(folder, resume=resume, files=FILES)
+    check_runs(plan, folder)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     if runs is not None and not dry_run:
-        sweep.share_runs(folder, runs)
-    place = nullcontext() if dry_run else sweep.opened_folder(folder)
+        batch.share_runs(folder, runs)
+    place = nullcontext() if dry_run else batch.opened_folder(folder)
     with place, _executor(plan, **where) as (executor, threads, workers):
         place_of_pilot = None if dry_run else folder
-        cost = sweep.estimate(plan, place_of_pilot, executor, threads=threads, workers=workers)
+        cost = batch.estimate(plan, place_of_pilot, executor, threads=threads, workers=workers)
         click.echo(cost, err=not dry_run)
         if dry_run:
             return 0
         with tqdm(total=len(plan.points), unit="run", disable=not sys.stderr.isatty(), leave=False) as bar:
-            counted, said = sweep.Count(len(plan.points)), time.monotonic()
+            counted, said = batch.Count(len(plan.points)), time.monotonic()
 
             def on_row(number: int, row: Row) -> None:
                 nonlocal said
@@ -97,7 +98,7 @@ def command(
                 bar.write(f"warning: {sentence}", file=sys.stderr)
 
             try:
-                rows = sweep.make_runs(
+                rows = batch.make_runs(
                     plan, folder, executor, threads=threads, on_row=on_row, on_warning=on_warning
                 )
             except KeyboardInterrupt:
@@ -118,7 +119,7 @@ def _executor(
 ) -> AbstractContextManager[tuple[Executor, int, int]]:
     """Return the executor that was asked for, the threads of a run, and the number of workers."""
     if cluster is None:
-        return sweep.local_executor(plan, workers=workers, gpus=gpus is not None)
+        return batch.local_executor(plan, workers=workers, gpus=gpus is not None)
     if workers is not None or gpus is not None:
         raise InputError("--cluster excludes --workers and --gpus: its own workers make the runs.")
     return connected(cluster, insecure=insecure, device=plan.device)

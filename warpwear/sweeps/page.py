@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from warpwear.batches.design import SAMPLED, Factor
 from warpwear.figures.sections import Section, under_headings
 from warpwear.figures.wording import few_of, listed
 from warpwear.history.end_values import ENDS
@@ -19,7 +20,6 @@ from warpwear.page.words import Answer
 from warpwear.results import manifest
 from warpwear.results.ensemble import band, is_label
 from warpwear.study.text import assumptions
-from warpwear.sweeps.design import SAMPLED, Factor
 from warpwear.sweeps.figures import figures_of, groups_of
 from warpwear.sweeps.table import SweepResult
 

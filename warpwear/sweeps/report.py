@@ -17,12 +17,14 @@ from warpwear.sweeps.table import TABLES, SweepResult
 
 #: The page of a sweep.
 PAGE = "sweep.html"
+#: What a sweep writes beside its runs and figures.
+FILES = (*TABLES, PAGE)
 #: Index or correlation below which a key decides nothing.
 IDLE = 0.02
 
 
 def write_report(result: SweepResult, folder: Path, experiments: tuple[Experiment, ...] = ()) -> list[Path]:
-    """Write the files of `TABLES`, sweep.html and figures/, each as a whole; return what was written.
+    """Write `FILES` and figures/, each as a whole; return what was written.
 
     Raises InputError where they cannot be written; the runs are kept.
     """
@@ -46,7 +48,7 @@ def write_report(result: SweepResult, folder: Path, experiments: tuple[Experimen
 def _moved(work: Path, folder: Path) -> list[Path]:
     """Move tables and figures into the folder of a sweep, in place of its older ones alone."""
     ours = manifest.written(folder)
-    tables = [name for name in (*TABLES, PAGE) if (work / name).is_file()]
+    tables = [name for name in FILES if (work / name).is_file()]
     names = [*tables, *sorted(f"{manifest.FIGURES}/{path.name}" for path in work.glob("*/*.png"))]
     (folder / manifest.FIGURES).mkdir(exist_ok=True)
     for name in {*names} - ours:

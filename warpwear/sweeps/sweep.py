@@ -1,38 +1,18 @@
-"""A sweep: many runs of one study, made once each, in a folder that is the truth about them."""
+"""A sweep: many runs of one study, in a folder with their tables and a page."""
 
 import csv
-import logging
-import tempfile
-import time
-from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
-from contextlib import ExitStack, contextmanager, nullcontext
+from collections.abc import Mapping
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
-from warpwear.engine.device import find_device, gpu_count, usable_cores
-from warpwear.engine.workers import WorkerDiedError, local_workers
-from warpwear.errors import InputError, explained
-from warpwear.figures.wording import counted
-from warpwear.results import manifest
-from warpwear.results.folder import LOCK, check_writable, held, refuse_if_held
+from warpwear.batches.batch import check_folder, make_all, opened_folder
+from warpwear.batches.plan import Plan, section_of
+from warpwear.errors import InputError
 from warpwear.runs.console import warn
 from warpwear.study.study import Study
-from warpwear.sweeps.plan import Plan, section_of
-from warpwear.sweeps.points import task_of
-from warpwear.sweeps.report import PAGE, failed_sentence, write_report
-from warpwear.sweeps.run_one import Row, Task, is_there, run_one
-from warpwear.sweeps.table import RUNS, TABLES, SweepResult
-
-#: How often it is looked after runs that take long [s].
-LOOK = 5.0
-#: A run is told of that takes this many times as long as the longest before, and this long at least [s].
-MANY, SILENCE = 10.0, 60.0
-#: Workers on this machine at most, or four for each of its cores.
-MOST_WORKERS = 64
-#: Tells at the level INFO how far a sweep from Python is.
-LOG = logging.getLogger("warpwear")
+from warpwear.sweeps.report import FILES, failed_sentence, write_report
+from warpwear.sweeps.table import TABLES, SweepResult
 
 
 def sweep(
@@ -66,25 +46,12 @@ def sweep(
     study = study if isinstance(study, Study) else Study.load(study)
     options = {"design": design, "samples": samples, "seed": seed, "band_over": band_over}
     plan = Plan(study, section_of({"vary": dict(vary)}, options), device=device)
-    if executor is not None and not callable(getattr(executor, "submit", None)):
-        raise InputError(
-            f"executor = {executor!r}: an object with submit(), as in concurrent.futures, is expected."
-        )
-    local = nullcontext((executor, 1, 1)) if executor is not None else local_executor(plan, workers=workers)
-    counted = Count(len(plan.points))
     out = None if out is None else Path(out)
     if out is not None:
-        check_folder(out, resume=True)
+        check_folder(out, resume=True, files=FILES)
         check_runs(plan, out)
-    with opened_folder(out) as folder, local as (pool, threads, _):
-        rows = make_runs(
-            plan,
-            folder,
-            pool,
-            threads=threads,
-            on_row=lambda _, row: LOG.info(counted.one(row)),
-            on_warning=warn,
-        )
+    with opened_folder(out) as folder:
+        rows = make_all(plan, folder, executor=executor, workers=workers)
         result = SweepResult(plan, rows, None if out is None else folder)
         if out is not None:
             write_report(result, folder)
@@ -92,149 +59,6 @@ def sweep(
     if failed is not None:
         warn(f"{failed}.")
     return result
-
-
-class Count:
-    """Counts the runs that are done, and foresees when the others will be."""
-
-    def __init__(self, runs: int) -> None:
-        self._runs, self._done, self._made = runs, 0, 0
-        self._began = time.monotonic()
-
-    def one(self, row: Row) -> str:
-        """Count a run and say how many are done, how it ended and how long the others may take."""
-        self._done += 1
-        self._made += row.seconds > 0.0 and not row.was_there  # others took no time
-        gone, todo = time.monotonic() - self._began, self._runs - self._done
-        left = f", about {_duration(gone / self._made * todo)} left" if self._made else ""
-        return f"{self._done} of {self._runs} runs, the last {row.status}; {_duration(gone)} gone{left}"
-
-
-def make_runs(
-    plan: Plan,
-    folder: Path,
-    executor: Executor,
-    *,
-    threads: int | None = None,
-    on_row: Callable[[int, Row], object] = lambda number, row: None,
-    on_warning: Callable[[str], object] = lambda sentence: None,
-) -> list[Row]:
-    """Have an executor make the runs of a plan, each once, and return their rows in the plan's order.
-
-    on_row: is called with the number and row of each run that is done. on_warning: is called once with a
-    sentence about a run that takes far longer than all that are done. On an interrupt what is not begun is
-    left, and KeyboardInterrupt raised.
-    """
-    rows: dict[int, Row] = {}
-    numbers: dict[str, list[int]] = defaultdict(list)
-    for point in plan.points:
-        if point.study is None:
-            rows[point.number] = Row(f"failed: {point.problem}")
-            on_row(point.number, rows[point.number])
-        else:
-            numbers[point.run].append(point.number)
-    waiting: dict[Future[Row], list[int]] = {}
-    for those in numbers.values():  # of one run
-        task = task_of(plan.points[those[0]], folder / RUNS, device=plan.device, threads=threads)
-        waiting[_submitted(executor, task)] = those
-    begun: dict[Future[Row], float] = {}
-    longest = 0.0
-    late: set[Future[Row]] = set()
-    try:
-        while waiting:
-            for future in waiting:
-                if future.running():
-                    begun.setdefault(future, time.monotonic())
-            done = wait(waiting, timeout=LOOK, return_when=FIRST_COMPLETED).done
-            for future in begun.keys() & (waiting.keys() - done - late) if longest else ():
-                took = time.monotonic() - begun[future]
-                if took > max(SILENCE, MANY * longest):
-                    late.add(future)
-                    point = plan.points[waiting[future][0]]
-                    on_warning(
-                        f"run {point.number} has taken {_duration(took)}, the longest of the others "
-                        f"{_duration(longest)}: its process may hang ({folder / RUNS / point.run})"
-                    )
-            for future in done:
-                row = _row(future)
-                longest = max(longest, row.seconds if row.status == "done" else 0.0)
-                for number in waiting.pop(future):
-                    rows[number] = row
-                    on_row(number, row)
-    except KeyboardInterrupt:
-        for future in waiting:
-            future.cancel()
-        raise
-    return [rows[number] for number in range(len(plan.points))]
-
-
-def _submitted(executor: Executor, task: Task) -> "Future[Row]":
-    """Return the future of a run; an executor that takes none any more has it fail."""
-    try:
-        return executor.submit(run_one, task)
-    except RuntimeError as error:
-        future: Future[Row] = Future()
-        future.set_exception(error)
-        return future
-
-
-def _row(future: "Future[Row]") -> Row:
-    """Return the row of a run; one whose worker was lost says so."""
-    try:
-        return future.result()
-    except CancelledError:
-        return Row("failed: it was cancelled, as runs are whose cluster is gone")
-    except (WorkerDiedError, OSError, RuntimeError, MemoryError) as error:
-        return Row(f"failed: {' '.join(str(error).split()) or type(error).__name__}")
-
-
-def estimate(
-    plan: Plan, folder: Path | None, executor: Executor, *, threads: int | None = None, workers: int = 1
-) -> str:
-    """Make the first run that is not there yet, and say from it what all of them will cost.
-
-    folder: of the sweep, which keeps that run; None makes it in a place of its own.
-    """
-    runs = {point.run: point for point in plan.points if point.study is not None}
-    missing = [name for name in runs if folder is None or not is_there(folder / RUNS / name)]
-    seconds, size = 0.0, 0
-    if missing:
-        with opened_folder(None) if folder is None else nullcontext(folder) as place:
-            task = task_of(runs[missing[0]], place / RUNS, device=plan.device, threads=threads)
-            seconds = _row(_submitted(executor, task)).seconds
-            size = sum(path.stat().st_size for path in Path(task.folder).glob("*") if path.is_file())
-    there = len(runs) - len(missing)
-    to_do, already = len(plan.points) - there, f", {there} of them there already" if there else ""
-    return (
-        f"{len(plan.points)} runs{already}: about {_duration(to_do * seconds / max(1, workers))} on "
-        f"{counted(workers, 'worker')} ({_duration(seconds)} a run) and {to_do * size / 2**20:.3g} MiB"
-    )
-
-
-def check_folder(folder: Path, *, resume: bool) -> None:
-    """Raise InputError for a folder that a sweep may not be written into."""
-    check_writable(folder)
-    names = {path.name for path in folder.iterdir()} - {LOCK} if folder.is_dir() else set()
-    if not names:
-        return
-    if not (folder / RUNS).is_dir():
-        raise InputError(f"out = {folder} holds other files; an empty or a new folder is expected.")
-    if not resume:
-        raise InputError(
-            f"out = {folder} already holds a sweep; resume it (--resume), or give another folder (--out)."
-        )
-    refuse_if_held(folder)
-    if (folder / manifest.FIGURES).is_symlink():
-        raise InputError(
-            f"{folder / manifest.FIGURES} is a link; a sweep draws into its own folder: move it away."
-        )
-    ours = manifest.written(folder)
-    foreign = [name for name in (*TABLES, PAGE) if name in names and name not in ours]
-    if foreign:
-        raise InputError(
-            f"out = {folder} holds {', '.join(foreign)}, which its {manifest.NAME} does not name and a sweep "
-            "would replace: move what you want to keep, or give another folder (out)."
-        )
 
 
 def check_runs(plan: Plan, folder: Path) -> None:
@@ -261,62 +85,3 @@ def check_runs(plan: Plan, folder: Path) -> None:
             f"out = {folder} holds a sweep with {len(stored)} runs, {len(others)} of which this one has not: "
             "its tables would be lost; give another folder, or the same study and device and its values, too."
         )
-
-
-def share_runs(folder: Path, store: Path) -> None:
-    """Keep the runs of a sweep in a folder that several sweeps share: the sweep's `runs` is a link to it.
-
-    Raises InputError where that cannot be, or where the sweep has its runs elsewhere.
-    """
-    place = folder / RUNS
-    with explained(f"--runs {store} cannot be shared"):
-        store.mkdir(parents=True, exist_ok=True)
-        if not place.is_dir():
-            folder.mkdir(parents=True, exist_ok=True)
-            place.symlink_to(store.resolve(), target_is_directory=True)
-    if place.resolve() != store.resolve():
-        raise InputError(f"--runs {store}: the sweep in {folder} has its runs in {place.resolve()}.")
-
-
-@contextmanager
-def opened_folder(out: Path | None) -> Iterator[Path]:
-    """Hold the folder of a sweep, or give one that is gone at the end. Raises InputError."""
-    if out is None:
-        with tempfile.TemporaryDirectory(prefix="warpwear-sweep-", ignore_cleanup_errors=True) as place:
-            yield Path(place)
-        return
-    lock = ExitStack()
-    with explained(f"out = {out} cannot be written"):
-        (out / RUNS).mkdir(parents=True, exist_ok=True)
-        lock.enter_context(held(out))
-    with lock:
-        yield out
-
-
-@contextmanager
-def local_executor(
-    plan: Plan, *, workers: int | None, gpus: bool = False
-) -> Iterator[tuple[Executor, int, int]]:
-    """Workers of this machine, by default one a core or one a GPU; the threads of a run; their number.
-
-    Raises InputError for a number that is none, and where there is no GPU.
-    """
-    cores = usable_cores()
-    visible = [str(number) for number in range(gpu_count())] if gpus else []
-    if gpus and not visible:
-        raise InputError("gpus = 'all': no GPU of CUDA is here.")
-    number = workers if workers is not None else len(visible) or min(cores, len(plan.points))
-    most = max(MOST_WORKERS, 4 * cores)
-    if not 1 <= number <= most:
-        raise InputError(f"workers = {number} is not possible; allowed: 1 to {most}.")
-    if plan.device != "cpu":
-        find_device(plan.device)  # before any worker asks for it in vain
-    with local_workers(number, cores=cores, gpus=visible) as pool:
-        yield pool, max(1, cores // number), number
-
-
-def _duration(seconds: float) -> str:
-    for unit, length in (("h", 3600.0), ("min", 60.0)):
-        if seconds >= length:
-            return f"{seconds / length:.3g} {unit}"
-    return f"{seconds:.3g} s"

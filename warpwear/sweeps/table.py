@@ -10,6 +10,9 @@ from typing import Any
 import numpy as np
 
 from warpwear import lazy
+from warpwear.batches.batch import RUNS
+from warpwear.batches.plan import Plan
+from warpwear.batches.run_one import Row
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.result import Result
@@ -20,14 +23,10 @@ from warpwear.results.report import quoted
 from warpwear.study.keys import value_of
 from warpwear.study.units import parse
 from warpwear.sweeps.indices import Indices, sobol
-from warpwear.sweeps.plan import Plan
-from warpwear.sweeps.run_one import Row
 
 pandas, xarray = lazy.module("pandas"), lazy.module("xarray")
 stats = lazy.module("scipy.stats")
 
-#: Folder of the runs in that of a sweep.
-RUNS = "runs"
 #: Tables of a sweep; every one that has ended has the first.
 TABLES = ("table.csv", "table.parquet", "sweep.nc")
 

@@ -1,6 +1,5 @@
 """What people see of a fretting run: figures without faults, the summary, the page, a draft."""
 
-import json
 import re
 from pathlib import Path
 from typing import Any
@@ -12,10 +11,10 @@ from cases_fretting import BORDER, FRICTION, LOAD, sheared, study_of
 
 import warpwear
 from warpwear import Study
+from warpwear.calibration.bayes.runs import needs_runs, scales
 from warpwear.calibration.energy import calibrate_energy
 from warpwear.drafts.draft import draft
 from warpwear.figures.of_run.table import FIGURES
-from warpwear.inference.runs import needs_runs, scales
 from warpwear.laws.fretting import loop, regime_of
 from warpwear.page.limits import limits_of
 from warpwear.results.summary import summarise, summary_text
@@ -58,7 +57,7 @@ def test_the_energy_of_a_test_is_that_of_its_loops(tmp_path: Path) -> None:
     """Where much sticks it is far below μ F times the way that the bodies go."""
     with warpwear.run(sheared(32, sliding__cycles=2000), out=tmp_path / "run", plots=False) as result:
         energy, slid = result.history["friction_energy"][-1], result.history["distance"][-1]
-    told = json.loads(calibrate_energy(result=tmp_path / "run", as_json=True))["energy_J"]
+    told = calibrate_energy(result=tmp_path / "run").energy
     assert told == energy
     assert told < 0.1e-3 * FRICTION * LOAD * slid
 

@@ -234,7 +234,7 @@ def test_a_model_is_given_up_with_its_block(case: str, monkeypatch: pytest.Monke
 def test_what_goes_by_one_load_refuses_a_programme(tmp_path: Path) -> None:
     study = programme("micro, implicit", [4.0, 16.0])
     with pytest.raises(InputError, match=r"goes by one load.*\[\[block\]\]"):
-        warpwear.infer(study, unknown=["friction.shear_strength"], measured={"cof": "0.2 +- 0.02"})
+        warpwear.infer(study, unknown=["friction.shear_strength"], tests=[{"friction": "0.2 +- 0.02"}])
     warpwear.run(study, out=tmp_path / "run", plots=False).close()
     of_run = ["calibrate", "friction", "--result", str(tmp_path / "run"), "--cof", "0.5"]
     fitted = CliRunner().invoke(commands, of_run)

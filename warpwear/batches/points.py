@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from warpwear.batches.run_one import Task
 from warpwear.errors import InputError
 from warpwear.results.ensemble import name_of
 from warpwear.study.keys import files_of
 from warpwear.study.study import Study
 from warpwear.surfaces.reading import digest_of, read
-from warpwear.sweeps.run_one import Task
 
 #: Key that takes parts of a measured disc instead of values, and what says where they lie.
 CROP, POSITIONS = "disc.crop", {"positions", "seed"}

@@ -1,18 +1,20 @@
-"""The command `warpwear calibrate friction`: from its options to the text it prints."""
+"""Shear strengths τ0 from a measured coefficient or course of friction, and the areas of a run."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from warpwear.calibration.friction import FrictionFit, ShearFit, fit_friction
-from warpwear.errors import InputError
+from warpwear.calibration.outcome import Calibration
+from warpwear.errors import InputError, named_in_python
 from warpwear.laws import friction, passes
 from warpwear.laws.friction import FrictionLaw
 from warpwear.measured.course import read_experiment
 from warpwear.measured.options import COF, PLOUGHING, Options, number, quantity
 from warpwear.result import Result
-from warpwear.results.report import Row, lines, record, table, to_json
+from warpwear.results.report import Row, lines, table
 from warpwear.study.study import Study
 
 #: Area of a run -> what it is called for people.
@@ -22,57 +24,128 @@ WORDS = {
     "cumulative": "running sum",
     "nominal": "nominal (the scar as an ellipse)",
 }
-AREAS = tuple(WORDS)
 INDEPENDENT = "points scatter as much: the errors allow for scatter that goes together"
+ADVICE = "τ0 belongs to its area and to the moment it was fixed at: choose both by the physics, not by τ0"
 
 
-def calibrate_friction(*, experiments: Sequence[Path] = (), as_json: bool = False, **options: Any) -> str:
-    """Find τ0 of a measured coefficient, or fit a curve: the text for people, or JSON.
+@dataclass(frozen=True, kw_only=True, repr=False)
+class FrictionCalibration(Calibration):
+    """Hold shear strengths τ0 of μ = μ_p + τ0 A/F.
 
-    options: result, the run's folder; cof, ploughing; load, stroke, speed: text with a unit; area: one too
-    with `load`, else the name of a run's area; columns of an experiment. Raises InputError.
+    Attributes
+    ----------
+    shear_strengths : dict
+        τ0 [MPa] by the name of its area; of a run ``contact_initial``, ``contact_end`` and so on, and
+        ``hardness`` for H/(3√3).
+    fit : FrictionFit or None
+        Of a course of friction: `shear_strength`, `ploughing`, their standard errors, and `doubts`.
     """
-    o = Options(options)
-    result, cof, ploughing, area = (o[name] for name in ("--result", "--cof", "--ploughing", "--area"))
+
+    shear_strengths: Mapping[str, float]
+    fit: FrictionFit | None = None
+    title: str
+    rows: tuple[Row, ...]
+    areas: Mapping[str, list[Row]] = field(default_factory=dict)
+    after: tuple[Row, ...] = ()
+
+    def _title(self) -> str:
+        return self.title
+
+    def __repr__(self) -> str:
+        strengths = ", ".join(f"{name} {tau:.4g}" for name, tau in self.shear_strengths.items())
+        return f"<shear strengths [MPa]: {strengths}>"
+
+    def _rows(self) -> list[Row]:
+        areas = [Row("", "areas", self.areas)] if self.areas else []
+        return [*self.rows, *areas, *self.after]
+
+    def _table(self) -> list[list[Row]]:
+        named = [[Row("", "name", name), *rows[1:]] for name, rows in self.areas.items()]
+        return named or [self._rows()]
+
+    def __str__(self) -> str:
+        if not self.areas:
+            return super().__str__()
+        areas = table([*self.areas.values()])
+        return "\n".join([self.title, *lines(self.rows), *areas, *lines(self.after), f"  {ADVICE}"])
+
+
+@named_in_python()
+def calibrate_friction(
+    *,
+    result: str | Path | None = None,
+    cof: float | None = None,
+    ploughing: float | None = None,
+    area: Any = None,
+    load: Any = None,
+    experiment: str | Path | None = None,
+    columns: str | None = None,
+    stroke: Any = None,
+    speed: Any = None,
+) -> FrictionCalibration:
+    """Find the shear strength τ0 of μ = μ_p + τ0 A/F from a measured coefficient or course.
+
+    Parameters
+    ----------
+    result : path, optional
+        The folder of a run, whose areas are taken.
+    cof, ploughing : float, optional
+        Measured coefficient of friction, and the part of it that does not shear.
+    area : str, optional
+        With `load` an area such as ``"1.254 mm^2"``; with `result` one of contact, touched, cumulative and
+        nominal.
+    load : str, optional
+        Normal load without a run, such as ``"8 N"``.
+    experiment : path, optional
+        Record of a course of friction, which is fitted with an area of the run: τ0 and μ_p.
+    columns, stroke, speed : str, optional
+        Which columns of the record to take, and length of a pass and speed where it counts cycles or time.
+
+    Returns
+    -------
+    FrictionCalibration
+        Shear strengths [MPa]; of a course its fit.
+
+    Raises
+    ------
+    InputError
+        For what is missing or does not go together, and for a course that cannot be fitted.
+
+    References
+    ----------
+    F. P. Bowden and D. Tabor, The Friction and Lubrication of Solids, Oxford, 1950.
+
+    Examples
+    --------
+    >>> warpwear.calibrate_friction(area="1.254 mm^2", load="8 N", cof=0.6)
+    <shear strengths [MPa]: given 3.828>
+    """
+    o = Options(load=load, cof=cof, ploughing=ploughing, columns=columns, stroke=stroke, speed=speed)
     if result is not None:
         o.refuse("--load", why="and --result exclude each other: the run has its load")
-    if len(experiments) > 1:
-        raise InputError(
-            f"--experiment is given {len(experiments)} times, and one course is fitted at a time; "
-            "`warpwear calibrate bayes` takes repeated tests together, with their scatter"
-        )
-    if experiments:
+        if area is not None and area not in WORDS:
+            raise InputError(f"--area is {area!r}: allowed with --result is one of {', '.join(WORDS)}")
+    if experiment is not None:
         if result is None:
             raise InputError("--experiment needs --result, the run folder whose areas it is fitted with")
         o.refuse("--cof", "--ploughing", why="and --experiment exclude each other: the fit finds it")
         reading = {"stroke": o.optional("--stroke", "mm"), "speed": o.optional("--speed", "mm/s")}
-        rows, text = _of_curve(experiments[0], result, _name(area), reading | {"columns": o["--columns"]})
-    else:
-        why = "needs --experiment: it says how that file is read"
-        o.refuse("--columns", "--stroke", "--speed", why=why)
-        if cof is None:
-            raise InputError("--cof is missing: a measured coefficient of friction, or --experiment")
-        measured = number("--cof", cof, COF)
-        offset = number("--ploughing", ploughing or 0.0, PLOUGHING)
-        if measured <= offset:
-            raise InputError(f"--cof = {measured:g} must exceed --ploughing = {offset:g}")
-        if result is not None:
-            rows, text = _of_run(result, measured, None if ploughing is None else offset, _name(area))
-        elif area is not None and o["--load"] is not None:
-            rows, text = _of_area(area, o["--load"], measured, offset)
-        else:
-            raise InputError("the area is missing: --result, or --area and --load such as '1.254 mm^2' '8 N'")
-    return to_json(record(rows)) if as_json else "\n".join(text)
+        return _of_curve(Path(experiment), Path(result), area, reading | {"columns": columns})
+    o.refuse("--columns", "--stroke", "--speed", why="needs --experiment: it says how that file is read")
+    if cof is None:
+        raise InputError("--cof is missing: a measured coefficient of friction, or --experiment")
+    measured = number("--cof", cof, COF)
+    offset = number("--ploughing", ploughing or 0.0, PLOUGHING)
+    if measured <= offset:
+        raise InputError(f"--cof = {measured:g} must exceed --ploughing = {offset:g}")
+    if result is not None:
+        return _of_run(Path(result), measured, None if ploughing is None else offset, area)
+    if area is None or load is None:
+        raise InputError("the area is missing: --result, or --area and --load such as '1.254 mm^2' '8 N'")
+    return _of_area(area, load, measured, offset)
 
 
-def _name(area: str | None) -> str | None:
-    """Check the name of a run's area, if there is one. Raises InputError."""
-    if area is not None and area not in AREAS:
-        raise InputError(f"--area is {area!r}: allowed with --result is one of {', '.join(AREAS)}")
-    return area
-
-
-def _of_area(area: str, load: str, cof: float, ploughing: float) -> tuple[list[Row], list[str]]:
+def _of_area(area: Any, load: Any, cof: float, ploughing: float) -> FrictionCalibration:
     """Declare τ0 from an area and a load given as text. Raises InputError."""
     size, force = quantity("--area", area, "mm^2"), quantity("--load", load, "N")
     tau = friction.fitted_strength(cof, ploughing, load=force, area=size)
@@ -80,8 +153,9 @@ def _of_area(area: str, load: str, cof: float, ploughing: float) -> tuple[list[R
         raise InputError(f"--area {area} and --load {load} make {tau:g} MPa: allowed is any positive number")
     strength = Row("", "shear_strength_MPa", tau)
     study = Row("in a study", "", f'[friction] shear_strength = "{strength.text}"')
-    rows = [*_test_rows(force, cof, ploughing), Row("area A", "area_mm2", size, digits=6), strength, study]
-    return rows, [f"shear strength τ0 = (μ0 − μ_p) F/A = {strength.text} (thesis eq 4.19)", *lines(rows)]
+    rows = *_test_rows(force, cof, ploughing), Row("area A", "area_mm2", size, digits=6), strength, study
+    title = f"shear strength τ0 = (μ0 − μ_p) F/A = {strength.text} (thesis eq 4.19)"
+    return FrictionCalibration(shear_strengths={"given": tau}, title=title, rows=rows)
 
 
 def _test_rows(load: float, cof: float, ploughing: float) -> list[Row]:
@@ -93,9 +167,7 @@ def _test_rows(load: float, cof: float, ploughing: float) -> list[Row]:
     ]
 
 
-def _of_run(
-    folder: Path, cof: float, ploughing: float | None, area: str | None
-) -> tuple[list[Row], list[str]]:
+def _of_run(folder: Path, cof: float, ploughing: float | None, area: str | None) -> FrictionCalibration:
     """Declare τ0 from the areas of a run, at its start and at its end.
 
     ploughing: None for the run's. area: its name, None for all four.
@@ -107,7 +179,7 @@ def _of_run(
     law = _law(study, folder, coefficient=cof, ploughing=ploughing)
     taus = law.calibrations(history, load=load, hardness=study.indentation_hardness, laps=laps)
     sizes: dict[str, list[Row]] = {}
-    for name in AREAS if area is None else (area,):
+    for name in WORDS if area is None else (area,):
         columns = history, history[f"area_{name}"]
         start, end = (passes.mean_over(*columns, when, laps) for when in passes.WHEN)
         sizes[name] = [
@@ -118,17 +190,15 @@ def _of_run(
             Row("τ0 of the end", "shear_strength_end_MPa", taus[f"{name}_end"]),
         ]
     ended = "" if finished else ", where it was interrupted"
-    head = [
+    head = (
         Row("", "result", str(folder)),
         Row("", "finished", finished),
         Row("distance", "distance_mm", float(history["distance"][-1]), digits=6, note=ended),
         *_test_rows(load, cof, ploughing),
-    ]
+    )
     hardness = Row("from the hardness, H/(3√3):", "shear_strength_from_hardness_MPa", taus.get("hardness"))
-    advice = "τ0 belongs to its area and to the moment it was fixed at: choose both by the physics, not by τ0"
     title = f"shear strength τ0 = (μ0 − μ_p) F/A of {folder} (thesis eq 4.19)"
-    text = [title, *lines(head), *table(list(sizes.values())), *lines([hardness]), f"  {advice}"]
-    return [*head, Row("", "areas", sizes), hardness], text
+    return FrictionCalibration(shear_strengths=taus, title=title, rows=head, areas=sizes, after=(hardness,))
 
 
 def _law(study: Study, folder: Path, **measured: float) -> FrictionLaw:
@@ -141,9 +211,7 @@ def _law(study: Study, folder: Path, **measured: float) -> FrictionLaw:
         raise InputError(f"{folder}: {error}") from None
 
 
-def _of_curve(
-    file: Path, folder: Path, area: str | None, reading: dict[str, Any]
-) -> tuple[list[Row], list[str]]:
+def _of_curve(file: Path, folder: Path, area: str | None, reading: dict[str, Any]) -> FrictionCalibration:
     """Declare the fit of a measured curve with an area of a run.
 
     area: its name, None for the one by which the run's friction goes. reading: what `read_experiment` takes
@@ -165,9 +233,9 @@ def _of_curve(
         Row("area A", "area", area, sentence=WORDS[area]),
         Row("load F", "load_N", load, digits=6),
     ]
-    rows = [*source, *_fit_rows(fit)]
-    in_study = Row("in a study", "", _in_study(fit, area=area))
-    return rows, ["least squares of μ = μ_p + τ0 A/F", *lines([*rows, in_study])]
+    rows = *source, *_fit_rows(fit), Row("in a study", "", _in_study(fit, area=area))
+    title, strengths = "least squares of μ = μ_p + τ0 A/F", {area: fit.shear_strength}
+    return FrictionCalibration(shear_strengths=strengths, fit=fit, title=title, rows=rows)
 
 
 def _fit_rows(fit: FrictionFit) -> list[Row]:

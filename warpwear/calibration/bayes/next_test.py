@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from warpwear.calibration.bayes.data import Data
+from warpwear.calibration.bayes.identify import information, some_of
+from warpwear.calibration.bayes.likelihood import Posterior
+from warpwear.calibration.bayes.model import Model
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.inference.data import Data
-from warpwear.inference.identify import information, some_of
-from warpwear.inference.likelihood import Posterior
-from warpwear.inference.model import Model
 from warpwear.study.study import Study
 
 #: Places of the posterior over which the variance is averaged.

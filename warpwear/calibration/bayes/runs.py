@@ -1,4 +1,4 @@
-"""Runs that an inference stands on: one where results only scale, else a Sobol design made by a sweep."""
+"""Runs that an inference stands on: one where results only scale, else a Sobol design over the priors."""
 
 import itertools
 from collections.abc import Mapping, Sequence
@@ -9,9 +9,13 @@ from typing import Any
 import numpy as np
 
 from warpwear import lazy
+from warpwear.batches.batch import RUNS, make_all, opened_folder
+from warpwear.batches.plan import Plan, SweepSection
+from warpwear.batches.points import points_of, task_of
+from warpwear.batches.run_one import Row, run_one
+from warpwear.calibration.bayes.unknowns import Unknown, number_of
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.inference.unknowns import Unknown
 from warpwear.laws import archard
 from warpwear.laws.archard import BODIES
 from warpwear.laws.friction import COEFFICIENT, NUMBERS
@@ -19,11 +23,6 @@ from warpwear.result import Result
 from warpwear.results.evolution import surface_evolution
 from warpwear.results.track import course
 from warpwear.study.study import Study
-from warpwear.sweeps.plan import Plan, SweepSection
-from warpwear.sweeps.points import points_of, task_of
-from warpwear.sweeps.run_one import Row, run_one
-from warpwear.sweeps.sweep import sweep
-from warpwear.sweeps.table import RUNS
 
 ndimage, signal = lazy.module("scipy.ndimage"), lazy.module("scipy.signal")
 
@@ -175,34 +174,36 @@ def make_runs(
         if count < (fewest := 3 * len(inputs) + 5):
             raise InputError(f"runs = {count}: at least {fewest} are needed for {len(inputs)} unknowns")
         vary: dict[str, Any] = other_surfaces(study, count) | {u.key: u.prior for u in inputs}
-        _foresee(study, vary, count=count, seed=seed, device=device)
-        design = sweep(study, vary=vary, design="sobol", samples=count, seed=seed, out=out, device=device)
-        failed = [row.status for row in design.rows if row.status != "done"]
+        design = SweepSection(vary=vary, design="sobol", samples=count, seed=seed)
+        plan = Plan(study, design, device=device)
+        _foresee(plan)
+        with opened_folder(out):
+            rows = make_all(plan, out)
+        failed = [row.status for row in rows if row.status != "done"]
         if failed:
             raise InputError(
                 f"{len(failed)} of {count} runs over the priors of {', '.join(u.key for u in inputs)} "
                 f"{failed[0]} Narrower priors, or a study that can be run over all of them, are needed"
             )
-        numbers = {unknown: design.numbers(unknown.key) for unknown in inputs}
-        columns = [unknown.place_of(number[0]) for unknown, number in numbers.items() if number is not None]
-        places, rows = np.column_stack(columns), list(design.rows)
-        folders = [out / RUNS / point.run for point in design.plan.points]
+        studies = [point.study for point in plan.points if point.study]
+        numbers = {u: np.array([number_of(study, u.key) for study in studies]) for u in inputs}
+        places = np.column_stack([unknown.place_of(column) for unknown, column in numbers.items()])
+        folders = [out / RUNS / point.run for point in plan.points]
     whole = tuple(_whole(row, folder) for row, folder in zip(rows, folders, strict=True))
     rough = np.array([_roughness(folder) for folder in folders]) if roughness else None
     return Runs(study, inputs, places, whole, scaled, cut, rough, part or 1.0)
 
 
-def _foresee(study: Study, vary: dict[str, Any], *, count: int, seed: int, device: str) -> None:
-    """Refuse priors of which some samples make no study, before any run. vary, count: as of a design."""
-    design = SweepSection(vary=vary, design="sobol", samples=count, seed=seed)
-    points = [point for point in Plan(study, design, device=device).points if point.study is None]
+def _foresee(plan: Plan) -> None:
+    """Refuse priors of which some samples make no study, before any run."""
+    points = [point for point in plan.points if point.study is None]
     if not points:
         return
     cure = "narrower priors are needed"
     if "explicit stability limit" in points[0].problem:
         cure = "stepping.scheme = 'implicit', smaller increments or narrower priors are needed"
     raise InputError(
-        f"{len(points)} of {count} runs over the priors of {', '.join(vary)} make no study: "
+        f"{len(points)} of {len(plan.points)} runs over the priors of {', '.join(plan.keys)} make no study: "
         f"{points[0].problem.removesuffix('.')}. None was made; {cure}"
     )
 

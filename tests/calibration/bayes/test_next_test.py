@@ -8,14 +8,14 @@ from cases_inference import NORMAL, exact, found_for, posterior_of, result_of, s
 
 import warpwear
 from warpwear import InputError
-from warpwear.inference import sampler
-from warpwear.inference.data import Data, Measured
-from warpwear.inference.next_test import Candidate, best_tests, repeats_needed
-from warpwear.inference.report import calibrated
-from warpwear.inference.sampler import Samples
-from warpwear.sweeps.plan import read_plan
-from warpwear.sweeps.run_one import Row, Task
-from warpwear.sweeps.run_one import run_one as once
+from warpwear.batches.plan import read_plan
+from warpwear.batches.run_one import Row, Task
+from warpwear.batches.run_one import run_one as once
+from warpwear.calibration.bayes import sampler
+from warpwear.calibration.bayes.data import Data, Measured
+from warpwear.calibration.bayes.next_test import Candidate, best_tests, repeats_needed
+from warpwear.calibration.bayes.report import calibrated
+from warpwear.calibration.bayes.sampler import Samples
 
 
 def test_the_next_test_is_that_of_a_linear_problem(linear: Data) -> None:
@@ -52,7 +52,7 @@ def test_the_calibrated_study_is_ready_for_a_sweep(tmp_path: Path) -> None:
     asked: dict[str, str | None] = {"wear.counter": None, "wear.disc": None}
     for data, design, runs in (
         (volumes, "sobol", 64),
-        (Data(values=(Measured("diameter", 1.26, 0.02),)), "zip", 64),
+        (Data(values=(Measured("scar", 1.26, 0.02),)), "zip", 64),
     ):
         path = tmp_path / f"{design}.toml"
         path.write_text(calibrated(result_of(posterior_of(study, asked, data))), encoding="utf-8")
@@ -71,7 +71,7 @@ def test_another_test_whose_scar_is_larger_is_computed_on_a_wider_field(tmp_path
     inference = warpwear.infer(
         study,
         unknown={"wear.counter": "log-uniform 4e-4 .. 1e-2 mm^3/N/m"},
-        measured={"diameter": "1.28 +- 0.03 mm"},
+        tests=[{"scar": "1.28 +- 0.03 mm"}],
         target="wear.counter",
         candidates=(*tests, "repeats=1"),
         out=tmp_path / "out",
@@ -93,20 +93,20 @@ def test_tests_are_tried_before_anything_is_sampled(tmp_path: Path, monkeypatch:
         sampled.append(1)
         return sampler.sample(*args, **options)  # type: ignore[arg-type]
 
-    monkeypatch.setattr("warpwear.inference.infer.sample", sample)
+    monkeypatch.setattr("warpwear.calibration.bayes.infer.sample", sample)
     calls: list[str] = []
 
     def run_one(task: Task) -> Row:
         calls.append(task.folder)
         return once(task)
 
-    monkeypatch.setattr("warpwear.inference.runs.run_one", run_one)
+    monkeypatch.setattr("warpwear.calibration.bayes.runs.run_one", run_one)
 
     def infer(candidate: str, target: str = "wear.counter") -> warpwear.Inference:
         return warpwear.infer(
             smooth_study(**{"sliding.distance": "100 mm"}),
             unknown={"wear.counter": "log-uniform 4e-4 .. 2e-3 mm^3/N/m"},
-            measured={"volume_counter": "0.00075 +- 0.00003 mm^3"},
+            tests=[{"volume_counter": "0.00075 +- 0.00003 mm^3"}],
             target=target,
             candidates=[candidate],
             out=tmp_path / candidate,
@@ -125,7 +125,7 @@ def test_tests_are_tried_before_anything_is_sampled(tmp_path: Path, monkeypatch:
     assert "3 tests" in str(inference)  # what the ranks do not say: what each costs
     assert len({*calls}) == 1  # no run but that of the study
     assert same.repeats == 3
-    monkeypatch.setattr("warpwear.inference.infer.best_tests", lambda *args: 1 / 0)
+    monkeypatch.setattr("warpwear.calibration.bayes.infer.best_tests", lambda *args: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         infer("contact.load=4 N")
     assert (tmp_path / "contact.load=4 N" / "posterior.csv").is_file()

@@ -1,27 +1,44 @@
 """What data and priors are made into: repeats, thinned courses, quantiles."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from cases_inference import course_like, posterior_of, smooth_study
 
 from warpwear import InputError
-from warpwear.inference.data import Data, Measured, data_of
-from warpwear.inference.infer import check_priors
-from warpwear.inference.unknowns import unknowns_of
+from warpwear.calibration.bayes.data import Data, Measured, data_of
+from warpwear.calibration.bayes.infer import check_priors
+from warpwear.calibration.bayes.unknowns import unknowns_of
 from warpwear.measured.experiment import Experiment
 
 
 def test_repeats_that_scatter_widen_their_uncertainty() -> None:
-    data = data_of(smooth_study(), [], {"volume_disc": ["0.020 +- 0.001 mm^3", "0.028 +- 0.001 mm^3"]})
+    data = data_of(smooth_study(), [{"volume_disc": f"{v} +- 0.001 mm^3"} for v in (0.020, 0.028)])
     assert [value.error for value in data.values] == pytest.approx([0.001 * 32**0.5] * 2)
     assert "scatter 5.7 times as much" in data.notes[0]
 
 
+def test_what_a_test_may_give_beside_values(tmp_path: Path) -> None:
+    """A profile across the track, as the volume of its length; the mean of two diameters, with its error."""
+    place = np.arange(0.0, 3.0, 0.0005)
+    rough = 1e-2 * np.random.default_rng(7).normal(size=place.size)
+    heights = rough - np.clip(2.0 * (1.0 - ((place - 1.5) / 0.11) ** 2), 0.0, None)
+    path = tmp_path / "across.csv"
+    table = np.column_stack([place, heights])
+    np.savetxt(path, table, delimiter=";", header="x [mm];z [um]", comments="")
+    test = {"profile": path, "length": "30 mm", "scar": ["0.80 mm", "0.84 mm"], "radius": "3 mm"}
+    volume, scar = data_of(smooth_study(), [test | {"load": "8.1 N"}]).values
+    assert (volume.kind, scar.kind) == ("volume_disc", "scar")
+    assert volume.value == pytest.approx(30.0 * 2.0 / 3.0 * 2e-3 * 0.22, rel=5e-3)
+    assert 0.0 < volume.error < 0.02 * volume.value
+    assert (scar.value, scar.error) == pytest.approx((0.82, 0.02))
+
+
 def test_a_course_is_thinned_by_means() -> None:
     distance = np.linspace(1.0, 2400.0, 5000)
-    data = data_of(smooth_study(), [Experiment("long", distance, 0.3 + 1e-4 * distance)], {})
+    data = data_of(smooth_study(), [{"record": Experiment("long", distance, 0.3 + 1e-4 * distance)}])
     (course,) = data.courses
     assert course.distance.size == 100
     np.testing.assert_allclose(course.cof, 0.3 + 1e-4 * course.distance)

@@ -1,8 +1,7 @@
 """What was measured: courses of friction, single values of it, volumes, the scar, with uncertainties."""
 
 import itertools
-import re
-from collections.abc import Iterable, Mapping, Sequence
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -10,6 +9,18 @@ from pathlib import Path
 import numpy as np
 
 from warpwear.calibration.friction import effective_points
+from warpwear.calibration.measurements import (
+    KINDS,
+    MeasuredTest,
+    Tests,
+    Value,
+    conditions_of,
+    in_file,
+    size_and_error,
+    tests_of,
+    weighted,
+)
+from warpwear.calibration.worn import SOURCES, sources_of, worn_volume
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import printed
@@ -18,29 +29,16 @@ from warpwear.measured.experiment import Experiment
 from warpwear.measured.motion import Motion
 from warpwear.measured.rows import Rows, read_rows
 from warpwear.study.study import Study
-from warpwear.study.units import parse
 
-#: Measured value -> its unit and what it is.
-KINDS = {
-    "volume_counter": ("mm^3", "worn volume of the ball"),
-    "volume_disc": ("mm^3", "worn volume of the disc"),
-    "section": ("mm^2", "mean cross-section of the groove"),
-    "diameter": ("mm", "diameter of the scar"),
-    "sq_counter": ("um", "Sq in the scar of the ball"),
-    "sq_disc": ("um", "Sq in the scar of the disc"),
-    "cof": ("", "coefficient of friction"),
-}
 #: Points that a course is thinned to, by means of neighbours.
 POINTS = 100
 #: Fewest points of a course.
 FEWEST = 5
-#: A load that differs by more than this part from the study's is another test.
-LOAD_OFF = 0.05
-#: Least and largest number of a measured value, and standard uncertainty as a part of it: of others none is
-#: measured, and their squares leave the range of numbers.
-NUMBERS, PARTS = (1e-30, 1e30), (1e-9, 1e9)
-_NUMBER = r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
-_WRITTEN = re.compile(rf"\s*{_NUMBER}\s*(?:\+-|±)\s*{_NUMBER}\s*(.*?)\s*(?:\bat\s+(\S.*?))?\s*")
+#: A load, or a length, that differs by more than this part from the study's is of another test.
+OFF = 0.05
+#: Least and largest standard uncertainty as a part of a measured value: squares of others leave the range of
+#: numbers.
+PARTS = (1e-9, 1e9)
 
 
 def unit_of(kind: str) -> str:
@@ -148,30 +146,39 @@ class Data:
         return {value.kind for value in self.values}
 
 
-def data_of(
-    study: Study,
-    experiments: Iterable[Experiment | str | Path],
-    measured: Mapping[str, str | Sequence[str]],
-    *,
-    columns: str | None = None,
-) -> Data:
-    """Read what was measured in a test that the study describes.
+def data_of(study: Study, tests: Tests, *, columns: str | None = None) -> Data:
+    """Read what was measured in tests that the study describes: tables as of [[test]], or a file of them.
 
-    experiments: files, or courses that are read. measured: name of `KINDS` -> text such as "0.80 +- 0.02 mm",
-    or a list of them, one a repeat; a coefficient may say where it was found: "0.2 +- 0.02 at 30 mm". Raises
-    InputError for what does not go with the study.
+    columns: of records. Raises InputError for what does not go with the study.
     """
-    courses = [_course(study, experiment, columns) for experiment in experiments]
-    both = [
-        _measured(study, kind, text)
-        for kind, texts in measured.items()
-        for text in ([texts] if isinstance(texts, str) else texts)
-    ]
+    courses, both = [], []
+    tables, own = in_file(tests)[1] if isinstance(tests, str | Path) else tests, conditions_of(study)
+    (same,) = tests_of([own])
+    for number, test in enumerate(tests_of(tables, **own), 1):
+        named = f"test.{number}"
+        _check_conditions(test, named, same)
+        if test.record is not None:
+            courses.append(_course(study, test.record, columns))
+        sources = [name for name in sources_of(test) if name not in KINDS]
+        sources += [kind for kind in KINDS if getattr(test, kind) is not None]
+        both += [_measured(study, test, source, f"{named}.{source}") for source in sources]
     if not courses and not both:
-        raise InputError("nothing was measured: give a course of friction, a volume or a diameter")
-    points = tuple(value for value in both if value.kind == "cof")
-    values, notes = _repeated([value for value in both if value.kind != "cof"])
+        raise InputError("nothing was measured: give a course of friction, a volume or a scar")
+    points = tuple(value for value in both if value.kind == "friction")
+    values, notes = _repeated([value for value in both if value.kind != "friction"])
     return Data(tuple(courses), points, tuple(values), tuple(notes))
+
+
+def _check_conditions(test: MeasuredTest, named: str, own: MeasuredTest) -> None:
+    """Raise InputError for a test that is not the study's own."""
+    for name in ("load", "distance", "radius", "length", "track_radius"):
+        here, there = getattr(test, name), getattr(own, name)
+        if isinstance(here, Value):
+            if here.error is not None:
+                raise InputError(f"{named}.{name} has an uncertainty: an inference takes it as exact")
+            here, there = here.value, there.value
+        if None not in (here, there) and not math.isclose(here, there, rel_tol=OFF):
+            raise InputError(f"{named}.{name} is {here:g}, and the study has {there:g}: they have to agree")
 
 
 def _repeated(values: list[Measured]) -> tuple[list[Measured], list[str]]:
@@ -179,11 +186,7 @@ def _repeated(values: list[Measured]) -> tuple[list[Measured], list[str]]:
     notes = []
     for kind in dict.fromkeys(value.kind for value in values):
         same = [value for value in values if value.kind == kind]
-        weights = np.array([value.error**-2.0 for value in same])
-        numbers = np.array([value.value for value in same])
-        square = float(weights @ (numbers - weights @ numbers / weights.sum()) ** 2)
-        ratio = np.sqrt(square / (len(same) - 1)) if len(same) > 1 else 0.0
-        if ratio > 1.0:
+        if (mean := weighted([v.value for v in same], [v.error for v in same])) and (ratio := mean[2]) > 1.0:
             values = [replace(v, error=ratio * v.error) if v.kind == kind else v for v in values]
             notes.append(
                 f"{KINDS[kind][1]}: {len(same)} tests scatter {ratio:.2g} times as much as their "
@@ -192,42 +195,32 @@ def _repeated(values: list[Measured]) -> tuple[list[Measured], list[str]]:
     return values, notes
 
 
-def _measured(study: Study, kind: str, text: str) -> Measured:
-    """Read a value of `KINDS` from its text. Raises InputError."""
-
-    def refusal(sentence: str) -> InputError:
-        return InputError(f"{kind} = '{text}': {sentence}")
-
+def _measured(study: Study, test: MeasuredTest, kind: str, label: str) -> Measured:
+    """Check a value of `KINDS` against the study, or make one of a body's worn volume. Raises InputError."""
+    at, total = None, study.sliding.total
     if kind not in KINDS:
-        raise InputError(f"'{kind}' is nothing that can be measured here; allowed: {', '.join(KINDS)}")
-    unit, what = KINDS[kind]
-    example = f"'{'0.80' if unit else '0.60'} +- 0.02{' ' + unit if unit else ''}'"
-    parts = _WRITTEN.fullmatch(text)
-    if parts is None:
-        raise refusal(f"a value with its standard uncertainty is expected, such as {example}")
-    value, error, written, where = parts.groups()
-    if bool(written) != bool(unit) or (where is not None and kind != "cof"):
-        raise refusal(f"{'a unit' if unit else 'no unit'} is expected, such as {example}")
-    try:
-        factor = parse(f"1 {written}", unit) if unit else 1.0
-        at = parse(where, "mm") if where else study.sliding.total if kind == "cof" else None
-    except ValueError as problem:
-        raise refusal(f"it {problem}") from None
-    measured = Measured(kind, factor * float(value), factor * float(error), at)
-    numbers = {f"the {what} ({unit or 'a plain ratio'})": (measured.value, NUMBERS)}
-    numbers["the uncertainty as a part of the value"] = measured.error / (measured.value or np.nan), PARTS
-    for name, (number, (least, most)) in numbers.items():
-        if not least <= number <= most:
-            raise refusal(f"{name} is {number:.3g}, and allowed is {least:g} to {most:g}")
-    if kind == "cof":
-        check_cof(text, np.array([at]), np.array([measured.value]))
-    if at is not None and not 0.0 < at <= study.sliding.total * (1.0 + 1e-9):
-        raise refusal(f"the study slides {study.sliding.total:g} mm, and not to {at:g} mm")
-    if kind == "diameter" and measured.value > min(*study.grid.sides, 2.0 * (study.counter.radius or np.inf)):
-        raise refusal(f"the scar is larger than the field of the study, {study.grid.size} (grid.extent)")
+        if (body := SOURCES[kind].worn) is None:
+            raise InputError(f"{label} is of a body that is not known: give volume_counter or volume_disc")
+        worn = worn_volume(test, kind, label.rpartition(".")[0], preparation={})
+        kind, value, error = f"volume_{body}", worn.volume, worn.error
+    else:
+        value, error = size_and_error(getattr(test, kind))
+    if kind == "friction":
+        at = getattr(test, kind).at or total
+        check_cof(label, np.array([at]), np.array([value]))
+        if not 0.0 < at <= total * (1.0 + 1e-9):
+            raise InputError(f"{label}: the study slides {total:g} mm, and not to {at:g} mm")
+    if kind == "scar" and value > min(*study.grid.sides, 2.0 * (study.counter.radius or np.inf)):
+        larger = "the scar is larger than the field of the study"
+        raise InputError(f"{label}: {larger}, {study.grid.size} (grid.extent)")
     if kind == "section" and study.sliding.stroke is None:
-        raise InputError("section needs sliding.stroke in the study: section × stroke is the disc's volume")
-    return measured
+        raise InputError(f"{label} needs sliding.stroke in the study: section × stroke is the disc's volume")
+    if not PARTS[0] <= (part := (error or 0.0) / value) <= PARTS[1]:
+        raise InputError(
+            f"{label}: the standard uncertainty is {part:.3g} of the value, and allowed is {PARTS[0]:g} to "
+            f"{PARTS[1]:g}; write it behind the value, such as '0.80 +- 0.02 mm'"
+        )
+    return Measured(kind, value, error or 0.0, at)
 
 
 def _course(study: Study, experiment: Experiment | str | Path, columns: str | None) -> MeasuredCourse:
@@ -263,7 +256,7 @@ def _check_load(rows: Rows, load: float) -> None:
     if force is None or not (force := np.abs(force[np.isfinite(force)])).size:
         return
     typical = float(np.median(force))
-    if abs(typical - load) > LOAD_OFF * load:
+    if abs(typical - load) > OFF * load:
         raise InputError(
             f"{rows.path}: the normal force is {typical:.3g} N in the middle, the study has contact.load = "
             f"{load:g} N: they have to agree"

@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 
 from warpwear import lazy
+from warpwear.batches.distributions import Distribution, distribution
+from warpwear.calibration.bayes.data import Data
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.inference.data import Data
 from warpwear.study.keys import attribute_of, key_of, no_such_key
 from warpwear.study.sections.wear import ArchardCoefficient
 from warpwear.study.study import Study
 from warpwear.study.units import EXAMPLES, Number, Quantity, Range, parse
-from warpwear.sweeps.distributions import Distribution, distribution
 
 special = lazy.module("scipy.special")
 
@@ -149,7 +149,8 @@ def _unknown(study: Study, key: str, text: str | None) -> Unknown:
         raise InputError(f"'{key}' cannot be an unknown: it is no number")
     unit = study.wear.unit if wear else getattr(kind, "unit", "")
     allowed = Range(or_equal=True) if kind is None else kind.range
-    prior = _about(key, _value(study, key), unit) if text is None else _in_unit(_read(text, key), unit, key)
+    own = number_of(study, key)
+    prior = _about(key, own, unit) if text is None else _in_unit(_read(text, key), unit, key)
     return _within_allowed(Unknown(key, prior, unit, allowed.least, allowed.most, assumed=text is None))
 
 
@@ -159,7 +160,7 @@ def _inside(annotation: Any) -> list[Any]:
     return [annotation, *getattr(annotation, "__metadata__", ()), *parts]
 
 
-def _value(study: Study, key: str) -> float | None:
+def number_of(study: Study, key: str) -> float | None:
     """Return the study's number of a key in its unit, None where it has none."""
     value = attribute_of(study, key)
     if isinstance(value, ArchardCoefficient):

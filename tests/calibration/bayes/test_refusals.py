@@ -17,29 +17,36 @@ STRENGTH = {"friction.shear_strength": "log-uniform 1 .. 20 MPa"}
 
 
 @pytest.mark.parametrize(
-    ("measured", "sentence"),
+    ("tests", "sentence"),
     [
-        ({"diameter": "2.2 +- 0.1 mm"}, "the scar is larger than the field of the study, 1.5 mm"),
-        ({"volume_disc": "-0.01 +- 0.001 mm^3"}, "the worn volume of the disc .* is -0.01"),
-        ({"volume_disc": "0.01 mm^3"}, "a value with its standard uncertainty is expected"),
+        ([{"scar": "2.2 +- 0.1 mm"}], "test.1.scar: the scar is larger than the field of the study, 1.5 mm"),
+        ([{"volume_disc": "-0.01 +- 0.001 mm^3"}], "test.1.volume_disc = .* must be greater than 0"),
+        ([{"volume_disc": "0.01 mm^3"}], "the standard uncertainty is 0 of the value, .* such as '0.80"),
+        ([{"volume_disc": "0.01 +- 0 mm^3"}], "the standard uncertainty is 0 of the value, and allowed"),
         (
-            {"volume_disc": "0.01 +- 0 mm^3"},
-            "the uncertainty as a part of the value is 0, and",
+            [{"volume_disc": "0.01 +- 0.001 mm"}],
+            "volume_disc = '0.01 \\+- 0.001 mm': has the wrong dimension",
         ),
-        ({"volume_disc": "0.01 +- 0.001 mm"}, "volume_disc = '0.01 \\+- 0.001 mm': it"),
-        ({"cof": "60 +- 1"}, "as if in percent"),
-        ({"cof": "0.6 +- 0.01 at 9000 mm"}, "the study slides 2400 mm"),
-        ({"volume_disc": "0.01 +- 1e-300 mm^3"}, "the uncertainty as a part of the value is 1e-298"),
-        ({"volume_disc": ["0.01 +- 1e-300 mm^3"] * 2}, "the uncertainty as a part of the value is 1e-298"),
-        ({"volume_disc": "0.01 +- 1e300 mm^3"}, "the uncertainty as a part of the value is 1e"),
-        ({"volume_disc": "1e-300 +- 1e-301 mm^3"}, "the worn volume of the disc .* is 1e-300"),
-        ({"weight": "3 +- 1 mm"}, "nothing that can be measured here"),
-        ({}, "nothing was measured"),
+        ([{"friction": "60 +- 1"}], "as if in percent"),
+        ([{"friction": "0.6 +- 0.01 at 9000 mm"}], "the study slides 2400 mm"),
+        ([{"friction": "0.6 +- 0.01 mm"}], "no unit is expected"),
+        ([{"volume_disc": "0.01 +- 1e-20 mm^3"}] * 2, "the standard uncertainty is 1e-18 of the value"),
+        ([{"volume_disc": "0.01 +- 1e-300 mm^3"}], "is beyond what can be computed with"),
+        ([{"volume_disc": "0.01 +- 1e20 mm^3"}], "the standard uncertainty is 1e\\+22 of the value"),
+        ([{"volume_disc": "1e-300 +- 1e-301 mm^3"}], "is beyond what can be computed with"),
+        ([{"weight": "3 +- 1 mm"}], "'test.1.weight' is no key"),
+        (
+            [{"volume": "0.01 +- 0.001 mm^3"}],
+            "of a body that is not known: give volume_counter or volume_disc",
+        ),
+        ([{"load": "16 N", "scar": "1.2 +- 0.1 mm"}], "test.1.load is 16, and the study has 8: they have to"),
+        ([{"load": "8 +- 1 N", "scar": "1.2 +- 0.1 mm"}], "test.1.load has an uncertainty"),
+        ([{}], "nothing was measured"),
     ],
 )
-def test_wrong_data_end_in_one_sentence(measured: dict[str, str | list[str]], sentence: str) -> None:
+def test_wrong_data_end_in_one_sentence(tests: list[dict[str, str]], sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
-        warpwear.infer(smooth_study(), unknown=STRENGTH, measured=measured)
+        warpwear.infer(smooth_study(), unknown=STRENGTH, tests=tests)
 
 
 @pytest.mark.parametrize(
@@ -71,7 +78,7 @@ def test_a_wrong_course_ends_in_one_sentence(tmp_path: Path, text: str, sentence
     path = tmp_path / "test.csv"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=sentence):
-        warpwear.infer(smooth_study(), unknown=STRENGTH, experiments=[path])
+        warpwear.infer(smooth_study(), unknown=STRENGTH, tests=[{"record": path}])
 
 
 @pytest.mark.parametrize(
@@ -96,22 +103,23 @@ def test_a_wrong_course_ends_in_one_sentence(tmp_path: Path, text: str, sentence
 )
 def test_wrong_unknowns_end_in_one_sentence(unknown: dict[str, str | None], sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
-        warpwear.infer(smooth_study(), unknown=unknown, measured={"volume_counter": "0.018 +- 0.001 mm^3"})
+        warpwear.infer(smooth_study(), unknown=unknown, tests=[{"volume_counter": "0.018 +- 0.001 mm^3"}])
 
 
 @pytest.mark.parametrize(
     ("section", "sentence"),
     [
         ("infer = 3", "infer = 3 is not a section; write [infer]"),
-        ("[infer]\nmeasured = 'x'", "infer.measured = 'x' is not a section; write [infer.measured]"),
-        ("[infer]\nmesured = {}", "'infer.mesured' is no key of a study; did you mean 'infer.measured'?"),
+        ("[infer]\nunknown = 'x'", "infer.unknown = 'x' is not a section; write [infer.unknown]"),
+        ("[infer]\nunknwon = {}", "'infer.unknwon' is no key of a study; did you mean 'infer.unknown'?"),
+        ("[infer]\nnext = 'a'", "infer.next = 'a': must be a list in brackets, such as ['test-1.csv']"),
         (
-            "[infer]\nexperiments = 'a.csv'",
-            "infer.experiments = 'a.csv': must be a list in brackets, such as ['test-1.csv']",
+            "[test]\nscar = '0.8 +- 0.02 mm'",
+            "is no list of tests; write [[test]] and the keys of one below it",
         ),
+        ("[[test]]\nrecord = 3", "test.1.record = 3: must be text in quotes"),
         ("[infer]\ntarget = 3", "infer.target = 3: must be text in quotes"),
-        ("[infer.measured]\ndiameter = 0.8", "infer.measured.diameter = 0.8: must be text in quotes"),
-        ("[infer.measured]\nweight = '3 +- 1 mm'", "'weight' is nothing that can be measured"),
+        ("[[test]]\nscar = 0.8", "test.1.scar = 0.8: needs its unit: a length such as '1.5 mm'"),
         ("[infer.unknown]\nwear.counter = 3", "infer.unknown.wear.counter = 3: must be text in quotes"),
     ],
 )
@@ -150,7 +158,9 @@ def test_wrong_data_end_the_command_in_one_sentence(tmp_path: Path) -> None:
 
 def test_priors_beyond_the_explicit_limit_are_refused_before_any_run(monkeypatch: pytest.MonkeyPatch) -> None:
     """The limit goes with the wear coefficients, so that the prior says it."""
-    monkeypatch.setattr("warpwear.inference.runs.sweep", lambda *_, **__: pytest.fail("a run was made"))
+    monkeypatch.setattr(
+        "warpwear.calibration.bayes.runs.make_all", lambda *_, **__: pytest.fail("a run was made")
+    )
     priors = {"wear.counter": "log-uniform 1e-4 .. 5e-2 mm^3/N/m"}
     with pytest.raises(InputError, match=r"of 16 runs .* explicit .*None was made; .*scheme = 'implicit'"):
-        warpwear.infer("v1", unknown=priors, measured={"diameter": "1.3 +- 0.1 mm"})
+        warpwear.infer("v1", unknown=priors, tests=[{"scar": "1.3 +- 0.1 mm"}])

@@ -4,16 +4,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict
 
+from warpwear.batches.design import SAMPLED, Design, Factor, factors_of
+from warpwear.batches.points import Point, points_of, with_positions
 from warpwear.errors import InputError
 from warpwear.results.ensemble import label_of, short_names
 from warpwear.study import loading
 from warpwear.study.keys import dotted
 from warpwear.study.study import Study
-from warpwear.study.text import sentence
-from warpwear.sweeps.design import SAMPLED, Design, Factor, factors_of
-from warpwear.sweeps.points import Point, points_of, with_positions
+from warpwear.study.text import read_section
 
 SECTION = "sweep"
 
@@ -28,12 +28,6 @@ class SweepSection(BaseModel):
     samples: int | None = None
     seed: int = 0
     band_over: str | list[str] = []
-
-
-class _Whole(BaseModel):
-    """A study file as far as a sweep reads it: sentences then name keys as they stand there."""
-
-    sweep: SweepSection
 
 
 class Plan:
@@ -89,7 +83,4 @@ def section_of(section: Any, options: Mapping[str, Any]) -> SweepSection:
         # Unquoted dots make tables in tables of TOML; {positions = 12} is a value.
         vary = dotted(section.get("vary", {}), whole="positions")
         more["vary"] = {**vary, **options.get("vary", {})}
-    try:
-        return _Whole.model_validate({SECTION: {**section, **more}}).sweep
-    except ValidationError as error:
-        raise InputError(sentence(error, _Whole)) from error
+    return SweepSection.model_validate(read_section(SECTION, SweepSection, {**section, **more}))

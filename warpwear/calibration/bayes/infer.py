@@ -8,24 +8,29 @@ from typing import Any
 
 import numpy as np
 
+from warpwear.batches.batch import RUNS, check_folder
+from warpwear.calibration.bayes.data import Data, data_of, unit_of
+from warpwear.calibration.bayes.identify import conflicts_of, identify
+from warpwear.calibration.bayes.likelihood import Posterior
+from warpwear.calibration.bayes.model import Model, columns_for
+from warpwear.calibration.bayes.next_test import (
+    Candidate,
+    best_tests,
+    candidates_of,
+    place_of,
+    repeats_needed,
+)
+from warpwear.calibration.bayes.report import SAMPLES_FILE, write_report, write_samples
+from warpwear.calibration.bayes.result import Inference
+from warpwear.calibration.bayes.runs import make_runs, wide_enough
+from warpwear.calibration.bayes.sampler import sample
+from warpwear.calibration.bayes.unknowns import Unknown, noise_for, unknowns_of
+from warpwear.calibration.measurements import Tests
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.inference.data import Data, data_of, unit_of
-from warpwear.inference.identify import conflicts_of, identify
-from warpwear.inference.likelihood import Posterior
-from warpwear.inference.model import Model, columns_for
-from warpwear.inference.next_test import Candidate, best_tests, candidates_of, place_of, repeats_needed
-from warpwear.inference.report import SAMPLES_FILE, write_report, write_samples
-from warpwear.inference.result import Inference
-from warpwear.inference.runs import make_runs, wide_enough
-from warpwear.inference.sampler import sample
-from warpwear.inference.unknowns import Unknown, noise_for, unknowns_of
 from warpwear.laws.friction import FITTED, STRENGTH
-from warpwear.measured.experiment import Experiment
 from warpwear.study.keys import inapplicable
 from warpwear.study.study import Study
-from warpwear.sweeps.sweep import check_folder
-from warpwear.sweeps.table import RUNS
 
 #: Draws of the priors that are compared with the data.
 DRAWS = 2000
@@ -39,8 +44,7 @@ def infer(
     study: Study | str | Path,
     *,
     unknown: Mapping[str, str | None] | Sequence[str],
-    experiments: Sequence[Experiment | str | Path] = (),
-    measured: Data | Mapping[str, str | Sequence[str]] | None = None,
+    tests: Tests | Data,
     target: str | None = None,
     candidates: Sequence[str] = (),
     out: str | Path | None = None,
@@ -50,13 +54,11 @@ def infer(
 ) -> Inference:
     """Find unknowns of a study from measurements of a test, by Bayes' rule.
 
-    unknown: keys, each with a prior as in a sweep or None for one about the study's value. experiments:
-    courses of friction, one for each repeated test. measured: "volume_counter", "volume_disc", "section",
-    "diameter", "sq_counter", "sq_disc" or "cof" -> a text such as "0.80 +- 0.02 mm" or a list, one a repeat;
-    "cof" may end in "at 30 mm". Or all that was measured, as of `warpwear.inference.data.data_of`. target: an
-    unknown that the next test is to narrow; candidates: such as "contact.load=16 N, repeats=3". out: folder
-    of the report, which keeps the runs. runs: of a design where results do not merely scale. seed: of all
-    draws.
+    unknown: keys, each with a prior as in a sweep or None for one about the study's value. tests: a table a
+    test, such as {"scar": "0.8 +- 0.02 mm", "friction": "0.2 +- 0.02 at 30 mm", "record": "test-1.csv"}, with
+    the keys of [[test]], or a file with them; repeated tests have one each. target: an unknown that the next
+    test is to narrow; candidates: such as "contact.load=16 N, repeats=3". out: folder of the report, which
+    keeps the runs. runs: of a design where results do not merely scale. seed: of all draws.
 
     Raises InputError for what does not go together, ConvergenceError where samples do not converge.
     """
@@ -64,7 +66,7 @@ def infer(
     study.refuse_blocks("warpwear calibrate bayes")
     if study.wears_by_area:
         raise InputError("warpwear calibrate bayes needs friction.law = 'coulomb' for wear.law = 'energy'")
-    data = measured if isinstance(measured, Data) else data_of(study, experiments, measured or {})
+    data = tests if isinstance(tests, Data) else data_of(study, tests)
     priors = dict(unknown) if isinstance(unknown, Mapping) else dict.fromkeys(unknown)
     unknowns, noise = unknowns_of(study, priors), noise_for(data, priors)
     _check_unknowns(study, unknowns, data)
@@ -99,7 +101,7 @@ def infer(
         values, z = posterior.complete(samples.z, np.random.default_rng(seed + 1))
         if out is not None:
             write_samples(posterior.unknowns, values, folder / SAMPLES_FILE)
-        tests = [] if target is None else best_tests(posterior, values, target, trials)
+        ranked = [] if target is None else best_tests(posterior, values, target, trials)
         wear = [u.key for u in unknowns if u.key in ("wear.counter", "wear.disc")]
         inference = Inference(
             posterior=posterior,
@@ -109,7 +111,7 @@ def infer(
             identified=identify(posterior, values, z),
             conflicts=tuple(conflicts_of(posterior, values)),
             target=target,
-            tests=tuple(tests),
+            tests=tuple(ranked),
             repeats={key: repeats_needed(posterior, values, key) for key in wear},
             seed=seed,
         )
@@ -135,9 +137,9 @@ def check_priors(posterior: Posterior, *, seed: int) -> None:
         for course, rows in zip(posterior.data.courses, posterior.data.rows, strict=True):
             level = float(course.cof.mean())
             text = f"{course.name}: mean coefficient of friction {level:.3g}"
-            _within(text, level, cof[:, rows].mean(axis=1), COF_FAR, "cof")
+            _within(text, level, cof[:, rows].mean(axis=1), COF_FAR, "friction")
         for point, column in zip(reversed(posterior.data.points), reversed(cof.T), strict=False):
-            _within(point.text, point.value, column, FAR * point.error, "cof")
+            _within(point.text, point.value, column, FAR * point.error, "friction")
 
 
 def _within(what: str, value: float, computed: FloatArray, room: float, kind: str) -> None:

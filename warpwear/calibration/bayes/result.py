@@ -8,18 +8,18 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from warpwear.calibration.bayes import figures
+from warpwear.calibration.bayes.identify import ALL_APART, CONFLICT, DRAWS, Identified, computed
+from warpwear.calibration.bayes.likelihood import Posterior
+from warpwear.calibration.bayes.next_test import MOST_REPEATS, REACHED, NextTest
+from warpwear.calibration.bayes.sampler import Samples
+from warpwear.calibration.bayes.unknowns import NOISE, Unknown
 from warpwear.errors import InputError
 from warpwear.figures import describe
 from warpwear.figures.paint import paint
 from warpwear.figures.wording import counted
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import printed
-from warpwear.inference import figures
-from warpwear.inference.identify import ALL_APART, CONFLICT, DRAWS, Identified, computed
-from warpwear.inference.likelihood import Posterior
-from warpwear.inference.next_test import MOST_REPEATS, REACHED, NextTest
-from warpwear.inference.sampler import Samples
-from warpwear.inference.unknowns import NOISE, Unknown
 from warpwear.results.ensemble import band
 from warpwear.results.report import aligned
 from warpwear.study.study import Study
@@ -197,7 +197,7 @@ class Inference:
         return distance, np.array(band(cof)), np.array(band(with_scatter))[1:]
 
     def computed(self) -> list[dict[str, Any]]:
-        """A row a measured value: what it is, what the study computes, and how far apart they are."""
+        """Return a row a measured value: what it is, what the study computes, and how far apart they are."""
         return computed(self.posterior, self._some)
 
     def plot(self, name: str) -> Figure:

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import tomli_w
 
+from warpwear.calibration.bayes.result import Inference
+from warpwear.calibration.bayes.runs import other_surfaces
+from warpwear.calibration.bayes.unknowns import Unknown
 from warpwear.errors import InputError
 from warpwear.figures.describe import Figure
 from warpwear.figures.wording import short
 from warpwear.grid import FloatArray
-from warpwear.inference.result import Inference
-from warpwear.inference.runs import other_surfaces
-from warpwear.inference.unknowns import Unknown
 from warpwear.page.folder import Content
 from warpwear.page.folder import write_report as write_folder
 from warpwear.page.html import embedded, render

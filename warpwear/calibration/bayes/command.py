@@ -4,17 +4,15 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
+from warpwear.calibration.bayes.data import data_of
+from warpwear.calibration.bayes.infer import infer
+from warpwear.calibration.bayes.report import CALIBRATED, FITTED, content_of
+from warpwear.calibration.measurements import in_file
 from warpwear.errors import InputError
-from warpwear.inference.data import data_of
-from warpwear.inference.infer import infer
-from warpwear.inference.report import CALIBRATED, FITTED, content_of
 from warpwear.results.report import to_json
-from warpwear.study import loading
 from warpwear.study.keys import Section, dotted, key
 from warpwear.study.study import Study
-from warpwear.study.text import sentence
+from warpwear.study.text import read_section
 
 
 class InferSection(Section):
@@ -23,20 +21,10 @@ class InferSection(Section):
     unknown: dict[str, str] = key(
         {}, 'unknown keys and their priors, `""` for one within a factor of 5 of the study\'s value'
     )
-    measured: dict[str, str | list[str]] = key(
-        {}, "measured values, each with its standard uncertainty; a list has one a repeated test"
-    )
-    experiments: list[str] = key([], "files of courses of friction, beside the study; one a repeated test")
     target: str | None = key(None, "the unknown that the next test shall tell")
     next: list[str] = key(
         [], 'tests to rank, such as `"contact.load=16 N, repeats=3"`; without them likely ones'
     )
-
-
-class _File(Section):
-    """A study file has one such section."""
-
-    infer: InferSection = InferSection()
 
 
 def calibrate_bayes(
@@ -57,17 +45,21 @@ def calibrate_bayes(
 
     Raises InputError.
     """
-    sections = loading.read_sections(study)
-    section = _section(sections.pop("infer", {}))
+    sections, tests = in_file(study)
+    said = sections.pop("infer", {})
+    if isinstance(said, Mapping) and isinstance(said.get("unknown"), Mapping):
+        said = {**said, "unknown": dotted(said["unknown"])}  # unquoted dots make tables in tables
+    section = read_section("infer", InferSection, said)
     changed = Study(**sections).replace(changes)
     priors = {**{name: prior or None for name, prior in section.unknown.items()}, **_unknown(unknown)}
-    values = {**section.measured, **{kind: texts for kind, texts in measured.items() if texts}}
-    courses = [*(Path(study).parent / path for path in section.experiments), *experiments]
-    data = data_of(changed, courses, values, columns=columns)
+    if isinstance(tests, list):
+        tests = [*tests, *({kind: text} for kind, texts in measured.items() for text in texts)]
+        tests += [{"record": path} for path in experiments]
+    data = data_of(changed, tests, columns=columns)
     options |= {"target": target or section.target, "candidates": candidates or section.next, "out": out}
     if options["candidates"] and options["target"] is None:
         raise InputError("--next needs --target, the unknown that the next test shall tell")
-    inference = infer(changed, unknown=priors, measured=data, **options)
+    inference = infer(changed, unknown=priors, tests=data, **options)
     if as_json:
         return to_json(content_of(inference))
     study = FITTED if inference.misses else CALIBRATED
@@ -84,13 +76,3 @@ def _unknown(texts: Sequence[str]) -> dict[str, str | None]:
             raise InputError(f"--unknown {text!r}: KEY or KEY=PRIOR is expected, a prior as in a sweep")
         priors[name] = prior or None
     return priors
-
-
-def _section(content: Any) -> InferSection:
-    """Read a section [infer]. Raises InputError with one sentence on what is wrong."""
-    if isinstance(content, Mapping) and isinstance(content.get("unknown"), Mapping):
-        content = {**content, "unknown": dotted(content["unknown"])}  # unquoted dots make tables in tables
-    try:
-        return _File(infer=content).infer
-    except ValidationError as error:
-        raise InputError(sentence(error, _File)) from error

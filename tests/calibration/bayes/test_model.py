@@ -10,15 +10,15 @@ from cases_inference import smooth_study, worn_paraboloid
 
 import warpwear
 from warpwear import InputError, Study
-from warpwear.inference.data import Data
-from warpwear.inference.emulator import Emulator
-from warpwear.inference.likelihood import Posterior
-from warpwear.inference.model import Model
-from warpwear.inference.runs import Runs, scales
-from warpwear.inference.unknowns import unknowns_of
+from warpwear.batches.run_one import Row
+from warpwear.calibration.bayes.data import Data
+from warpwear.calibration.bayes.emulator import Emulator
+from warpwear.calibration.bayes.likelihood import Posterior
+from warpwear.calibration.bayes.model import Model
+from warpwear.calibration.bayes.runs import Runs, scales
+from warpwear.calibration.bayes.unknowns import unknowns_of
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.friction import FRICTION_LAWS, FrictionLaw
-from warpwear.sweeps.run_one import Row
 
 pytest.importorskip("emcee")
 
@@ -116,12 +116,12 @@ def test_one_run_serves_all_wear_coefficients(tmp_path: Path) -> None:
     """Area, scar and volumes of a run at other wear coefficients are those of the scaled run."""
     study = smooth_study(**{"sliding.distance": "300 mm"})
     assert scales(study)
-    like = {"diameter": "0.72 +- 0.02 mm", "cof": "0.2 +- 0.02"}
+    like = [{"scar": "0.72 +- 0.02 mm", "friction": "0.2 +- 0.02"}]
     asked = {
         "wear.counter": "log-uniform 2e-4 .. 9.4e-4 mm^3/N/m",
         "friction.shear_strength": "normal 4 +- 0.4 MPa",
     }
-    found = warpwear.infer(study, unknown=asked, measured=like, out=tmp_path / "found")
+    found = warpwear.infer(study, unknown=asked, tests=like, out=tmp_path / "found")
     model = found.posterior.model
     assert len(model.runs.rows) == 1
     other = study.replace({"wear.counter": "3e-4 mm^3/N/m"})
@@ -133,7 +133,7 @@ def test_one_run_serves_all_wear_coefficients(tmp_path: Path) -> None:
         np.testing.assert_allclose(model.cof(one, history["distance"][some])[0], expected, rtol=0.05)
         assert model.cof(one, history["distance"][-1:])[0, 0] == pytest.approx(expected[-1], rel=0.03)
         scar = 0.5 * (history["patch_along"][-1] + history["patch_across"][-1])
-        assert model.value(one, "diameter")[0][0] == pytest.approx(scar, abs=0.02)
+        assert model.value(one, "scar")[0][0] == pytest.approx(scar, abs=0.02)
         assert model.value(one, "volume_counter")[0][0] == pytest.approx(
             history["wear_volume_counter"][-1], rel=1e-9
         )

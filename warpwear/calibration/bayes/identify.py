@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from warpwear.calibration.bayes.likelihood import Posterior
+from warpwear.calibration.measurements import KINDS
 from warpwear.figures.wording import listed
 from warpwear.grid import FloatArray
-from warpwear.inference.data import KINDS
-from warpwear.inference.likelihood import Posterior
 
 #: Standard uncertainties from which a computed value and a measured one contradict each other.
 CONTRADICTION = 3.0
@@ -220,7 +220,7 @@ def computed(posterior: Posterior, values: Mapping[str, FloatArray]) -> list[dic
     """Return a row a measured value; see `Inference.computed`."""
     rows = []
     for measured in (*posterior.data.values, *posterior.data.points):
-        if measured.kind == "cof":
+        if measured.kind == "friction":
             mean = posterior.model.cof(values, np.array([measured.at]))[:, 0]
             variance = np.zeros(len(mean))
         else:
@@ -281,7 +281,7 @@ def conflicts_of(posterior: Posterior, values: Mapping[str, FloatArray]) -> list
                 f"{CONFLICT}: measured is {row['what']}; computed is "
                 f"{row['mean']:.3g}, {row['off']:.0f} standard uncertainties apart."
             )
-            lines += _scar_by_volume(posterior) if value.kind != "cof" else []
+            lines += _scar_by_volume(posterior) if value.kind != "friction" else []
     if lines:
         lines = list(dict.fromkeys(lines))
         lines.append(
@@ -302,7 +302,7 @@ def conflicts_of(posterior: Posterior, values: Mapping[str, FloatArray]) -> list
 def _scar_by_volume(posterior: Posterior) -> list[str]:
     """Say which scar the measured volumes make at rest, where a scar was measured, too."""
     values, model = posterior.data.values, posterior.model
-    scars = [value for value in values if value.kind == "diameter"]
+    scars = [value for value in values if value.kind == "scar"]
     bodies = {value.kind: value for value in values if value.kind.startswith("volume")}
     if not (scars and bodies and model.runs.scaled) or model.runs.inputs:
         return []

@@ -12,10 +12,10 @@ from functools import cached_property
 
 import numpy as np
 
+from warpwear.calibration.bayes.data import Data
+from warpwear.calibration.bayes.model import Model
+from warpwear.calibration.bayes.unknowns import Unknown
 from warpwear.grid import FloatArray
-from warpwear.inference.data import Data
-from warpwear.inference.model import Model
-from warpwear.inference.unknowns import Unknown
 from warpwear.laws.friction import FILM_STRENGTH, PLOUGHING, STRENGTH
 
 #: Keys that friction is linear in.

@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 
 from warpwear import Study
+from warpwear.batches.run_one import Row
+from warpwear.calibration.bayes.data import Data, MeasuredCourse
+from warpwear.calibration.bayes.identify import conflicts_of, identify
+from warpwear.calibration.bayes.likelihood import Posterior
+from warpwear.calibration.bayes.model import Model
+from warpwear.calibration.bayes.result import Inference
+from warpwear.calibration.bayes.runs import Runs
+from warpwear.calibration.bayes.sampler import Samples
+from warpwear.calibration.bayes.unknowns import noise_for, unknowns_of
 from warpwear.grid import FloatArray
-from warpwear.inference.data import Data, MeasuredCourse
-from warpwear.inference.identify import conflicts_of, identify
-from warpwear.inference.likelihood import Posterior
-from warpwear.inference.model import Model
-from warpwear.inference.result import Inference
-from warpwear.inference.runs import Runs
-from warpwear.inference.sampler import Samples
-from warpwear.inference.unknowns import noise_for, unknowns_of
-from warpwear.sweeps.run_one import Row
 
 #: Wear that the course of `worn_paraboloid` goes to, as a multiple of the study's.
 BEYOND = 12.0
@@ -50,7 +50,7 @@ def posterior_of(
 ) -> Posterior:
     """The posterior of the smooth study in closed form, without a run."""
     unknowns = list(unknowns_of(study, unknown))
-    model = Model(study, tuple(unknowns), worn_paraboloid(study), frozenset(data.kinds | {"diameter"}))
+    model = Model(study, tuple(unknowns), worn_paraboloid(study), frozenset(data.kinds | {"scar"}))
     return Posterior(model, tuple(noise_for(data, unknown)), data, closed_form=closed_form)
 
 

@@ -10,12 +10,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from warpwear.calibration.bayes.emulator import Emulator
+from warpwear.calibration.bayes.runs import Runs
+from warpwear.calibration.bayes.unknowns import Unknown
+from warpwear.calibration.measurements import KINDS
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.inference.data import KINDS
-from warpwear.inference.emulator import Emulator
-from warpwear.inference.runs import Runs
-from warpwear.inference.unknowns import Unknown
 from warpwear.laws.archard import BODIES, WearLaw
 from warpwear.laws.friction import FrictionLaw
 from warpwear.study.study import Study
@@ -72,14 +72,14 @@ class Model:
         for key, emulator in zip(sheared, emulators, strict=True):
             emulator.scatter = np.hypot(emulator.scatter, scatter if whole else 0.0)
             self._strengths[key] = self._places(distance), emulator
-        if "diameter" in self.kinds:
+        if "scar" in self.kinds:
             distance, along = runs.course("patch_along")
             patch = 0.5 * (along + runs.course("patch_across")[1])
             if runs.scaled:
                 lines = np.array([_without_stairs(line) for line in patch])
-                self._values["diameter"] = self._course(distance, lines, "scar")
+                self._values["scar"] = self._course(distance, lines, "scar")
             else:
-                self._values["diameter"] = self._end(patch[:, -1], "scar")
+                self._values["scar"] = self._end(patch[:, -1], "scar")
         for kind in self.kinds & {"sq_counter", "sq_disc"}:
             assert runs.roughness is not None
             self._values[kind] = self._end(runs.roughness[:, int(kind == "sq_disc")], KINDS[kind][1])
@@ -136,13 +136,13 @@ class Model:
             law = self._wear_laws(values)[BODIES.index(kind.removeprefix("volume_"))]
             worn = law.wear_per_pressure(0.0, end)[:, 0]
             return self.study.contact.load * worn, np.zeros(len(end))
-        rounding = (ROUNDING * self.study.grid.cell) ** 2 if kind == "diameter" else 0.0
+        rounding = (ROUNDING * self.study.grid.cell) ** 2 if kind == "scar" else 0.0
         mean, apart, scatter = self._looked_up(*self._values[kind], values, self._worn(values, end))
         return mean[:, 0], np.sum(apart[..., 0] ** 2, axis=1) + scatter[:, 0] ** 2 + rounding
 
     def scar_of(self, volume: float) -> float:
         """Return the diameter [mm] of a scar at rest from which a volume [mm³] has worn off both bodies."""
-        places, emulator = self._values["diameter"]
+        places, emulator = self._values["scar"]
         size = float(np.interp(math.log(volume / self.study.contact.load), np.log(places), emulator.mean))
         return math.exp(size) if emulator.logarithmic else size
 

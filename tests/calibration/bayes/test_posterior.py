@@ -5,9 +5,9 @@ import pytest
 from cases_inference import NORMAL, course_like, drawn, exact, posterior_of, smooth_study
 
 from warpwear import ConvergenceError
-from warpwear.inference.data import Data
-from warpwear.inference.likelihood import INDEPENDENT, _innovations
-from warpwear.inference.sampler import Samples, sample, split_r
+from warpwear.calibration.bayes.data import Data
+from warpwear.calibration.bayes.likelihood import INDEPENDENT, _innovations
+from warpwear.calibration.bayes.sampler import Samples, sample, split_r
 
 pytest.importorskip("emcee")
 
@@ -103,7 +103,7 @@ def test_residuals_that_also_scatter_on_their_own_have_their_covariance() -> Non
 
 
 def test_samples_that_do_not_converge_are_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("warpwear.inference.sampler.MOST_STEPS", 100)
+    monkeypatch.setattr("warpwear.calibration.bayes.sampler.MOST_STEPS", 100)
     with pytest.raises(ConvergenceError, match="did not converge within 100 steps"):
         sample(lambda z: -0.5 * np.sum(z**2, axis=1), 12, seed=0)
     apart = np.random.default_rng(0).standard_normal((2, 400, 8, 1))

@@ -8,17 +8,17 @@ import pytest
 from cases_inference import course_like, drawn, found_for, posterior_of, result_of, smooth_study
 
 from warpwear import Study
-from warpwear.inference.data import Data, Measured, MeasuredCourse
-from warpwear.inference.identify import identify
-from warpwear.inference.report import write_report
-from warpwear.sweeps.plan import read_plan
+from warpwear.batches.plan import read_plan
+from warpwear.calibration.bayes.data import Data, Measured, MeasuredCourse
+from warpwear.calibration.bayes.identify import identify
+from warpwear.calibration.bayes.report import write_report
 
 
 def test_the_ball_and_the_disc_are_not_told_apart_by_a_scar() -> None:
     """At rest a scar follows from K_s + K_d alone: the program says so, and a volume resolves it."""
     study = smooth_study()
     asked: dict[str, str | None] = {"wear.counter": None, "wear.disc": None}
-    data = Data(values=(Measured("diameter", 1.26, 0.02),))
+    data = Data(values=(Measured("scar", 1.26, 0.02),))
     posterior = posterior_of(study, asked, data)
     values, z = found_for(posterior)
     found = identify(posterior, values, z)
@@ -40,14 +40,14 @@ def test_strength_and_area_are_not_told_apart_by_one_coefficient() -> None:
     """Friction at the end is τ0 times the level of the area, here √(K_s + K_d)."""
     study = smooth_study(**{"wear.disc": "0 mm^3/N/m"})
     asked: dict[str, str | None] = {"friction.shear_strength": None, "wear.counter": None}
-    data = Data(points=(Measured("cof", 0.4, 0.02, study.sliding.total),))
+    data = Data(points=(Measured("friction", 0.4, 0.02, study.sliding.total),))
     posterior = posterior_of(study, asked, data)
     values, z = found_for(posterior)
     (group,) = identify(posterior, values, z).indistinct
     assert set(group.keys) == set(asked)
     assert group.known.startswith("the product friction.shear_strength · wear.counter^0.5")
     assert "A scar or a worn volume" in str(group)
-    with_scar = posterior_of(study, asked, replace(data, values=(Measured("diameter", 1.0, 0.02),)))
+    with_scar = posterior_of(study, asked, replace(data, values=(Measured("scar", 1.0, 0.02),)))
     assert not identify(with_scar, *found_for(with_scar)).indistinct
 
 
@@ -65,7 +65,7 @@ def test_an_unknown_of_which_data_say_nothing_is_named() -> None:
 
 def test_data_that_a_study_cannot_bring_together_are_named() -> None:
     """The disc's volume asks for a scar of 1.1 mm at rest, and 0.80 mm was measured."""
-    data = Data(values=(Measured("diameter", 0.80, 0.02), Measured("volume_disc", 0.0244, 0.001)))
+    data = Data(values=(Measured("scar", 0.80, 0.02), Measured("volume_disc", 0.0244, 0.001)))
     asked: dict[str, str | None] = {
         "wear.counter": "log-uniform 1e-5 .. 9e-4 mm^3/N/m",
         "wear.disc": "log-uniform 1e-4 .. 3e-3 mm^3/N/m",

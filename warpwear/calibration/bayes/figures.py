@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from warpwear import lazy
+from warpwear.calibration.bayes.data import Data
+from warpwear.calibration.bayes.unknowns import Unknown
 from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Chart, Cloud, Empty, Figure, Line, Look, Panel
 from warpwear.figures.wording import power_of_ten
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BY_NAME, printed
-from warpwear.inference.data import Data
-from warpwear.inference.unknowns import Unknown
 from warpwear.results.ensemble import in_legend
 
 ndimage = lazy.module("scipy.ndimage")
@@ -52,7 +52,7 @@ def corner(unknowns: Sequence[Unknown], values: Mapping[str, FloatArray]) -> Fig
 
 
 def course(predicted: tuple[FloatArray, FloatArray, FloatArray], data: Data) -> Figure:
-    """The predicted coefficient of friction with what was measured on it."""
+    """Draw the predicted coefficient of friction with what was measured on it."""
     distance, (mean, low, high), (least, most) = predicted
     lines: list[Line] = []
     if np.any(most - least > (high - low) * (1.0 + 1e-9)):

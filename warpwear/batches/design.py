@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from warpwear import lazy
+from warpwear.batches.distributions import Distribution, distribution
 from warpwear.errors import InputError
 from warpwear.grid import FloatArray
-from warpwear.sweeps.distributions import Distribution, distribution
 
 qmc = lazy.module("scipy.stats.qmc")
 

@@ -1,0 +1,290 @@
+"""The wear coefficient K = V/(F L) of one worn body, from one kind of measurement in one test or several."""
+
+import math
+import statistics
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from warpwear.calibration.measurements import Tests, Value, conditions_of, in_file, tests_of, weighted
+from warpwear.calibration.outcome import Calibration
+from warpwear.calibration.wear import LARGEST, WornVolume
+from warpwear.calibration.worn import SOURCES, TWO_DIAMETERS, sources_of, worn_volume
+from warpwear.errors import InputError, named_in_python
+from warpwear.measured.options import optional
+from warpwear.results.report import Row, scientific, times
+from warpwear.study.study import Study
+
+#: ASTM test methods: sources they go with, and what they take for granted.
+STANDARDS = {
+    "g99-ball": (("scar",), "ASTM G99, spherical pin end: no wear of the disc"),
+    "g99-disc": (("width",), "ASTM G99, disc: no wear of the ball"),
+    "g133-ball": (("scar",), "ASTM G133, ball: a flat scar, its mean diameter"),
+    "g133-flat": (("section",), "ASTM G133, flat: mean cross-section × stroke"),
+}
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class WearCalibration(Calibration):
+    """Wear coefficients K [mm²/N] (1e-3 mm³/(N·m), 1e-6 Pa) of one worn body, of one or several tests.
+
+    Attributes
+    ----------
+    volumes : tuple of WornVolume
+        One a test, with its uncertainty, its depth, and how it was found.
+    loads, distances : tuple of Value
+        Normal load [N] and sliding distance [mm] of each test, ``(value, error)``.
+    hardness : float or None
+        Hardness [MPa] of the dimensionless coefficient.
+    relation, worn : str
+        How the volumes follow from what was measured, and the body that has worn; None where it is uncertain.
+    """
+
+    volumes: tuple[WornVolume, ...]
+    loads: tuple[Value, ...]
+    distances: tuple[Value, ...]
+    hardness: float | None = None
+    relation: str = ""
+    worn: str | None = None
+
+    def __post_init__(self) -> None:
+        for value, load, distance in zip(self.values, self.loads, self.distances, strict=True):
+            if not 1.0 / LARGEST < value < LARGEST:
+                raise InputError(
+                    f"load {load.value:g} N and distance {distance.value:g} mm make a wear coefficient of "
+                    f"{value:g} mm²/N: allowed is {1.0 / LARGEST:g} to {LARGEST:g}"
+                )
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """Give K of every test [mm²/N]."""
+        tests = zip(self.volumes, self.loads, self.distances, strict=True)
+        return tuple(worn.volume / (load.value * distance.value) for worn, load, distance in tests)
+
+    @property
+    def errors(self) -> tuple[float | None, ...]:
+        """Give K's standard uncertainty of every test [mm²/N], from those of volume, load and distance."""
+        tests = zip(self.values, self.volumes, self.loads, self.distances, strict=True)
+        errors: list[float | None] = []
+        for k, worn, *work in tests:
+            others = [k * (each.error or 0.0) / each.value for each in work]
+            own = None if worn.error is None else worn.error / (work[0].value * work[1].value)
+            errors.append(None if own is None else math.hypot(own, *others))
+        return tuple(errors)
+
+    @property
+    def mean(self) -> float:
+        """K [mm²/N]: the mean over the tests."""
+        return statistics.fmean(self.values)
+
+    @property
+    def deviation(self) -> float | None:
+        """Return the standard deviation of the tests [mm²/N], divided by n − 1; None of a single one."""
+        return statistics.stdev(self.values) if len(self.values) > 1 else None
+
+    @property
+    def uncertainty(self) -> float | None:
+        """Standard uncertainty of `mean` [mm²/N]: from the scatter of several, else of the single one."""
+        return self.errors[0] if self.deviation is None else self.deviation / math.sqrt(len(self.values))
+
+    @property
+    def weighted(self) -> tuple[float, float, float] | None:
+        """Return the mean by 1/u² of the tests, its standard uncertainty [mm²/N], and Birge's ratio.
+
+        None where an uncertainty is not known, and of a single test.
+        """
+        return weighted(self.values, self.errors)
+
+    @property
+    def dimensionless(self) -> float | None:
+        """Return k of V = k F L/H (thesis eq 4.12), None without a hardness."""
+        return None if self.hardness is None else self.mean * self.hardness
+
+    def _title(self) -> str:
+        works = {f.value * d.value for f, d in zip(self.loads, self.distances, strict=True)}
+        work = f", F L = {1e-3 * works.pop():.5g} N·m" if len(works) == 1 else ""
+        return f"wear coefficient K = V/(F L){work}"
+
+    def __repr__(self) -> str:
+        return f"<wear coefficient K = {_k('', self.mean, self.uncertainty).text}, tests: {len(self.values)}>"
+
+    def _rows(self) -> list[Row]:
+        count, deviation, error = len(self.volumes), self.deviation, self.uncertainty
+        note, scatter, by_hardness = "; its uncertainty is unknown", "", ""
+        if error is not None:
+            note = f"(standard {'error' if count > 1 else 'uncertainty'}, {error / self.mean:.2g} of K)"
+        if deviation is not None:
+            scatter = f"standard deviation of {count} tests ({deviation / self.mean:.2g} of the mean)"
+        if self.hardness:
+            by_hardness = f"dimensionless, with the hardness {self.hardness:g} MPa (V = k F L/H)"
+        spread, k = times(1e3, deviation), self.dimensionless
+        in_study = f'[wear] {self.worn or "counter or disc"} = "{scientific(1e3 * self.mean)} mm^3/N/m"'
+        return [
+            Row("from", "relation", self.relation),
+            Row("", "worn", self.worn),
+            _alike("load F", "load_N", self.loads),
+            _alike("distance L", "distance_mm", self.distances),
+            _k("K", self.mean, error, note=note),
+            Row("  or", "wear_coefficient_per_Pa", 1e-6 * self.mean, scientific=True),
+            Row("", "hardness_MPa", self.hardness),
+            Row("  or", "wear_coefficient_dimensionless", k, note=by_hardness, scientific=True),
+            Row("", "count", count),
+            Row("scatter", "standard_deviation_mm3_per_Nm", spread, digits=2, note=scatter, scientific=True),
+            Row("", "standard_error_mm3_per_Nm", times(1e3, error) if count > 1 else None),
+            *self._weighted(),
+            Row("", "uses", "exact"),
+            Row("in a study", "", in_study),
+            Row("", "tests", self._table()),
+        ]
+
+    def _weighted(self) -> list[Row]:
+        """Declare the mean by the uncertainties of several tests themselves."""
+        if self.weighted is None:
+            return []
+        mean, error, ratio = self.weighted
+        note = f"by 1/u² of each; the tests scatter {ratio:.2g} times as much as their uncertainties say"
+        key, uncertainty = "weighted_mean_mm3_per_Nm", ("weighted_uncertainty_mm3_per_Nm", 1e3 * error)
+        k = Row("weighted", key, 1e3 * mean, error=uncertainty, note=note, scientific=True)
+        return [k, Row("", "birge_ratio", ratio)]
+
+    def _table(self) -> list[list[Row]]:
+        return [self._row(test) for test in range(len(self.volumes))]
+
+    def _row(self, test: int) -> list[Row]:
+        """Declare one of the tests."""
+        worn, note, worn_too = self.volumes[test], "", ""
+        per_work = self.values[test] / worn.volume
+        small, bulging = (times(1e3, times(per_work, v)) for v in (worn.approximate, worn.bulging))
+        if small is not None and worn.approximate is not None:
+            change = f"{worn.approximate / worn.volume - 1.0:+.2%}"
+            note = f"for a small scar: K {scientific(small)}, {change}; not used, K is of the exact volume"
+        if bulging is not None:
+            worn_too = (
+                f"by π d₁³ d₂/(64 R): K {scientific(bulging)}, if the longer diameter d₂ lies across "
+                "sliding: the scar is then no cap"
+            )
+        doubted = worn.error is not None and worn.error > worn.volume / 3.0
+        warning = "the volume is within three standard uncertainties of nothing" if doubted else None
+        error = "volume_uncertainty_mm3", worn.error
+        work = (("  load", "load_N", self.loads), ("  distance", "distance_mm", self.distances))
+        return [
+            Row("measured", "measured", worn.measured),
+            *(Row(name, key, of[test].value, digits=6) for name, key, of in work if len({*of}) > 1),
+            Row("  depth", "depth_um", times(1e3, worn.depth)),
+            Row("  volume", "volume_mm3", worn.volume, digits=5, error=error),
+            Row("  uncertainty", "uncertainty_from", worn.error_from),
+            Row("  approximation", "volume_by_approximation_mm3", worn.approximate, digits=5, note=note),
+            _k("  K", self.values[test], self.errors[test]),
+            Row("", "by_approximation_mm3_per_Nm", small),
+            Row("  disc worn, too", "volume_of_bulging_scar_mm3", worn.bulging, digits=5, note=worn_too),
+            Row("", "of_bulging_scar_mm3_per_Nm", bulging),
+            Row("  warning", "", warning),
+        ]
+
+
+def _alike(label: str, key: str, values: tuple[Value, ...]) -> Row:
+    """Declare what tests have alike; in JSON a list where they differ, which people read of each test."""
+    value, error, _ = values[0]
+    if len({*values}) > 1:
+        return Row("", key, [each.value for each in values])
+    key_of_error = key.replace("_", "_uncertainty_") if error is not None else ""
+    return Row(label, key, value, digits=6, error=(key_of_error, error))
+
+
+def _k(label: str, value: float, error: float | None, *, note: str = "") -> Row:
+    """Declare a wear coefficient and its standard uncertainty [mm²/N]."""
+    key, uncertainty = "wear_coefficient_mm3_per_Nm", ("uncertainty_mm3_per_Nm", times(1e3, error))
+    return Row(label, key, 1e3 * value, error=uncertainty, note=note, scientific=True)
+
+
+@named_in_python()
+def calibrate_wear(
+    tests: Tests,
+    *,
+    source: str | None = None,
+    standard: str | None = None,
+    hardness: Any = None,
+    preparation: Mapping[str, Any] | None = None,
+    **alike: Any,
+) -> WearCalibration:
+    """Find the wear coefficient K = V/(F L) of a worn body from one kind of measurement.
+
+    Parameters
+    ----------
+    tests : list of dict, or path
+        One a test: what was measured in it, such as ``{"volume": "0.018 +- 0.001 mm^3"}``, with its load and
+        distance. The keys are those of ``[[test]]``; a path is that of a TOML file with such a list, maybe in
+        a study, whose load, distance and ball are then those of the tests without their own.
+    source : str, optional
+        Which of several kinds of measurement to take, such as ``"scar"``.
+    standard : {"g99-ball", "g99-disc", "g133-ball", "g133-flat"}, optional
+        The ASTM test method.
+    hardness : str, optional
+        For the dimensionless coefficient, such as ``"590 MPa"``.
+    preparation : dict, optional
+        Keys of ``[disc]``, as text, that say how measured files are read, such as ``{"pixel": "3 um"}``.
+    **alike
+        Keys that all tests have alike, such as ``load="8 N"``.
+
+    Returns
+    -------
+    WearCalibration
+        K of each test, their mean, scatter and uncertainty. Under a flat prior and with normal errors,
+        `weighted` is mean and deviation of the posterior of K.
+
+    Raises
+    ------
+    InputError
+        For what is missing, does not go together, or makes no wear coefficient.
+
+    References
+    ----------
+    J. F. Archard, Contact and rubbing of flat surfaces, Journal of Applied Physics 24 (1953) 981-988. ASTM
+    G99 and G133.
+
+    Examples
+    --------
+    >>> volumes = [{"volume": "0.018 +- 0.001 mm^3"}, {"volume": "0.021 +- 0.001 mm^3"}]
+    >>> warpwear.calibrate_wear(tests=volumes, load="8 N", distance="2400 mm")
+    <wear coefficient K = (1.016 ± 0.078)e-3 mm³/(N·m), tests: 2>
+    """
+    if isinstance(tests, str | Path):
+        sections, tests = in_file(tests)
+        own = {name: sections[name] for name in sections.keys() - {"infer", "sweep"}}
+        alike = (conditions_of(Study(**own)) if own else {}) | alike
+    checked = {f"test.{number}": test for number, test in enumerate(tests_of(tests, **alike), 1)}
+    every = ((named, name) for named, test in checked.items() for name in sources_of(test))
+    measured = [(named, name) for named, name in every if source in (None, name)]
+    labels: dict[str, str] = {}
+    for named, name in measured:
+        labels.setdefault(name, f"{named}.{name}")
+    if not labels:
+        raise InputError(f"what was measured is missing: one of {', '.join(SOURCES)}")
+    name, *others = labels
+    if others:
+        why = "exclude each other: a wear coefficient has one source; name it by --source"
+        raise InputError(f"{' and '.join(labels.values())} {why}")
+    relation = SOURCES[name].relation
+    if standard is not None:
+        if standard not in STANDARDS:
+            raise InputError(f"--standard is {standard!r}: allowed is one of {', '.join(STANDARDS)}")
+        if name not in STANDARDS[standard][0]:
+            raise InputError(f"--standard {standard} is for {STANDARDS[standard][0][0]}, not {labels[name]}")
+        relation = STANDARDS[standard][1]
+    elif name == "scar" and all(len(test.scar) > 1 for test in checked.values() if test.scar):
+        relation = TWO_DIAMETERS
+    taken = {named: checked[named] for named, _ in measured}
+    for named, test in taken.items():
+        for key, what in (("load", "the normal load, such as '8 N'"), ("distance", "such as '2400 mm'")):
+            if getattr(test, key) is None:
+                raise InputError(f"{named}.{key} is missing: {what}")
+    worn = [worn_volume(t, name, named, preparation=preparation or {}) for named, t in taken.items()]
+    return WearCalibration(
+        volumes=tuple(worn),
+        loads=tuple(test.load for test in taken.values() if test.load),
+        distances=tuple(test.distance for test in taken.values() if test.distance),
+        hardness=optional("--hardness", hardness, "MPa"),
+        relation=relation,
+        worn=SOURCES[name].worn,
+    )
