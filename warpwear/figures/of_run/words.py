@@ -116,7 +116,7 @@ class Entry(NamedTuple):
 
     def caption_of(self, data: FigureData) -> str:
         """Return what stands below it, of a run; the law of contact is said at the end."""
-        return (self.template + " {law}").format_map(Fields(data))
+        return (self.template + " {law}").format_map(TemplateFields(data))
 
 
 #: Figures of a run by name.
@@ -139,8 +139,8 @@ def figure(*reasons: Reason, essential: bool = False, **others: Any) -> Callable
     return enter
 
 
-class Fields:
-    """The fields of texts on a run, `template.format_map(Fields(data))`: only those in the text are made.
+class TemplateFields:
+    """The fields of a template on a run, for its `format_map`: only those in the text are made.
 
     more: fields beside those of captions.
     """

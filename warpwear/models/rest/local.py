@@ -86,10 +86,10 @@ class OneScaleModel(Model):
         )
         device = executor.device
         #: What the steps on the device remember.
-        self._course = Numbers(wear.Course, device, extents=[NO_INDEX] * 4)
+        self._course = Numbers(wear.RestMemory, device, extents=[NO_INDEX] * 4)
         columns = len(wear.BALANCE) + len(SUMS) + len(MAXIMA)
         self._steps = arguments(
-            wear.Steps,
+            wear.RestSteps,
             device,
             plan=(LONGEST_ON_GPU + 1, len(wear.PLAN)),
             history=(LONGEST_ON_GPU, columns),

@@ -15,7 +15,7 @@ BY_PRESSURE = ("wearing_counter", "pressure_times_factor")
 
 
 @dataclass(frozen=True)
-class Part:
+class Substep:
     """Describes a part of a step."""
 
     start: float  # sliding distance at its start [mm]
@@ -43,15 +43,15 @@ class StepMeans:
         self._error, self._parts, self._last_row = 0.0, 0, dict[str, float]()
         self._certificates: list[Certificate | None] = []
 
-    def part(self, begins: float, weight: float) -> Part:
+    def part(self, begins: float, weight: float) -> Substep:
         """Return the part of the step that begins after so much of it and has such a weight."""
         start, increment = self._start + self._increment * begins, self._increment * weight
         shears = weight * self._shears[0], weight * self._track_fraction * self._shears[1]
-        return Part(start, increment, weight, self._task.wear_per_pressure(start, increment), shears)
+        return Substep(start, increment, weight, self._task.wear_per_pressure(start, increment), shears)
 
     def add(
         self,
-        part: Part,
+        part: Substep,
         contact: HalfSpaceContact,
         force: float,
         sums: Mapping[str, float],
