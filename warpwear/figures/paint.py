@@ -73,7 +73,7 @@ def paint(figure: Figure) -> sheets.Figure:
             sheet.set_figheight(_height(cells, rows, columns, width) + LEGEND_ROW * legend)
         elif legend > 1:  # makes the figure higher, not its panels lower
             sheet.set_figheight(figure.height * rows + LEGEND_ROW * (legend - 1))
-        _tell_scales(layout, sheet, grid, cells)
+        _show_scales(layout, sheet, grid, cells)
     return sheet
 
 
@@ -207,7 +207,7 @@ def _height(cells: Sequence[Any], rows: int, columns: int, width: float) -> floa
     return rows * (side * (y1 - y0) / (x1 - x0) + TITLE * lines + GAP) + below
 
 
-def _tell_scales(layout: ConstrainedLayoutEngine, sheet: Any, grid: Any, cells: Sequence[Any]) -> None:
+def _show_scales(layout: ConstrainedLayoutEngine, sheet: Any, grid: Any, cells: Sequence[Any]) -> None:
     """Say above panels how many times larger y is drawn than x, once they have their places."""
     stretched = [
         (a, cell) for a, cell in zip(grid.ravel(), cells, strict=False) if getattr(cell, "stretch_note", "")

@@ -188,7 +188,7 @@ def hertz(data: FigureData) -> Figure:
     return Figure(panels, legend=2)
 
 
-@words.figure(words.TRACK_FACTOR, words.NO_FACTOR, words.NO_SNAPSHOT)
+@words.figure(words.SWEPT_FACTOR, words.NO_FACTOR, words.NO_SNAPSHOT)
 def distance_factor(data: FigureData) -> Figure:
     """Sliding distance of cells of the disc over that of the middle."""
     study, window, kind = data.study, data.window, data.study.wear.distance_factor

@@ -57,7 +57,7 @@ def setup(data: FigureData) -> Figure:
     return Figure([describe.Box("Setup", window.extent, "height, µm", *ends, parts, note)])
 
 
-@words.figure(words.TRACK, *words.FIELD, words.UNWORN)
+@words.figure(words.SWEPT, *words.FIELD, words.UNWORN)
 def wear_map(data: FigureData) -> Figure:
     """Wear depth of {slider} and disc {end}."""
     when, maps = after(data.distances[-1]), []
