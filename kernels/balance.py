@@ -228,7 +228,7 @@ def listed(
 
 
 @wp.func
-def begin_anew(springs: Springs, lowest: wp.float64, s: BalanceSearch):
+def start_search(springs: Springs, lowest: wp.float64, s: BalanceSearch):
     """Begin a search of which nothing is known, on any list. lowest: gap [mm]."""
     ask_for(springs, list_from(springs.lists[0], lowest))
     springs.search[0] = s
@@ -239,7 +239,7 @@ def begin_anew(springs: Springs, lowest: wp.float64, s: BalanceSearch):
 def begin(springs: Springs, lowest: wp.float64, softest: wp.float64):
     """Begins a search of which nothing is known. lowest: gap [mm]; softest: stiffness of a cell [N/mm³]."""
     if wp.tid() == 0:
-        begin_anew(springs, lowest, search_from_lowest(springs, lowest, ZERO, softest))
+        start_search(springs, lowest, search_from_lowest(springs, lowest, ZERO, softest))
 
 
 @native_code.native_pass("carry")

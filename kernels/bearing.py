@@ -12,7 +12,7 @@ follows, on a smaller bracket. Few cells take one pass, many cells a few.
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.balance import BalanceSearch, Springs, ask_for, begin_anew
+from warpwear.kernels.balance import BalanceSearch, Springs, ask_for, start_search
 from warpwear.kernels.cells import NONE, ZERO, Cells
 from warpwear.kernels.contact import Law
 from warpwear.kernels.native_code import most_of, sum_of
@@ -238,7 +238,7 @@ def conclude_area(springs: Springs, s: BalanceSearch, lists: Listing, law: Law):
 def begin(springs: Springs, lowest: wp.float64):
     """Begins a search of which nothing is known, on any list. lowest: gap [mm]."""
     if wp.tid() == 0:
-        begin_anew(springs, lowest, area_between(springs, lowest, ZERO))
+        start_search(springs, lowest, area_between(springs, lowest, ZERO))
 
 
 @native_code.native_pass("count_level")

@@ -221,5 +221,5 @@ def record(springs: Springs, steps: SlidingSteps, tables: StepTables, row_sums: 
             c.mean = pressure / wp.max(contact, ONE)
             c.step = row + 1
         steps.course[0] = c
-        steps.slides[0] = with_columns(steps.slides[0], c, steps)  # a film is rubbed there
+        steps.slides[0] = with_columns(steps.slides[0], c, steps)  # a film records its wear there
         steps.stepping[0] = wp.where(goes_on and c.step < c.steps, 1, 0)

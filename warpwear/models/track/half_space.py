@@ -70,7 +70,7 @@ class SlidingHalfSpace:
         "_length": PartLength,
     }
     SCRATCH: ClassVar = (
-        *("gap", "slides", "_means", "_sums", "_maxima", "_mirror", "_rubbed", "_rubbed_means", "_row"),
+        *("gap", "slides", "_means", "_sums", "_maxima", "_mirror", "_sheared", "_sheared_means", "_row"),
         *("_place", "_programs", "_static", "_asked", "_unreached"),
     )
     #: Steps are made one by one, on a GPU too.
@@ -145,8 +145,8 @@ class SlidingHalfSpace:
             wp.zeros((len(lines), slots), dtype=wp.float64, device=device) for lines in (PressureSum, MAXIMA)
         )
         #: Part of a step that each cell was in contact, and its means along x; only where wear goes by it.
-        self._rubbed = executor.zeros(None if shears else 0)
-        self._rubbed_means = executor.zeros((executor.grid.nx if self._moves else 1) if shears else 0)
+        self._sheared = executor.zeros(None if shears else 0)
+        self._sheared_means = executor.zeros((executor.grid.nx if self._moves else 1) if shears else 0)
         #: Sums of the disc's fields over each of its rows, taken anew: sums of increments would drift.
         self._of_rows = {
             name: wp.zeros(disc_rows, dtype=wp.float64, device=device)
@@ -318,15 +318,15 @@ class SlidingHalfSpace:
             pressure=pressure,
             means=self._means,
             gradient=contact.gradient_field,
-            rubbed=self._rubbed,
-            rubbed_means=self._rubbed_means,
+            sheared=self._sheared,
+            sheared_means=self._sheared_means,
             cells=self._asked.cells,
             cap=min(self.task.hardness, NO_CAP),
             **self._asked.pressed,
         )
         if self.task.shears:
             program.launch(wear_from_pressure.part_of_step, slides, pressed)
-            program.launch(wear_from_pressure.means, slides, self._rubbed, self._rubbed_means)
+            program.launch(wear_from_pressure.means, slides, self._sheared, self._sheared_means)
         if self._lines is not None:
             pressed.on_counter, pressed.on_disc = self._lines.counter, self._lines.disc
         program.launch(wear_from_pressure.means, slides, pressure, self._means)

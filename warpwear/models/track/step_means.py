@@ -73,9 +73,9 @@ class StepMeans:
         self.residual = max(self.residual, residual, key=abs)
         # Wear by shear lowers all cells in contact by one depth, which changes the approach alone; what
         # some cells lose beyond it was in their gap.
-        lift = part.weight * (counter + self._track_fraction * disc)
-        lift *= self._task.shear_ratios["least_shear_ratio"]
-        self.approach += part.weight * (contact.approach + lift)
+        shear_depth = part.weight * (counter + self._track_fraction * disc)
+        shear_depth *= self._task.shear_ratios["least_shear_ratio"]
+        self.approach += part.weight * (contact.approach + shear_depth)
         self.removals = self.removals[0] + worn[0], self.removals[1] + worn[1], counter, disc
         self.highest, self._error = max(self.highest, highest), max(self._error, error)
         for name in self.total:
