@@ -15,7 +15,7 @@ from warpwear.kernels.cells import ABSENT, LANES, NONE, ONE, TILE_VECTORS, ZERO,
 from warpwear.kernels.contact import Bends, Law, bent_pressure_of, pressure_of
 from warpwear.kernels.native_code import most_of, sum_of
 from warpwear.kernels.newton import HALF, HOPELESS, LOOKS, STUCK, SURE, Bracket, bracket_at, next_trial
-from warpwear.kernels.tiles import SAMPLE, SAMPLED, Listing, Tiles, kept_of, limit_of, list_from, reached
+from warpwear.kernels.tiles import SAMPLE, SAMPLED, Listing, TileLists, kept_of, limit_of, list_from, reached
 
 wp.set_module_options(native_code.options("springs.h", "tiles.h"))
 
@@ -31,7 +31,7 @@ STEPS_AHEAD = wp.constant(wp.float64(16.0))
 
 
 @wp.struct
-class Search:
+class BalanceSearch:
     """A search for the balance, and what it found: `bracket.state` says how far it is."""
 
     base: wp.float64  # [mm]
@@ -58,7 +58,7 @@ class Springs:
     cell_area: wp.float64  # [mm²]
     tolerance: wp.float64  # of the load [N]
     highest: wp.float64  # gap before any wear, of a bearing area [mm]
-    search: wp.array(dtype=Search)  # one
+    search: wp.array(dtype=BalanceSearch)  # one
     law: wp.array(dtype=Law)  # one: what the pressures follow from, when the search has ended
     lists: wp.array(dtype=Listing)  # one
     searching: wp.array(dtype=wp.int32)  # flag: a pass is needed
@@ -79,7 +79,7 @@ def ask_for(springs: Springs, lists: Listing):
 @wp.func
 def search_from(approach: wp.float64, step: wp.float64, scatter: wp.float64, stiffness: wp.float64):
     """Return a search that expects the balance a step beyond an approach, give or take a scatter."""
-    s = Search()
+    s = BalanceSearch()
     s.base = approach
     s.start = approach
     s.bracket = bracket_at(step, wp.max(wp.abs(step), scatter))
@@ -106,7 +106,7 @@ def search_from_lowest(springs: Springs, lowest: wp.float64, stiffness: wp.float
 @wp.func
 def judged(
     springs: Springs,
-    before: Search,
+    before: BalanceSearch,
     lists_before: Listing,
     force: wp.float64,
     slope: wp.float64,
@@ -154,7 +154,7 @@ def judged(
 
 
 @wp.func
-def conclude(springs: Springs, s: Search, lists: Listing):
+def conclude(springs: Springs, s: BalanceSearch, lists: Listing):
     """Keep a search on springs, and where it has ended, the law of the pressures."""
     ask_for(springs, lists)
     springs.search[0] = s
@@ -174,7 +174,7 @@ def select(
     lists: wp.array(dtype=Listing),
     gap: wp.array2d(dtype=Cells),
     unworn: wp.array2d(dtype=Cells),
-    tiles: Tiles,
+    tiles: TileLists,
 ):
     """List anew, row by row, the tiles whose smallest gap does not exceed the limit. On a CPU.
 
@@ -206,7 +206,9 @@ def select(
 
 
 @wp.kernel
-def listed(lists: wp.array(dtype=Listing), listing: wp.array(dtype=wp.int32), tiles: Tiles, least: wp.int32):
+def listed(
+    lists: wp.array(dtype=Listing), listing: wp.array(dtype=wp.int32), tiles: TileLists, least: wp.int32
+):
     """Decides whether a list holds enough tiles, or must reach deeper than it was asked to. On a CPU."""
     now = lists[0]
     now.is_fresh = 0
@@ -226,7 +228,7 @@ def listed(lists: wp.array(dtype=Listing), listing: wp.array(dtype=wp.int32), ti
 
 
 @wp.func
-def begin_anew(springs: Springs, lowest: wp.float64, s: Search):
+def start_search(springs: Springs, lowest: wp.float64, s: BalanceSearch):
     """Begin a search of which nothing is known, on any list. lowest: gap [mm]."""
     ask_for(springs, list_from(springs.lists[0], lowest))
     springs.search[0] = s
@@ -237,7 +239,7 @@ def begin_anew(springs: Springs, lowest: wp.float64, s: Search):
 def begin(springs: Springs, lowest: wp.float64, softest: wp.float64):
     """Begins a search of which nothing is known. lowest: gap [mm]; softest: stiffness of a cell [N/mm³]."""
     if wp.tid() == 0:
-        begin_anew(springs, lowest, search_from_lowest(springs, lowest, ZERO, softest))
+        start_search(springs, lowest, search_from_lowest(springs, lowest, ZERO, softest))
 
 
 @native_code.native_pass("carry")

@@ -12,7 +12,7 @@ follows, on a smaller bracket. Few cells take one pass, many cells a few.
 import warp as wp
 
 from warpwear.kernels import native_code
-from warpwear.kernels.balance import Search, Springs, ask_for, begin_anew
+from warpwear.kernels.balance import BalanceSearch, Springs, ask_for, start_search
 from warpwear.kernels.cells import NONE, ZERO, Cells
 from warpwear.kernels.contact import Law
 from warpwear.kernels.native_code import most_of, sum_of
@@ -42,7 +42,7 @@ def area_between(springs: Springs, start: wp.float64, scatter: wp.float64):
 
     scatter: how far from the start the approach may be; 0 where that is not known [mm].
     """
-    s = Search()
+    s = BalanceSearch()
     s.bracket = bracket_at(springs.highest + TWO * TIE, ZERO)  # so that the highest cell counts
     s.start = start
     s.scatter = scatter
@@ -57,7 +57,7 @@ def area_between(springs: Springs, start: wp.float64, scatter: wp.float64):
 @wp.func
 def area_near(approach: wp.float64, scatter: wp.float64):
     """Return a search in growing steps from an approach that may be off by a scatter."""
-    s = Search()
+    s = BalanceSearch()
     s.bracket = bracket_at(approach, scatter)
     s.margin = scatter
     s.stiffness = RIGID
@@ -69,7 +69,7 @@ def area_near(approach: wp.float64, scatter: wp.float64):
 @wp.func
 def bracketed(
     springs: Springs,
-    before: Search,
+    before: BalanceSearch,
     lists_before: Listing,
     count: wp.float64,
     lowest: wp.float64,
@@ -99,7 +99,7 @@ def bracketed(
 
 
 @wp.func
-def counted(springs: Springs, before: Search, law_before: Law, count: wp.float64):
+def counted(springs: Springs, before: BalanceSearch, law_before: Law, count: wp.float64):
     """Return the search after a trial, and the law at its end. count: of cells below the trial."""
     s = before
     law = law_before
@@ -226,7 +226,7 @@ def judged_area(springs: Springs):
 
 
 @wp.func
-def conclude_area(springs: Springs, s: Search, lists: Listing, law: Law):
+def conclude_area(springs: Springs, s: BalanceSearch, lists: Listing, law: Law):
     """Keep a search, and where it has ended, the law of the pressures."""
     ask_for(springs, lists)
     springs.search[0] = s
@@ -238,7 +238,7 @@ def conclude_area(springs: Springs, s: Search, lists: Listing, law: Law):
 def begin(springs: Springs, lowest: wp.float64):
     """Begins a search of which nothing is known, on any list. lowest: gap [mm]."""
     if wp.tid() == 0:
-        begin_anew(springs, lowest, area_between(springs, lowest, ZERO))
+        start_search(springs, lowest, area_between(springs, lowest, ZERO))
 
 
 @native_code.native_pass("count_level")

@@ -50,7 +50,7 @@ def sag(x: wp.float64, y: wp.float64, curvature: wp.float64):
 
 
 @wp.struct
-class Ball:
+class Indenter:
     """Tells where the first cell of a domain lies under a ball, or a rigid flat."""
 
     cell: wp.float64  # [mm]
@@ -64,7 +64,7 @@ def gap(
     first_slot: wp.int32,
     slots: wp.int32,
     columns: wp.int32,
-    ball: Ball,
+    ball: Indenter,
     layout: Layout,
     roughness_in: wp.array2d(dtype=Cells),
     gap_out: wp.array2d(dtype=Cells),

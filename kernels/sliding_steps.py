@@ -36,7 +36,7 @@ LEAST_SCATTER = wp.constant(wp.float64(1.0e-6))
 
 
 @wp.struct
-class Course:
+class SlidingMemory:
     """What steps remember, and how far they are."""
 
     approach: wp.float64  # of the last step [mm]
@@ -52,14 +52,14 @@ class Course:
 
 
 @wp.struct
-class Steps:
+class SlidingSteps:
     """Steps of a pair of bodies: their plan, what they leave, and what lies between."""
 
     plan: wp.array(dtype=Slide)  # a row a step
     history: wp.array2d(dtype=wp.float64)  # a row a step
     within: wp.array(dtype=wp.float64)  # extents of a contact that is neither at the edge nor at the rim
     changes: wp.array(dtype=wp.float64)  # the last ones of the approach, −1 for none [mm]
-    course: wp.array(dtype=Course)  # one
+    course: wp.array(dtype=SlidingMemory)  # one
     slides: wp.array(dtype=Slide)  # one
     stepping: wp.array(dtype=wp.int32)  # flag: there is a step to be made
     solved: wp.array(dtype=wp.int32)  # flag: its balance was found
@@ -86,7 +86,7 @@ def least_shear(slide: Slide):
 
 
 @wp.func
-def begin_step(springs: Springs, steps: Steps):
+def begin_step(springs: Springs, steps: SlidingSteps):
     """Begin the search of a step, and tell its passes what they need."""
     c = steps.course[0]
     slide = steps.plan[c.step]
@@ -126,7 +126,7 @@ def begin_step(springs: Springs, steps: Steps):
 
 
 @wp.func
-def with_columns(before: Slide, c: Course, steps: Steps):
+def with_columns(before: Slide, c: SlidingMemory, steps: SlidingSteps):
     """Give a step the columns that were touched before it, and those beside them that are worn too."""
     slide = before
     slide.first_column = 0
@@ -138,21 +138,21 @@ def with_columns(before: Slide, c: Course, steps: Steps):
 
 
 @wp.kernel(module=TOGETHER)
-def begin(steps: Steps):
+def begin(steps: SlidingSteps):
     """Begins the steps of a plan, or goes on with them."""
     if wp.tid() == 0:
         steps.stepping[0] = wp.where(steps.course[0].step < steps.course[0].steps, 1, 0)
 
 
 @wp.kernel(module=TOGETHER)
-def begin_search(springs: Springs, steps: Steps):
+def begin_search(springs: Springs, steps: SlidingSteps):
     """Begins the search of a step."""
     if wp.tid() == 0:
         begin_step(springs, steps)
 
 
 @wp.kernel(module=TOGETHER)
-def end_search(springs: Springs, steps: Steps):
+def end_search(springs: Springs, steps: SlidingSteps):
     """Learns from the balance of a step, and tells the pass that wears of it."""
     if wp.tid() == 0:
         c = steps.course[0]
@@ -182,7 +182,7 @@ def _end_of(row_sums: wp.array(dtype=wp.float64), is_last: wp.int32) -> wp.float
 
 
 @wp.kernel(module=TOGETHER)
-def record(springs: Springs, steps: Steps, tables: StepTables, row_sums: RowSums):
+def record(springs: Springs, steps: SlidingSteps, tables: StepTables, row_sums: RowSums):
     """Write the row of a step, and tells whether another one follows.
 
     Steps end where the contact reaches the edge or the rim, as a run may stop there and be kept as it is, and
@@ -221,5 +221,5 @@ def record(springs: Springs, steps: Steps, tables: StepTables, row_sums: RowSums
             c.mean = pressure / wp.max(contact, ONE)
             c.step = row + 1
         steps.course[0] = c
-        steps.slides[0] = with_columns(steps.slides[0], c, steps)  # a film is rubbed there
+        steps.slides[0] = with_columns(steps.slides[0], c, steps)  # a film records its wear there
         steps.stepping[0] = wp.where(goes_on and c.step < c.steps, 1, 0)

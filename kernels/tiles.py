@@ -31,7 +31,7 @@ class Listing:
 
 
 @wp.struct
-class Tiles:
+class TileLists:
     """Tiles of a gap, and which of them are listed, row by row."""
 
     list: wp.array2d(dtype=wp.int32)

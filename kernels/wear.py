@@ -9,7 +9,7 @@ expected next: most steps on springs need no further pass, see `foresight`.
 import warp as wp
 
 from warpwear.kernels import balance, native_code
-from warpwear.kernels.balance import Search, Springs
+from warpwear.kernels.balance import BalanceSearch, Springs
 from warpwear.kernels.bearing import area_between, conclude_area, judged_area
 from warpwear.kernels.cells import NONE, ONE, ZERO, Cells, TileSums, WearMost, WearSum
 from warpwear.kernels.contact import Law
@@ -55,7 +55,7 @@ class Tables:
 
 
 @wp.struct
-class Course:
+class RestMemory:
     """Holds what a step leaves to the next one, and how many are done."""
 
     trend: Trend  # of the approach
@@ -74,13 +74,13 @@ class Course:
 
 
 @wp.struct
-class Steps:
+class RestSteps:
     """Steps of a gap at rest: their plan, what they leave, and what lies between."""
 
     plan: wp.array2d(dtype=wp.float64)  # a row a step, by `PLAN`
     history: wp.array2d(dtype=wp.float64)  # a row a step: `BALANCE`, `WearSum`, `WearMost`
     within: wp.array(dtype=wp.float64)  # extents of a contact that is neither at the edge nor at the rim
-    course: wp.array(dtype=Course)  # one
+    course: wp.array(dtype=RestMemory)  # one
     increment: wp.array(dtype=Increment)  # one
     stepping: wp.array(dtype=wp.int32)  # flag: there is a step to be made
     is_rigid: wp.int32  # 1 for a bearing area
@@ -88,7 +88,7 @@ class Steps:
 
 
 @wp.func
-def begin_step(springs: Springs, steps: Steps):
+def begin_step(springs: Springs, steps: RestSteps):
     """Begin the search of a step at the approach expected, and use what was evaluated there before."""
     c = steps.course[0]
     removal = steps.plan[c.step, 0]
@@ -119,7 +119,7 @@ def begin_step(springs: Springs, steps: Steps):
 
 
 @wp.func
-def conclude_step(springs: Springs, steps: Steps, s: Search, lists: Listing):
+def conclude_step(springs: Springs, steps: RestSteps, s: BalanceSearch, lists: Listing):
     """Keep a search on springs, and at its end tell the pass that wears what to do."""
     if s.bracket.state == LOOKS:
         balance.conclude(springs, s, lists)
@@ -128,7 +128,7 @@ def conclude_step(springs: Springs, steps: Steps, s: Search, lists: Listing):
 
 
 @wp.func
-def expect(steps: Steps, s: Search, lists_before: Listing, approach: wp.float64, cap: wp.float64):
+def expect(steps: RestSteps, s: BalanceSearch, lists_before: Listing, approach: wp.float64, cap: wp.float64):
     """Prepare the wear of a step at its approach, and the list for the approach that is expected next."""
     lists = lists_before
     c = steps.course[0]
@@ -163,7 +163,7 @@ def expect(steps: Steps, s: Search, lists_before: Listing, approach: wp.float64,
 
 
 @wp.kernel
-def judge(springs: Springs, steps: Steps):
+def judge(springs: Springs, steps: RestSteps):
     """Decides what follows from a pass of the search of a step."""
     s, lists = balance.judged_pass(springs)
     if wp.tid() == 0:
@@ -171,7 +171,7 @@ def judge(springs: Springs, steps: Steps):
 
 
 @wp.kernel
-def judge_area(springs: Springs, steps: Steps):
+def judge_area(springs: Springs, steps: RestSteps):
     """Decides what follows from a pass of the search of a step over a bearing area."""
     s, lists, law = judged_area(springs)
     if wp.tid() == 0:
@@ -242,7 +242,7 @@ def is_within(before: wp.vec4d, now: wp.vec4d, within: wp.array(dtype=wp.float64
 
 
 @wp.func
-def write_row(springs: Springs, steps: Steps, tables: Tables, thread: wp.int32):
+def write_row(springs: Springs, steps: RestSteps, tables: Tables, thread: wp.int32):
     """Write the row of a step, and end the steps where none may follow. All threads of the slot call it."""
     row = steps.course[0].step
     history = steps.history
@@ -278,7 +278,7 @@ def write_row(springs: Springs, steps: Steps, tables: Tables, thread: wp.int32):
 
 
 @wp.kernel
-def record(springs: Springs, steps: Steps, tables: Tables):
+def record(springs: Springs, steps: RestSteps, tables: Tables):
     """Write the row of a step that was worn, if any, and begins the next one, if there is one.
 
     It does nothing while a search goes on. Steps end where the contact reaches the edge or the rim, as a run

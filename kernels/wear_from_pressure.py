@@ -26,8 +26,8 @@ class Pressed:
     gradient: wp.array2d(dtype=Cells)  # gap after the step, from the mean planes [mm]
     slips: wp.array2d(dtype=Cells)  # of a cycle, by cells [mm]; no rows where all slide alike
     grown: wp.array2d(dtype=Cells)  # by how much they did in the last jump [mm]
-    rubbed: wp.array2d(dtype=Cells)  # part of the step in contact, and its means; no rows without shear
-    rubbed_means: wp.array2d(dtype=Cells)
+    sheared: wp.array2d(dtype=Cells)  # part of the step in contact, and its means; no rows without shear
+    sheared_means: wp.array2d(dtype=Cells)
     on_counter: wp.array2d(dtype=Cells)  # by which bodies wear at K of the step; no rows where that is the
     on_disc: wp.array2d(dtype=Cells)  # pressure itself [MPa]
     cells: CellProperties

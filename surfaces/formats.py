@@ -81,7 +81,7 @@ class Source:
 
 
 @dataclass(frozen=True)
-class Format:
+class HeightFormat:
     """A format of heights has a name in sentences, endings, a test whether a file is of it, and a reader."""
 
     name: str
@@ -361,19 +361,21 @@ def _read_topography(source: Source, *, plain: bool = False) -> Raw:
 
 #: What can be read, in the order in which it is tried; the last takes all that no other one knows.
 FORMATS = (
-    Format("an array", (".npy",), lambda s: s.start.startswith(NPY) or s.ending == ".npy", _read_npy),
-    Format("an archive of arrays", (".npz",), _is_npz, _read_npz),
-    Format(
+    HeightFormat("an array", (".npy",), lambda s: s.start.startswith(NPY) or s.ending == ".npy", _read_npy),
+    HeightFormat("an archive of arrays", (".npz",), _is_npz, _read_npz),
+    HeightFormat(
         "a container of contact.engineering",
         (".zip",),
         lambda s: s.start.startswith(ZIP) and is_container(s.path),
         _read_container,
     ),
-    Format("a packed one of these", (".gz",), lambda s: s.start.startswith(GZIP), _read_packed),
-    Format("a profile", (".prf",), lambda s: s.start.split(b"\n")[0].strip() == layouts.PRF, _read_prf),
-    Format("an archive of ISO 25178-72", (".x3p",), lambda s: s.ending == ".x3p", _read_x3p),
-    Format("text of points x y z or of a matrix", TEXT, lambda s: s.is_text and s.ending in TEXT, _read_text),
-    Format(
+    HeightFormat("a packed one of these", (".gz",), lambda s: s.start.startswith(GZIP), _read_packed),
+    HeightFormat("a profile", (".prf",), lambda s: s.start.split(b"\n")[0].strip() == layouts.PRF, _read_prf),
+    HeightFormat("an archive of ISO 25178-72", (".x3p",), lambda s: s.ending == ".x3p", _read_x3p),
+    HeightFormat(
+        "text of points x y z or of a matrix", TEXT, lambda s: s.is_text and s.ending in TEXT, _read_text
+    ),
+    HeightFormat(
         "any height map or profile that SurfaceTopography reads",
         (".al3d", ".sur", ".opd", ".plu", ".mnt", ".sdf", ".tmd"),
         lambda s: True,

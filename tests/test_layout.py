@@ -33,6 +33,20 @@ MOST_FILES, MOST_PARAMETERS = 20, 10
 LONG = {
     "warpwear/contact/array/solve.py: solve_contact": "each is a number of the contact that is named",
 }
+#: Names that still stand for more than one class; the list may only become shorter.
+TWINS = {
+    "Entry",
+    "Factor",
+    "Friction",
+    "Measured",
+    "Model",
+    "Plan",
+    "Quantity",
+    "Row",
+    "Rows",
+    "Source",
+    "Task",
+}
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
@@ -135,6 +149,19 @@ def test_signatures_are_short() -> None:
     found = [f"{function} has {count}" for function, count in long.items() if function not in LONG]
     assert not found, f"more than {MOST_PARAMETERS} parameters:\n" + "\n".join(found)
     assert set(LONG) <= set(long), "a function that has become short leaves the list LONG"
+
+
+def test_a_class_name_stands_for_one_class() -> None:
+    """Of what is installed, classes within functions and classes included."""
+    places: dict[str, list[str]] = {}
+    for path, tree in installed().items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ClassDef):
+                places.setdefault(node.name, []).append(f"{path}:{node.lineno}")
+    twins = {name: where for name, where in places.items() if len(where) > 1}
+    found = {name: where for name, where in twins.items() if name not in TWINS}
+    assert not found, f"names of more than one class: {found}"
+    assert set(twins) >= TWINS, f"have become names of one class, and leave TWINS: {TWINS - set(twins)}"
 
 
 def test_kernels_are_launched_by_programs() -> None:

@@ -23,7 +23,7 @@ PLOTTER = "warpwear.figures.of_run.table:Plotter"
 #: Writes files for other software.
 EXPORT = "warpwear.results.export:export"
 #: Films the run.
-FILM = "warpwear.figures.of_run.film:animate"
+ANIMATION = "warpwear.figures.of_run.animation:animate"
 #: Pixels an inch of the pictures that stand in a page made again.
 PAGE_DPI = 200
 #: Figures that a notebook shows, those of a run without a course; pixels an inch.
@@ -92,7 +92,7 @@ class Result(ResultFile):
         InputError
             For fewer than two snapshots, and for what cannot be written.
         """
-        path: Path = resolve(FILM)(self, out, **options)
+        path: Path = resolve(ANIMATION)(self, out, **options)
         return path
 
     def write_page(self) -> Path:

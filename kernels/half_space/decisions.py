@@ -27,12 +27,12 @@ def start(solve: Solve):
     anew = solve.request[Request.ANEW] > ZERO
     rough = solve.request[Request.ROUGH] > ZERO and solve.rules[0].single_rounding > ZERO
     for i in range(search.lane(), search.groups_of(solve), search.width()):
-        group = search.Group()
+        group = search.RowGroup()
         group.load = solve.loads[i]
         group.level = wp.where(at_load, ZERO, group.load)
         solve.groups[i] = group
     if search.lane() == 0:
-        n = search.Numbers()
+        n = search.SearchNumbers()
         if solve.request[Request.RENEWED] > ZERO:
             last = solve.numbers[0]
             n.before = last.before + last.iteration
@@ -76,7 +76,7 @@ def measure(solve: Solve):
 
 
 @wp.func
-def begun(rules: search.Rules, before: search.Group, total: wp.float64, between: wp.float64):
+def begun(rules: search.Rules, before: search.RowGroup, total: wp.float64, between: wp.float64):
     """Begin to balance a group whose trial carries a total without a shift, with so many cells between."""
     group = before
     group.unit = wp.max(group.unit, wp.where(between > ZERO, total / wp.max(between, ONE), ZERO))
@@ -152,7 +152,7 @@ def renew(solve: Solve):
 
 @wp.func
 def level_of(
-    group: search.Group,
+    group: search.RowGroup,
     between: wp.float64,
     level: wp.float64,
     high: wp.float64,
@@ -186,7 +186,7 @@ class Judged:
 
 
 @wp.func
-def judge_groups(solve: Solve, n: search.Numbers):
+def judge_groups(solve: Solve, n: search.SearchNumbers):
     """See how far the groups are from their solution, and keep what that says of each."""
     rules = solve.rules[0]
     judged = Judged()
@@ -231,7 +231,7 @@ def judge_groups(solve: Solve, n: search.Numbers):
 
 
 @wp.func
-def with_status(before: search.Numbers, rules: search.Rules, judged: Judged, drifts: wp.bool):
+def with_status(before: search.SearchNumbers, rules: search.Rules, judged: Judged, drifts: wp.bool):
     """Return the numbers of a search that has ended, or goes on."""
     n = before
     n.iteration = n.iteration + n.moved
@@ -246,7 +246,7 @@ def with_status(before: search.Numbers, rules: search.Rules, judged: Judged, dri
 
 
 @wp.func
-def with_kind(solve: Solve, before: search.Numbers, judged: Judged):
+def with_kind(solve: Solve, before: search.SearchNumbers, judged: Judged):
     """Return the numbers by which the next step goes, of the kind that suits: plain, or of few cells."""
     rules = solve.rules[0]
     n = before

@@ -8,7 +8,7 @@ import warp as wp
 
 from warpwear.kernels.cells import Cells
 from warpwear.kernels.half_space.certificate import Proven
-from warpwear.kernels.half_space.solve import TOGETHER, Group, Solve
+from warpwear.kernels.half_space.solve import TOGETHER, RowGroup, Solve
 from warpwear.kernels.native_code import native_pass
 
 #: Rows of a slot of `extend` and `gather`.
@@ -126,12 +126,12 @@ class Transfer:
 
 
 @wp.struct
-class Reach:
+class ContactReach:
     """Tells what a contact reaches: its cells below its approach, and the level of its certificate."""
 
     gap: wp.array2d(dtype=Cells)
     columns: wp.int32
-    groups: wp.array(dtype=Group)
+    groups: wp.array(dtype=RowGroup)
     proven: wp.array(dtype=Proven)
     extents: wp.array2d(dtype=wp.float64)  # first and last row, first and last column; a column a slot
 
@@ -157,5 +157,5 @@ def prolong(transfer: Transfer):
 
 
 @native_pass("extents", module=TOGETHER)
-def extents(reach: Reach):
+def extents(reach: ContactReach):
     """Find the extents of the cells that a contact reaches; the first ones negated."""

@@ -118,7 +118,7 @@ class Rules:
 
 
 @wp.struct
-class Group:
+class RowGroup:
     """Holds the numbers of rows that carry one load at one approach."""
 
     load: wp.float64  # Σ p that is to be carried [MPa]
@@ -138,7 +138,7 @@ class Group:
 
 
 @wp.struct
-class Numbers:
+class SearchNumbers:
     """Holds what all groups have in common."""
 
     response: wp.float64  # to a pressure that alternates from cell to cell [mm/MPa]
@@ -232,8 +232,8 @@ class Solve:
     request: wp.array(dtype=wp.float64)  # by `Request`
     loads: wp.array(dtype=wp.float64)  # of each group, Σ p [MPa]; at approaches those [mm]
     visited: wp.array(dtype=wp.int32)  # rows, one number
-    groups: wp.array(dtype=Group)
-    numbers: wp.array(dtype=Numbers)  # one
+    groups: wp.array(dtype=RowGroup)
+    numbers: wp.array(dtype=SearchNumbers)  # one
     table: wp.array2d(dtype=wp.float64)  # a line a sum or maximum, a column a slot
     flags: wp.array(dtype=wp.int32)  # of the program, by `Flag`
 

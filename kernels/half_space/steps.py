@@ -81,7 +81,7 @@ def aim(solve: Solve):
 
 
 @wp.func
-def without_memory(rules: search.Rules, before: search.Numbers):
+def without_memory(rules: search.Rules, before: search.SearchNumbers):
     """Stay where the pressure is, and follow the plain gradient next, without memory."""
     n = before
     n.last = -1
@@ -92,7 +92,7 @@ def without_memory(rules: search.Rules, before: search.Numbers):
 
 
 @wp.func
-def gone(rules: search.Rules, before: search.Numbers, best: wp.float64, used: wp.float64):
+def gone(rules: search.Rules, before: search.SearchNumbers, best: wp.float64, used: wp.float64):
     """Go along a step as far as is best, which is where the minimum along it lies.
 
     best: in steps. used: largest fraction of its room to a bound that a cell uses in a whole step.
@@ -120,7 +120,7 @@ def gone(rules: search.Rules, before: search.Numbers, best: wp.float64, used: wp
 
 
 @wp.func
-def drifted(before: search.Numbers):
+def drifted(before: search.SearchNumbers):
     """Note how far off the gradient may be once the step is gone."""
     n = before
     n.drift = n.drift + n.length * n.step_drift

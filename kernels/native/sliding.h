@@ -10,11 +10,12 @@ template <typename Slide>
 WARPWEAR_FN Lanes gap_of_tile(const Span& span, const Stored* counter, const Stored* disc, Stored* gap,
                               const Stored* shear_ratio, const Slide& slide)
 {
-    const double lift = slide.removal.shear_counter + slide.removal.shear_disc, least = least_shear(slide);
+    const double shear_depth = slide.removal.shear_counter + slide.removal.shear_disc,
+                 least = least_shear(slide);
     Lanes low = ABSENT;
     for (int i = span.first; i < span.end; i += span.stride) {
         Lanes g = counter[i] - disc[i];
-        if (shear_ratio) g += lift * shear_ratio[i] - least;
+        if (shear_ratio) g += shear_depth * shear_ratio[i] - least;
         gap[i] = g;
         low = smaller_of(low, g);
     }
@@ -33,9 +34,9 @@ WARPWEAR_FN void select_by(int slot, int slots, const Lists& lists, const Slides
                            const Bodies& bodies, const List& list, const Count& counts)
 {
     const auto& step = wp::index(slides, 0);
-    const double lift =
+    const double shear_depth =
         (step.removal.shear_counter + step.removal.shear_disc) * step.removal.most_shear_ratio;
-    const double limit = wp::index(lists, 0).limit + lift;
+    const double limit = wp::index(lists, 0).limit + shear_depth;
     const int shift = step.shift, vectors_per_row = bodies.gap.shape[1] * OF_VECTOR;
     const int tiles = (vectors_per_row + OF_TILE - 1) / OF_TILE;
     const bool stays = bounds.stays == 1;
@@ -200,10 +201,10 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
     const double tie_pressure = law.tie_pressure, full_depth = step.full_depth, reference = step.reference;
     const bool keeps_reached = RARE && bodies.reached.shape[0] == bodies.gap.shape[0];
     const bool presses = RARE && full_depth < NO_LIMIT, is_known = tile_bounds.gap.shape[0] > 0;
-    const double lift = step.removal.shear_counter + step.removal.shear_disc;
-    const bool sheared = RARE && lift > 0.0;
+    const double shear_depth = step.removal.shear_counter + step.removal.shear_disc;
+    const bool sheared = RARE && shear_depth > 0.0;
     const int vectors_per_row = bodies.gap.shape[1] * OF_VECTOR;
-    const Lanes zero = 0.0, one = 1.0, none = NO_INDEX, least_lift = NEARLY_NONE;
+    const Lanes zero = 0.0, one = 1.0, none = NO_INDEX, least_depth = NEARLY_NONE;
     const Counts no = 0, yes = 1;
     Sums<TrackSum> sums;
     Lanes highest = 0.0, deepest_counter = 0.0, deepest_disc = 0.0;
@@ -245,19 +246,19 @@ WARPWEAR_FN void wear_by(int slot, int slots, const Spring& alike, const List& l
                     plastic[i] = x;
                     pressed += x;
                 }
-                Lanes rubs = zero;
+                Lanes fraction = zero;
                 if (sheared) {
                     const Lanes tau = own_or(own.shear_ratio, i, one);
-                    const Lanes own_lift = larger_of(lift * tau, least_lift);
-                    const Lanes part_of_step = clipped((overlap + own_lift) / own_lift, one);
-                    rubs = tau * (p > zero ? one : part_of_step);
-                    sums.of(TrackSum::RUBBED) += rubs;
+                    const Lanes own_depth = larger_of(shear_depth * tau, least_depth);
+                    const Lanes part_of_step = clipped((overlap + own_depth) / own_depth, one);
+                    fraction = tau * (p > zero ? one : part_of_step);
+                    sums.of(TrackSum::RUBBED) += fraction;
                 }
                 const PerBody wearing = wearing_pressure(alike, p);
                 sums.of(TrackSum::PRESSURE_TIMES_FACTOR) +=
                     OWN ? wearing.disc * k_disc_at<RARE>(own, i) : wearing.disc;
-                const PerBody lost = removal_of<OWN, RARE>(wear, own, i, wearing,
-                                                           {wear_counter[i], wear_disc[i]}, {rubs, rubs});
+                const PerBody lost = removal_of<OWN, RARE>(
+                    wear, own, i, wearing, {wear_counter[i], wear_disc[i]}, {fraction, fraction});
                 const Lanes s = counter[i] + lost.counter, a = wear_counter[i] + lost.counter;
                 const Lanes b = wear_disc[i] + lost.disc;
                 d -= lost.disc;

@@ -16,7 +16,8 @@ WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& b
 #endif
     const auto& slide = wp::index(slides, 0);
     const int vectors_per_row = gaps.shape[1] * OF_VECTOR, window = slide.window;
-    const double lift = slide.removal.shear_counter + slide.removal.shear_disc, least = least_shear(slide);
+    const double shear_depth = slide.removal.shear_counter + slide.removal.shear_disc,
+                 least = least_shear(slide);
     const Span span = {lane_of_slot(), vectors_per_row, width_of_slot()};
     for (int row = slot; row < gaps.shape[0] && makes(sources, cells); row += slots)
         make_cells(slide, sources, cells, row, under_row(row, slide.shift, bodies.disc.shape[0]), span);
@@ -29,7 +30,7 @@ WARPWEAR_FN void meet(int slot, int slots, const Slides& slides, const Bodies& b
         Stored* const gap = row_of(gaps, row);
         for (int i = lane_of_slot(); i < vectors_per_row; i += width_of_slot()) {
             Lanes g = (counter[i] + (met[i] - wear[i])) - disc[i];
-            if (shear_ratio) g += lift * shear_ratio[i] - least; // as of tiles listed
+            if (shear_ratio) g += shear_depth * shear_ratio[i] - least; // as of tiles listed
             gap[i] = g;
         }
     }
@@ -41,18 +42,19 @@ template <typename Slides, typename Pressed>
 WARPWEAR_FN void part_of_step(int slot, int slots, const Slides& slides, const Pressed& pressed)
 {
     const auto& slide = wp::index(slides, 0);
-    const double lift = slide.removal.shear_counter + slide.removal.shear_disc, approach = slide.approach;
+    const double shear_depth = slide.removal.shear_counter + slide.removal.shear_disc,
+                 approach = slide.approach;
     const int vectors_per_row = pressed.pressure.shape[1] * OF_VECTOR;
-    const Lanes zero = 0.0, one = 1.0, least_lift = NEARLY_NONE;
+    const Lanes zero = 0.0, one = 1.0, least_depth = NEARLY_NONE;
     for (int row = slot; row < slide.rows; row += slots) {
         const Stored *const p = row_of(pressed.pressure, row), *const target = row_of(pressed.gradient, row);
         const Stored* const shear_ratio = row_or_none(pressed.cells.shear_ratio, row);
-        Stored* const rubbed = row_of(pressed.rubbed, row);
+        Stored* const sheared = row_of(pressed.sheared, row);
         for (int i = lane_of_slot(); i < vectors_per_row; i += width_of_slot()) {
             const Lanes tau = own_or(shear_ratio, i, one);
-            const Lanes own = larger_of(lift * tau, least_lift);
+            const Lanes own = larger_of(shear_depth * tau, least_depth);
             const Lanes part = smaller_of(larger_of((approach + own - target[i]) / own, zero), one);
-            rubbed[i] = tau * (p[i] > zero ? one : part);
+            sheared[i] = tau * (p[i] > zero ? one : part);
         }
     }
 }
@@ -79,7 +81,7 @@ WARPWEAR_FN void wear_cells_by_pressure(int slot, int slots, const Slides& slide
     const double cap = pressed.cap, approach = slide.approach, reference = slide.reference;
     const int of_line = layout.vectors * OF_VECTOR, lines = bodies.counter.shape[1] / layout.vectors;
     const bool has_disc = bodies.disc.shape[0] > 0;
-    const bool shears = pressed.rubbed.shape[0] > 0;
+    const bool shears = pressed.sheared.shape[0] > 0;
     const bool keeps = has_disc && bodies.plastic_disc.shape[0] == bodies.disc.shape[0];
     const bool slips = pressed.slips.shape[0] > 0;
     const double more_counter = slide.removal.slipping_counter, more_disc = slide.removal.slipping_disc;
@@ -104,11 +106,11 @@ WARPWEAR_FN void wear_cells_by_pressure(int slot, int slots, const Slides& slide
         Stored* const slip = slips ? row_of(pressed.slips, row) : nullptr;
         Stored* const grown = slips ? row_of(pressed.grown, row) : nullptr;
         const CellRow own(pressed.cells, row);
-        const Stored* const rubs = shears ? row_of(pressed.rubbed, row) : nullptr;
-        const Stored* const rubs_passing =
-            shears ? mean_of(pressed.rubbed, pressed.rubbed_means, row, slide.window) : nullptr;
-        const Stored *const rubs_counter = turned ? rubs : rubs_passing, *const rubs_disc =
-                                                                             turned ? rubs_passing : rubs;
+        const Stored* const sheared_here = shears ? row_of(pressed.sheared, row) : nullptr;
+        const Stored* const sheared_passing =
+            shears ? mean_of(pressed.sheared, pressed.sheared_means, row, slide.window) : nullptr;
+        const Stored* const sheared_counter = turned ? sheared_here : sheared_passing;
+        const Stored* const sheared_disc = turned ? sheared_passing : sheared_here;
         Stored *const counter = row_of(bodies.counter, row), *const wear_counter =
                                                                  row_of(bodies.wear_counter, row);
         Stored* const reached = shows ? nullptr : row_of(bodies.reached, row);
@@ -123,8 +125,8 @@ WARPWEAR_FN void wear_cells_by_pressure(int slot, int slots, const Slides& slide
             for (int v = lane_of_slot(); v < of_line; v += width_of_slot()) {
                 const int i = line * of_line + v;
                 const Lanes p = p_of[i], m = over_counter[i];
-                const PerBody sheared = {shears ? (Lanes)rubs_counter[i] : zero,
-                                         shears ? (Lanes)rubs_disc[i] : zero};
+                const PerBody sheared = {shears ? (Lanes)sheared_counter[i] : zero,
+                                         shears ? (Lanes)sheared_disc[i] : zero};
                 const PerBody before = {wear_counter[i], has_disc ? (Lanes)wear_disc[i] : zero};
                 const PerBody lost = removal_of<OWN, true>(wear, own, i, {m, over_disc[i]}, before, sheared);
                 Lanes s = counter[i] + lost.counter, a = wear_counter[i] + lost.counter, by_slip = zero;
@@ -154,7 +156,7 @@ WARPWEAR_FN void wear_cells_by_pressure(int slot, int slots, const Slides& slide
                     summed.of(PressureSum::BARE) += p > zero ? (Lanes)own.material[i] : zero;
                 highest = larger_of(highest, p);
                 deepest_counter = larger_of(deepest_counter, a);
-                if (shears) summed.of(PressureSum::RUBBED) += (Lanes)rubs[i];
+                if (shears) summed.of(PressureSum::RUBBED) += (Lanes)sheared_here[i];
                 const Mask ever = m + was + wear.shear_counter * sheared.counter > zero;
                 const Lanes column = columns_from(domain_column + v * LANES);
                 summed.counted(PressureSum::TOUCHED) += ever ? yes : no;

@@ -40,7 +40,7 @@ class Footprint:
 
 
 @wp.struct
-class Body:
+class SheddingBody:
     """Holds one of the bodies, and what is due of it."""
 
     height: wp.array2d(dtype=wp.float64)  # as worn [mm]
@@ -65,12 +65,12 @@ class Both:
     """Holds both bodies of a contact."""
 
     footprint: Footprint
-    counter: Body
-    disc: Body
+    counter: SheddingBody
+    disc: SheddingBody
 
 
 @wp.func
-def row_at(row: wp.int32, body: Body):
+def row_at(row: wp.int32, body: SheddingBody):
     """Return a row of a body, also beyond its ends; −1 where there is none."""
     rows = body.pending.shape[0]
     if row >= 0 and row < rows:
@@ -81,14 +81,14 @@ def row_at(row: wp.int32, body: Body):
 
 
 @wp.func
-def list_cell(cell: wp.int32, body: Body):
+def list_cell(cell: wp.int32, body: SheddingBody):
     """List a cell once. A sum of 0 says that it is not listed yet."""
     if wp.atomic_add(body.sums, cell, ONE) == ZERO:
         body.candidates[wp.atomic_add(body.counts, CANDIDATES, 1)] = cell
 
 
 @wp.func
-def add_pending(row: wp.int32, column: wp.int32, depth: wp.float64, footprint: Footprint, body: Body):
+def add_pending(row: wp.int32, column: wp.int32, depth: wp.float64, footprint: Footprint, body: SheddingBody):
     """Make a depth pending, and list the cells whose footprints it lies in."""
     body.pending[row, column] = body.pending[row, column] + depth
     for n in range(footprint.bowl.shape[0]):
@@ -160,7 +160,7 @@ def take_tiles(
 
 
 @wp.kernel
-def list_overflow(first_slot: wp.int32, slots: wp.int32, body: Body):
+def list_overflow(first_slot: wp.int32, slots: wp.int32, body: SheddingBody):
     """List the cells that were still due after all rounds of the last step."""
     for n in range(first_slot * wp.block_dim() + wp.tid(), body.counts[OVERFLOW], slots * wp.block_dim()):
         list_cell(body.overflow[n], body)

@@ -23,8 +23,8 @@ from warpwear.kernels.running_in.pieces import (
     SHEDS,
     STAGE,
     TAKES,
-    Body,
     Footprint,
+    SheddingBody,
     row_at,
 )
 from warpwear.kernels.sliding import Slide
@@ -51,7 +51,7 @@ class Release:
 
 
 @wp.func
-def sum_around(cell: wp.int32, anew: wp.int32, footprint: Footprint, body: Body):
+def sum_around(cell: wp.int32, anew: wp.int32, footprint: Footprint, body: SheddingBody):
     """Sum up what is pending in the footprint of a cell; only where a piece was due, unless anew."""
     if anew == 0 and body.sums[cell] < footprint.needed:
         return
@@ -69,7 +69,7 @@ def sum_around(cell: wp.int32, anew: wp.int32, footprint: Footprint, body: Body)
 
 
 @wp.func
-def find_peak(cell: wp.int32, footprint: Footprint, body: Body):
+def find_peak(cell: wp.int32, footprint: Footprint, body: SheddingBody):
     """Note a cell whose sum calls for a piece, and is the largest (sum, index) of a square around it."""
     mine = body.sums[cell]
     if mine < footprint.needed:
@@ -93,7 +93,7 @@ def find_peak(cell: wp.int32, footprint: Footprint, body: Body):
 
 
 @wp.func
-def cut_at(peak: wp.int32, place: wp.int32, footprint: Footprint, body: Body, release: Release):
+def cut_at(peak: wp.int32, place: wp.int32, footprint: Footprint, body: SheddingBody, release: Release):
     """Let a piece leave at a peak, which is entered in a place of the table, but for its step.
 
     Its middle is the cell near the peak with most pending, the last of those with as much. The crack surface
@@ -166,7 +166,7 @@ def cut_at(peak: wp.int32, place: wp.int32, footprint: Footprint, body: Body, re
 
 
 @wp.kernel(module=TOGETHER)
-def begin_rounds(body: Body, release: Release):
+def begin_rounds(body: SheddingBody, release: Release):
     """Begin to shed, or go on with it."""
     if wp.tid() == 0:
         if body.counts[STAGE] == TAKES:
@@ -182,7 +182,7 @@ def begin_rounds(body: Body, release: Release):
 
 
 @wp.kernel(module=TOGETHER)
-def sum_up(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Body):
+def sum_up(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: SheddingBody):
     """Sum up what is pending around the cells listed; after the first round only where a piece was due."""
     first = first_slot * wp.block_dim() + wp.tid()
     if body.counts[ROUND] == 0:
@@ -194,14 +194,14 @@ def sum_up(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Bo
 
 
 @wp.kernel(module=TOGETHER)
-def find_peaks(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Body):
+def find_peaks(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: SheddingBody):
     """Find the peaks among the cells where a piece is due."""
     for n in range(first_slot * wp.block_dim() + wp.tid(), body.counts[DUE], slots * wp.block_dim()):
         find_peak(body.due[n], footprint, body)
 
 
 @wp.kernel(module=TOGETHER)
-def begin_cut(footprint: Footprint, body: Body, release: Release):
+def begin_cut(footprint: Footprint, body: SheddingBody, release: Release):
     """Cut the peaks of a round if the table has room for them, and let another round follow."""
     if wp.tid() == 0:
         peaks = body.counts[PEAKS]
@@ -223,7 +223,7 @@ def cut(
     slots: wp.int32,
     slides: wp.array(dtype=Slide),
     footprint: Footprint,
-    body: Body,
+    body: SheddingBody,
     release: Release,
 ):
     """Let a piece leave at each peak."""
@@ -235,14 +235,14 @@ def cut(
 
 
 @wp.kernel(module=TOGETHER)
-def end_rounds(body: Body, release: Release):
+def end_rounds(body: SheddingBody, release: Release):
     """Tell whether a body is done with its rounds."""
     if wp.tid() == 0:
         release.closes[0] = wp.where(body.counts[STAGE] == SHEDS and release.full[0] == 0, 1, 0)
 
 
 @wp.kernel(module=TOGETHER)
-def close(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Body):
+def close(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: SheddingBody):
     """Cells where pieces are still due after all rounds wait for the next step; the sums are forgotten."""
     for n in range(first_slot * wp.block_dim() + wp.tid(), body.counts[CANDIDATES], slots * wp.block_dim()):
         cell = body.candidates[n]
@@ -257,7 +257,7 @@ def close(first_slot: wp.int32, slots: wp.int32, footprint: Footprint, body: Bod
 def total_rows(
     slides: wp.array(dtype=Slide),
     footprint: Footprint,
-    body: Body,
+    body: SheddingBody,
     wear_in: wp.array2d(dtype=Cells),
     pending_in: wp.array2d(dtype=Cells),
 ):
@@ -266,7 +266,10 @@ def total_rows(
 
 @wp.kernel(module=TOGETHER)
 def note(
-    slides: wp.array(dtype=Slide), body: Body, first_column: wp.int32, rows_out: wp.array2d(dtype=wp.float64)
+    slides: wp.array(dtype=Slide),
+    body: SheddingBody,
+    first_column: wp.int32,
+    rows_out: wp.array2d(dtype=wp.float64),
 ):
     """Enter what a body has lost in the row of the step: pieces, sums of wear and pending, deepest wear."""
     worn = sum_of(body.of_rows, 0)
@@ -283,7 +286,7 @@ def note(
 
 
 @wp.kernel(module=TOGETHER)
-def end_step(counter: Body, disc: Body, release: Release, goes_out: wp.array(dtype=wp.int32)):
+def end_step(counter: SheddingBody, disc: SheddingBody, release: Release, goes_out: wp.array(dtype=wp.int32)):
     """End a step when both bodies are done with it; stop the program where the table is full."""
     if wp.tid() == 0:
         ends = wp.where(release.full[0] == 0, 1, 0)

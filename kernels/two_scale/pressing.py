@@ -7,7 +7,7 @@ from warpwear.kernels.cells import ONE, ZERO
 from warpwear.kernels.native_code import lane, sum_of, width
 from warpwear.kernels.newton import HALF, LOOKS, MET, STUCK, Bracket, bracket_at, next_trial
 from warpwear.kernels.two_scale.curves import PRESSURE, SLOPE, Curves, wait_for_slot
-from warpwear.kernels.two_scale.sharing import Flags, Load, Search, set_flags
+from warpwear.kernels.two_scale.sharing import Flags, SharedLoad, SharingSearch, set_flags
 from warpwear.kernels.two_scale.steps import Courses, Steps, begun, first_guess, flexibility_of, guess_of
 
 wp.set_module_options(native_code.options("patches.h"))
@@ -42,7 +42,7 @@ def smooth_pressure(smooth: Smooth, k: wp.int32, base: wp.float64, offset: wp.fl
 
 
 @wp.func
-def prescribe(smooth: Smooth, load: Load, flexibility: wp.float64, removal: wp.float64):
+def prescribe(smooth: Smooth, load: SharedLoad, flexibility: wp.float64, removal: wp.float64):
     """Solve the smooth contact, leave its pressures, and wear it by removal [mm³/N] times them, implicitly.
 
     The pressures add up to the load to rounding: what the search leaves is taken off those below the
@@ -84,7 +84,7 @@ def prescribe(smooth: Smooth, load: Load, flexibility: wp.float64, removal: wp.f
 
 
 @wp.kernel
-def press_smoothly(smooth: Smooth, load: Load, step: wp.array(dtype=wp.float64)):
+def press_smoothly(smooth: Smooth, load: SharedLoad, step: wp.array(dtype=wp.float64)):
     """Prescribe the loads of a step by itself. step: 1/K_N, and K ΔL of both bodies [mm³/N]."""
     prescribe(smooth, load, step[0], step[1])
 
@@ -94,7 +94,7 @@ def begin(steps: Steps, curves: Curves, courses: Courses, smooth: Smooth, bracke
     """Begin a step whose loads a smooth contact prescribes: a search of every patch."""
     trend = steps.memory[0].trend
     now = begun(steps)
-    s = Search()
+    s = SharingSearch()
     s.common_base = prescribe(smooth, steps.load, flexibility_of(steps, now), now.removal)
     for k in range(lane(), curves.base.shape[0], width()):
         is_pressed = smooth.target[0, k] > ZERO
@@ -112,11 +112,11 @@ def begin(steps: Steps, curves: Curves, courses: Courses, smooth: Smooth, bracke
 
 @wp.kernel
 def judge(
-    load: Load,
+    load: SharedLoad,
     curves: Curves,
     smooth: Smooth,
     brackets: wp.array(dtype=Bracket),
-    search_out: wp.array(dtype=Search),
+    search_out: wp.array(dtype=SharingSearch),
     flags: Flags,
 ):
     """Decide after an evaluation which patches carry what is prescribed, and where to look for the others."""

@@ -37,7 +37,7 @@ SEARCHES = wp.constant(wp.int32(8))
 
 
 @wp.struct
-class Load:
+class SharedLoad:
     """Holds what patches carry together."""
 
     load: wp.float64  # F [N]
@@ -48,7 +48,7 @@ class Load:
 
 
 @wp.struct
-class Search:
+class SharingSearch:
     """Holds the numbers of a search. Lengths are offsets from its bases [mm]."""
 
     flexibility: wp.float64  # 1/K_N [mm³/N], 0 without a spring
@@ -84,7 +84,7 @@ def set_flags(flags: Flags, state: wp.int32):
 
 
 @wp.func
-def point_of(curves: Curves, s: Search, k: wp.int32):
+def point_of(curves: Curves, s: SharingSearch, k: wp.int32):
     """Return the point of a patch's curve: δ at which it is where it was evaluated, as an offset."""
     p = curves.answer[PRESSURE, k]
     shift = s.common_base - curves.base[k]  # exact where both are of one size
@@ -103,7 +103,12 @@ def apart_of(free: wp.bool, point: wp.float64, common: wp.float64):
 
 @wp.func
 def search_from(
-    curves: Curves, load: Load, before: Search, common_base: wp.float64, guess: wp.float64, low: wp.float64
+    curves: Curves,
+    load: SharedLoad,
+    before: SharingSearch,
+    common_base: wp.float64,
+    guess: wp.float64,
+    low: wp.float64,
 ):
     """Begin a search at bases, with trial offsets that stand already. guess, low: of the bodies' offset."""
     s = before
@@ -119,7 +124,7 @@ def search_from(
 
 
 @wp.func
-def ended(before: Search, common: wp.float64, state: wp.int32):
+def ended(before: SharingSearch, common: wp.float64, state: wp.int32):
     """End a search at an offset of the bodies."""
     s = before
     b = s.bracket
@@ -130,7 +135,7 @@ def ended(before: Search, common: wp.float64, state: wp.int32):
 
 
 @wp.func
-def search_again(curves: Curves, load: Load, before: Search, common: wp.float64):
+def search_again(curves: Curves, load: SharedLoad, before: SharingSearch, common: wp.float64):
     """Begin the next search: from bases at the last approaches the offsets have digits again."""
     s = before
     s.number += 1
@@ -143,7 +148,7 @@ def search_again(curves: Curves, load: Load, before: Search, common: wp.float64)
 
 
 @wp.func
-def take_sure_step(curves: Curves, load: Load, before: Search, newton: wp.float64):
+def take_sure_step(curves: Curves, load: SharedLoad, before: SharingSearch, newton: wp.float64):
     """Take Newton's step where no patch leaves its straight line on the way: it needs no second look."""
     s = before
     for k in range(lane(), curves.base.shape[0], width()):
@@ -180,7 +185,7 @@ def take_sure_step(curves: Curves, load: Load, before: Search, newton: wp.float6
 
 
 @wp.func
-def evaluated_end(curves: Curves, s: Search, k: wp.int32):
+def evaluated_end(curves: Curves, s: SharingSearch, k: wp.int32):
     """Return the point at which a patch was evaluated; one that carries nothing is at its lowest cell."""
     point = point_of(curves, s, k)
     p = curves.answer[PRESSURE, k]
@@ -189,7 +194,7 @@ def evaluated_end(curves: Curves, s: Search, k: wp.int32):
 
 
 @wp.func
-def total_at(curves: Curves, load: Load, s: Search, common: wp.float64):
+def total_at(curves: Curves, load: SharedLoad, s: SharingSearch, common: wp.float64):
     """Sum the pressures at the common approach [MPa], on its side of the load; negative while it is open.
 
     Where a patch's approach is down to neighbouring numbers, its cells are almost rigid and the curve between
@@ -224,7 +229,7 @@ def total_at(curves: Curves, load: Load, s: Search, common: wp.float64):
 
 
 @wp.func
-def guess_offsets(curves: Curves, load: Load, s: Search, common: wp.float64, bisects: wp.bool):
+def guess_offsets(curves: Curves, load: SharedLoad, s: SharingSearch, common: wp.float64, bisects: wp.bool):
     """Lay trial offsets of the patches at the next approach of the bodies."""
     # There may be no hardness.
     deepest = wp.where(s.flexibility > ZERO, s.flexibility * load.hardness, ZERO)
@@ -247,7 +252,7 @@ def guess_offsets(curves: Curves, load: Load, s: Search, common: wp.float64, bis
 
 
 @wp.func
-def evaluated(curves: Curves, load: Load, before: Search):
+def evaluated(curves: Curves, load: SharedLoad, before: SharingSearch):
     """Return the search after an evaluation: at its end, or with the next trial approaches."""
     s = before
     b = s.bracket
@@ -315,7 +320,7 @@ def evaluated(curves: Curves, load: Load, before: Search):
 
 
 @wp.kernel(module=TOGETHER)
-def judge(load: Load, curves: Curves, search_out: wp.array(dtype=Search), flags: Flags):
+def judge(load: SharedLoad, curves: Curves, search_out: wp.array(dtype=SharingSearch), flags: Flags):
     """Decide after an evaluation whether the load is shared, and at what approaches to look next."""
     s = evaluated(curves, load, search_out[0])
     if lane() == 0:

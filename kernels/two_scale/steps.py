@@ -10,7 +10,7 @@ from warpwear.kernels.foresight import Trend, foreseen_step, learnt
 from warpwear.kernels.native_code import lane, most_of, sum_of, width
 from warpwear.kernels.newton import HALF, LOOKS
 from warpwear.kernels.two_scale.curves import PRESSURE, TOGETHER, Curves, wait_for_slot
-from warpwear.kernels.two_scale.sharing import Flags, Load, Search, search_from, set_flags
+from warpwear.kernels.two_scale.sharing import Flags, SharedLoad, SharingSearch, search_from, set_flags
 
 #: Columns of a row that a step leaves, before its sums and maxima.
 HEADER = ("base", "offset", "reference", "evaluations")
@@ -51,7 +51,7 @@ class Memory:
 class Steps:
     """Holds what steps of a contact have in common, their plan, and what lies between them."""
 
-    load: Load
+    load: SharedLoad
     lowest: wp.float64  # of all cells before any wear [mm]
     cell: wp.float64  # [mm]
     cell_area: wp.float64  # [mm²]
@@ -66,7 +66,7 @@ class Steps:
     plan: wp.array2d(dtype=wp.float64)  # a row a step: K ΔL of both bodies, 1/c of the cells, 1/K_N
     now: wp.array(dtype=Now)  # one
     memory: wp.array(dtype=Memory)  # one
-    search: wp.array(dtype=Search)  # one
+    search: wp.array(dtype=SharingSearch)  # one
     flags: Flags
 
 
@@ -140,7 +140,7 @@ def begin(steps: Steps, curves: Curves, courses: Courses):
     """Begin a step whose load is shared: a search from the last approaches, or from the lowest cell."""
     m = steps.memory[0]
     now = begun(steps)
-    s = Search()
+    s = SharingSearch()
     s.flexibility = flexibility_of(steps, now)
     trend = m.trend
     is_first = trend.is_begun == 0

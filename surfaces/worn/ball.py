@@ -12,7 +12,7 @@ from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.filling import filled
 from warpwear.surfaces.outliers import robust_deviation
 from warpwear.surfaces.sphere import NoSphere, Sphere, fit_sphere, places
-from warpwear.surfaces.worn.patch import Body, Patch, check_points
+from warpwear.surfaces.worn.patch import FittedBody, Patch, check_points
 from warpwear.surfaces.worn.waviness import ROUGH
 
 ndimage = lazy.module("scipy.ndimage")
@@ -130,7 +130,7 @@ def _find(
         sums = ndimage.sum_labels(np.maximum(lost, 0.0), labels, np.arange(1, pieces + 1))
         seed = ndimage.binary_fill_holes(labels == 1 + int(np.argmax(sums)))
         near = _near(smooth, seed, pixel=pixel)
-        body = Body(lost=lost, unworn=unworn, pixel=pixel, terms=terms)
+        body = FittedBody(lost=lost, unworn=unworn, pixel=pixel, terms=terms)
         reach = body.grown(seed & near, near)
         same = np.array_equal(reach.patch, patch)
         patch = reach.patch

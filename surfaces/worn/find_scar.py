@@ -16,7 +16,7 @@ from warpwear.surfaces.levelling import without_polynomial
 from warpwear.surfaces.outliers import robust_deviation
 from warpwear.surfaces.sphere import places
 from warpwear.surfaces.worn.outline import outlined
-from warpwear.surfaces.worn.patch import INWARDS, SMOOTHED, Body, Patch, Reach, check_points, extents
+from warpwear.surfaces.worn.patch import INWARDS, SMOOTHED, FittedBody, Patch, Reach, check_points, extents
 from warpwear.surfaces.worn.registration import unchanged
 from warpwear.surfaces.worn.waviness import CHANGED
 
@@ -37,7 +37,7 @@ STRIP = 0.125  # of the scar's length: the middle part whose mean is its profile
 
 
 @dataclass(frozen=True, eq=False)
-class Profile:
+class ScarProfile:
     """A scar has a mean profile across sliding, in a band of what unworn surface gives as such a mean."""
 
     y: FloatArray  # places across [mm] from the middle of the field, shape (ny,)
@@ -76,7 +76,7 @@ def find_scar(
         lost = filled(level)
         noise = robust_deviation(lost[unworn], 0.0)
         seed = _seed(lost, unworn, measured, coarse=coarse, pixel=pixel)
-        body = Body(lost=lost, unworn=unworn, pixel=pixel, terms=terms)
+        body = FittedBody(lost=lost, unworn=unworn, pixel=pixel, terms=terms)
         reach = body.grown(seed, np.ones_like(seed), noise=noise, inwards=INWARDS)
         same = np.array_equal(reach.patch, patch)
         patch = reach.patch
@@ -172,7 +172,7 @@ def sides_reached(patch: BoolArray) -> int:
     return sum(bool(side.any()) for side in (patch[0], patch[-1], patch[:, 0], patch[:, -1]))
 
 
-def mean_profile(scar: Patch) -> Profile:
+def mean_profile(scar: Patch) -> ScarProfile:
     """Return the mean profile across of the middle eighth of a scar, or of a whole groove through the field.
 
     The band is the root mean square of such means over strips of unworn surface, all that the field has.
@@ -190,7 +190,7 @@ def mean_profile(scar: Patch) -> Profile:
     band = math.sqrt(float(np.square(means[enough] / known[enough]).mean()))
     y = places((lost.shape[0], lost.shape[1]), scar.pixel)[1]
     averaged = slice(first, first + count)
-    return Profile(y, np.asarray(lost[averaged].mean(axis=0)), band, averaged, count * px)
+    return ScarProfile(y, np.asarray(lost[averaged].mean(axis=0)), band, averaged, count * px)
 
 
 def _seed(

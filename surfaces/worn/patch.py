@@ -67,7 +67,7 @@ class Reach:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Body:
+class FittedBody:
     """A worn body lies below its unworn form, which was fitted to what is not worn of it."""
 
     lost: FloatArray  # depth below the form [mm], shape (nx, ny)

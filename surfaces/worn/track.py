@@ -32,7 +32,7 @@ BLOCKS = 10  # along the track, whose means are taken as correlated with their n
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Track:
+class WornTrack:
     """A worn track lies along axis 0 of a measurement.
 
     Section areas are those of single sections, so both hold the roughness too; their difference, in which
@@ -133,7 +133,7 @@ class Track:
 
 def find_track(
     heights: FloatArray, *, pixel: tuple[float, float], degree: int = 1, width: float | None = None
-) -> Track:
+) -> WornTrack:
     """Find the worn track along axis 0 of heights, shape (nx, ny), NaN where missing; pixel (px, py); in mm.
 
     The surface is levelled by a polynomial of the given total degree through what lies outside the track.
@@ -160,7 +160,7 @@ def find_track(
     levelled.flags.writeable = False
     across = levelled[:, inside]
     columns = np.flatnonzero(inside)
-    track = Track(
+    track = WornTrack(
         levelled=levelled,
         degree=degree,
         missing=missing,
@@ -180,7 +180,7 @@ def find_track(
     return track
 
 
-def find_groove(profile: Profile, *, degree: int = 1, width: float | None = None) -> Track:
+def find_groove(profile: Profile, *, degree: int = 1, width: float | None = None) -> WornTrack:
     """Find the groove in a profile across it, as `find_track` does: a track of one section."""
     pixel = (profile.spacing, profile.spacing)
     return find_track(profile.heights[None], pixel=pixel, degree=degree, width=width)

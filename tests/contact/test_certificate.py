@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from warpwear import ConvergenceError, solve_contact
-from warpwear.contact.certificate import Certificate, Proof
+from warpwear.contact.certificate import Certificate, Certifier
 from warpwear.contact.half_space.search import NO_CAP, Search
 from warpwear.contact.half_space.solver import BoundedPressure, HalfSpace, HalfSpaceContact
 from warpwear.engine.executor import Executor, arguments
@@ -156,7 +156,7 @@ def certificate_of(
     solver._influence.respond(solver.pressure_field, solver.displacement())
     fields = {"pressure": solver.pressure_field, "gap": gap, "response": solver.displacement()}
     fields |= {"cap": NO_CAP, **{name: cell for name, cell in cells.items() if cell is not None}}
-    proof = Proof(contact.executor, arguments(Fields, **fields), groups=contact.approaches.size)
+    proof = Certifier(contact.executor, arguments(Fields, **fields), groups=contact.approaches.size)
     return proof.at(load=load, approach=contact.approaches, scale=scale, allowed=contact.allowed)
 
 

@@ -12,12 +12,12 @@ from warpwear.engine.numbers import Numbers
 from warpwear.engine.program import Program
 from warpwear.engine.tiles import NO_LIMIT, Tiles
 from warpwear.grid import Grid
-from warpwear.kernels.wear import Course
+from warpwear.kernels.wear import RestMemory
 
 
 def test_numbers_are_saved_bit_for_bit(device: str) -> None:
     with Executor(Grid(8, 8, 0.1), device=device) as executor:
-        one, other = (Numbers(Course, executor.device, force=0.1) for _ in range(2))
+        one, other = (Numbers(RestMemory, executor.device, force=0.1) for _ in range(2))
         one.set(force=np.nextafter(0.3, 1.0), steps=2, slope=-1e-300, extents=[0.1, 0.2, 0.3, 1e300])
         saved = json.loads(json.dumps(state.save(one)))
         state.restore(other, *saved)

@@ -15,8 +15,8 @@ from warpwear import InputError, Result, Study
 from warpwear.cli.main import main
 from warpwear.figures.describe import DISTANCE, Axis, Chart, Level, Line
 from warpwear.figures.describe import Figure as Declared
-from warpwear.figures.of_run import film
-from warpwear.figures.of_run.film import FFMpegWriter, animate
+from warpwear.figures.of_run import animation
+from warpwear.figures.of_run.animation import FFMpegWriter, animate
 from warpwear.figures.overlay import paint_over
 from warpwear.figures.paint import paint
 from warpwear.figures.wording import after
@@ -161,13 +161,14 @@ def test_a_film_has_a_frame_a_snapshot(
     results: dict[str, Result], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     result = results["rough"]
-    assert [round(film.DPI * inches) % 2 for inches in film.SIZE] == [0, 0]  # pixels, which H.264 asks for
-    monkeypatch.setattr(film, "DPI", 40)
+    pixels = [round(animation.DPI * inches) for inches in animation.SIZE]
+    assert [count % 2 for count in pixels] == [0, 0]  # as H.264 asks
+    monkeypatch.setattr(animation, "DPI", 40)
     path = animate(result, tmp_path / "wear.gif", frames_per_second=4.0)
     with Image.open(path) as shown:
         assert shown.n_frames == result.snapshot_distances.size == 4
         assert shown.info["duration"] == 250
-        assert shown.size == (40 * film.SIZE[0], 40 * film.SIZE[1])
+        assert shown.size == (40 * animation.SIZE[0], 40 * animation.SIZE[1])
     assert [p.name for p in tmp_path.iterdir()] == ["wear.gif"]
     with pytest.raises(
         InputError,
@@ -203,7 +204,7 @@ def test_a_film_needs_snapshots_and_an_encoder(
     monkeypatch.setattr(FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
     with pytest.raises(InputError, match=r"needs ffmpeg, which is not installed"):
         animate(results["rough"], tmp_path / "wear.mp4")
-    monkeypatch.setattr(film, "DPI", 40)
+    monkeypatch.setattr(animation, "DPI", 40)
     folder = results["flat"].folder
     assert folder is not None
     with pytest.raises(SystemExit) as ended:

@@ -12,8 +12,8 @@ from numpy.testing import assert_allclose
 import warpwear
 from warpwear import InputError, Result, Study
 from warpwear.comparison.gather import gather
+from warpwear.figures.of_run.animation import animate
 from warpwear.figures.of_run.data import load_share_error, smooth_shares
-from warpwear.figures.of_run.film import animate
 
 RUNS: dict[str, dict[str, Any]] = {
     "all covered": {"output.snapshots": ["0.3 mm", "3 mm"]},

@@ -22,9 +22,9 @@ from warpwear.comparison.gather import gather
 from warpwear.comparison.table import columns, to_text
 from warpwear.figures.describe import Map
 from warpwear.figures.of_run import words
+from warpwear.figures.of_run.animation import animate
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.fields import _declare_map
-from warpwear.figures.of_run.film import animate
 from warpwear.figures.of_run.history import cof
 from warpwear.history.quantities import FIELDS
 from warpwear.results.track import (
@@ -107,7 +107,7 @@ def test_figures_of_a_track(result: Result, tmp_path: Path, monkeypatch: pytest.
     assert set(still.plot.left_out) >= OF_TRACKS
     with pytest.raises(InputError, match="the disc lies still"):
         still.plot.groove()
-    monkeypatch.setattr("warpwear.figures.of_run.film.DPI", 40)
+    monkeypatch.setattr("warpwear.figures.of_run.animation.DPI", 40)
     film = animate(result, tmp_path / "film.gif")
     with Image.open(film) as frames:
         assert frames.n_frames == 3  # type: ignore[attr-defined]

@@ -7,14 +7,21 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from warpwear.laws.depth_profile import DepthProfile, Material
+from warpwear.laws.depth_profile import DepthProfile, LayerMaterial
 
 #: A hard coat, a soft interlayer and a body [mm, mm²/N].
-COAT = DepthProfile((0.0, 2.0e-3, 2.5e-3), (Material(1e-10, 2e4), Material(3e-8, 4e3), Material(2e-9, 8e3)))
+COAT = DepthProfile(
+    (0.0, 2.0e-3, 2.5e-3), (LayerMaterial(1e-10, 2e4), LayerMaterial(3e-8, 4e3), LayerMaterial(2e-9, 8e3))
+)
 #: A nitrided case, whose K rises, falls and rises.
 CASE = DepthProfile(
     (0.0, 1.0e-2, 4.0e-2, 5.0e-2),
-    (Material(1e-9, 1.1e4), Material(5e-9, 9e3), Material(2e-9, 6e3), Material(8e-9, 3e3)),
+    (
+        LayerMaterial(1e-9, 1.1e4),
+        LayerMaterial(5e-9, 9e3),
+        LayerMaterial(2e-9, 6e3),
+        LayerMaterial(8e-9, 3e3),
+    ),
     graded=True,
 )
 
@@ -77,9 +84,9 @@ def test_one_step_or_a_thousand(profile: DepthProfile) -> None:
 
 
 def test_a_material_that_does_not_wear_is_never_worn_through() -> None:
-    stops = DepthProfile((0.0, 1.0e-3), (Material(1e-9), Material(0.0)))
+    stops = DepthProfile((0.0, 1.0e-3), (LayerMaterial(1e-9), LayerMaterial(0.0)))
     assert stops.worn(np.array([0.0, 2.0e-3]), np.array([1e9, 1e9])) == pytest.approx([1.0e-3, 2.0e-3])
-    falls = DepthProfile((0.0, 1.0e-3), (Material(1e-9), Material(0.0)), graded=True)
+    falls = DepthProfile((0.0, 1.0e-3), (LayerMaterial(1e-9), LayerMaterial(0.0)), graded=True)
     assert falls.worn(np.array(0.0), np.array(1e12)) == pytest.approx(1.0e-3, rel=1e-12)
 
 
@@ -87,7 +94,7 @@ def test_what_a_profile_says_of_itself() -> None:
     assert (COAT.fastest, COAT.least_hardness, COAT.first_interface) == (3e-8, 4e3, 2.0e-3)
     assert not COAT.is_uniform
     assert not COAT.scales
-    alike = DepthProfile((0.0, 1.0), (Material(1e-9, name="coat"), Material(1e-9)))
+    alike = DepthProfile((0.0, 1.0), (LayerMaterial(1e-9, name="coat"), LayerMaterial(1e-9)))
     assert alike.is_uniform
     assert alike.scales
     assert alike.first_interface == math.inf

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.measured.friction.events import Laps
+from warpwear.measured.friction.events import LapMeans
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def made(seed: int, drift: float = 0.0) -> tuple[FloatArray, Truth]:
     return cof, Truth(start, width, low, level, over)
 
 
-def in_laps(cof: FloatArray) -> Laps:
+def in_laps(cof: FloatArray) -> LapMeans:
     """Return a course with one mean a lap of 1 mm."""
     ones = np.ones(cof.size)
-    return Laps(np.arange(cof.size) + 0.5, cof, 0.0 * ones, ones, 1.0, 1.0, "lap")
+    return LapMeans(np.arange(cof.size) + 0.5, cof, 0.0 * ones, ones, 1.0, 1.0, "lap")

@@ -13,7 +13,7 @@ from warpwear.engine.program import Program
 from warpwear.grid import FloatArray, Grid, IntArray
 from warpwear.kernels.cells import PADDING
 from warpwear.kernels.sliding import Slide
-from warpwear.kernels.sliding_steps import Steps
+from warpwear.kernels.sliding_steps import SlidingSteps
 from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.archard import WearLaw
 from warpwear.laws.pieces import Pieces
@@ -188,7 +188,7 @@ class Shedding:
             self.pieces.before_wear(
                 self._program, Place(self._slides.array, pressed=arguments(Pressed, pressure=self._pressure))
             )
-        steps = arguments(Steps, stepping=goes, history=self._rows)
+        steps = arguments(SlidingSteps, stepping=goes, history=self._rows)
         self.pieces.between(self._program, Place(self._slides.array, steps))
 
     def step(self, number: int, shift: int) -> list[list[float]]:

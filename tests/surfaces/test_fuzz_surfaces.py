@@ -34,7 +34,7 @@ from scipy.io import savemat
 
 from warpwear.cli.surface import describe
 from warpwear.errors import InputError
-from warpwear.results.formats.bodies import Body
+from warpwear.results.formats.bodies import ExportedBody
 from warpwear.results.formats.metrology import write_sdf, write_x3p
 from warpwear.surfaces.measured import read_measured
 from warpwear.surfaces.reading import Reading, read
@@ -83,7 +83,7 @@ def zipped(content: bytes) -> bytes:
     return file.getvalue()
 
 
-def write_mat(path: Path, body: Body) -> None:
+def write_mat(path: Path, body: ExportedBody) -> None:
     with path.open("wb") as file:
         savemat(file, {"heights": 1e3 * body.heights})
 
@@ -125,7 +125,7 @@ def large(name: str) -> tuple[bytes, dict[str, Any]]:
     else:
         side = round(math.sqrt(size / {"x.sdf": 22.0, "x.x3p": 5.6, "x.mat": 8.0}[name]))
         heights = 1e-3 * np.random.default_rng(5).normal(size=(side, side)).round(4)
-        body = Body("disc", "a disc", 2e-3 * np.arange(side), 2e-3 * np.arange(side), heights)
+        body = ExportedBody("disc", "a disc", 2e-3 * np.arange(side), 2e-3 * np.arange(side), heights)
         write: Any = {"x.sdf": write_sdf, "x.x3p": write_x3p, "x.mat": write_mat}[name]
         content, options = made_by(lambda path: write(path, body)), GIVEN if name == "x.mat" else {}
     if name == "x.zip":

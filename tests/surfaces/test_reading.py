@@ -285,7 +285,7 @@ def test_no_ending_stands_for_two_formats():
 
 def test_a_format_is_added_in_one_place(tmp_path, monkeypatch):
     """Its entry is all that reading and refusing go by."""
-    entry = formats.Format(
+    entry = formats.HeightFormat(
         "heights of a test",
         (".test",),
         lambda source: source.start.startswith(b"TEST"),

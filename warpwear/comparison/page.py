@@ -15,7 +15,7 @@ from warpwear.comparison.gather import Comparison
 from warpwear.comparison.groups import RunData, differing, listed, names_by_sentence
 from warpwear.comparison.scar import answers_of
 from warpwear.comparison.table import BANDS, PASSES, columns, has_bands, with_scatter
-from warpwear.figures.sections import Section, under_headings
+from warpwear.figures.sections import PageSection, under_headings
 from warpwear.figures.wording import counted, few_of
 from warpwear.history.end_values import ENDS, Value
 from warpwear.page.html import page_of
@@ -141,7 +141,7 @@ def _link(run: RunData, folder: Path) -> tuple[str, str, str]:
     return run.name, str(run.folder), quote(os.path.relpath(path.resolve(), folder.resolve()))
 
 
-def _sections(comparison: Comparison) -> list[Section]:
+def _sections(comparison: Comparison) -> list[PageSection]:
     """Lay the figures under headings."""
     every, elsewhere = figures_of(comparison), {name for _, _, names, _ in SECTIONS for name in names}
     courses = [name for name in every if name not in elsewhere]

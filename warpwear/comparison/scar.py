@@ -20,7 +20,7 @@ from warpwear.results.evolution import surface_evolution
 from warpwear.results.report import Row, lines, record
 from warpwear.results.track import blocks, extent
 from warpwear.surfaces.sphere import places
-from warpwear.surfaces.worn.find_scar import Profile, mean_profile
+from warpwear.surfaces.worn.find_scar import ScarProfile, mean_profile
 from warpwear.surfaces.worn.patch import Patch
 from warpwear.surfaces.worn.scar import texture
 
@@ -66,7 +66,7 @@ class ScarComparison:
 
     files: ScarFiles
     measured: Patch
-    profile: Profile
+    profile: ScarProfile
     sq: float  # in the inner scar of the later measurement, without its form [µm]
     x: FloatArray  # places from the middle of the scar [mm], shape (nx,)
     y: FloatArray  # [mm], shape (ny,)
@@ -100,7 +100,7 @@ def compare_scar(files: ScarFiles, runs: Sequence[RunData]) -> ScarComparison:
 
 
 def _computed(
-    run: RunData, scar: Patch, profile: Profile, x: FloatArray, y: FloatArray, *, through: bool
+    run: RunData, scar: Patch, profile: ScarProfile, x: FloatArray, y: FloatArray, *, through: bool
 ) -> ComputedScar:
     """Sample what a run has taken off the disc where it lies best at places x × y [mm]. Raises InputError.
 

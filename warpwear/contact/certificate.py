@@ -104,7 +104,7 @@ class Certificate:
         return ""
 
 
-class Proof:
+class Certifier:
     """Certifies a pressure on the device, as a part of a program.
 
     fields: `half_space.solve.Fields`, with the response to the pressure. groups: 1, all rows together, or as

@@ -102,7 +102,7 @@ class Call:
     is_recordable: bool
 
 
-class Block:
+class Branch:
     """Runs parts of a program, one after another, under a flag of the device or under none.
 
     flag: array of one number, 0 to skip the parts. repeats: whether it is read again after the last part.
@@ -133,15 +133,15 @@ class Block:
     def record(self, device: Any) -> None:
         """Record the parts that can be recorded, in as few recordings as possible; the flag stays."""
         recorded: list[Node] = []
-        together = Block()
+        together = Branch()
         for node in [*self.nodes, None]:
             if node is not None and node.is_recordable:
                 together.nodes.append(node)
                 continue
             if together.nodes:
                 recorded.append(Recording(together, device))
-                together = Block()
-            if isinstance(node, Block):
+                together = Branch()
+            if isinstance(node, Branch):
                 node.record(device)
             if node is not None:
                 recorded.append(node)
@@ -153,7 +153,7 @@ class Recording:
 
     is_recordable = False  # a second time
 
-    def __init__(self, block: Block, device: Any) -> None:
+    def __init__(self, block: Branch, device: Any) -> None:
         self._block = block  # keeps the arrays alive that the graph reads
         with GATE, _nothing_collected(), wp.ScopedCapture(device=device) as capture:
             block.run()
@@ -165,7 +165,7 @@ class Recording:
 
 
 #: A part of a program runs at once, or is added to a recording where it is recordable.
-Node = Launch | Call | Block | Recording
+Node = Launch | Call | Branch | Recording
 
 
 @contextmanager
@@ -189,7 +189,7 @@ class Program:
 
     def __init__(self, executor: Executor, *, shares: bool = True, records: int = 1) -> None:
         self._executor, self._shares = executor, shares
-        self._whole = Block()
+        self._whole = Branch()
         self._open = [self._whole]
         self._records, self._runs = records, 0
 
@@ -224,12 +224,12 @@ class Program:
     @contextmanager
     def loop(self, flag: Field) -> Iterator[None]:
         """Repeat what is added within while flag[0] is not 0. flag: one number, int32."""
-        yield from self._within(Block(flag, repeats=True))
+        yield from self._within(Branch(flag, repeats=True))
 
     @contextmanager
     def branch(self, flag: Field) -> Iterator[None]:
         """Do what is added within if flag[0] is not 0. flag: one number, int32."""
-        yield from self._within(Block(flag))
+        yield from self._within(Branch(flag))
 
     def run(self) -> None:
         """Replay the program; on a GPU it is queued."""
@@ -238,7 +238,7 @@ class Program:
             self._whole.record(self._executor.device)
         self._whole.run()
 
-    def _within(self, block: Block) -> Iterator[None]:
+    def _within(self, block: Branch) -> Iterator[None]:
         self._add(block)
         self._open.append(block)
         try:

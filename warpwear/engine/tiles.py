@@ -109,7 +109,7 @@ class Tiles(TileList):
         if not self._executor.device.is_cpu:
             return
         tiles = arguments(
-            lists_of_tiles.Tiles,
+            lists_of_tiles.TileLists,
             list=self.list,
             count=self.count,
             lowest=self._lowest,

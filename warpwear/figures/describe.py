@@ -90,7 +90,7 @@ class Level:
 
 
 @dataclass(frozen=True)
-class Cloud:
+class Density:
     """How often two values meet, (x, y): areas that enclose parts of all, and lines around them."""
 
     x: FloatArray
@@ -134,7 +134,7 @@ class Chart:
     title: str
     x: Axis
     y: Axis
-    lines: Sequence[Line | Level | Cloud]
+    lines: Sequence[Line | Level | Density]
     note: str = ""
     stretch_note: str = ""
     stretch_factor: float = 1.0
@@ -209,7 +209,7 @@ class Bars:
 
 
 @dataclass(frozen=True)
-class Grid:
+class HeatMap:
     """A value for each pair of two keys' values, (across, down). x, y: what they are; unit: of the values."""
 
     title: str
@@ -223,7 +223,7 @@ class Grid:
 
 
 @dataclass(frozen=True)
-class Surface:
+class Relief:
     """Heights [µm], (x, y), lit in shades of a colour from `low` to `high`; pale where `scar` is above 0.5.
 
     cap: the largest circle alone is shown.
@@ -276,12 +276,12 @@ class Box:
     label: str
     low: float
     high: float
-    parts: Sequence[Surface | Glass | Towers | Arrow]
+    parts: Sequence[Relief | Glass | Towers | Arrow]
     note: str = ""
 
 
 @dataclass(frozen=True)
-class Bodies:
+class Scene:
     """Bodies by name, heights [µm] (x, y): a page's script turns them, paper `still` ones from above."""
 
     title: str
@@ -304,7 +304,7 @@ class Empty:
     """Keep a place without a panel."""
 
 
-Panel: TypeAlias = Chart | Map | Bars | Grid | Box | Bodies | Text | Empty
+Panel: TypeAlias = Chart | Map | Bars | HeatMap | Box | Scene | Text | Empty
 
 
 @dataclass(frozen=True)

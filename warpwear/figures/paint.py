@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from warpwear.figures import describe, style, wording
-from warpwear.figures.describe import Bodies, Box, Chart, Empty, Figure, Map, Panel, Scale
+from warpwear.figures.describe import Box, Chart, Empty, Figure, Map, Panel, Scale, Scene
 from warpwear.figures.paint_chart import paint_chart
 from warpwear.figures.paint_map import paint_map
 from warpwear.figures.paint_others import PAINT_OTHERS, paint_box
@@ -73,7 +73,7 @@ def paint(figure: Figure) -> sheets.Figure:
             sheet.set_figheight(_height(cells, rows, columns, width) + LEGEND_ROW * legend)
         elif legend > 1:  # makes the figure higher, not its panels lower
             sheet.set_figheight(figure.height * rows + LEGEND_ROW * (legend - 1))
-        _tell_scales(layout, sheet, grid, cells)
+        _show_scales(layout, sheet, grid, cells)
     return sheet
 
 
@@ -89,7 +89,7 @@ def _legend(sheet: sheets.Figure, figure: Figure, handles: dict[str, Any]) -> in
 
 def _cells(panel: Panel) -> list[Panel]:
     """Give the panels that paper needs for one: a map one a field."""
-    if isinstance(panel, Bodies):
+    if isinstance(panel, Scene):
         return [_from_above(panel, name) for name in panel.still]
     if not isinstance(panel, Map):
         return [panel]
@@ -109,7 +109,7 @@ def _stretched(cell: Any) -> Map:
     return replace(cell, square=False, labels=[], notes=[], stretch_note=note, y="across, mm")
 
 
-def _from_above(panel: Bodies, name: str) -> Map:
+def _from_above(panel: Scene, name: str) -> Map:
     """Give the map of a body's heights, on a scale of its own."""
     heights = panel.heights[name]
     scale = Scale("height, µm", float(np.nanmin(heights)), float(np.nanmax(heights)), colours="heights")
@@ -207,7 +207,7 @@ def _height(cells: Sequence[Any], rows: int, columns: int, width: float) -> floa
     return rows * (side * (y1 - y0) / (x1 - x0) + TITLE * lines + GAP) + below
 
 
-def _tell_scales(layout: ConstrainedLayoutEngine, sheet: Any, grid: Any, cells: Sequence[Any]) -> None:
+def _show_scales(layout: ConstrainedLayoutEngine, sheet: Any, grid: Any, cells: Sequence[Any]) -> None:
     """Say above panels how many times larger y is drawn than x, once they have their places."""
     stretched = [
         (a, cell) for a, cell in zip(grid.ravel(), cells, strict=False) if getattr(cell, "stretch_note", "")

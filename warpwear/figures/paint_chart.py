@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from warpwear.figures import describe, style, wording
-from warpwear.figures.describe import Chart, Cloud, Level, Line, Look
+from warpwear.figures.describe import Chart, Density, Level, Line, Look
 
 #: Kinds of line as Matplotlib has them.
 DASHES: dict[str, Any] = {"solid": "-", "dash": "--", "dashdot": "-.", "dot": ":", "": "none"}
@@ -111,10 +111,10 @@ def paint_level(axes: Axes, level: Level) -> None:
     draw(level.value, label=level.label or None, **of_look(level.look))
 
 
-def _cloud(axes: Axes, cloud: Cloud) -> None:
+def _cloud(axes: Axes, cloud: Density) -> None:
     top = float(cloud.counts.max()) * 1.01
     axes.contourf(cloud.x, cloud.y, cloud.counts.T, levels=[*cloud.levels, top], colors=cloud.colours)
     axes.contour(cloud.x, cloud.y, cloud.counts.T, levels=cloud.levels, colors=cloud.edge, linewidths=0.7)
 
 
-PARTS: dict[type, Callable[[Axes, Any], None]] = {Line: _line, Level: paint_level, Cloud: _cloud}
+PARTS: dict[type, Callable[[Axes, Any], None]] = {Line: _line, Level: paint_level, Density: _cloud}

@@ -12,7 +12,7 @@ from mpl_toolkits.mplot3d import proj3d  # type: ignore[import-untyped]
 
 from warpwear import lazy
 from warpwear.figures import describe, style
-from warpwear.figures.describe import ACROSS, ALONG, Arrow, Bars, Box, Glass, Grid, Surface, Text, Towers
+from warpwear.figures.describe import ACROSS, ALONG, Arrow, Bars, Box, Glass, HeatMap, Relief, Text, Towers
 from warpwear.grid import FloatArray
 
 ndimage = lazy.module("scipy.ndimage")
@@ -98,7 +98,7 @@ def _towers(axes: Any, towers: Towers, _: Any) -> None:
     axes.bar3d(left + side * x, bottom + side * y, 0.0, side, side, values, color=colours, linewidth=0.0)
 
 
-def _surface(axes: Any, surface: Surface, extent: describe.Ends) -> None:
+def _surface(axes: Any, surface: Relief, extent: describe.Ends) -> None:
     """Draw heights over the extent, lit; as many facets as places."""
     x0, x1, y0, y1 = extent
     nx, ny = surface.heights.shape
@@ -126,7 +126,7 @@ def _on_circles(*fields: FloatArray) -> tuple[FloatArray, ...]:
     return tuple(ndimage.map_coordinates(field, places, order=1, mode="nearest") for field in fields)
 
 
-def _lit(surface: Surface, step: float) -> FloatArray:
+def _lit(surface: Relief, step: float) -> FloatArray:
     """Colour heights, shape (x, y, 4): pale where they are high, brighter where they face the light."""
     heights, low, high = surface.heights, surface.low, surface.high
     flat = high - low <= FLAT
@@ -141,7 +141,7 @@ def _lit(surface: Surface, step: float) -> FloatArray:
     return np.clip(shades, 0.0, 1.0)
 
 
-PARTS: dict[type, Callable[..., None]] = {Glass: _glass, Towers: _towers, Surface: _surface}
+PARTS: dict[type, Callable[..., None]] = {Glass: _glass, Towers: _towers, Relief: _surface}
 
 
 def paint_bars(axes: Axes, bars: Bars) -> None:
@@ -163,7 +163,7 @@ def paint_bars(axes: Axes, bars: Bars) -> None:
     axes.set_title(bars.title)
 
 
-def paint_grid(axes: Axes, grid: Grid) -> None:
+def paint_grid(axes: Axes, grid: HeatMap) -> None:
     """Draw a value for each pair, written into it where there are few."""
     image = axes.imshow(grid.values.T, origin="lower", aspect="auto", cmap=style.COLOURS["heights"])
     axes.set_xticks(range(len(grid.across)), grid.across)
@@ -192,4 +192,4 @@ def paint_text(axes: Axes, text: Text) -> None:
                 written.set_annotation_clip(False)
 
 
-PAINT_OTHERS: dict[type, Callable[..., None]] = {Bars: paint_bars, Grid: paint_grid, Text: paint_text}
+PAINT_OTHERS: dict[type, Callable[..., None]] = {Bars: paint_bars, HeatMap: paint_grid, Text: paint_text}

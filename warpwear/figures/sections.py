@@ -9,7 +9,7 @@ from warpwear.figures.describe import Figure
 
 
 @dataclass(frozen=True)
-class Section:
+class PageSection:
     """Hold figures by name under one heading of a page. one_legend: of all lines."""
 
     title: str
@@ -25,14 +25,14 @@ def under_headings(
     *,
     one_legend: Sequence[str] = (),
     fields: Any = MappingProxyType({}),
-) -> list[Section]:
+) -> list[PageSection]:
     """Lay figures under the headings of a page, each with its anchor, names of figures and what is said.
 
     one_legend: anchors of sections with one legend. fields: of headings and texts, by name. A heading without
     a figure is left out.
     """
     return [
-        Section(title.format_map(fields), some, anchor, text.format_map(fields), anchor in one_legend)
+        PageSection(title.format_map(fields), some, anchor, text.format_map(fields), anchor in one_legend)
         for title, anchor, names, text in layout
         if (some := {name: figures[name] for name in names if name in figures})
     ]

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from warpwear.figures.describe import DISTANCE, TIME, Chart, Cloud, Figure, Level, Line, values_of
+from warpwear.figures.describe import DISTANCE, TIME, Chart, Density, Figure, Level, Line, values_of
 from warpwear.history.distances import METRES
 
 #: Axes that may reach far, in their least unit -> its kind, with what each unit holds of it.
@@ -33,7 +33,7 @@ def in_unit(chart: Chart, label: str) -> Chart:
     return replace(chart, lines=[_scaled(part, factor) for part in chart.lines], x=x)
 
 
-def _scaled(part: Line | Level | Cloud, factor: float) -> Line | Level | Cloud:
+def _scaled(part: Line | Level | Density, factor: float) -> Line | Level | Density:
     if isinstance(part, Line):
         return replace(part, x=factor * part.x)
     return replace(part, value=factor * part.value) if isinstance(part, Level) and part.axis == "x" else part

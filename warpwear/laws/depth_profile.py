@@ -18,7 +18,7 @@ HALVINGS = 60
 
 
 @dataclass(frozen=True)
-class Material:
+class LayerMaterial:
     """A material wears by a coefficient, and bears and shears no more than it can; infinite is no limit."""
 
     wear: float  # K [mm²/N]
@@ -37,7 +37,7 @@ class DepthProfile:
     """
 
     depths: tuple[float, ...]
-    materials: tuple[Material, ...]
+    materials: tuple[LayerMaterial, ...]
     graded: bool = False
 
     @property

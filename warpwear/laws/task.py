@@ -14,7 +14,7 @@ from warpwear.laws.fretting import Fretting
 from warpwear.laws.pieces import Pieces
 
 
-class Form(Protocol):
+class CounterForm(Protocol):
     """What models ask of the unworn counter-body's form, see `warpwear.surfaces.form`."""
 
     @property
@@ -70,7 +70,7 @@ class ContactTask:
 
     load: float  # F [N]
     hardness: float  # largest pressure of an unworn cell H [MPa]; inf without one
-    form: Form  # of the unworn counter-body
+    form: CounterForm  # of the unworn counter-body
     wear: tuple[WearLaw, WearLaw]  # of counter-body and disc, of their unworn surfaces
     compliance: float  # 1/k of the cells of the unworn contact, without wear [mm³/N]
     implicit: bool = True  # whether the wear of a step adds to its compliance

@@ -14,7 +14,7 @@ from warpwear.results.report import Row, lines, record, times
 from warpwear.surfaces.measured import Measured
 from warpwear.surfaces.profiles.profile import Parameters, Profile, checked, material_ratio
 from warpwear.surfaces.roughness import material_ratio_curve
-from warpwear.surfaces.worn.track import Track
+from warpwear.surfaces.worn.track import WornTrack
 
 #: Heights over the mean line, in Rq, at which the material ratio is told.
 LEVELS = (1.0, 0.0, -1.0)
@@ -85,7 +85,7 @@ def _filters(p: Parameters) -> Iterator[str]:
         yield f"λc {p.cut_off:.3g} mm, evaluated over {p.sections} section{'s' * (p.sections > 1)}"
 
 
-def groove_rows(groove: Track) -> list[Row]:
+def groove_rows(groove: WornTrack) -> list[Row]:
     """Declare what is said of a groove in a profile."""
     below, above = groove.mean_section
     low, high = groove.window

@@ -34,7 +34,7 @@ LONGEST = 80
 
 
 @dataclass(frozen=True, kw_only=True)
-class Format:
+class RecordFormat:
     """A make writes its records in one way.
 
     mark: expression found in the first lines of its files. header: expression of the line with the names of
@@ -51,8 +51,8 @@ class Format:
 
 
 _MAKES = tomllib.loads((files("warpwear.measured") / "makes.toml").read_text(encoding="utf-8"))
-FORMATS = tuple(Format(**make) for make in _MAKES["make"])
-PLAIN = Format(name="plain table")
+FORMATS = tuple(RecordFormat(**make) for make in _MAKES["make"])
+PLAIN = RecordFormat(name="plain table")
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ class Record:
     table: Table
     names: tuple[str, ...]  # shape (columns,); empty without a header
     units: tuple[str, ...]  # from a row of their own below the names, shape (columns,); empty without
-    format: Format = PLAIN
+    format: RecordFormat = PLAIN
     steps: tuple[str, ...] = ()  # name of each row's step by the lines between them, shape (rows,); or none
     notes: tuple[str, ...] = ()  # what was left out of the file, each a sentence
 
@@ -123,7 +123,7 @@ class _Piece:
     lines: list[int] = field(default_factory=list)
 
 
-def _pieces(lines: list[str], form: Format) -> Iterator[_Piece]:
+def _pieces(lines: list[str], form: RecordFormat) -> Iterator[_Piece]:
     """Give the tables of a file whose make says where they begin. Raises ValueError for rows out of place."""
     header, step_line = re.compile(form.header), re.compile(form.step or r"(?!)")
     piece: _Piece | None = None
@@ -154,7 +154,7 @@ def _pieces(lines: list[str], form: Format) -> Iterator[_Piece]:
         yield piece
 
 
-def _joined(path: Path, form: Format, pieces: list[_Piece], *, ended: bool) -> Record:
+def _joined(path: Path, form: RecordFormat, pieces: list[_Piece], *, ended: bool) -> Record:
     """Lay the tables of one file together: those whose names are those of most rows."""
     rows_of: dict[tuple[str, ...], int] = {}
     for piece in pieces:

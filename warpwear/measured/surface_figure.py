@@ -13,7 +13,7 @@ from warpwear.surfaces.base import BoolArray
 from warpwear.surfaces.roughness import material_ratio_curve
 from warpwear.surfaces.worn.find_scar import mean_profile
 from warpwear.surfaces.worn.patch import Patch
-from warpwear.surfaces.worn.track import Track
+from warpwear.surfaces.worn.track import WornTrack
 
 Pair: TypeAlias = tuple[float, float]
 
@@ -65,7 +65,7 @@ def _spectrum(report: MeasuredSurface) -> Chart:
     return Chart("Spectrum", Axis("wavelength, µm", scale), up, lines, note)
 
 
-def track_figure(track: Track, *, filled: BoolArray | None = None) -> Figure:
+def track_figure(track: WornTrack, *, filled: BoolArray | None = None) -> Figure:
     """A worn track: map over the reference, mean profile across, section lost along the track.
 
     filled: points that were not measured, shape (nx, ny).
@@ -91,7 +91,7 @@ def track_figure(track: Track, *, filled: BoolArray | None = None) -> Figure:
     )
 
 
-def _profile_of(track: Track) -> Chart:
+def _profile_of(track: WornTrack) -> Chart:
     """Draw the mean profile of a track over the reference, and what of it is summed."""
     profile, y = 1e3 * track.levelled.mean(axis=0), track.y
     parts = []
@@ -111,7 +111,7 @@ def _profile_of(track: Track) -> Chart:
     return Chart("Mean profile", Axis("across, y, mm"), Axis("height over the reference, µm"), across)
 
 
-def groove_figure(groove: Track) -> Figure:
+def groove_figure(groove: WornTrack) -> Figure:
     """Draw a groove in a profile over the reference, and what was summed."""
     return stack(_profile_of(groove))
 

@@ -18,7 +18,7 @@ from warpwear.surfaces.worn.ball import Cap, WornBall
 from warpwear.surfaces.worn.find_scar import mean_profile, sides_reached
 from warpwear.surfaces.worn.patch import Patch
 from warpwear.surfaces.worn.registration import Difference
-from warpwear.surfaces.worn.track import Track
+from warpwear.surfaces.worn.track import WornTrack
 
 #: Cut-off of roughness profiles [mm], Table A.1 of the thesis.
 LAMBDA_C = 2.5
@@ -164,7 +164,7 @@ def file_lines(surface: dict[str, Any], *then: str) -> list[str]:
     return [head, *lines([Row("as read", "", as_read), Row("done", "", [*r["operations"], *then])])]
 
 
-def track_rows(track: Track, *, length: float | None) -> list[Row]:
+def track_rows(track: WornTrack, *, length: float | None) -> list[Row]:
     """Declare what is said of a worn track. length: of the whole track [mm], None for the piece alone."""
     low, high = track.window
     below, above = track.mean_section

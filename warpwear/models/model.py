@@ -54,7 +54,7 @@ class Model(ABC):
     def snapshot(self, step: Step, distance: float) -> Snapshot:
         """Return the fields after the last step, which was asked for its pressure, at its distance [mm]."""
 
-    def set_out_anew(self, before: Track) -> None:
+    def switch_track(self, before: Track) -> None:
         """Begin with the first step of this track, on a disc that has slid over another one before."""
         self.turned = 0
 

@@ -9,7 +9,7 @@ from warpwear.grid import FloatArray
 from warpwear.kernels import contact
 from warpwear.kernels.cells import Layout
 from warpwear.laws.patches import Patches
-from warpwear.laws.task import Form
+from warpwear.laws.task import CounterForm
 
 
 def layout_of(executor: Executor, patches: Patches | None = None) -> Arguments:
@@ -22,7 +22,9 @@ def layout_of(executor: Executor, patches: Patches | None = None) -> Arguments:
     return arguments(Layout, vectors=vectors, first_row=rows, first_column=columns)
 
 
-def gap_over(form: Form, heights: FloatArray, executor: Executor, patches: Patches | None = None) -> Field:
+def gap_over(
+    form: CounterForm, heights: FloatArray, executor: Executor, patches: Patches | None = None
+) -> Field:
     """Return the gap of an unworn counter-body over heights of a disc [mm].
 
     heights: over the mean plane [mm], shape of the executor's grid; of patches, which are on a grid of their
@@ -31,7 +33,7 @@ def gap_over(form: Form, heights: FloatArray, executor: Executor, patches: Patch
     grid, columns = (executor.grid, executor.grid.ny) if patches is None else (patches.domain, patches.side)
     x, y = grid.x, grid.y
     ball = arguments(
-        contact.Ball, cell=grid.cell, x_first=float(x[0]), y_first=float(y[0]), curvature=form.curvature
+        contact.Indenter, cell=grid.cell, x_first=float(x[0]), y_first=float(y[0]), curvature=form.curvature
     )
     beneath = form.beneath(heights, x, y)
     roughness = executor.field(beneath if patches is None else patches.stored(beneath))

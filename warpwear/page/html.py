@@ -14,9 +14,9 @@ import numpy as np
 from matplotlib.colors import to_hex
 
 from warpwear.figures import describe, style
-from warpwear.figures.describe import Bodies, Figure
+from warpwear.figures.describe import Figure, Scene
 from warpwear.figures.paint import paint
-from warpwear.figures.sections import Section
+from warpwear.figures.sections import PageSection
 from warpwear.page.plots import plots_of
 from warpwear.results.formats.forms import filled
 from warpwear.version import __version__
@@ -86,7 +86,7 @@ def page_of(template: str, content: Mapping[str, Any], pictures: Mapping[str, by
     """
     sections = [_section(section) for section in content["sections"]]
     figures = {name: figure for section in content["sections"] for name, figure in section.figures.items()}
-    turned = [name for name, f in figures.items() if any(isinstance(panel, Bodies) for panel in f.panels)]
+    turned = [name for name, f in figures.items() if any(isinstance(panel, Scene) for panel in f.panels)]
     pictures = {**pictures, **{n: style.bytes_of(paint(figures[n]), dpi=DPI) for n in turned}}
     plots = [plot for section in sections for plot in section["plots"]]
     first = {plot["static"]: plot for plot in reversed(plots)}  # of a figure's plots, which has its picture
@@ -110,7 +110,7 @@ def page_of(template: str, content: Mapping[str, Any], pictures: Mapping[str, by
     return text.encode()
 
 
-def _section(section: Section) -> dict[str, Any]:
+def _section(section: PageSection) -> dict[str, Any]:
     """Turn a section into what the templates fill in: its plots, its slider, its legend."""
     plots = [plot for name, figure in section.figures.items() for plot in plots_of(name, figure)]
     maps = [plot for plot in plots if plot["kind"] == "map"]

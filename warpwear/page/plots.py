@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.figures import describe
-from warpwear.figures.describe import Bars, Bodies, Chart, Empty, Figure, Grid, Level, Line, Map
+from warpwear.figures.describe import Bars, Chart, Empty, Figure, HeatMap, Level, Line, Map, Scene
 from warpwear.figures.units import far
 from warpwear.figures.wording import chosen
 from warpwear.grid import FloatArray
@@ -137,7 +137,7 @@ def _map(field: Map) -> dict[str, Any]:
     }
 
 
-def _bodies(bodies: Bodies) -> dict[str, Any]:
+def _bodies(bodies: Scene) -> dict[str, Any]:
     known = {name: heights for name, heights in bodies.heights.items() if np.isfinite(heights).any()}
     codes = {n: coded(h, float(np.nanmin(h)), float(np.nanmax(h)), bits=16) for n, h in known.items()}
     return {"kind": "bodies", "extent": bodies.extent, "bodies": codes, "still": [*bodies.still]}
@@ -149,10 +149,10 @@ def _bars(bars: Bars) -> dict[str, Any]:
     return {"kind": "bars", "names": [*bars.names], **axis, **values}
 
 
-def _grid(grid: Grid) -> dict[str, Any]:
+def _grid(grid: HeatMap) -> dict[str, Any]:
     return {"kind": "grid", **vars(grid), "across": [*grid.across], "down": [*grid.down]}
 
 
 #: Kind of panel -> what turns it into a plot; what is none of these is on paper alone.
-KINDS: dict[type, Callable[[Any], dict[str, Any]]] = {Chart: _chart, Map: _map, Bodies: _bodies}
-KINDS |= {Bars: _bars, Grid: _grid}
+KINDS: dict[type, Callable[[Any], dict[str, Any]]] = {Chart: _chart, Map: _map, Scene: _bodies}
+KINDS |= {Bars: _bars, HeatMap: _grid}

@@ -7,8 +7,8 @@ import numpy as np
 from warpwear.figures.of_run import shape
 from warpwear.figures.of_run.data import FigureData
 from warpwear.figures.of_run.table import FIGURES, Plotter
-from warpwear.figures.of_run.words import Fields
-from warpwear.figures.sections import Section, under_headings
+from warpwear.figures.of_run.words import TemplateFields
+from warpwear.figures.sections import PageSection, under_headings
 from warpwear.figures.wording import chosen
 from warpwear.page.plots import POINTS
 from warpwear.results.formats.forms import prose
@@ -21,7 +21,7 @@ FULL_MAPS = 6
 SECTIONS = prose("sections")
 
 
-def sections_of(plot: Plotter, data: FigureData) -> list[Section]:
+def sections_of(plot: Plotter, data: FigureData) -> list[PageSection]:
     """Lay the figures that a run has under the headings of its page. data: those of the plot."""
     indices = chosen(data.result.snapshot_distances.size, SNAPSHOTS)
     more = data.with_snapshots(indices, int(SIDE * min(1.0, math.sqrt(FULL_MAPS / max(len(indices), 1)))))
@@ -38,7 +38,7 @@ def sections_of(plot: Plotter, data: FigureData) -> list[Section]:
     layout = [
         (SECTIONS[anchor]["title"], anchor, some, SECTIONS[anchor]["text"]) for anchor, some in inside.items()
     ]
-    return under_headings(figures, layout, fields=Fields(more, FIELDS))
+    return under_headings(figures, layout, fields=TemplateFields(more, FIELDS))
 
 
 def _points(data: FigureData) -> str:

@@ -13,7 +13,7 @@ from typing import Any
 from warpwear.errors import InputError, explained
 from warpwear.laws.archard import BODIES
 from warpwear.results.file import ResultFile
-from warpwear.results.formats.bodies import TRACK, WRITABLE, Body, Files, Job
+from warpwear.results.formats.bodies import TRACK, WRITABLE, ExportedBody, Files, Job
 from warpwear.results.formats.crate import crate_files
 from warpwear.results.formats.metrology import write_sdf, write_x3p
 from warpwear.results.formats.netcdf import netcdf_files
@@ -45,7 +45,7 @@ class Format:
     every: bool = False
 
 
-def _bodies(ending: str, write: Callable[[Path, Body], None], job: Job) -> Files:
+def _bodies(ending: str, write: Callable[[Path, ExportedBody], None], job: Job) -> Files:
     """Name a file for each body and snapshot."""
 
     def write_body(name: str, number: int, path: Path) -> None:

@@ -39,7 +39,7 @@ class Progress:
         self.elsewhere = "in the run's summary and log"
         self._bar: tqdm | None = None
         self._steps = self._done = self._before = 0
-        self._made = self._started = self._said = time.perf_counter()
+        self._made = self._started = self._last_line = time.perf_counter()
         self._next, self._compiles, self._by_cycles = 0.1, False, False
 
     def start(self, steps: int, *, done: int = 0, by_cycles: bool = False) -> None:
@@ -49,7 +49,7 @@ class Progress:
         """
         self._steps, self._done, self._before, self._by_cycles = steps, done, done, by_cycles
         self._next = done / steps + 0.1
-        self._started = self._said = time.perf_counter()
+        self._started = self._last_line = time.perf_counter()
         if not self._quiet and sys.stderr.isatty():
             self._bar = tqdm(total=steps, initial=done, desc=self._name, unit="step", leave=False)
 
@@ -59,7 +59,7 @@ class Progress:
             return
         steps = int(row["cycles"]) if self._by_cycles else 1
         self._done += steps
-        self._tell_early()
+        self._write_warnings()
         if self._bar is not None:
             self._bar.update(steps)
             if self._done % 20 == 0:
@@ -67,10 +67,10 @@ class Progress:
                     f"{with_unit(row['distance'], 4)}, {row['area_contact']:.4g} mm²", refresh=False
                 )
             return
-        silent = time.perf_counter() - self._said
+        silent = time.perf_counter() - self._last_line
         if silent > (SILENT_SECONDS if self._done >= self._next * self._steps else EVERY_SECONDS):
-            self._said += silent
-            elapsed = self._said - self._started
+            self._last_line += silent
+            elapsed = self._last_line - self._started
             left = elapsed / (self._done - self._before) * (self._steps - self._done)
             self.say(
                 f"{self._name}: step {self._done} of {self._steps}, {with_unit(row['distance'], 4)} slid, "
@@ -105,11 +105,11 @@ class Progress:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._tell(self._left)
+        self._write_notes(self._left)
         if more := len(self._notes):
             self.say(f"{more} more note{'s' * (more > 1)}: {self.elsewhere}")
 
-    def _tell(self, most: int, ranks: int = 4) -> None:
+    def _write_notes(self, most: int, ranks: int = 4) -> None:
         """Write so many notes at most of the first ranks, the heaviest first; each is written once."""
         self._notes.sort(key=itemgetter(0))
         count = min(max(most, 0), sum(rank < ranks for rank, _ in self._notes))
@@ -118,10 +118,10 @@ class Progress:
         self._left -= count
         self._notes = self._notes[count:]
 
-    def _tell_early(self) -> None:
+    def _write_warnings(self) -> None:
         """Tell warnings of a run that takes long, which one may want to stop; the last is for its end."""
         if self._notes and time.perf_counter() - self._started > SILENT_SECONDS:
-            self._tell(self._left - 1, ranks=2)
+            self._write_notes(self._left - 1, ranks=2)
 
     def end(self) -> None:
         """End the run, one way or another."""

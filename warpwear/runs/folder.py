@@ -127,7 +127,7 @@ def owned(folder: Path | None) -> Iterator[None]:
         return
     new = [path for path in (folder.absolute(), *folder.absolute().parents) if not path.exists()]
     try:
-        with _errors_told(folder):
+        with _errors_in_words(folder):
             folder.mkdir(parents=True, exist_ok=True)
             lock = ExitStack()
             lock.enter_context(held(folder))
@@ -148,7 +148,7 @@ def working_in(folder: Path | None, *, overwrite: bool, resume: bool) -> Iterato
     if folder is None:
         yield None
         return
-    with _errors_told(folder):
+    with _errors_in_words(folder):
         _check_content(folder, overwrite=overwrite, resume=resume)
         left = _work_folders(folder)
         log = _log_so_far(folder, left) if resume else b""
@@ -163,7 +163,7 @@ def working_in(folder: Path | None, *, overwrite: bool, resume: bool) -> Iterato
 
 
 @contextmanager
-def _errors_told(folder: Path) -> Iterator[None]:
+def _errors_in_words(folder: Path) -> Iterator[None]:
     """Turn an error of the file system into an InputError that says what the folder holds."""
     try:
         yield

@@ -103,13 +103,13 @@ class CycleJumps:
                 return
             yield part
 
-    def begin_anew(self, before: int, after: int) -> None:
+    def switch_block(self, before: int, after: int) -> None:
         """Begin a coarse state anew, as the model is another block's; the errors so far are kept.
 
         before, after: numbers of the circles of the disc of both blocks. The model is still on the first.
         """
         self._coarse, self._numbers, self._left = {}, "", 0
-        self._again, self._age, self._earlier = self._cycle, 0, dict(self._told)
+        self._again, self._age, self._earlier = self._cycle, 0, dict(self._errors_reported)
         self._jumped = False
         if before != after:
             self._circles[str(before)] = [self._earlier["disc"], _norm(self._worn()["disc"])]
@@ -126,7 +126,7 @@ class CycleJumps:
 
     def told(self) -> dict[str, Any]:
         """Return what a result says of its jumps: errors relative to the rms depth of the whole run."""
-        every = {body: [error] for body, error in self._relative(self._told).items()}
+        every = {body: [error] for body, error in self._relative(self._errors_reported).items()}
         every["disc"] += [error / depth for error, depth in self._circles.values() if depth]
         return {
             "contacts": self.contacts,
@@ -154,7 +154,7 @@ class CycleJumps:
         return max(math.floor(self._leg.length / self._track.cycle - 1.0 + 1.0e-9), 0)
 
     @property
-    def _told(self) -> dict[str, float]:
+    def _errors_reported(self) -> dict[str, float]:
         """Return the errors to report: those of a block count only once the run itself has jumped in it."""
         return self._errors if self._jumped else self._earlier
 

@@ -252,11 +252,11 @@ class StepLoop:
         circles = study.circle_of(before), study.circle_of(self._block)
         if self._jumps is not None:
             self._jumps.model = model
-            self._jumps.begin_anew(*circles)
+            self._jumps.switch_block(*circles)
         if self._circles is not None and circles[0] != circles[1]:
             self._circles.change(self._model, *circles, unworn)
         elif was[1] is not None and was[1] != now[1]:
-            self._model.set_out_anew(was[1])
+            self._model.switch_track(was[1])
 
     @cached_property
     def _tasks(self) -> dict[int, tuple[float, Track | None]]:
@@ -375,4 +375,4 @@ class Circles:
         other = self.left.pop(str(after), None) or {name: unworn[name] for name in names}
         self.left[str(before)] = {name: arrays[name] for name in names}
         state.restore(model, arrays | other, numbers)
-        self.booked[str(before)] = model.change_circle(self.booked.get(str(after), {}))
+        self.booked[str(before)] = model.switch_circle(self.booked.get(str(after), {}))

@@ -8,7 +8,7 @@ import numpy as np
 
 from warpwear.figures import describe
 from warpwear.figures.courses import OVERLAID, Course, over_each_other
-from warpwear.figures.describe import Axis, Bars, Chart, Figure, Grid, Line, Look
+from warpwear.figures.describe import Axis, Bars, Chart, Figure, HeatMap, Line, Look
 from warpwear.figures.wording import power_of_ten
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import Quantity, printed
@@ -108,7 +108,7 @@ def heat_map(result: SweepResult, quantity: Quantity, keys: dict[str, tuple[Floa
     means = np.array([[_mean(ends[(x == a) & (y == b)]) for b in ys] for a in xs])
     title = f"{unit[:1].upper()}{unit[1:]}, over {' and '.join(names)}"
     across, down = ([f"{value:.4g}" for value in values] for values in (xs, ys))
-    return Figure([Grid(title, across, down, means, along, up, unit)], width=1.3 * describe.COLUMN)
+    return Figure([HeatMap(title, across, down, means, along, up, unit)], width=1.3 * describe.COLUMN)
 
 
 def tornado(result: SweepResult, quantities: Sequence[Quantity]) -> Figure:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from warpwear.batches.design import SAMPLED, Factor
-from warpwear.figures.sections import Section, under_headings
+from warpwear.figures.sections import PageSection, under_headings
 from warpwear.figures.wording import few_of, listed
 from warpwear.history.end_values import ENDS
 from warpwear.history.quantities import BY_NAME
@@ -119,7 +119,7 @@ def _decides(result: SweepResult) -> str:
     return f"The coefficient of friction at the end hangs most on {key}: {what} {words}.{doubt}"
 
 
-def _sections(result: SweepResult, experiments: Sequence[Experiment]) -> list[Section]:
+def _sections(result: SweepResult, experiments: Sequence[Experiment]) -> list[PageSection]:
     """Lay the figures under headings."""
     several = len(groups_of(result)) + len(experiments) > 1
     figures, one_legend = figures_of(result, experiments), ("courses",) if several else ()

@@ -19,8 +19,8 @@ WARPWEAR_FN Lanes lost(const Coat& coat, int row, int i, double distance, double
 
 // 1 where a cell is bare as a step begins, else 0, and what cap and shear strength that leaves it.
 template <typename Slide, typename Films, typename Properties>
-WARPWEAR_FN void look_at_film(const Slide& slide, const Films& films, const Properties& cells, int row,
-                              int under, const Span& span)
+WARPWEAR_FN void update_film(const Slide& slide, const Films& films, const Properties& cells, int row,
+                             int under, const Span& span)
 {
     const bool on_counter = films.counter.wear.shape[0] > 0, on_disc = films.disc.wear.shape[0] > 0;
     const Lanes zero = 0.0, one = 1.0;
@@ -46,7 +46,7 @@ WARPWEAR_FN void look_at_film(const Slide& slide, const Films& films, const Prop
 
 // Note the distance at the end of a step where a body was worn in it.
 template <typename Slide, typename Coat>
-WARPWEAR_FN void rub_coat(const Slide& slide, const Coat& coat, int row, const Span& span)
+WARPWEAR_FN void record_wear_of(const Slide& slide, const Coat& coat, int row, const Span& span)
 {
     const Stored* const wear = row_of(coat.wear, row);
     Stored *const seen = row_of(coat.seen, row), *const rubbed = row_of(coat.rubbed, row);
@@ -58,10 +58,10 @@ WARPWEAR_FN void rub_coat(const Slide& slide, const Coat& coat, int row, const S
 }
 
 template <typename Slide, typename Films>
-WARPWEAR_FN void rub_film(const Slide& slide, const Films& films, int row, int under, const Span& span)
+WARPWEAR_FN void record_wear(const Slide& slide, const Films& films, int row, int under, const Span& span)
 {
-    if (films.counter.seen.shape[0] > 0) rub_coat(slide, films.counter, row, span);
-    if (films.disc.seen.shape[0] > 0) rub_coat(slide, films.disc, under, span);
+    if (films.counter.seen.shape[0] > 0) record_wear_of(slide, films.counter, row, span);
+    if (films.disc.seen.shape[0] > 0) record_wear_of(slide, films.disc, under, span);
 }
 
 // Bare cells among those under a pressure.

@@ -77,7 +77,7 @@ template <typename Slide, typename Sources, typename Properties>
 WARPWEAR_FN void make_cells(const Slide& slide, const Sources& sources, const Properties& cells, int row,
                             int under, const Span& span)
 {
-    if (cells.material.shape[0] > 0) look_at_film(slide, sources.films, cells, row, under, span);
+    if (cells.material.shape[0] > 0) update_film(slide, sources.films, cells, row, under, span);
     if (sources.layered == 1) look_at_materials(slide, sources, cells, row, under, span);
     if (sources.stiffens == 1) stiffen(slide, sources, cells, row, under, span);
 }
@@ -100,7 +100,7 @@ WARPWEAR_FN void look_at_rows(int slot, int slots, const Slides& slides, const S
     const auto& slide = wp::index(slides, 0);
     const Span span = {lane_of_slot(), cells.material.shape[1] * OF_VECTOR, width_of_slot()};
     for (int row = slot; row < cells.material.shape[0]; row += slots)
-        look_at_film(slide, sources.films, cells, row, row_beneath(row, slide, sources), span);
+        update_film(slide, sources.films, cells, row, row_beneath(row, slide, sources), span);
 }
 
 // Make the stiffness of all cells, or of one row that serves all.
@@ -139,8 +139,8 @@ WARPWEAR_FN void rub_listed(int slot, int slots, const List& list, const Count& 
         (films.counter.seen.shape[0] > 0 ? films.counter : films.disc).seen.shape[1] * OF_VECTOR;
     for (int row = slot; row < counts.shape[0]; row += slots)
         for (int n = team_of_slot(); n < wp::index(counts, row); n += teams_of_slot())
-            rub_film(slide, films, row, row_beneath(row, slide, sources),
-                     span_of_tile(wp::index(list, row, n), vectors_per_row));
+            record_wear(slide, films, row, row_beneath(row, slide, sources),
+                        span_of_tile(wp::index(list, row, n), vectors_per_row));
 }
 
 // The same of the columns ever touched, where more is worn than what is listed.
@@ -151,5 +151,5 @@ WARPWEAR_FN void rub_rows(int slot, int slots, const Slides& slides, const Sourc
     const Span span = {slide.first_column / 8 * OF_VECTOR + lane_of_slot(),
                        (slide.end_column + 7) / 8 * OF_VECTOR, width_of_slot()};
     for (int row = slot; row < rows; row += slots)
-        rub_film(slide, sources.films, row, row_beneath(row, slide, sources), span);
+        record_wear(slide, sources.films, row, row_beneath(row, slide, sources), span);
 }

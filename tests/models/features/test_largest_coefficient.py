@@ -13,7 +13,7 @@ from warpwear import InputError, Study
 from warpwear.engine.executor import Executor
 from warpwear.grid import Grid
 from warpwear.laws.archard import WearLaw
-from warpwear.laws.depth_profile import DepthProfile, Material
+from warpwear.laws.depth_profile import DepthProfile, LayerMaterial
 from warpwear.laws.film import Film, grown_cap
 from warpwear.laws.task import ContactTask
 from warpwear.models.track.half_space import SlidingHalfSpace
@@ -65,9 +65,10 @@ def test_under_a_ball_it_is_the_integral_of_the_lesser(law: type[Any], device: s
 def test_each_cell_is_sheared_by_the_least_of_film_layers_and_pressure(law: type[Any]) -> None:
     """Over a rough disc that moves: the sum of a step follows from its pressure and the depths before it."""
     coat = DepthProfile(
-        (0.0, 4e-5), (Material(1e-9, shear_strength=120.0, name="coat"), Material(2e-9, shear_strength=TAU))
+        (0.0, 4e-5),
+        (LayerMaterial(1e-9, shear_strength=120.0, name="coat"), LayerMaterial(2e-9, shear_strength=TAU)),
     )
-    plain = DepthProfile((0.0,), (Material(1e-9, shear_strength=TAU),))
+    plain = DepthProfile((0.0,), (LayerMaterial(1e-9, shear_strength=TAU),))
     film, grid = Film(2e-5, (True, True), shear_ratio=0.25), Grid(24, 24, 0.01)
     heights = np.random.default_rng(5).normal(0.0, 2e-4, (60, 24))
     wear = WearLaw(1e-9), WearLaw(1e-9)

@@ -5,17 +5,19 @@ from typing import Any
 import reference
 
 from warpwear.laws.archard import WearLaw
-from warpwear.laws.depth_profile import DepthProfile, Material
+from warpwear.laws.depth_profile import DepthProfile, LayerMaterial
 from warpwear.laws.task import ContactTask
 from warpwear.surfaces.form import Form
 
 COAT = DepthProfile(
     (0.0, 2.0e-3, 2.5e-3),
-    (Material(1e-10, 2e4, name="coat"), Material(3e-8, 4e3, name="bond"), Material(2e-9, 8e3)),
+    (LayerMaterial(1e-10, 2e4, name="coat"), LayerMaterial(3e-8, 4e3, name="bond"), LayerMaterial(2e-9, 8e3)),
 )
-SKIN = DepthProfile((0.0, 1.0e-3), (Material(4e-9, 5e3, name="skin"), Material(1e-9, 9e3)))
-CASE = DepthProfile((0.0, 1.0e-3, 4.0e-3), (Material(1e-9), Material(5e-9), Material(2e-9)), graded=True)
-PLAIN = DepthProfile((0.0,), (Material(1e-9, 9e3),))
+SKIN = DepthProfile((0.0, 1.0e-3), (LayerMaterial(4e-9, 5e3, name="skin"), LayerMaterial(1e-9, 9e3)))
+CASE = DepthProfile(
+    (0.0, 1.0e-3, 4.0e-3), (LayerMaterial(1e-9), LayerMaterial(5e-9), LayerMaterial(2e-9)), graded=True
+)
+PLAIN = DepthProfile((0.0,), (LayerMaterial(1e-9, 9e3),))
 Profiles = tuple[DepthProfile, DepthProfile]
 
 

@@ -17,7 +17,7 @@ from warpwear.engine import state as saved
 from warpwear.engine.executor import Executor
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.recorder import Step
-from warpwear.laws.depth_profile import DepthProfile, Material
+from warpwear.laws.depth_profile import DepthProfile, LayerMaterial
 from warpwear.laws.film import Film
 from warpwear.laws.task import ContactTask
 from warpwear.models.track.half_space import SlidingHalfSpace
@@ -148,8 +148,8 @@ def test_a_ball_and_its_crater_of_two_materials(device: str) -> None:
     F L = ∫ q dA over the crater = 2πR ∫₀ʰ q(δ) dδ, with δ = counter(q) + disc(q).
     """
     grid, load, radius, distance = Grid(150, 150, 0.01), 2.0, 5.0, 4.0e6
-    thin = DepthProfile((0.0, 4.0e-3), (Material(2e-10, name="coat"), Material(2e-9)))
-    profiles = DepthProfile((0.0,), (Material(3e-10),)), thin
+    thin = DepthProfile((0.0, 4.0e-3), (LayerMaterial(2e-10, name="coat"), LayerMaterial(2e-9)))
+    profiles = DepthProfile((0.0,), (LayerMaterial(3e-10),)), thin
     increments = (distance * np.diff(np.linspace(0.0, 1.0, 601) ** 2)).tolist()
     with Executor(grid, device=device, threads=1) as executor:
         task = task_of(profiles, load=load, form=Ball(1.0 / radius, 1.0 / radius))

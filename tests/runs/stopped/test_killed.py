@@ -21,19 +21,19 @@ def test_steps_made_in_blocks_go_on_from_the_end_of_a_block(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Within a block the state is ahead of the history."""
-    made, tell = [], OneScaleModel._tell
+    made, write_plan = [], OneScaleModel._write_plan
 
     def stopped(self: OneScaleModel, *args: Any) -> Any:
         made.append(1)
         if len(made) == 5:
             raise SystemExit
-        return tell(self, *args)
+        return write_plan(self, *args)
 
     monkeypatch.setattr(OneScaleModel, "longest_block", 10)
     one, other = tmp_path / "alone", tmp_path / "stopped"
     study = short().replace({"run.checkpoint": "1e-9 s"})  # 0 s would be after every step: no blocks
     warpwear.run(study, out=one, plots=False).close()
-    monkeypatch.setattr(OneScaleModel, "_tell", stopped)
+    monkeypatch.setattr(OneScaleModel, "_write_plan", stopped)
     with pytest.raises(SystemExit):
         warpwear.run(study, out=other, plots=False)
     with h5py.File(other / FILE_NAME) as file:

@@ -9,7 +9,7 @@ from warpwear import lazy
 from warpwear.calibration.bayes.data import Data
 from warpwear.calibration.bayes.unknowns import Unknown
 from warpwear.figures import describe
-from warpwear.figures.describe import Axis, Chart, Cloud, Empty, Figure, Line, Look, Panel
+from warpwear.figures.describe import Axis, Chart, Density, Empty, Figure, Line, Look, Panel
 from warpwear.figures.wording import power_of_ten
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import BY_NAME, printed
@@ -113,7 +113,7 @@ def _alone(unknown: Unknown, column: FloatArray, factor: float) -> list[Line]:
     ]
 
 
-def _pair(across: FloatArray, up: FloatArray) -> Cloud:
+def _pair(across: FloatArray, up: FloatArray) -> Density:
     """Give samples of two unknowns: shades, and lines around parts of them."""
     counts, xs, ys = np.histogram2d(across, up, bins=CELLS, range=[_ends(across), _ends(up)])
     smooth = np.asarray(ndimage.gaussian_filter(counts, SMOOTH, mode="constant", radius=REACH))
@@ -122,4 +122,4 @@ def _pair(across: FloatArray, up: FloatArray) -> Cloud:
     levels = sorted({float(order[min(int(np.searchsorted(part, p)), order.size - 1)]) for p in ENCLOSED})
     x, y = (0.5 * (edges[1:] + edges[:-1]) for edges in (xs, ys))
     colours = ("#cfe6f5", describe.TOUCHED)[-len(levels) :]
-    return Cloud(x, y, smooth, tuple(levels), colours)
+    return Density(x, y, smooth, tuple(levels), colours)

@@ -26,7 +26,7 @@ from warpwear.contact.array.elastic import solve_half_space
 from warpwear.contact.array.memory import check_memory, giving_back
 from warpwear.contact.array.task import ROUNDING, Gap, Solution, Task, gap_field, surface_of
 from warpwear.contact.balance import RIGID, Balance
-from warpwear.contact.certificate import Certificate, Proof
+from warpwear.contact.certificate import Certificate, Certifier
 from warpwear.contact.half_space.search import NO_CAP
 from warpwear.contact.half_space.solver import TOLERANCE
 from warpwear.contact.search import LoadSearch
@@ -286,7 +286,7 @@ def _certify(task: Task, solution: Solution, executor: Executor, tolerance: floa
     scale = task.rms or yielded
     pressure, response = executor.field(solution.pressure), executor.field(solution.displacement)
     fields = {"pressure": pressure, "response": response, "gap": gap_field(task.gap, executor)}
-    return Proof(executor, arguments(Fields, **fields, cap=min(task.cap, NO_CAP))).at(
+    return Certifier(executor, arguments(Fields, **fields, cap=min(task.cap, NO_CAP))).at(
         approach=solution.approach,
         load=None if task.mean is None else task.mean * task.gap.size,
         scale=scale,

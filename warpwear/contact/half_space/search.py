@@ -19,7 +19,7 @@ import numpy as np
 import warp as wp
 
 from warpwear.contact.balance import TOLERANCE
-from warpwear.contact.certificate import LOAD_TOLERANCE, Certificate, Proof
+from warpwear.contact.certificate import LOAD_TOLERANCE, Certificate, Certifier
 from warpwear.contact.half_space.influence import Influence
 from warpwear.engine.executor import Executor, Field, arguments
 from warpwear.engine.numbers import Mirror
@@ -104,7 +104,7 @@ class Search:
             self._solve.neighbours = operator.neighbours
         if self._few:
             self._room = room_for_few(self._few, device, operator.far_shape, *operator.coefficients())
-        self._proof = Proof(executor, self._solve.fields, groups=groups, visited=operator.visited)
+        self._proof = Certifier(executor, self._solve.fields, groups=groups, visited=operator.visited)
         self._inputs = Mirror(self._solve.request, self._solve.loads)
         self._mirror = Mirror(self._solve.numbers, self._solve.groups, self._proof.arguments.groups)
         self._slots = slots
@@ -140,7 +140,7 @@ class Search:
 
     @property
     def reached(self) -> dict[str, Field]:
-        """Return the arrays with approach and certificate, by names of `kernels.half_space.passes.Reach`."""
+        """Return the arrays with approach and certificate, by names of `half_space.passes.ContactReach`."""
         return {"groups": self._solve.groups, "proven": self._proof.arguments.groups}
 
     def certificate(self) -> Certificate:

@@ -90,7 +90,7 @@ class BoundedPressure:
     """
 
     STATE: ClassVar = {"pressure_field": InFrame("contact"), "started": bool}
-    SCRATCH: ClassVar = ("_fields", "_search", "_influence", "_said")
+    SCRATCH: ClassVar = ("_fields", "_search", "_influence", "_searched")
 
     def __init__(
         self,
@@ -109,8 +109,8 @@ class BoundedPressure:
         names = "pressure", "gradient", "trial", "step", "response"
         self._fields = {name: executor.zeros() for name in names}
         self._search: Search | None = None
-        #: Gap, cap ratios, compliances of cells and groups that the search is said for.
-        self._said: tuple[Any, ...] = ()
+        #: Gap, cap ratios, compliances of cells and groups that the search is for.
+        self._searched: tuple[Any, ...] = ()
         #: Whether the next solve starts from what `pressure_field` holds; else from nothing.
         self.started = False
 
@@ -193,9 +193,9 @@ class BoundedPressure:
         return self._fields["response"]
 
     def _search_for(self, gap: Field, own: Mapping[str, Field | None], *, groups: bool) -> Search:
-        """Return the search for contacts with a gap, caps and compliances; it is said once for each."""
-        said = gap.ptr, *(None if field is None else field.ptr for field in own.values()), groups
-        if self._search is None or said != self._said:
+        """Return the search for contacts with a gap, caps and compliances; it is made once for each."""
+        asked = gap.ptr, *(None if field is None else field.ptr for field in own.values()), groups
+        if self._search is None or asked != self._searched:
             self._search = None  # and its memory, before the next takes its own
             self._search = Search(
                 self._executor,
@@ -206,7 +206,7 @@ class BoundedPressure:
                 **own,
                 groups=self._executor.grid.nx if groups else 1,
             )
-            self._said = said
+            self._searched = asked
         return self._search
 
     def _contact_of(self, search: Search, status: int) -> HalfSpaceContact:

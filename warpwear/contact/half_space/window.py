@@ -335,7 +335,7 @@ class WindowedHalfSpace:
         def add(program: Program) -> None:
             here.add_copy(program, passes.give_window, here.solver.pressure_field, self._pressure)
             here.add_copy(program, passes.give_window, search.gradient, self._gradient)
-            program.launch(passes.extents, arguments(passes.Reach, **fields, **search.reached))
+            program.launch(passes.extents, arguments(passes.ContactReach, **fields, **search.reached))
 
         return here.program(passes.extents, add, gap, search)
 

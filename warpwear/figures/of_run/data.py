@@ -13,7 +13,7 @@ from typing import Any, Self
 import numpy as np
 
 from warpwear.engine.executor import Executor
-from warpwear.figures.of_run.view import Fields, FilmState, Loads, State, View, Window, or_nan
+from warpwear.figures.of_run.view import Cutout, Fields, FilmState, PatchLoads, State, View, or_nan
 from warpwear.figures.wording import chosen
 from warpwear.grid import FloatArray, Grid
 from warpwear.history.snapshot import Snapshot
@@ -148,7 +148,7 @@ class FigureData:
         filmed, bare = self.study.caps
         return bare if snapshot.bare is None else np.where(snapshot.bare > 0.0, bare, filmed)
 
-    def _film(self, snapshot: Snapshot, window: Window) -> Any:
+    def _film(self, snapshot: Snapshot, window: Cutout) -> Any:
         if snapshot.bare is None:
             return None
         film = np.where(snapshot.bare > 0.0, FilmState.BARE_BESIDE, FilmState.ELSEWHERE).astype(np.uint8)
@@ -181,16 +181,16 @@ class FigureData:
         return int(self.history["distance"].size)
 
     @cached_property
-    def window(self) -> Window:
+    def window(self) -> Cutout:
         """The scar at the end and some room: what maps show. Touched cells only ever become more."""
         return self.window_of(self.blocks)
 
-    def window_of(self, most: int) -> Window:
+    def window_of(self, most: int) -> Cutout:
         """Return the scar at the end and some room, in at most `most` blocks along a side."""
         return self._centred(self._halves, most)
 
     @cached_property
-    def relief(self) -> tuple[FloatArray, Window]:
+    def relief(self) -> tuple[FloatArray, Cutout]:
         """Return heights [mm] of the unworn disc over the whole domain, for 3-D."""
         snapshot, window = self.snapshot(0), self._centred((np.inf, np.inf), SURFACE_BLOCKS)
         worn = worn_heights(self.result, snapshot, "disc")
@@ -229,7 +229,7 @@ class FigureData:
         }
 
     @cached_property
-    def loads(self) -> Loads:
+    def loads(self) -> PatchLoads:
         """Loads of the patches at the snapshots shown, beside those of a smooth contact with its own wear."""
         patches, rows = self.study.patch_layout, [self.row_of(distance) for distance in self.distances]
         shares = {"patches": self.result.load_share[rows]}
@@ -244,7 +244,7 @@ class FigureData:
             name: share.reshape(square)[:, window.x, window.y] / patches.area
             for name, share in shares.items()
         }
-        return Loads(pressures, apart, window, self.study.patches.coupling == "load")
+        return PatchLoads(pressures, apart, window, self.study.patches.coupling == "load")
 
     @cached_property
     def _halves(self) -> tuple[float, float]:
@@ -261,7 +261,7 @@ class FigureData:
             halves.append(min(MARGIN * reach + cell, float(places[-1])) if rises[axis] else sides[axis])
         return (max(halves), max(halves)) if is_square else (halves[0], halves[1])
 
-    def _centred(self, halves: tuple[float, float], most: int) -> Window:
+    def _centred(self, halves: tuple[float, float], most: int) -> Cutout:
         """Cut the middle into at most `most` blocks a side, unless it is narrow; part of one is left out."""
         axes = self.result.x, self.result.y
         counts = [int((np.abs(places) <= half).sum()) for places, half in zip(axes, halves, strict=True)]
@@ -269,7 +269,7 @@ class FigureData:
         wholes = [count // factor * factor for count in counts]
         firsts = [(places.size - whole) // 2 for places, whole in zip(axes, wholes, strict=True)]
         parts = [slice(first, first + whole) for first, whole in zip(firsts, wholes, strict=True)]
-        return Window.of(self.study.cells, *parts, factor=factor)
+        return Cutout.of(self.study.cells, *parts, factor=factor)
 
     def _cut(self, snapshot: Snapshot, axis: int) -> Fields:
         """Cut through the middle of a snapshot. axis: 0 along sliding, 1 across it."""
@@ -299,7 +299,7 @@ class FigureData:
         }
 
 
-def macro_window(patches: Patches, carried: FloatArray) -> Window:
+def macro_window(patches: Patches, carried: FloatArray) -> Cutout:
     """Find the macro cells around the middle that ever carry something, and some room. carried: (patches,)"""
     across = patches.across
     square = carried.reshape(across, across) > 0.0
@@ -307,7 +307,7 @@ def macro_window(patches: Patches, carried: FloatArray) -> Window:
     reach = max(float(places[square.any(axis=axis)].max(initial=0.0)) for axis in (0, 1)) + ROOM
     first = max(math.floor(0.5 * (across - 1) - reach), 0)
     part = slice(first, across - first)
-    return Window.of(Grid(across, across, patches.pitch * patches.domain.cell), part, part)
+    return Cutout.of(Grid(across, across, patches.pitch * patches.domain.cell), part, part)
 
 
 def load_share_error(shares: FloatArray, others: FloatArray) -> float:

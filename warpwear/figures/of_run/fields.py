@@ -10,7 +10,7 @@ from warpwear.figures.coarse import coarsen
 from warpwear.figures.describe import Axis, Box, Chart, Figure, Line, Look, Map, Scale, Towers
 from warpwear.figures.of_run import words
 from warpwear.figures.of_run.data import FigureData
-from warpwear.figures.of_run.view import FilmState, State, Window, positive
+from warpwear.figures.of_run.view import Cutout, FilmState, State, positive
 from warpwear.figures.wording import after, with_scatter
 from warpwear.grid import FloatArray
 from warpwear.history.quantities import FIELDS, Quantity
@@ -188,7 +188,7 @@ def hertz(data: FigureData) -> Figure:
     return Figure(panels, legend=2)
 
 
-@words.figure(words.TRACK_FACTOR, words.NO_FACTOR, words.NO_SNAPSHOT)
+@words.figure(words.SWEPT_FACTOR, words.NO_FACTOR, words.NO_SNAPSHOT)
 def distance_factor(data: FigureData) -> Figure:
     """Sliding distance of cells of the disc over that of the middle."""
     study, window, kind = data.study, data.window, data.study.wear.distance_factor
@@ -248,7 +248,7 @@ def patch_zoom(data: FigureData) -> Figure:
     return Figure(maps, columns=3)
 
 
-def _around(patches: Patches, patch: int, neighbours: int) -> Window:
+def _around(patches: Patches, patch: int, neighbours: int) -> Cutout:
     """Find the cells of a patch, or with neighbours of its macro cell and those beside it."""
     starts, pitch = (int(patches.first_row[patch]), int(patches.first_column[patch])), patches.pitch
     parts = [slice(start, start + patches.side) for start in starts]
@@ -256,4 +256,4 @@ def _around(patches: Patches, patch: int, neighbours: int) -> Window:
         places = divmod(patch, patches.across)
         ends = [(max(place - neighbours, 0), min(place + neighbours + 1, patches.across)) for place in places]
         parts = [slice(low * pitch, high * pitch) for low, high in ends]
-    return Window.of(patches.domain, parts[0], parts[1])
+    return Cutout.of(patches.domain, parts[0], parts[1])

@@ -49,7 +49,7 @@ def setup(data: FigureData) -> Figure:
         f"heights drawn {{larger}} times as large"
     )
     parts = (
-        describe.Surface(disc, describe.DISC, low, top),
+        describe.Relief(disc, describe.DISC, low, top),
         describe.Glass(x, y, counter, describe.COUNTER),
         describe.Arrow(middle - half, middle + half, top + 0.15 * (high - low), "sliding"),
     )
@@ -57,7 +57,7 @@ def setup(data: FigureData) -> Figure:
     return Figure([describe.Box("Setup", window.extent, "height, µm", *ends, parts, note)])
 
 
-@words.figure(words.TRACK, *words.FIELD, words.UNWORN)
+@words.figure(words.SWEPT, *words.FIELD, words.UNWORN)
 def wear_map(data: FigureData) -> Figure:
     """Wear depth of {slider} and disc {end}."""
     when, maps = after(data.distances[-1]), []
@@ -144,7 +144,7 @@ def _surfaces(data: FigureData, body: str) -> Figure:
         scar = worn if state != "unworn" else None
         pale = " (pale: worn)" if scar is not None else ""
         note = f"{name}{turned}, {state}{pale}\nheights drawn {{larger}} times as large"
-        surface = describe.Surface(field, describe.BODIES[body], *ends, scar, cap=is_ball)
+        surface = describe.Relief(field, describe.BODIES[body], *ends, scar, cap=is_ball)
         boxes.append(describe.Box(f"{name} {state}", extent, "height, µm", *ends, [surface], note))
     return Figure(boxes)
 
@@ -233,4 +233,4 @@ def turned_bodies(data: FigureData) -> Figure:
     )
     known = {name: 1e3 * field for name, field in heights.items() if np.isfinite(field).any()}
     still = [name for name in known if name.endswith("worn")]
-    return Figure([describe.Bodies("The bodies", window.extent, known, still, note)])
+    return Figure([describe.Scene("The bodies", window.extent, known, still, note)])

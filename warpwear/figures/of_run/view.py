@@ -45,7 +45,7 @@ class FilmState(IntEnum):
 
 
 @dataclass(frozen=True)
-class Window:
+class Cutout:
     """Cut out a part of the grid, cut into blocks of factor × factor cells."""
 
     x: slice
@@ -90,12 +90,12 @@ class View:
 
 
 @dataclass(frozen=True)
-class Loads:
+class PatchLoads:
     """Hold loads of the patches around the macro contact over their area [MPa], (snapshots shown, x, y)."""
 
     of: dict[str, FloatArray]  # "patches", and "smooth contact" where the study has one
     apart: tuple[float, ...]  # parts of the load that both put on other patches
-    window: Window
+    window: Cutout
     prescribed: bool  # the smooth contact's are the patches'
 
 

@@ -75,8 +75,8 @@ NO_PIECES = Reason("no_pieces", lambda d: not d.study.wear.sheds or d.result.pie
 NO_FRETTING = Reason("no_fretting", lambda d: d.study.fretting is None)
 NO_DRIVE = Reason("no_displacement", lambda d: not (d.study.fretting and d.study.fretting.has_displacement))
 STILL = Reason("still", lambda d: not d.study.is_swept)
-TRACK = Reason("track", lambda d: d.study.is_swept)
-TRACK_FACTOR = Reason("track_factor", lambda d: d.study.is_swept)
+SWEPT = Reason("track", lambda d: d.study.is_swept)
+SWEPT_FACTOR = Reason("track_factor", lambda d: d.study.is_swept)
 UNWORN = Reason("unworn", _lost_nothing("wear_depth_counter", "wear_depth_disc"))
 UNWORN_COUNTER = Reason("unworn_counter", _lost_nothing("wear_depth_counter"))
 UNWORN_DISC = Reason("unworn_disc", _lost_nothing("wear_depth_disc"))
@@ -85,10 +85,10 @@ NO_GROOVE = Reason("no_groove", _lost_nothing("wear_depth_disc", "plastic_volume
 FIELD = (NO_SNAPSHOT, ONLY_SAMPLES)
 NARROW = Reason("narrow", lambda d: d.study.cells.ny < FEWEST_ACROSS)
 COUNTER_WORN = (*FIELD, UNWORN_COUNTER)
-DISC_WORN = (TRACK, *FIELD, UNWORN_DISC)
+DISC_WORN = (SWEPT, *FIELD, UNWORN_DISC)
 GROOVE = (STILL, NO_SNAPSHOT, NO_GROOVE)
 PATCHES = (ONE_SCALE, NO_SNAPSHOT)
-ROUGHNESS = (TRACK, SMOOTH_DISC, ONE_SNAPSHOT, UNWORN_DISC)
+ROUGHNESS = (SWEPT, SMOOTH_DISC, ONE_SNAPSHOT, UNWORN_DISC)
 
 
 class Entry(NamedTuple):
@@ -116,7 +116,7 @@ class Entry(NamedTuple):
 
     def caption_of(self, data: FigureData) -> str:
         """Return what stands below it, of a run; the law of contact is said at the end."""
-        return (self.template + " {law}").format_map(Fields(data))
+        return (self.template + " {law}").format_map(TemplateFields(data))
 
 
 #: Figures of a run by name.
@@ -126,21 +126,21 @@ OF_ANY_RUN = {"slider": "counter-body", "when": "at the snapshots", "end": "at t
 OF_ANY_RUN |= {"outline": "ellipse", "plane": "y = 0"}
 
 
-def figure(*reasons: Reason, essential: bool = False, **others: Any) -> Callable[[Declare], Declare]:
+def figure(*hidden_if: Reason, essential: bool = False, **others: Any) -> Callable[[Declare], Declare]:
     """Enter a function among the figures of a run; the start of its docstring is the caption.
 
     others: of `Entry`; a section is one of templates/sections.toml.
     """
 
     def enter(declare: Declare) -> Declare:
-        FIGURES[declare.__name__] = Entry(declare, reasons, essential, **others)
+        FIGURES[declare.__name__] = Entry(declare, hidden_if, essential, **others)
         return declare
 
     return enter
 
 
-class Fields:
-    """The fields of texts on a run, `template.format_map(Fields(data))`: only those in the text are made.
+class TemplateFields:
+    """The fields of a template on a run, for its `format_map`: only those in the text are made.
 
     more: fields beside those of captions.
     """

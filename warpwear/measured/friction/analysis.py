@@ -9,7 +9,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.course import experiment_of
 from warpwear.measured.experiment import Experiment
-from warpwear.measured.friction.events import Events, Laps, events_of, laps_of
+from warpwear.measured.friction.events import Events, LapMeans, events_of, laps_of
 from warpwear.measured.motion import Motion, spans
 from warpwear.measured.rows import Rows
 from warpwear.measured.tribometer import alternates, turning_points
@@ -19,7 +19,7 @@ SHORT = 0.02
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class RecordStep:
     """A step of a record, or a record of one step, has a course of friction.
 
     load: median normal force [N], energy: load × coefficient over the distance slid [J], None where the load
@@ -28,7 +28,7 @@ class Step:
 
     name: str
     course: Experiment
-    laps: Laps
+    laps: LapMeans
     events: Events
     load: float | None
     energy: float | None
@@ -55,7 +55,7 @@ class Analysis:
     """A record holds steps and loops. left_out: names of steps that are too short, or have no course."""
 
     rows: Rows
-    steps: tuple[Step, ...]
+    steps: tuple[RecordStep, ...]
     loops: tuple[Loop, ...]
     left_out: tuple[str, ...]
 
@@ -64,7 +64,7 @@ def analyse(rows: Rows, motion: Motion) -> Analysis:
     """Analyse the rows of a record. Raises InputError where no step of it has a course."""
     if len(rows.steps) == 1 or alternates(rows):
         return Analysis(rows, (_step("", rows, motion, 0.0),), tuple(_loops(rows)), ())
-    steps: list[Step] = []
+    steps: list[RecordStep] = []
     left_out, failed = [], None
     for number, name in enumerate(rows.steps):
         part, radius = rows.of_step(number), motion.radius
@@ -86,7 +86,7 @@ def analyse(rows: Rows, motion: Motion) -> Analysis:
     return Analysis(rows, tuple(steps), tuple(_loops(rows)), tuple(left_out))
 
 
-def _step(name: str, rows: Rows, motion: Motion, before: float) -> Step:
+def _step(name: str, rows: Rows, motion: Motion, before: float) -> RecordStep:
     course = experiment_of(rows, motion)
     laps = laps_of(course, _lap(rows, motion))
     normal = rows.table.get("normal force")
@@ -96,7 +96,7 @@ def _step(name: str, rows: Rows, motion: Motion, before: float) -> Step:
     by_cycles = course.cycles is not None  # each stands for itself, those without load for nothing
     work = laps.cof.sum() * laps.length if by_cycles else np.trapezoid(course.cof, course.distance)
     energy = None if load is None else 1e-3 * load * float(work)
-    return Step(name, course, laps, events_of(laps), load, energy, before)
+    return RecordStep(name, course, laps, events_of(laps), load, energy, before)
 
 
 def _lap(rows: Rows, motion: Motion) -> float | None:

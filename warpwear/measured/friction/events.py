@@ -42,7 +42,7 @@ OVER = 3.0
 
 
 @dataclass(frozen=True, eq=False)
-class Laps:
+class LapMeans:
     """A course is means over groups of points, one after another.
 
     distance: of the groups' middles [mm]; cof: means; scatter: standard deviations within, NaN for single
@@ -63,12 +63,12 @@ class Laps:
         return None if self.laps is None else self.laps * length / self.length
 
 
-def laps_of(course: Experiment, lap: float | None) -> Laps:
+def laps_of(course: Experiment, lap: float | None) -> LapMeans:
     """Gather a course in laps. lap: distance of one [mm], None where it is not known."""
     distance, cof = course.distance, course.cof
     if course.cycles is not None:
         length = float(np.median(np.diff(distance) / np.diff(course.cycles)))
-        return Laps(distance, cof, np.full(cof.size, np.nan), np.ones(cof.size), length, 1.0, "cycle")
+        return LapMeans(distance, cof, np.full(cof.size, np.nan), np.ones(cof.size), length, 1.0, "cycle")
     start, size = float(distance[0]), float(np.ptp(distance))
     if lap is None or lap > size / 2.0:
         groups = max(min(PARTS, distance.size // POINTS), 1)
@@ -86,7 +86,7 @@ def laps_of(course: Experiment, lap: float | None) -> Laps:
         scatter = np.where(number > 1, np.sqrt(squares / (number - 1)), np.nan)
     whole = number >= 0.5 * np.median(number)  # the last one ends with the record
     middles: FloatArray = (start + (places + 0.5) * length).astype(np.float64)
-    return Laps(
+    return LapMeans(
         middles[whole], means[whole], scatter[whole], number[whole].astype(np.float64), length, laps, unit
     )
 
@@ -140,7 +140,7 @@ class Events:
     overshoot: float | None = None
 
 
-def events_of(laps: Laps) -> Events:
+def events_of(laps: LapMeans) -> Events:
     """Find what happens in a course. Raises InputError where the package ruptures is not installed."""
     cof = laps.cof
     if cof.size < FEWEST:
@@ -218,7 +218,7 @@ def _levels(cof: FloatArray) -> list[int]:
     return bounds
 
 
-def _steady(laps: Laps, level: int) -> Steady | None:
+def _steady(laps: LapMeans, level: int) -> Steady | None:
     """Return what a level comes to, by a line through it without its first third, None where it is too short.
 
     The level at the end is as uncertain as a line's end, twice as much as a mean: whether it drifts is not
@@ -245,7 +245,7 @@ def _steady(laps: Laps, level: int) -> Steady | None:
     )
 
 
-def _jump(laps: Laps, bounds: list[int]) -> tuple[Jump | None, int]:
+def _jump(laps: LapMeans, bounds: list[int]) -> tuple[Jump | None, int]:
     """Return the steepest rise between levels, if it is a jump, and the group at its end."""
     cof = laps.cof
     rises = {k: cof[k : k + BESIDE].mean() - cof[max(k - BESIDE, 0) : k].mean() for k in bounds[1:-1]}

@@ -4,7 +4,7 @@ import numpy as np
 
 from warpwear.figures import describe
 from warpwear.figures.describe import Axis, Chart, Figure, Level, Line, Look
-from warpwear.measured.friction.analysis import Analysis, Step
+from warpwear.measured.friction.analysis import Analysis, RecordStep
 
 
 def figures_of(analysis: Analysis) -> dict[str, Figure]:
@@ -25,7 +25,7 @@ def course_figure(analysis: Analysis) -> Figure:
     return Figure([chart], 1, legend=5, width=describe.PAGE, height=3.0)
 
 
-def _lines(step: Step, *, first: bool, second: bool) -> list[Line | Level]:
+def _lines(step: RecordStep, *, first: bool, second: bool) -> list[Line | Level]:
     laps, events = step.laps, step.events
     x = 1e-3 * (step.before + laps.distance)
     spread = np.nan_to_num(laps.scatter)

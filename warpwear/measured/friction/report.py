@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from warpwear.measured.friction.analysis import Analysis, Step
+from warpwear.measured.friction.analysis import Analysis, RecordStep
 from warpwear.measured.friction.events import PENALTY, Steady
 from warpwear.results.report import Row
 from warpwear.results.report import record as record_of
@@ -73,7 +73,7 @@ def notes_of(analysis: Analysis) -> list[Row]:
     ]
 
 
-def _doubts(step: Step) -> list[str]:
+def _doubts(step: RecordStep) -> list[str]:
     """Say what makes the steady value of a step doubtful, in sentences without their ends."""
     steady = step.events.steady
     if steady is None:
@@ -88,7 +88,7 @@ def _doubts(step: Step) -> list[str]:
     return []
 
 
-def step_rows(step: Step) -> list[Row]:
+def step_rows(step: RecordStep) -> list[Row]:
     """Declare what is said of one step."""
     laps, events, points = step.laps, step.events, step.course.distance.size
     unit = f"{laps.unit}s"
@@ -146,7 +146,7 @@ def _steady_rows(steady: Steady) -> list[Row]:
     ]
 
 
-def _length(label: str, key: str, length: float, step: Step, note: str = "") -> list[Row]:
+def _length(label: str, key: str, length: float, step: RecordStep, note: str = "") -> list[Row]:
     """Declare a length: for people in m, and in laps where these are known."""
     count = step.laps.count(length)
     parts = [f"{1e-3 * length:.4g} m", *([f"{count:.4g} {step.laps.unit}s"] if count is not None else [])]

@@ -58,7 +58,7 @@ class Pending:
         #: Pieces of a round at most: no two within `apart` cells along both axes.
         self.most = (rows // (law.apart(cell) + 1) + 2) * (grid.ny // (law.apart(cell) + 1) + 2)
         self.body = arguments(
-            kernels.Body,
+            kernels.SheddingBody,
             device,
             height=as_numbers(height, shape),
             wear=as_numbers(self._wear, shape),

@@ -54,14 +54,14 @@ class LoadSharing:
         self.base, self.offset = self.curves.base, self.curves.offset
         self.answer: Field = self.curves.answer
         self.load = arguments(
-            sharing.Load,
+            sharing.SharedLoad,
             load=load,
             area=area,
             hardness=hardness,
             tolerance=TOLERANCE,
             evaluations=MAX_EVALUATIONS - 1,
         )
-        self.search = Numbers(sharing.Search, device)
+        self.search = Numbers(sharing.SharingSearch, device)
         self.flags = arguments(sharing.Flags, device)
 
     def add_to(self, program: Program, evaluate: Callable[[], None]) -> None:
@@ -135,7 +135,7 @@ class SmoothContact:
             room=(2, count),
         )
         load = arguments(
-            sharing.Load,
+            sharing.SharedLoad,
             load=task.load,
             area=self.area,
             hardness=task.hardness,

@@ -86,10 +86,10 @@ class OneScaleModel(Model):
         )
         device = executor.device
         #: What the steps on the device remember.
-        self._course = Numbers(wear.Course, device, extents=[NO_INDEX] * 4)
+        self._course = Numbers(wear.RestMemory, device, extents=[NO_INDEX] * 4)
         columns = len(wear.BALANCE) + len(SUMS) + len(MAXIMA)
         self._steps = arguments(
-            wear.Steps,
+            wear.RestSteps,
             device,
             plan=(LONGEST_ON_GPU + 1, len(wear.PLAN)),
             history=(LONGEST_ON_GPU, columns),
@@ -168,7 +168,7 @@ class OneScaleModel(Model):
 
     def replay(self, increments: Sequence[float], then: float | None) -> tuple[int, Iterator[Step]]:
         """Make steps on the device, before the first of them is seen."""
-        removals = self._tell(increments, then)
+        removals = self._write_plan(increments, then)
         self._many.run()
         return self._course["step"], self._booked(increments, removals)
 
@@ -179,7 +179,7 @@ class OneScaleModel(Model):
 
         Raises ConvergenceError when the load cannot be balanced.
         """
-        removals = self._tell([increment], None if self.task.bulk_updated else then)
+        removals = self._write_plan([increment], None if self.task.bulk_updated else then)
         if not with_pressure:
             self._many.run()
             self.check()
@@ -195,8 +195,8 @@ class OneScaleModel(Model):
         if self._course["failed"]:
             self._search.check()
 
-    def _tell(self, increments: Sequence[float], then: float | None) -> list[tuple[float, float]]:
-        """Tell the device of the next steps, and of the one after them; return K ΔL of counter and disc."""
+    def _write_plan(self, increments: Sequence[float], then: float | None) -> list[tuple[float, float]]:
+        """Write the plan of the next steps, and of the one after them; return K ΔL of counter and disc."""
         known = [*increments, *([] if then is None else [then])]
         removals = wear_in_steps(self.task.wear, self._ledger.row["distance"], known)
         plan = [(sum(removed), self._stiffness_of(*removed)) for removed in removals]

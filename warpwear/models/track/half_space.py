@@ -22,7 +22,7 @@ from warpwear.kernels import contact, fourier, wear_from_pressure
 from warpwear.kernels.cells import MAXIMA, OF_FEATURES, PressureSum, names_of
 from warpwear.kernels.half_space import passes
 from warpwear.kernels.sliding import Bodies, RowSums, Slide
-from warpwear.kernels.sliding_steps import Steps
+from warpwear.kernels.sliding_steps import SlidingSteps
 from warpwear.kernels.wear_from_pressure import Pressed
 from warpwear.laws.archard import BODIES
 from warpwear.laws.task import ContactTask
@@ -31,7 +31,7 @@ from warpwear.models.features.features import Features
 from warpwear.models.features.materials import steps_above
 from warpwear.models.track.bodies import SlidingBodies
 from warpwear.models.track.part_length import PartLength
-from warpwear.models.track.step_means import Part, StepMeans
+from warpwear.models.track.step_means import StepMeans, Substep
 from warpwear.models.unworn import layout_of
 from warpwear.models.wear_lines import WearLines
 
@@ -70,7 +70,7 @@ class SlidingHalfSpace:
         "_length": PartLength,
     }
     SCRATCH: ClassVar = (
-        *("gap", "slides", "_means", "_sums", "_maxima", "_mirror", "_rubbed", "_rubbed_means", "_row"),
+        *("gap", "slides", "_means", "_sums", "_maxima", "_mirror", "_sheared", "_sheared_means", "_row"),
         *("_place", "_programs", "_static", "_asked", "_unreached"),
     )
     #: Steps are made one by one, on a GPU too.
@@ -124,7 +124,7 @@ class SlidingHalfSpace:
         self._programs: dict[tuple[str, bool], Program] = {}
         self._row = wp.zeros((1, len(self.features.columns)), dtype=wp.float64, device=executor.device)
         #: What features of a step work on.
-        steps = arguments(Steps, executor.device, history=self._row)
+        steps = arguments(SlidingSteps, executor.device, history=self._row)
         self._place = Place(self.slides.array, steps, bodies=self._bodies)
         edge = max((one.edge for one in self.features), default=1)
         self.ledger = Ledger(task, executor.grid, margin=edge, track_fraction=track_fraction)
@@ -145,8 +145,8 @@ class SlidingHalfSpace:
             wp.zeros((len(lines), slots), dtype=wp.float64, device=device) for lines in (PressureSum, MAXIMA)
         )
         #: Part of a step that each cell was in contact, and its means along x; only where wear goes by it.
-        self._rubbed = executor.zeros(None if shears else 0)
-        self._rubbed_means = executor.zeros((executor.grid.nx if self._moves else 1) if shears else 0)
+        self._sheared = executor.zeros(None if shears else 0)
+        self._sheared_means = executor.zeros((executor.grid.nx if self._moves else 1) if shears else 0)
         #: Sums of the disc's fields over each of its rows, taken anew: sums of increments would drift.
         self._of_rows = {
             name: wp.zeros(disc_rows, dtype=wp.float64, device=device)
@@ -212,14 +212,14 @@ class SlidingHalfSpace:
         self.state.columns = self._asked.beside(self.ledger.columns)
         return step
 
-    def _begin_materials(self, whole: Part) -> None:
+    def _begin_materials(self, whole: Substep) -> None:
         """Choose what a step asks, by all of it."""
         removals = dict(zip(BODIES, whole.removals, strict=True))
         removals["disc"] *= self._track_fraction
         above = steps_above(self.task, self._executor.grid.cell_area, self.ledger.most, removals)
         self._asked = self._unreached if above else self.features
 
-    def _begin_part(self, part: Part, shift: int) -> None:
+    def _begin_part(self, part: Substep, shift: int) -> None:
         """Make the gap that the disc's cells meet in a part of a step."""
         shears = dict(zip(("shear_counter", "shear_disc"), part.shears, strict=True))
         self.slides.set(shift=shift, start=part.start, end=part.start + part.increment, **shears)
@@ -251,7 +251,7 @@ class SlidingHalfSpace:
         """Solve the contact on the gap as it lies, without the wear of a step."""
         return self._half_space.solve(self.gap, load=self.task.load)
 
-    def _solve(self, part: Part, *, certified: bool | None) -> HalfSpaceContact:
+    def _solve(self, part: Substep, *, certified: bool | None) -> HalfSpaceContact:
         """Solve the contact at the end of a part of a step, and let features take note of it."""
         own, along = self._compliances(part)
         solve: Callable[..., HalfSpaceContact] = partial(
@@ -275,7 +275,7 @@ class SlidingHalfSpace:
             one.note(contact)
         return contact
 
-    def _compliances(self, part: Part) -> tuple[float, float]:
+    def _compliances(self, part: Substep) -> tuple[float, float]:
         """Return what the wear of a part lends all cells by their pressure, and by its mean [mm³/N]."""
         wears, window = self._wears(part), self.cells_passing(part.increment)
         of_mean, of_place = (
@@ -318,15 +318,15 @@ class SlidingHalfSpace:
             pressure=pressure,
             means=self._means,
             gradient=contact.gradient_field,
-            rubbed=self._rubbed,
-            rubbed_means=self._rubbed_means,
+            sheared=self._sheared,
+            sheared_means=self._sheared_means,
             cells=self._asked.cells,
             cap=min(self.task.hardness, NO_CAP),
             **self._asked.pressed,
         )
         if self.task.shears:
             program.launch(wear_from_pressure.part_of_step, slides, pressed)
-            program.launch(wear_from_pressure.means, slides, self._rubbed, self._rubbed_means)
+            program.launch(wear_from_pressure.means, slides, self._sheared, self._sheared_means)
         if self._lines is not None:
             pressed.on_counter, pressed.on_disc = self._lines.counter, self._lines.disc
         program.launch(wear_from_pressure.means, slides, pressure, self._means)
@@ -344,7 +344,7 @@ class SlidingHalfSpace:
             add(program)
         self._programs[said].run()
 
-    def _wears(self, part: Part) -> dict[str, float]:
+    def _wears(self, part: Substep) -> dict[str, float]:
         """Return K ΔL of a part of a step as a `Slide` has it."""
         counter, disc = part.removals[0], self._track_fraction * part.removals[1]
         dust = self.task.dust
@@ -354,7 +354,7 @@ class SlidingHalfSpace:
             wears |= one.wears(part.removals)
         return wears
 
-    def _wear(self, contact: HalfSpaceContact, part: Part) -> tuple[dict[str, float], dict[str, float]]:
+    def _wear(self, contact: HalfSpaceContact, part: Substep) -> tuple[dict[str, float], dict[str, float]]:
         """Wear both bodies by the pressure of a contact; return sums and maxima by name."""
         self.slides.set(
             approach=contact.approach,

@@ -125,10 +125,10 @@ class SlidingContact:
         """Make the plan, the history and the memory of steps. stays: whether a list may serve several."""
         executor, device = self._executor, self._executor.device
         #: What the steps on the device remember.
-        self._course = Numbers(sliding_steps.Course, device, extents=[NO_INDEX] * 4)
+        self._course = Numbers(sliding_steps.SlidingMemory, device, extents=[NO_INDEX] * 4)
         self._changes: Field = wp.full(int(sliding_steps.CHANGES), -1.0, dtype=wp.float64, device=device)
         self._steps = arguments(
-            sliding_steps.Steps,
+            sliding_steps.SlidingSteps,
             device,
             plan=self.longest,
             history=(self.longest, len(self.features.columns)),

@@ -64,13 +64,13 @@ class SweptModel(Model):
         """Whether the device makes the next steps by itself."""
         return self.contact.in_blocks
 
-    def set_out_anew(self, before: Track) -> None:
+    def switch_track(self, before: Track) -> None:
         """Begin with the first step of this track, on a disc that has slid over another one before."""
         self.contact.ledger.rebase(before.track_fraction)
         self._done = 0
 
-    def change_circle(self, booked: Mapping[str, float]) -> dict[str, float]:
-        """Begin with the first step on another circle of the disc, as `Model.change_circle` says."""
+    def switch_circle(self, booked: Mapping[str, float]) -> dict[str, float]:
+        """Begin with the first step on another circle of the disc, see `Circles` of `runs/loop.py`."""
         self.contact.forget()
         self._done = 0
         return self.contact.ledger.leave(booked)

@@ -35,7 +35,7 @@ class StepPrograms:
         self._place, self._tile_bounds, self.features = place, tile_bounds, features
         #: Searches by whether the cells are rigid; programs by that too, and whether threads share them.
         self._searches: dict[bool, LoadSearch] = {}
-        self._said: dict[tuple[str, bool, bool], Program] = {}
+        self._programs: dict[tuple[str, bool, bool], Program] = {}
 
     def search(self, *, rigid: bool) -> LoadSearch:
         """Return the search of steps whose cells are rigid or not."""
@@ -61,11 +61,11 @@ class StepPrograms:
         """Return the program of many steps, or of one before or after its balance, of rigid cells or not."""
         steps, shares = self._place.steps, self._executor.is_shared and self._tiles.cells > SMALL
         steps.is_rigid = int(rigid)  # each time: a program is recorded when first run
-        if (name, rigid, shares) not in self._said:
+        if (name, rigid, shares) not in self._programs:
             search = self.search(rigid=rigid)
             records = 1 if name == "steps" else 2  # for one step alone recording does not pay
             program = Program(self._executor, shares=shares, records=records)
-            self._said[name, rigid, shares] = program
+            self._programs[name, rigid, shares] = program
             self._tiles.features = self.features
             if name == "steps":
                 program.decide(sliding_steps.begin, steps)
@@ -76,7 +76,7 @@ class StepPrograms:
                 self._add_search(program, search, whole=True)
             else:
                 self._add_wear(program, search)
-        return self._said[name, rigid, shares]
+        return self._programs[name, rigid, shares]
 
     def _add_search(self, program: Program, search: LoadSearch, *, whole: bool = False) -> None:
         """Add the beginning of a step: what its cells are like, which can touch, and the balance.

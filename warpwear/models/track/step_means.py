@@ -15,7 +15,7 @@ BY_PRESSURE = ("wearing_counter", "pressure_times_factor")
 
 
 @dataclass(frozen=True)
-class Part:
+class Substep:
     """Describes a part of a step."""
 
     start: float  # sliding distance at its start [mm]
@@ -43,15 +43,15 @@ class StepMeans:
         self._error, self._parts, self._last_row = 0.0, 0, dict[str, float]()
         self._certificates: list[Certificate | None] = []
 
-    def part(self, begins: float, weight: float) -> Part:
+    def part(self, begins: float, weight: float) -> Substep:
         """Return the part of the step that begins after so much of it and has such a weight."""
         start, increment = self._start + self._increment * begins, self._increment * weight
         shears = weight * self._shears[0], weight * self._track_fraction * self._shears[1]
-        return Part(start, increment, weight, self._task.wear_per_pressure(start, increment), shears)
+        return Substep(start, increment, weight, self._task.wear_per_pressure(start, increment), shears)
 
     def add(
         self,
-        part: Part,
+        part: Substep,
         contact: HalfSpaceContact,
         force: float,
         sums: Mapping[str, float],
@@ -73,9 +73,9 @@ class StepMeans:
         self.residual = max(self.residual, residual, key=abs)
         # Wear by shear lowers all cells in contact by one depth, which changes the approach alone; what
         # some cells lose beyond it was in their gap.
-        lift = part.weight * (counter + self._track_fraction * disc)
-        lift *= self._task.shear_ratios["least_shear_ratio"]
-        self.approach += part.weight * (contact.approach + lift)
+        shear_depth = part.weight * (counter + self._track_fraction * disc)
+        shear_depth *= self._task.shear_ratios["least_shear_ratio"]
+        self.approach += part.weight * (contact.approach + shear_depth)
         self.removals = self.removals[0] + worn[0], self.removals[1] + worn[1], counter, disc
         self.highest, self._error = max(self.highest, highest), max(self._error, error)
         for name in self.total:

@@ -68,7 +68,7 @@ def worn_heights(
 
 
 @dataclass(frozen=True)
-class Body:
+class ExportedBody:
     """Hold a worn body at one snapshot: heights [mm] out of its material, (nx, ny), NaN where it has none.
 
     Axis 0 of the heights runs along the sliding direction.
@@ -93,7 +93,7 @@ class Body:
 
 
 @dataclass(frozen=True)
-class Sheet:
+class FieldGrid:
     """Fields at one snapshot over one grid, each of shape (nx, ny), by name; units are those of `WRITABLE`.
 
     NaN stands for what is not there.
@@ -149,7 +149,7 @@ class Job:
                 self._kept[body] = self.result.track_heights() - np.add(*self.result.track_loss(number))
         return self._kept[body]
 
-    def body(self, name: str, number: int) -> Body:
+    def body(self, name: str, number: int) -> ExportedBody:
         """Return a worn body at the snapshot of a number, reduced to `points`."""
         result, snapshot = self.result, self.snapshot(number)
         title = f"{result.study.study.name}: worn {name} after {snapshot.distance:g} mm of sliding"
@@ -160,9 +160,9 @@ class Job:
         if not abs(approach) < NO_SURFACE:
             raise InputError(f"the approach at {snapshot.distance:g} mm is {approach:g} mm, which is none")
         x, y, fields = self._reduced(x, {"heights": heights})
-        return Body(name, title, x, y, fields["heights"], approach)
+        return ExportedBody(name, title, x, y, fields["heights"], approach)
 
-    def sheet(self, name: str, number: int, *, whole_disc: bool = False) -> Sheet:
+    def sheet(self, name: str, number: int, *, whole_disc: bool = False) -> FieldGrid:
         """Return the fields asked for at the snapshot of a number, reduced to `points`.
 
         whole_disc: of a swept run the fields of its disc stand in the sheet of the track alone, not as what
@@ -184,7 +184,7 @@ class Job:
         if "gap" in fields:
             fields["gap"] = np.where(fields["gap"] > NO_SURFACE, np.nan, fields["gap"])
         x = result.track_x if on_track else result.x
-        return Sheet(name, snapshot.distance, *self._reduced(x, fields))
+        return FieldGrid(name, snapshot.distance, *self._reduced(x, fields))
 
     def along(self, number: int) -> float:
         """Where the ball's apex is along the track [mm]; 0 where the track is not among the bodies."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.errors import InputError, printable
-from warpwear.results.formats.bodies import Body
+from warpwear.results.formats.bodies import ExportedBody
 from warpwear.results.formats.forms import filled
 from warpwear.version import __version__
 
@@ -22,7 +22,7 @@ METRES = 1.0e-3
 MAIN, SUMS, POINTS, VALID = "main.xml", "md5checksum.hex", "bindata/data.bin", "bindata/valid.bin"
 
 
-def _spacing(body: Body) -> tuple[float, float]:
+def _spacing(body: ExportedBody) -> tuple[float, float]:
     """Return the distances of the points along x and y [m]. Raises InputError where they are no numbers."""
     x, y = ((side[-1] - side[0]) / max(side.size - 1, 1) * METRES for side in (body.x, body.y))
     if not np.isfinite([x, y]).all():
@@ -30,7 +30,7 @@ def _spacing(body: Body) -> tuple[float, float]:
     return float(x), float(y)
 
 
-def write_sdf(path: Path, body: Body) -> None:
+def write_sdf(path: Path, body: ExportedBody) -> None:
     """Write the heights of a body as ASCII .sdf; a profile of the file runs along the sliding direction."""
     x, y = _spacing(body)
     metadata = sdfio.Metadata(revision=sdfio.Revision.ISO_1_0, manufacturer_id="warpwear")
@@ -39,7 +39,7 @@ def write_sdf(path: Path, body: Body) -> None:
         sdfio.write(file, data, x_scale=x, y_scale=y, format=sdfio.FileFormat.ASCII, metadata=metadata)
 
 
-def write_x3p(path: Path, body: Body) -> None:
+def write_x3p(path: Path, body: ExportedBody) -> None:
     """Write the heights of a body as .x3p: float64 in metres, x along the sliding direction and fastest.
 
     Points that are not there are NaN, and marked in the archive's list of valid points. Offsets of the axes
@@ -61,7 +61,7 @@ def _md5(content: bytes) -> str:
     return hashlib.md5(content, usedforsecurity=False).hexdigest()
 
 
-def _main_xml(body: Body, sums: dict[str, str]) -> bytes:
+def _main_xml(body: ExportedBody, sums: dict[str, str]) -> bytes:
     """Describe a .x3p file in the order of its schema. sums: MD5 by name of the binary parts."""
     firsts = (METRES * float(side[0]) for side in (body.x, body.y))
     content: Any = {"body": body, "version": __version__, "sums": sums}

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warpwear.grid import FloatArray
-from warpwear.results.formats.bodies import Body
+from warpwear.results.formats.bodies import ExportedBody
 
 #: Thickness of a solid at its thinnest, over its shorter side.
 THICKNESS = 0.1
@@ -16,7 +16,7 @@ FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("unused", "
 Triangles = NDArray[np.int64]
 
 
-def write_stl(path: Path, body: Body) -> None:
+def write_stl(path: Path, body: ExportedBody) -> None:
     """Write a body in its place as a closed solid: its worn surface, a flat back, and walls between them.
 
     The disc's back lies below it, the ball's above. Where a corner of four points is missing there is no
@@ -44,7 +44,7 @@ def write_stl(path: Path, body: Body) -> None:
         file.write(facets.view(np.uint8).data)  # tofile does not name a full disk
 
 
-def _points(body: Body, z: FloatArray, back: float) -> FloatArray:
+def _points(body: ExportedBody, z: FloatArray, back: float) -> FloatArray:
     """Return points of the worn surface by row, and after them those of the back [mm], (2 nx ny, 3)."""
     x, y = np.meshgrid(body.x, body.y, indexing="ij")
     sides = [np.column_stack([x.ravel(), y.ravel(), side.ravel()]) for side in (z, np.full_like(z, back))]

@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 
 from warpwear.grid import FloatArray
-from warpwear.results.formats.bodies import WRITABLE, Body, Files, Job, Sheet
+from warpwear.results.formats.bodies import WRITABLE, ExportedBody, FieldGrid, Files, Job
 
 #: Significant digits of a number in a .csv file, as in the tables of a run folder.
 DIGITS = "%.12g"
 
 
-def write_xyz(path: Path, body: Body) -> None:
+def write_xyz(path: Path, body: ExportedBody) -> None:
     """Write a line x, y, z for each point that a body has [mm], with tabs between them."""
     x, y = np.meshgrid(body.x, body.y, indexing="ij")
     points = np.column_stack([x.ravel(), y.ravel(), body.heights.ravel()])
@@ -20,7 +20,7 @@ def write_xyz(path: Path, body: Body) -> None:
     np.savetxt(path, points, fmt="%.9g", delimiter="\t", header="x [mm]\ty [mm]\tz [mm]")
 
 
-def write_npy(path: Path, body: Body) -> None:
+def write_npy(path: Path, body: ExportedBody) -> None:
     """Write the heights of a body alone [mm], shape (nx, ny)."""
     with path.open("wb") as file:
         np.save(file, body.heights)
@@ -60,6 +60,6 @@ def _write_profile(job: Job, number: int, along: bool, path: Path) -> None:
         np.savetxt(file, np.column_stack([places, *lines]), fmt=DIGITS, delimiter=",")
 
 
-def _header(sheet: Sheet, *axes: str) -> str:
+def _header(sheet: FieldGrid, *axes: str) -> str:
     names = [f"{axis} [mm]" for axis in axes] + [f"{n} [{WRITABLE[n].units}]" for n in sheet.fields]
     return ",".join(names) + "\n"

@@ -11,7 +11,7 @@ from typing import Annotated, Any, TypeAlias
 
 from pydantic import AfterValidator, BeforeValidator
 
-from warpwear.laws.depth_profile import SUBSTRATE, DepthProfile, Material
+from warpwear.laws.depth_profile import SUBSTRATE, DepthProfile, LayerMaterial
 from warpwear.study.keys import Hardness, Length, Pressure, Section, excludes, key, needs, when
 from warpwear.study.sections.friction import NOT_CONTACT
 from warpwear.study.sections.wear import BY_AREA, ArchardCoefficient, WearCoefficient
@@ -125,13 +125,13 @@ def depth_profiles(
     """
     caps, strength = [hardness or body.hardness or math.inf for body in bodies], shear_strength or math.inf
     counter, disc = (
-        _depth_profile(body, Material(own, cap, strength), resolved)
+        _depth_profile(body, LayerMaterial(own, cap, strength), resolved)
         for body, own, cap in zip(bodies, wear, caps, strict=True)
     )
     return counter, disc
 
 
-def _depth_profile(section: Any, body: Material, resolved: Resolved) -> DepthProfile:
+def _depth_profile(section: Any, body: LayerMaterial, resolved: Resolved) -> DepthProfile:
     """Return what a section of a study is made of by worn depth. body: its own material."""
     if section.gradient is not None:
         depths = tuple(1.0e-3 * row[0] for row in section.gradient)
@@ -142,7 +142,7 @@ def _depth_profile(section: Any, body: Material, resolved: Resolved) -> DepthPro
         )
         return DepthProfile(depths, tuple(materials), graded=True)
     of_layers = (
-        Material(
+        LayerMaterial(
             resolved(layer.wear),
             body.hardness if layer.hardness is None else layer.hardness,
             layer.shear_strength or (body.shear_strength if layer.coefficient is None else math.inf),
