@@ -128,7 +128,7 @@ def test_a_study_and_the_command_read_it(container: Save, tmp_path: Path) -> Non
     done = CliRunner().invoke(commands, ["surface", str(path), "--array", "b", "--json"])
     assert done.exit_code == 0
     assert json.loads(done.output)["file_grid"] == [20, 30]
-    with pytest.raises(InputError, match=re.escape("--array gives a number or a name of: 0 (a), 1 (b)")):
+    with pytest.raises(InputError, match=re.escape("array gives a number or a name of: 0 (a), 1 (b)")):
         CliRunner().invoke(commands, ["surface", str(path), "--json"], catch_exceptions=False)
 
 
