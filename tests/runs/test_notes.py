@@ -2,6 +2,7 @@
 
 import html
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,7 @@ from warpwear import Study
 from warpwear.cli.main import commands
 from warpwear.page.content import words_of
 from warpwear.results.summary import summarise
-from warpwear.runs import console
+from warpwear.runs import console, doubts
 from warpwear.runs.console import Progress
 
 #: A study with more than three things to be said of it, one of which takes all trust.
@@ -100,3 +101,18 @@ def test_a_long_run_tells_its_warnings_early(
         "warning: All numbers mean nothing.",
         "2 more notes: in the run's summary and log",
     ]
+
+
+def test_a_size_of_cells_that_would_do_divides_the_domain() -> None:
+    study = Study.load("v3").replace({"grid.cell": "20 um", "grid.extent": "0.4 mm", "contact.load": "2 N"})
+    (told,) = doubts.of_count(study, 19.8, "To begin with")
+    assert told.startswith("To begin with only 19.8 cells are in contact")
+    assert "16 µm would do (20 cells)" in told  # 19 µm would be enough, and is no part of 0.4 mm
+
+
+def test_the_hardest_layer_says_what_shear_is_borne() -> None:
+    """A coat of 20 GPa under a ball of 7.3 GPa bears what the ball does, not what steel below it would."""
+    study = Study.load("coat")
+    assert study.shear_limit == pytest.approx(study.counter.hardness / (3.0 * math.sqrt(3.0)), rel=1e-12)
+    softer = study.replace({"disc.hardness": "1 GPa", "disc.layers": None})
+    assert softer.shear_limit == pytest.approx(1000.0 / (3.0 * math.sqrt(3.0)), rel=1e-12)

@@ -52,10 +52,13 @@ def of_count(study: Study, count: float, when: str) -> Iterator[str]:
         area = min(area, study.blocks[0].load / study.hardness or area)
     enough = 1.0e3 * math.sqrt(area / FEW_CELLS)
     digit = 10.0 ** (math.floor(math.log10(enough)) - 1)
+    sizes = [n * digit for n in range(math.floor(enough / digit), 0, -1)]
+    parts = [[1.0e3 * side / size for side in study.grid.sides] for size in sizes]
+    whole = (size for size, of in zip(sizes, parts, strict=True) if all(abs(n - round(n)) < 1e-6 for n in of))
     yield (
-        f"{when} only {count:.0f} {'cell is' if count == 1.0 else 'cells are'} in contact, so its area, "
+        f"{when} only {count:.3g} {'cell is' if count == 1.0 else 'cells are'} in contact, so its area, "
         f"pressure and friction mean nothing: grid.cell = {1.0e3 * study.grid.cell:g} µm is too large, "
-        f"{math.floor(enough / digit) * digit:.2g} µm would do ({FEW_CELLS} cells)."
+        f"{next(whole, sizes[0]):.2g} µm would do ({FEW_CELLS} cells)."
     )
 
 

@@ -261,10 +261,13 @@ class Content(Programme):
     def shear_limit(self) -> float:
         """Shear strength of the softer body [MPa]; of contact.hardness where no body's is known.
 
-        H/(3√3), or H/√α where junctions grow: there a cell under that shear bears no pressure.
+        H/(3√3), or H/√α where junctions grow: there a cell under that shear bears no pressure. Of layers the
+        hardest counts: where it meets the other body no shear is beyond what is borne.
         """
         growth = self.friction.junction_growth
         softer = self.indentation_hardness if self.softer_hardness is None else self.softer_hardness
+        if self.profiles is not None:
+            softer = min(max(m.hardness for m in profile.materials) for profile in self.profiles)
         return softer / math.sqrt(growth) if growth else junction_strength(softer)
 
     @property
