@@ -243,7 +243,8 @@ class Ledger:
                     name: [v for key, v in books.items() if key.startswith(f"{name}_{body}_")]
                     for name in BOOKS
                 }
-                columns[archard] = whole * sum(of["lost"])
+                # Not by sum(), which since Python 3.12 compensates floats, but no arrays.
+                columns[archard] = whole * functools.reduce(operator.add, of["lost"])
                 parts = [
                     (pressure / total["pressure"], area * cells, whole * lost)
                     for cells, pressure, lost in zip(*of.values(), strict=True)
