@@ -11,7 +11,7 @@ RESUME_IT = "resume it (--resume, resume=True)"
 
 
 #: An option of the command line in a sentence, with what Python calls it where both stand there.
-_OPTION = re.compile(r"(?<![\w-])--([a-z][a-z-]*)(, (?=\1=))?")
+_OPTION = re.compile(r"(?<![\w-])--([a-z][a-z-]*)(, (?=\1s?=))?")
 
 
 def in_python(text: str) -> str:

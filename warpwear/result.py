@@ -6,14 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from warpwear import lazy
-from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.lazy import resolve
 from warpwear.results.evolution import SurfaceEvolution, surface_evolution
 from warpwear.results.file import ResultFile
 from warpwear.results.frames import to_dataframe, to_xarray
 from warpwear.results.report import record
-from warpwear.results.summary import summarise
+from warpwear.results.summary import summarise, summary_text
 from warpwear.study.surface import surface_in
 
 content, html = lazy.module("warpwear.page.content"), lazy.module("warpwear.page.html")
@@ -108,12 +107,11 @@ class Result(ResultFile):
         InputError
             For a run in memory, and where a file of others has the page's name.
         """
-        if self.folder is None:
-            raise InputError("a page needs the folder of its run: run with out")
+        folder = Path(self)
         shown_here = content.content_of(self, summarise(self), self.plot)
         wanted = set(content.statics(shown_here)) & set(self.plot.names())
         pictures = {name: self.plot.png(name, dpi=PAGE_DPI) for name in sorted(wanted)}
-        path: Path = content.write_page(self.folder, content.made_here(shown_here, pictures))
+        path: Path = content.write_page(folder, content.made_here(shown_here, pictures))
         return path
 
     @cached_property
@@ -124,6 +122,9 @@ class Result(ResultFile):
         color="C1")`; `help(result.plot)` says more.
         """
         return resolve(PLOTTER)(self)
+
+    def __str__(self) -> str:
+        return summary_text(summarise(self)) if self._file else repr(self)
 
     def _repr_html_(self) -> str:
         """Draw a notebook's view of the result."""

@@ -98,7 +98,7 @@ def test_the_command_draws_the_craters(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        (lambda tests: tests[:2], "there are 2 craters: two coefficients need at least 3"),
+        (lambda tests: tests[:2], "two coefficients need 3 craters at least; given: 2"),
         (lambda tests: [tests[0]] * 3, "do not tell coat and substrate apart"),
         (lambda tests: [{"distance": "1 m"}] * 3, "test.1 needs a crater, or volume_coat"),
         (

@@ -70,6 +70,20 @@ def test_representative_patches_are_told_beside_whole_ones(runs: Path, tmp_path:
     assert "patches.width" not in to_text(gather([runs / "a", runs / "light"]))
 
 
+def test_one_stands_for_a_list_of_one_and_a_result_for_its_folder(runs: Path, measured: Path) -> None:
+    """A text is not read letter by letter."""
+    with warpwear.Result.open(runs / "a") as result:
+        compared = warpwear.compare(result, experiments=str(measured), columns="DISTANCE,COF")
+    assert [experiment.name for experiment in compared.experiments] == ["sample 3"]
+    assert [run.folder for run in compared.runs] == [runs / "a"]
+    banded = warpwear.compare(runs / "a", runs / "soft", band_over="wear.disc")
+    assert len(banded.groups) == 2  # they differ in ploughing, too
+    with pytest.raises(InputError, match=r"sample 3.csv is no run; give records by experiments=\[…\]"):
+        warpwear.compare(runs / "a", measured)
+    with pytest.raises(TypeError, match="'foo' is no option; allowed: pixel"):
+        warpwear.compare(runs / "a", runs / "soft", foo=1)  # type: ignore[call-arg]
+
+
 def test_two_folders_of_one_name_go_by_their_paths(runs: Path, tmp_path: Path) -> None:
     shutil.copytree(runs / "a", tmp_path / "a")
     names = [run.name for run in gather([runs / "a", tmp_path / "a", runs / "soft"]).runs]

@@ -16,8 +16,6 @@ from warpwear.cli.main import commands
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = DOCS / "reference" / "commands-in-python.md"
-#: Commands whose rows are not run here, which takes a minute; tests/inference runs one like it.
-LEFT_OUT = ("calibrate bayes",)
 #: Commands of which the page has no row yet.
 WITHOUT_ROW = {"calibrate energy", "calibrate friction", "calibrate loop", "calibrate wear"}
 WITHOUT_ROW |= {"calibrate thesis", "report thesis"}
@@ -72,8 +70,6 @@ def test_rows_do_what_the_commands_do(
     np.save("worn.npy", rough - 2.0 * bowl)
     space: dict[str, Any] = {}
     for words, python in rows():
-        if " ".join(words[:2]) in LEFT_OUT:
-            continue
         capsys.readouterr()
         exec(python, space)
         printed = capsys.readouterr().out

@@ -77,6 +77,19 @@ def test_sentences_name_options_as_python_does(rough: Path, tmp_path: Path) -> N
             refused()
         assert sentence in str(error.value)
         assert "--" not in str(error.value)
+    for tests, more, sentence in (
+        ([{"diameter": "1 mm"}], {}, "'test.1.diameter' is no key of a test; did you mean 'scar'?"),
+        ([{"scra": "1 mm"}], {}, "'test.1.scra' is no key of a test; did you mean 'scar'?"),
+        (
+            [{"scar": "1 mm"}],
+            {"source": "diameter"},
+            "source = 'diameter' is not allowed; allowed: volume",
+        ),
+        ([0.018], {}, "tests[0] = 0.018 must be a mapping such as {'volume': '0.018 mm^3'}; in a file"),
+    ):
+        with pytest.raises(warpwear.InputError) as error:
+            warpwear.calibrate_wear(tests, load="8 N", distance="1 m", **more)  # type: ignore[arg-type]
+        assert str(error.value).startswith(sentence)
     with pytest.raises(TypeError, match="'filter' is no option; allowed: pixel, height_unit"):
         warpwear.read_surface(rough, filter=3)  # type: ignore[call-arg]
 

@@ -24,7 +24,7 @@ __all__ = ["result", "swept"]  # the fixtures
 def images(tmp_path_factory: pytest.TempPathFactory, result: Result) -> Path:
     """The result as it is written for ParaView."""
     folder = tmp_path_factory.mktemp("images")
-    export(result, folder, formats=["vti"])
+    export(result, folder, formats="vti")
     return folder
 
 

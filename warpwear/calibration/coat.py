@@ -71,7 +71,7 @@ class CoatCalibration(Calibration):
             note = f"(median; 90 %: {scientific(low, digits=3)} to {scientific(high, digits=3)})"
             rows.append(Row(name, f"{name}_mm3_per_Nm", 1e3 * k.median, note=note, scientific=True))
             rows += [Row("", f"{name}_low_mm3_per_Nm", low), Row("", f"{name}_high_mm3_per_Nm", high)]
-        scatter = "times as much as their uncertainties say, which are widened by more than 1"
+        scatter = "times as much as their uncertainties say; these are widened only where it exceeds 1"
         wear = [f"{scientific(1e3 * k.median)} mm^3/N/m" for k in (self.coat, self.substrate)]
         keys = '[[disc.layers]] wear = "{}"; [wear] disc = "{}"'.format(*wear)
         rows.append(Row("craters scatter", "birge_ratio", self.birge, digits=2, note=scatter))
@@ -139,7 +139,7 @@ def calibrate_coat(tests: Tests, **alike: Any) -> CoatCalibration:
     tables = in_file(tests)[1] if isinstance(tests, str | Path) else tests
     craters = [_crater(test, f"test.{n}") for n, test in enumerate(tests_of(tables, **alike), 1)]
     if len(craters) < FEWEST:
-        raise InputError(f"there are {len(craters)} craters: two coefficients need at least {FEWEST}")
+        raise InputError(f"two coefficients need {FEWEST} craters at least; given: {len(craters)}")
     work, error, coat, substrate, *spread = np.array(craters).T
     both = np.column_stack([coat, substrate])
     if not both.any(axis=0).all() or np.linalg.cond(both / np.linalg.norm(both, axis=0)) > HOPELESS:

@@ -214,8 +214,10 @@ def calibrate_wear(
     ----------
     tests : list of dict, or path
         One a test: what was measured in it, such as ``{"volume": "0.018 +- 0.001 mm^3"}``, with its load and
-        distance. The keys are those of ``[[test]]``; a path is that of a TOML file with such a list, maybe in
-        a study, whose load, distance and ball are then those of the tests without their own.
+        distance. The keys are those of ``[[test]]``, which docs/reference/keys.md explains: volume,
+        volume_counter, volume_disc, scar, width, section, profile, after or ball, and the lengths that these
+        need. A path is that of a TOML file with such a list, maybe in a study, whose load, distance and ball
+        are then those of the tests without their own.
     source : str, optional
         Which of several kinds of measurement to take, such as ``"scar"``.
     standard : {"g99-ball", "g99-disc", "g133-ball", "g133-flat"}, optional
@@ -253,6 +255,8 @@ def calibrate_wear(
         sections, tests = in_file(tests)
         own = {name: sections[name] for name in sections.keys() - {"infer", "sweep"}}
         alike = (conditions_of(Study(**own)) if own else {}) | alike
+    if source not in (None, *SOURCES):
+        raise InputError(f"--source = {source!r} is not allowed; allowed: {', '.join(SOURCES)}")
     checked = {f"test.{number}": test for number, test in enumerate(tests_of(tests, **alike), 1)}
     every = ((named, name) for named, test in checked.items() for name in sources_of(test))
     measured = [(named, name) for named, name in every if source in (None, name)]

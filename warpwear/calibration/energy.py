@@ -13,6 +13,7 @@ from warpwear.laws.archard import BODIES
 from warpwear.measured.options import COF, Options, number, quantity
 from warpwear.result import Result
 from warpwear.results.report import Row, lines, table
+from warpwear.study.units import several
 
 #: Speeds that are shown where none is named.
 SPEEDS = ("10 mm/min", "20 mm/min", "50 mm/min", "100 mm/min")
@@ -94,7 +95,7 @@ class EnergyCalibration(Calibration):
 @named_in_python()
 def calibrate_energy(
     *,
-    result: str | Path | None = None,
+    result: Result | str | Path | None = None,
     load: Any = None,
     distance: Any = None,
     cof: float | None = None,
@@ -105,8 +106,8 @@ def calibrate_energy(
 
     Parameters
     ----------
-    result : path, optional
-        The folder of a run, or else:
+    result : Result or path, optional
+        A run, or its folder, or else:
     load, distance : str, optional
         Normal load and sliding distance, such as ``"8 N"`` and ``"2400 mm"``.
     cof : float, optional
@@ -132,7 +133,7 @@ def calibrate_energy(
     <dissipated energy ∫ μ F dL = 11.52 J>
     """
     o = Options(result=result, load=load, distance=distance, cof=cof, area=area)
-    each = tuple(quantity("--speed", text, "mm/s") for text in speeds or SPEEDS)
+    each = tuple(quantity("--speed", text, "mm/s") for text in several(speeds or SPEEDS))
     if result is not None:
         why = "and --result exclude each other: the run has its own"
         o.refuse("--load", "--distance", "--cof", "--area", why=why)

@@ -84,12 +84,7 @@ class FrictionFit(ShearFit):
 
 
 def fit_friction(
-    distance: FloatArray,
-    cof: FloatArray,
-    *,
-    run_distance: FloatArray,
-    run_area: FloatArray,
-    load: float,
+    distance: FloatArray, cof: FloatArray, *, run_distance: FloatArray, run_area: FloatArray, load: float
 ) -> FrictionFit:
     """Fit a measured coefficient over a run's area by least squares, the area interpolated at its distances.
 

@@ -73,7 +73,7 @@ class FrictionCalibration(Calibration):
 @named_in_python()
 def calibrate_friction(
     *,
-    result: str | Path | None = None,
+    result: Result | str | Path | None = None,
     cof: float | None = None,
     ploughing: float | None = None,
     area: Any = None,
@@ -87,8 +87,8 @@ def calibrate_friction(
 
     Parameters
     ----------
-    result : path, optional
-        The folder of a run, whose areas are taken.
+    result : Result or path, optional
+        A run, or its folder, whose areas are taken.
     cof, ploughing : float, optional
         Measured coefficient of friction, and the part of it that does not shear.
     area : str, optional

@@ -65,11 +65,7 @@ def animate(folder: Path, out: Path | None, fps: float, overwrite: bool) -> None
 @repeated("--format", "NAME", "One of those above.", "formats", default="sdf, xyz and npy")
 @repeated("--snapshot", "WHICH", "Number, '30 mm', or all.", default="the end; all for vti and netcdf")
 @repeated(
-    "--body",
-    "NAME",
-    "counter, disc, or track of a swept run.",
-    "bodies",
-    default="counter-body and disc",
+    "--body", "NAME", "counter, disc, or track of a swept run.", "bodies", default="counter-body and disc"
 )
 @repeated("--field", "NAME", "Field of csv, vti and netcdf, e.g. pressure.", "fields", default="all")
 @click.option(

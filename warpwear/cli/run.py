@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from warpwear.cli.options import DEVICE, PATH, THREADS
-from warpwear.cli.places import results, run_checkpoint, runner, summaries
+from warpwear.cli.places import results, run_checkpoint, runner
 from warpwear.cli.study import CHANGES, STUDY, load_study
 from warpwear.version import __version__
 
@@ -78,7 +78,7 @@ def run(
                 if not result.seconds:
                     click.echo(f"{folder}/ holds this run, finished: nothing is left to do")
                     return
-                click.echo(summaries.summary_text(summaries.summarise(result)))
+                click.echo(result)
             page = "report.html" if (folder / "report.html").exists() else "summary.json"
             progress.elsewhere = f"{folder / page}, or --notes"
     except KeyboardInterrupt:

@@ -12,8 +12,11 @@ from warpwear.comparison.table import UNITS, to_text
 from warpwear.comparison.table import columns as values_of
 from warpwear.errors import in_python, named_in_python
 from warpwear.measured.options import flag, refuse
-from warpwear.measured.surface import HowToRead, Length
+from warpwear.measured.rows import Paths
+from warpwear.measured.surface import HowToRead, Length, check_options
+from warpwear.result import Result
 from warpwear.results.frames import package
+from warpwear.study.units import several
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -59,8 +62,8 @@ class ComparedRuns(Comparison):
 
 @named_in_python()
 def compare(
-    *folders: str | Path,
-    experiments: Sequence[str | Path] = (),
+    *folders: Result | str | Path,
+    experiments: Paths = (),
     band_over: Sequence[str] = (),
     speed: Length | None = None,
     stroke: Length | None = None,
@@ -74,7 +77,8 @@ def compare(
     Parameters
     ----------
     *folders
-        Of runs, or of sweeps for all their runs; two or more, or one beside an experiment or a scar.
+        Of runs, as paths or results, or of sweeps for all their runs; two or more, or one beside an
+        experiment or a scar.
     experiments
         Tribometers' records of friction, or folders of their files.
     band_over
@@ -98,6 +102,8 @@ def compare(
     ------
     InputError
         For fewer than two of them together, and for what is no run, record or scar.
+    TypeError
+        For an option that there is not.
 
     Examples
     --------
@@ -107,10 +113,12 @@ def compare(
     >>> warpwear.compare("4 N", "8 N").to_dataframe()["area_contact"].round(3).to_list()
     [0.015, 0.026]
     """
-    check_choice(folders, experiments, scar, {"before": before, **how})
+    check_options(how)
+    paths, records = [Path(folder) for folder in folders], several(experiments)
+    check_choice(paths, records, scar, {"before": before, **how})
     files = None if scar is None else ScarFiles(Path(scar), None if before is None else Path(before), how)
-    settings: Any = {"band_over": band_over, "speed": speed, "stroke": stroke, "columns": columns}
-    return ComparedRuns(**vars(gather(folders, experiments, scar=files, **settings)))
+    settings: Any = {"band_over": several(band_over), "speed": speed, "stroke": stroke, "columns": columns}
+    return ComparedRuns(**vars(gather(paths, records, scar=files, **settings)))
 
 
 def check_choice(

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 
 from warpwear.errors import InputError
@@ -85,6 +86,8 @@ def folders_of(folders: Sequence[str | Path]) -> tuple[list[Path], list[str]]:
     run_folders: list[Path] = []
     notes: list[str] = []
     for folder in map(Path, folders):
+        if folder.is_file() and not h5py.is_hdf5(folder):
+            raise InputError(f"{folder} is no run; give records by --experiment, experiments=[…]")
         if not is_sweep(folder):
             run_folders.append(folder)
             continue

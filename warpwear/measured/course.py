@@ -81,13 +81,7 @@ def experiment_of(rows: Rows, motion: Motion) -> Experiment:
     else:
         course = _in_order(path, table["distance"], table["cof"])
     titles = ", ".join(f"{role} from {column.title!r}" for role, column in columns.items())
-    notes = [
-        *rows.notes,
-        f"Columns: {titles}.",
-        *([origin] if origin else []),
-        *notes,
-        *course.notes,
-    ]
+    notes = [*rows.notes, f"Columns: {titles}.", *([origin] if origin else []), *notes, *course.notes]
     if rows.format != PLAIN.name:
         notes.insert(0, f"Format: {rows.format}" + (f", {len(steps)} steps." if len(steps) > 1 else "."))
     notes += check_cof(path, course.distance, course.cof)

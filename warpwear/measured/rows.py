@@ -13,6 +13,7 @@ from warpwear.errors import InputError
 from warpwear.grid import FloatArray
 from warpwear.measured.columns import Column, choose
 from warpwear.measured.record import Record, read_record
+from warpwear.study.units import several
 
 Indices: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.intp]]"
 Mask: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]"
@@ -51,7 +52,7 @@ class Rows:
 
 def files_of(paths: Paths) -> list[Path]:
     """Return the files of one record in order: those given, or those in a folder, 2 before 10."""
-    places = [Path(paths)] if isinstance(paths, str | Path) else [Path(path) for path in paths]
+    places = [Path(path) for path in several(paths)]
     files: list[Path] = []
     for path in places:
         if path.is_dir():

@@ -120,7 +120,9 @@ def read_surface(
     Raises
     ------
     InputError
-        For what is no map of heights, or an option that is not allowed; the sentence names it.
+        For what is no map of heights, or a value that is not allowed; the sentence names its option.
+    TypeError
+        For an option that there is not.
 
     References
     ----------
@@ -168,7 +170,9 @@ def read_profile(
     Raises
     ------
     InputError
-        For what is no profile, or has no roughness, or an option that is not allowed.
+        For what is no profile, or has no roughness, or a value that is not allowed.
+    TypeError
+        For an option that there is not.
 
     References
     ----------
@@ -239,7 +243,9 @@ def read_worn(
     Raises
     ------
     InputError
-        Where nothing worn stands out, `before` shows another place, or an option is not allowed.
+        Where nothing worn stands out, `before` shows another place, or a value is not allowed.
+    TypeError
+        For an option that there is not.
 
     Examples
     --------
@@ -411,10 +417,15 @@ def _read(file: str | Path, preparation: Preparation) -> Measured:
     return surface
 
 
+def check_options(given: Preparation) -> None:
+    """Raise TypeError, as Python does, for an option that no measured surface has."""
+    for name in given.keys() - HowToRead.__annotations__.keys():
+        raise TypeError(f"{name!r} is no option; allowed: {', '.join(HowToRead.__annotations__)}")
+
+
 def _disc(file: str | Path, preparation: Preparation) -> Disc:
     """Return [disc] by the keys given. Raises InputError, and TypeError for others, as Python does."""
-    for name in preparation.keys() - HowToRead.__annotations__.keys():
-        raise TypeError(f"{name!r} is no option; allowed: {', '.join(HowToRead.__annotations__)}")
+    check_options(preparation)
     values = {name: value for name, value in preparation.items() if value is not None}
     for name in values.keys() & set(LENGTHS):
         several = isinstance(values[name], str) and name in LISTS and "," in values[name]
@@ -425,7 +436,7 @@ def _disc(file: str | Path, preparation: Preparation) -> Disc:
     try:
         return Disc(surface=str(file), **values)
     except ValidationError as error:
-        raise InputError(f"disc.{sentence(error, Disc)}") from error
+        raise InputError(f"disc.{sentence(error, Disc)}") from None
 
 
 def with_options(text: str) -> str:

@@ -43,12 +43,7 @@ ALTERNATING = 0.9
 
 
 def from_forces(
-    path: Path,
-    table: Mapping[str, FloatArray],
-    *,
-    step: Rows,
-    stroke: float | None,
-    load: float | None,
+    path: Path, table: Mapping[str, FloatArray], *, step: Rows, stroke: float | None, load: float | None
 ) -> Experiment:
     """Return the course of friction from 'friction force' and 'normal force' [N] over 'position' [mm].
 
@@ -185,11 +180,7 @@ def _alternating(friction: FloatArray, step: Rows) -> bool:
 
 
 def _by_strokes(
-    path: Path,
-    table: Mapping[str, FloatArray],
-    normal: FloatArray,
-    step: Rows,
-    stroke: float | None,
+    path: Path, table: Mapping[str, FloatArray], normal: FloatArray, step: Rows, stroke: float | None
 ) -> Experiment:
     """Return the course of a record whose steps are passes forth and back, cycle by cycle."""
     turns = np.searchsorted(step, np.arange(step[-1] + 2))  # a step of gaps alone has no rows

@@ -21,6 +21,7 @@ from warpwear.results.formats.stl import write_stl
 from warpwear.results.formats.text import csv_files, write_npy, write_xyz
 from warpwear.results.formats.vtk import vti_files
 from warpwear.results.tables import write_tables
+from warpwear.study.units import several
 
 #: Points of a solid along a side, unless others are asked for.
 STL_POINTS = 250
@@ -97,6 +98,7 @@ def export(
     is unknown, for an option that no format takes, for a package that is missing and for files that are
     there.
     """
+    formats, bodies, fields = several(formats), bodies and several(bodies), fields and several(fields)
     options = {"bodies": bodies, "fields": fields, "points": points, "add": add}
     _check_known("format", formats, FORMATS)
     known_bodies = (*BODIES, TRACK) if result.study.is_swept else BODIES
@@ -106,7 +108,7 @@ def export(
     _check_taken({name for name, value in options.items() if value is not None}, formats)
     if points is not None and points < FEWEST_POINTS:
         raise InputError(f"points = {points} make no surface; allowed: {FEWEST_POINTS} or more")
-    added = tuple(Path(path) for path in add or ())
+    added = tuple(Path(path) for path in several(add or ()))
     for path in added:
         if not path.is_file():
             raise InputError(f"add = {path} is no file; a record or a surface is expected")

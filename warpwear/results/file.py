@@ -383,6 +383,12 @@ class ResultFile:
             raise InputError("a result in memory cannot be pickled; give the run a folder with out.")
         return type(self), (self.path.resolve(),)
 
+    def __fspath__(self) -> str:
+        """Return the run folder, so that a result may stand where a path does. Raises InputError."""
+        if self.folder is None:
+            raise InputError("a result in memory has no folder: run with out.")
+        return str(self.folder)
+
     def __repr__(self) -> str:
         if not self._file:
             return f"<Result, closed: {self.path or 'it was in memory'}>"

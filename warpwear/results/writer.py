@@ -52,14 +52,7 @@ class ResultWriter:
     """
 
     def __init__(
-        self,
-        file: h5py.File,
-        study: Study,
-        toml: str,
-        *,
-        device: str,
-        threads: int,
-        snapshots: bool = True,
+        self, file: h5py.File, study: Study, toml: str, *, device: str, threads: int, snapshots: bool = True
     ) -> None:
         self._file, self._study, self._keeps_snapshots = file, study, snapshots
         self._in_memory = file.driver == "core"  # where nobody but this process reads

@@ -233,11 +233,7 @@ class StoredCheckpoint:
                 sentence = f"{name} is {is_now} instead of {was}"
                 raise ValueError(sentence.replace("NoneType", "nothing"))
         check_snapshots(self.file, self._order.study)
-        return Checkpoint(
-            arrays,
-            rows=self._rows,
-            **{name: self._about[name] for name in OF_THE_RUN},
-        )
+        return Checkpoint(arrays, rows=self._rows, **{name: self._about[name] for name in OF_THE_RUN})
 
 
 @contextmanager

@@ -285,13 +285,14 @@ def steps(
     device: str = "cpu",
     threads: int | None = None,
 ) -> Iterator[RunStep]:
-    """Make the steps of a study one by one: `for step in warpwear.steps(study): step.row["cof"]`.
+    """Make the steps of a study one by one: `for step in warpwear.steps(study): step.row["area_contact"]`.
 
     Each step has `row`, a dictionary of the history's columns, `units` of them, and `snapshot()` or `fields`:
     pressure, wear_counter, wear_disc and gap after it until the next. Nothing is kept or written;
-    stop whenever you like. study, surface, device, threads: as of `run`, and so are the numbers. `run` makes
-    many steps in a row; here each is made alone, as it can be asked for its fields, which takes longer: four
-    to ten times where the contact is small.
+    stop whenever you like. "cof" is NaN where the study calibrates the shear strength, as by default: that
+    takes the areas of the whole run. study, surface, device, threads: as of `run`, and so are the numbers.
+    `run` makes many steps in a row; here each is made alone, as it can be asked for its fields, which takes
+    longer: four to ten times where the contact is small.
 
     Raises what `run` raises, when the first step is asked for or the step that is wrong.
 

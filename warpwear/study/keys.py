@@ -236,13 +236,15 @@ def no_such_key(model: type[BaseModel], name: str) -> str:
     """Return the sentence about a name that no key has, with one so called elsewhere or a near one beside."""
     section, _, last = _NUMBER.sub("", name).rpartition(".")
     last = last[:LONGEST_NAME]
-    parts = {key: key.rpartition(".") for key in declarations(model)}
-    siblings = {end: key for key, (above, _, end) in parts.items() if above == section}
-    near = [key for key, (_, _, end) in parts.items() if end == last]
+    declared = declarations(model)
+    siblings = {key.rpartition(".")[2]: key for key in declared if key.rpartition(".")[0] == section}
+    near = [key for key in declared if key.rpartition(".")[2] == last]
+    near += [key for key in siblings.values() if f"{declared[key].field.description} ".startswith(f"{last} ")]
     near += [siblings[end] for end in get_close_matches(last, siblings, n=1)]
     hint = f"did you mean '{near[0]}'?" if near else f"allowed are {', '.join(siblings.values())}."
     short = name if len(name) <= LONGEST_NAME else f"{name[:LONGEST_NAME]}…"
-    return f"'{short}' is no key of a study; {hint}"
+    whose = "test" if section == "test" else "study"
+    return f"'{short}' is no key of a {whose}; {hint.replace('test.', '')}"
 
 
 def plural(table: str) -> str:

@@ -28,7 +28,7 @@ class Study(Content):
         try:
             super().__init__(**sections)
         except ValidationError as error:
-            raise InputError(text.sentence(error, type(self))) from error
+            raise InputError(text.sentence(error, type(self))) from None
         for name in names:  # so that they are told from what was given
             section, _, key = name.partition(".")
             getattr(self, section).model_fields_set.discard(key)

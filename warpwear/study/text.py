@@ -144,7 +144,7 @@ def read_section(name: str, kind: Any, content: Any) -> Any:
     try:
         return getattr(whole.model_validate({name: content}), name)
     except ValidationError as error:
-        raise InputError(sentence(error, whole)) from error
+        raise InputError(sentence(error, whole)) from None
 
 
 def sentence(error: ValidationError, model: type[BaseModel]) -> str:
@@ -170,6 +170,9 @@ def sentence(error: ValidationError, model: type[BaseModel]) -> str:
         example = "'test-1.csv'" if kind == "list_type" else "'30 mm', '240 mm'"
         return f"{name} = {text}: must be a list in brackets, such as [{example}]."
     if kind in ("model_type", "dict_type", "model_attributes_type"):
+        if of_table == "test":
+            must = "must be a mapping such as {'volume': '0.018 mm^3'}; in a file: [[test]]"
+            return f"tests[{first['loc'][1]}] = {text} {must}."
         return f"{name} = {text} is not a section; write [{name}] and its keys below it."
     if kind == "string_type":
         return f"{name} = {text}: must be text in quotes."

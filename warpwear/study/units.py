@@ -5,6 +5,7 @@ import re
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from numbers import Real
+from os import PathLike
 from typing import Any, Self
 
 from pydantic import GetCoreSchemaHandler
@@ -168,6 +169,12 @@ def is_pair(value: Any) -> bool:
         return False
     number, unit = value
     return isinstance(number, Real) and not isinstance(number, bool) and isinstance(unit, str)
+
+
+def several(given: Any) -> tuple[Any, ...]:
+    """Return one text, path, number or pair in a tuple; what is several as it is."""
+    one = isinstance(given, str | PathLike | Real) or is_pair(given)
+    return (given,) if one else tuple(given)
 
 
 def one_by_one(value: Any) -> Any:

@@ -1,5 +1,6 @@
 """What an inference leads to: the next test, how many repeats, and a calibrated study."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -105,10 +106,10 @@ def test_tests_are_tried_before_anything_is_sampled(tmp_path: Path, monkeypatch:
     def infer(candidate: str, target: str = "wear.counter") -> warpwear.Inference:
         return warpwear.infer(
             smooth_study(**{"sliding.distance": "100 mm"}),
-            unknown={"wear.counter": "log-uniform 4e-4 .. 2e-3 mm^3/N/m"},
+            unknown="wear.counter",  # one stands for a list of one
             tests=[{"volume_counter": "0.00075 +- 0.00003 mm^3"}],
             target=target,
-            candidates=[candidate],
+            candidates=candidate,
             out=tmp_path / candidate,
         )
 
@@ -121,6 +122,9 @@ def test_tests_are_tried_before_anything_is_sampled(tmp_path: Path, monkeypatch:
     assert not sampled
     calls.clear()
     inference = infer("contact.load=8.0 N, repeats=3")
+    assert re.fullmatch(
+        r"<inference of '.*': wear.counter = 0.0009\d+ ± 3.\de-05 mm³/\(N·m\)>", repr(inference)
+    )
     (same,) = inference.tests
     assert "3 tests" in str(inference)  # what the ranks do not say: what each costs
     assert len({*calls}) == 1  # no run but that of the study

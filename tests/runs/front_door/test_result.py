@@ -4,6 +4,7 @@ import ast
 import inspect
 import logging
 import pickle
+import traceback
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -112,8 +113,36 @@ def test_a_result_is_pickled_as_its_path(folder: Path, monkeypatch: pytest.Monke
         assert in_memory.path is None
         with pytest.raises(InputError, match="in memory cannot be pickled; give the run a folder"):
             pickle.dumps(in_memory)
-        with pytest.raises(InputError, match="a page needs the folder of its run: run with out"):
+        with pytest.raises(InputError, match="a result in memory has no folder: run with out"):
             in_memory.write_page()
+
+
+def test_print_shows_the_summary_and_a_result_stands_for_its_folder(folder: Path) -> None:
+    with Result.open(folder) as result:
+        lines = str(result).splitlines()
+        assert lines[0].startswith(f"{result.study.study.name}: 3 mm slid in ")
+        assert len(lines) > 15
+        assert any("area in contact" in line for line in lines)
+        assert Study.load(result) == result.study
+        assert Path(result) == folder
+        energy = warpwear.calibrate_energy(result=result)
+        assert energy.to_dict() == warpwear.calibrate_energy(result=folder).to_dict()
+        assert len(warpwear.calibrate_energy(result=result, speeds="20 mm/min").speeds) == 1
+        strength = warpwear.calibrate_friction(result=result, cof=0.6)
+        assert strength.to_dict() == warpwear.calibrate_friction(result=folder, cof=0.6).to_dict()
+    assert str(result) == f"<Result, closed: {folder / 'result.h5'}>"
+
+
+def test_a_refusal_is_its_sentence_alone() -> None:
+    """Pydantic's own text, with an address, does not stand above it."""
+    for refused in (
+        lambda: Study.load("v1").replace({"contact.load": "4 mm"}),
+        lambda: warpwear.calibrate_wear([{"volume": "4 mm"}], load="8 N", distance="1 m"),
+        lambda: warpwear.read_surface("disc.npy", pixel="2 N", height_unit="um"),
+    ):
+        with pytest.raises(InputError) as error:
+            refused()
+        assert "pydantic" not in "".join(traceback.format_exception(error.value))
 
 
 def test_a_closed_result_says_so(folder: Path) -> None:

@@ -31,6 +31,7 @@ from warpwear.grid import FloatArray
 from warpwear.laws.friction import FITTED, STRENGTH
 from warpwear.study.keys import inapplicable
 from warpwear.study.study import Study
+from warpwear.study.units import several
 
 #: Draws of the priors that are compared with the data.
 DRAWS = 2000
@@ -55,10 +56,12 @@ def infer(
     """Find unknowns of a study from measurements of a test, by Bayes' rule.
 
     unknown: keys, each with a prior as in a sweep or None for one about the study's value. tests: a table a
-    test, such as {"scar": "0.8 +- 0.02 mm", "friction": "0.2 +- 0.02 at 30 mm", "record": "test-1.csv"}, with
-    the keys of [[test]], or a file with them; repeated tests have one each. target: an unknown that the next
-    test is to narrow; candidates: such as "contact.load=16 N, repeats=3". out: folder of the report, which
-    keeps the runs. runs: of a design where results do not merely scale. seed: of all draws.
+    test, such as {"scar": "0.8 +- 0.02 mm", "friction": "0.2 +- 0.02 at 30 mm", "record": "test-1.csv"}, or a
+    file with them; repeated tests have one each. Their keys are those of [[test]], which
+    docs/reference/keys.md explains: scar, volume_counter, volume_disc, width, section, sq_counter, sq_disc,
+    friction, record, profile, after, before and ball. target: an unknown that the next test is to narrow;
+    candidates: such as "contact.load=16 N, repeats=3". out: folder of the report, which keeps the runs. runs:
+    of a design where results do not merely scale. seed: of all draws.
 
     Raises InputError for what does not go together, ConvergenceError where samples do not converge.
     """
@@ -67,7 +70,7 @@ def infer(
     if study.wears_by_area:
         raise InputError("warpwear calibrate bayes needs friction.law = 'coulomb' for wear.law = 'energy'")
     data = tests if isinstance(tests, Data) else data_of(study, tests)
-    priors = dict(unknown) if isinstance(unknown, Mapping) else dict.fromkeys(unknown)
+    priors = dict(unknown) if isinstance(unknown, Mapping) else dict.fromkeys(several(unknown))
     unknowns, noise = unknowns_of(study, priors), noise_for(data, priors)
     _check_unknowns(study, unknowns, data)
     with tempfile.TemporaryDirectory(prefix="warpwear-inference-", ignore_cleanup_errors=True) as place:
@@ -96,7 +99,8 @@ def infer(
         trials = []
         if target is not None:  # before sampling, which takes long: here a test may be refused
             place_of(posterior, target)
-            trials = [with_model(one) for one in candidates_of(study, candidates, cheap=not base.runs.inputs)]
+            named = candidates_of(study, several(candidates), cheap=not base.runs.inputs)
+            trials = [with_model(one) for one in named]
         samples = sample(posterior.log_density, len(posterior.sampled), seed=seed)
         values, z = posterior.complete(samples.z, np.random.default_rng(seed + 1))
         if out is not None:

@@ -88,10 +88,7 @@ def _candidate(text: str) -> Candidate:
 
 
 def best_tests(
-    posterior: Posterior,
-    values: Mapping[str, FloatArray],
-    target: str,
-    candidates: Sequence[Candidate],
+    posterior: Posterior, values: Mapping[str, FloatArray], target: str, candidates: Sequence[Candidate]
 ) -> list[NextTest]:
     """Rank tests by the uncertainty of an unknown that they leave, the best first.
 

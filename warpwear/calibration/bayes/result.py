@@ -36,7 +36,7 @@ POINTS = 150
 BAND = (5.0, 95.0)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Inference:
     """Hold the unknowns of a study after a test.
 
@@ -222,6 +222,10 @@ class Inference:
             learnt = "at its end" if row["pressed"] else f"{100 * row['learnt']:.0f} %"
             cells.append([row["key"], *numbers, row["unit"], prior, learnt])
         return cells
+
+    def __repr__(self) -> str:
+        found = (f"{r['key']} = {r['mean']:.4g} ± {r['sd']:.2g} {r['unit']}".rstrip() for r in self.table)
+        return f"<inference of '{self.study.study.name}': {', '.join(found)}>"
 
     def __str__(self) -> str:
         """Write table and sentences for the screen."""

@@ -70,17 +70,20 @@ def solve_contact(
 
     All numbers are in consistent units of the caller's choice (mm, N and MPa, say, or m, N and Pa).
 
-    heights: of the surface, positive out of the material, shape (nx, ny), axis 0 = x; of any mean plane.
-    cell: width of the square cells. load, mean_pressure, approach: one of the three; a mean pressure is the
-    load over the area of the array. hardness: largest pressure of a cell; None for no such limit.
+    heights: of the surface, positive out of the material, shape (nx, ny), axis 0 = x; of any mean plane. Of a
+    `MeasuredSurface` give its `.heights`; where its two pixels differ they are resampled first, as its
+    `.surface.heights(x, y)` does. cell: width of the square cells. load, mean_pressure, approach: one of the
+    three; a mean pressure is the load over the area of the array. hardness: largest pressure of a cell; None
+    for no such limit.
     modulus: E*, of an elastic half-space (two elastic bodies have 1/E* = Σ (1 − ν²)/E). stiffness: instead of
     it, pressure over length, of independent springs under the cells (a Winkler foundation). Without both
     every cell that is touched carries the hardness: the bearing area.
     boundary: of the half-space; "periodic", where the surface repeats without end (by default under a
-    plane), "free", where nothing lies beside the array (by default under a counter-body), or "line", where it
-    repeats along axis 1 and nothing lies beyond the ends of axis 0: a line contact, plane strain where ny is
-    1. Its approach has no absolute zero: a line of pressure displaces nothing at the distance of the array's
-    length, nx × cell.
+    plane): opposite edges of a measured map then meet in a seam, whose steps count as roughness; "free",
+    where nothing lies beside the array (by default under a counter-body), or "line", where it repeats along
+    axis 1 and nothing lies beyond the ends of axis 0: a line contact, plane strain where ny is 1. Its
+    approach has no absolute zero: a line of pressure displaces nothing at the distance of the array's length,
+    nx × cell.
     counter_radius: of a ball, whose apex comes down on the middle of the array; None for a plane.
     counter: another body instead, by the keys of a study's [counter], {"shape": "pin", "radius": 0.3,
     "edge_radius": 0.1}; or how high each cell of it lies over the surface's, an array of the shape of heights

@@ -308,12 +308,7 @@ class _Shearing:
         options: dict[str, Any] = {name: getattr(contact, name) for name in names}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # which the contact has said
-            normal = solve_contact(
-                -gap,
-                tolerance=min(self.tolerance, TOLERANCE),
-                **self.options,
-                **options,
-            )
+            normal = solve_contact(-gap, tolerance=min(self.tolerance, TOLERANCE), **self.options, **options)
         return replace(normal, approach=normal.approach + float(gap.mean()))
 
     def _result(self, contact: ArrayContact, solution: Sheared, force: Pair | None) -> ShearedContact:
