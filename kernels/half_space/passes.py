@@ -8,7 +8,7 @@ import warp as wp
 
 from warpwear.kernels.cells import Cells
 from warpwear.kernels.half_space.certificate import Proven
-from warpwear.kernels.half_space.solve import TOGETHER, RowGroup, Solve
+from warpwear.kernels.half_space.solve import TOGETHER, RowGroup, Solve, Streaks
 from warpwear.kernels.native_code import native_pass
 
 #: Rows of a slot of `extend` and `gather`.
@@ -41,8 +41,13 @@ def bound(solve: Solve):
 
 
 @native_pass("streak", module=TOGETHER)
-def streak(solve: Solve, of_step: wp.bool):
+def streak(solve: Solve, streaks: Streaks, of_step: wp.bool):
     """Find what yields of a body that the pressure, or the step, passes along x."""
+
+
+@native_pass("add_streaks", module=TOGETHER)
+def add_streaks(solve: Solve, streaks: Streaks):
+    """Add the mean along x of what yields so to the response."""
 
 
 @native_pass("yield<false>", module=TOGETHER)

@@ -188,8 +188,6 @@ class Fields:
     cap: wp.float64  # H [MPa]
     cap_ratio: wp.array2d(dtype=Cells)  # of the cap, that cells bear; no rows where all bear all of it
     yields: wp.array2d(dtype=Cells)  # compliance of each cell [mm/MPa]; no rows where none has its own
-    streak_yields: wp.array2d(dtype=Cells)  # under the mean along x that passes it; no rows where none has
-    streak: wp.array2d(dtype=Cells)  # what yields by them [mm]
 
 
 @wp.struct
@@ -219,6 +217,18 @@ class ActiveSet:
 
 
 @wp.struct
+class Streaks:
+    """Holds compliances of cells under the mean pressure that passes them along x.
+
+    They stand beside `Solve`, each of whose arrays costs every launch that is recorded.
+    """
+
+    yields: wp.array2d(dtype=Cells)  # [mm/MPa]
+    yielded: wp.array2d(dtype=Cells)  # by them [mm]
+    window: wp.array(dtype=wp.int32)  # cells of the mean, one number
+
+
+@wp.struct
 class Solve:
     """Holds a search, and where its passes leave what they find."""
 
@@ -228,7 +238,6 @@ class Solve:
     neighbours: wp.array(dtype=wp.float32)  # weights of those along x, along y and across corners
     rules: wp.array(dtype=Rules)  # one
     fields: Fields
-    streak_window: wp.array(dtype=wp.int32)  # cells of the mean of streaks, one number
     request: wp.array(dtype=wp.float64)  # by `Request`
     loads: wp.array(dtype=wp.float64)  # of each group, Σ p [MPa]; at approaches those [mm]
     visited: wp.array(dtype=wp.int32)  # rows, one number

@@ -152,29 +152,37 @@ template <typename Solve> WARPWEAR_FN void bound(int slot, int slots, Solve& sol
 
 // What passes the cells of a body and yields there: the mean of the pressure, or of the step, times their
 // compliance.
-template <typename Solve> WARPWEAR_FN void streak(int slot, int slots, const Solve& solve, bool of_step)
+template <typename Solve, typename Streaks>
+WARPWEAR_FN void streak(int slot, int slots, const Solve& solve, Streaks& streaks, bool of_step)
 {
     const auto& fields = solve.fields;
-    const int window = solve.streak_window.data[0];
+    const int window = streaks.window.data[0];
     each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&) {
         return [&, row](int i) {
             const Lanes mean = mean_at(of_step ? fields.step : fields.pressure, row.number, i, window);
-            row_of(fields.streak, row.number)[i] = row_of(fields.streak_yields, row.number)[i] * mean;
+            row_of(streaks.yielded, row.number)[i] = row_of(streaks.yields, row.number)[i] * mean;
         };
+    });
+}
+
+// Add the mean of what has yielded along x to the response.
+template <typename Solve, typename Streaks>
+WARPWEAR_FN void add_streaks(int slot, int slots, Solve& solve, const Streaks& streaks)
+{
+    const int window = streaks.window.data[0];
+    each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&) {
+        return [&, row](int i) { row.response[i] += mean_at(streaks.yielded, row.number, i, window); };
     });
 }
 
 // What compliances of each cell add to the response to the pressure, or to the step.
 template <bool of_step, typename Solve> WARPWEAR_FN void yield(int slot, int slots, Solve& solve)
 {
-    const bool streaks = solve.fields.streak.shape[0] > 0;
-    const int window = solve.streak_window.data[0];
     each_cell(solve, slot, slots, [&](const SearchRow& row, const auto&) {
-        return [&, row](int i) {
+        return [row](int i) {
             CONTRACT_FAST
             const Lanes x = of_step ? row.step[i] : row.pressure[i], b = row.yields[i];
             row.response[i] = row.response[i] + b * x;
-            if (streaks) row.response[i] += mean_at(solve.fields.streak, row.number, i, window);
         };
     });
 }

@@ -65,7 +65,11 @@ class Search:
         device, grid = executor.device, executor.grid
         on_cpu = device.is_cpu
         self._single = operator.is_one and on_cpu and operator.cells >= LEAST_SINGLE
-        self._yields, self._streaks = yields is not None, streak_yields is not None
+        self._yields = yields is not None
+        self._streaks: Any = None
+        if streak_yields is not None:
+            streaks = {"yields": streak_yields, "yielded": executor.zeros(), "window": 1}
+            self._streaks = arguments(solve.Streaks, device, **streaks)
         self._extends = operator.is_one and not self._yields
         self._few = rules.few if self._extends and on_cpu and hardness < NO_CAP and groups == 1 else 0
         #: Whether what is extended is gathered tile by tile.
@@ -88,11 +92,8 @@ class Search:
                 cap=min(hardness, NO_CAP),
                 cap_ratio=executor.zeros(0) if cap_ratio is None else cap_ratio,
                 yields=executor.zeros(0) if yields is None else yields,
-                streak_yields=executor.zeros(0) if streak_yields is None else streak_yields,
-                streak=executor.zeros(0 if streak_yields is None else None),
                 gathered=gathered,
             ),
-            streak_window=1,
             request=len(Request),
             loads=groups,
             visited=operator.visited,
@@ -114,7 +115,7 @@ class Search:
 
     def streak(self, window: int) -> None:
         """Tell over how many cells along x the pressures are averaged that pass a cell."""
-        self._executor.put(self._solve.streak_window, window)
+        self._executor.put(self._streaks.window, window)
 
     def run(self, request: Mapping[Request, float], loads: FloatArray, then: Program | None = None) -> int:
         """Search; return how it ended, by the numbers of `kernels.half_space.solve`.
@@ -281,10 +282,11 @@ class Search:
     def _respond(self, program: Program, field: str, *, single: bool) -> None:
         fields = self._solve.fields
         self._operator.add_response(program, getattr(fields, field), fields.response, single=single)
-        if self._streaks:
-            self._pass(program, passes.streak, field == "step")
         if self._yields:
             self._pass(program, passes.yield_to_step if field == "step" else passes.yield_to_pressure)
+        if self._streaks:
+            self._pass(program, passes.streak, self._streaks, field == "step")
+            self._pass(program, passes.add_streaks, self._streaks)
 
     def _pass(self, program: Program, kernel: Any, *more: Any) -> None:
         program.launch(kernel, self._solve, *more, slots=self._slots, chunks=self._chunks)
