@@ -31,8 +31,6 @@ class LoopCalibration(Calibration):
 
     Attributes
     ----------
-    coefficient : float or None
-        Coefficient of friction by the energy; None of partial slip, which tells none.
     force, load : float
         Largest friction force, and normal load [N].
     slip, travel : float
