@@ -82,6 +82,8 @@ class PatchLedger(Ledger):
         self._of_cell = patches.domain.cell_area * patches.weight
         #: Fractions of counter-body and disc in what both lose.
         self._fractions = task.wear_fractions
+        #: Whether K goes with the pressure.
+        self._bends = len(task.knots) > 0
 
     @property
     def foundation(self) -> float:
@@ -111,7 +113,7 @@ class PatchLedger(Ledger):
         total, most = (
             divided(both, self._fractions) if "worn" in both else both for both in (worn.total, worn.most)
         )
-        if len(self._task.knots):
+        if self._bends:
             total["wearing_counter"] = total["pressure_times_factor"] = total["wearing"]
         load, approach = self._task.load, sum(worn.approach)
         residual = checked_residual(total["pressure"] * self._of_cell - load, load, approach=approach)

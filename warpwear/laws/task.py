@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
-from functools import cached_property
 from typing import Any, ClassVar, Literal, Protocol
 
 from warpwear.grid import FloatArray
@@ -128,22 +127,22 @@ class ContactTask:
         counter, disc = (law.wear_per_contact(start, increment) for law in self.wear)
         return counter, disc
 
-    @cached_property
+    @property
     def knots(self) -> FloatArray:
         """Return how K of a cell goes with its pressure, see `archard.knots_of`."""
         return knots_of(self.wear)
 
-    @cached_property
+    @property
     def shears(self) -> bool:
         """Tell whether cells in contact wear by their shear, whatever their pressure."""
         return sum(self.wear_per_contact(0.0, 1.0)) > 0.0
 
-    @cached_property
+    @property
     def shears_unalike(self) -> bool:
         """Tell whether cells have a shear strength by their materials, or a part of their pressure."""
         return shears_unalike(self.profiles or (), self.largest_shear)
 
-    @cached_property
+    @property
     def surface_shear(self) -> float | None:
         """Return the shear strength of unworn surfaces over the bodies'; None where cells of these differ."""
         tops = [profile.materials[0] for profile in self.profiles or ()]
