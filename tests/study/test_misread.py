@@ -54,7 +54,8 @@ def test_a_hardness_that_plays_no_part_says_so() -> None:
 def test_a_coefficient_without_a_unit_says_whose_hardness_it_takes() -> None:
     bare = Study.load("v3-fine").replace({"wear.counter": 1e-4})
     assert bare.notices() == [
-        "wear.counter = 0.0001: k of V = k F L / H, with one H for both bodies, contact.hardness = 590 MPa."
+        "wear.counter = 0.0001: k of V = k F L / H, with one H for both bodies, contact.hardness = 590 MPa; "
+        "a K has a unit, such as '1e-4 mm^3/N/m'."
     ]
     nested = bare.replace({"wear.disc": 2e-4, "counter.hardness": "3 GPa"}).model_dump(exclude_unset=True)
     del nested["contact"]["hardness"]

@@ -110,7 +110,10 @@ def _of_hardness(study: Content) -> Iterator[str]:
         )
     if bare := " and ".join(without_unit(study)):
         which = "that of the softer body," if limit is None else "contact.hardness ="
-        yield f"{bare}: k of V = k F L / H, with one H for both bodies, {which} {study.wear_hardness:g} MPa."
+        yield (
+            f"{bare}: k of V = k F L / H, with one H for both bodies, {which} {study.wear_hardness:g} MPa; "
+            "a K has a unit, such as '1e-4 mm^3/N/m'."
+        )
 
 
 def _of_extent(study: Content) -> Iterator[str]:
