@@ -8,6 +8,8 @@ import stat
 import sys
 from pathlib import Path
 
+from jupyter_cache.cache.main import JupyterCacheBase
+
 DOCS = Path(__file__).parent
 ROOT = DOCS.parent
 sys.path[:0] = [str(ROOT), str(DOCS / "extensions")]
@@ -57,6 +59,9 @@ myst_heading_anchors = 4
 myst_dmath_double_inline = True
 
 # Pages with cells are run when they are read, each in an empty folder, and kept until their cells change.
+# Pages are executed side by side: one that thins the cache out takes the record that another has just made,
+# whose file is not there yet, for an old one.
+JupyterCacheBase.truncate_caches = lambda self: None
 nb_execution_mode = "cache"
 nb_execution_cache_path = str(ROOT / "build" / "site-cache" / "pages")
 nb_execution_in_temp = True
