@@ -1,13 +1,23 @@
 """The half-space under a ball that slides: against dense matrices, closed forms and the local law."""
 
 import json
-from dataclasses import dataclass
 from typing import Any
 
-import cases_half_space
 import numpy as np
 import pytest
-import reference
+from cases_sliding_half_space import (
+    CELL,
+    FLAT,
+    GRID,
+    KEEPS,
+    SHARE,
+    Dense,
+    averaged,
+    contact_of,
+    fields_of,
+    heights,
+    study_of,
+)
 from cases_track import CELL as TRACK_CELL
 from cases_track import TRACKS, WINDOW, rough, small
 from numpy.testing import assert_allclose, assert_array_equal
@@ -22,156 +32,12 @@ from warpwear.errors import InvariantError
 from warpwear.grid import FloatArray, Grid
 from warpwear.kernels import wear_from_pressure
 from warpwear.kernels.sliding import Slide
-from warpwear.models.track.half_space import SlidingHalfSpace
 from warpwear.models.track.local import SlidingContact
 from warpwear.models.track.model import SweptModel
 from warpwear.runs.plan import plan_of
 
 #: On a GPU the transforms need their library.
 pytestmark = pytest.mark.transforms
-
-CELL, ROWS = 0.02, 24
-GRID = Grid(16, 9, CELL)
-SHARE = 0.2
-KEEPS = {"sliding.plastic": "keep"}
-FLAT = {"counter.radius": "inf mm", "contact.hardness": "200 MPa"}
-TRANSITION = {
-    "wear.law": "transition",
-    "wear.severe_counter": "9.4e-3 mm^3/N/m",
-    "wear.severe_disc": "12.7e-3 mm^3/N/m",
-    "wear.transition_width": "20 MPa",
-}
-#: Almost to the last digit, so that it is not the search which differs.
-TIGHT = 1.0e-11
-
-
-def study_of(**changes: Any) -> Study:
-    base = {"contact.law": "half-space", "contact.load": "2 N", "contact.hardness": "600 MPa"}
-    dotted = {name.replace("__", "."): value for name, value in changes.items()}
-    return Study.load("v3-fine").replace(base | {"grid.cell": "20 um"} | dotted)
-
-
-def heights(rows: int = ROWS) -> FloatArray:
-    return np.random.default_rng(5).normal(0.0, 4e-4, (rows, GRID.ny))
-
-
-def contact_of(study: Study, disc: FloatArray, executor: Executor, **options: Any) -> SlidingHalfSpace:
-    contact = SlidingHalfSpace(study.contact_task, disc.copy(), executor, **options)
-    contact._half_space._law["tolerance"] = TIGHT
-    return contact
-
-
-def fields_of(contact: Any, executor: Executor) -> dict[str, FloatArray]:
-    return {name: executor.to_numpy(v).copy() for name, v in contact.state.fields.items()}
-
-
-@dataclass
-class Dense:
-    """The same contact by a dense matrix and active sets; its bodies are worn in NumPy."""
-
-    study: Study
-    disc: FloatArray
-
-    def __post_init__(self) -> None:
-        self.boundary = self.study.boundary
-        modulus = self.study.effective_modulus
-        assert modulus is not None
-        of_unit = {"free": cases_half_space.dense_free, "periodic": cases_half_space.dense_periodic}
-        self.elastic = of_unit[self.boundary](GRID) * cases_half_space.MODULUS / modulus
-        self.counter = reference.counter_gap(GRID.x, GRID.y, self.study.counter.radius or np.inf)
-        self.wear_counter, self.wear_disc = np.zeros(GRID.shape), np.zeros_like(self.disc)
-        self.plastic_disc = np.zeros_like(self.disc)
-
-    def step(self, shift: int, increment: float, approach: float) -> FloatArray:
-        """Pressure at an approach, and the wear by it."""
-        beneath = (np.arange(GRID.nx) + shift) % ROWS
-        of_counter, of_disc = 9.4e-7 * increment, SHARE * 12.7e-7 * increment
-        window = round(SHARE * increment / CELL) if self.boundary == "free" else None
-        matrix = self.elastic + of_disc * np.eye(GRID.cells)
-        matrix += of_counter * cases_half_space.dense_streak(GRID, self.boundary, window)
-        hardness = self.study.hardness
-        met = self.wear_counter if window is None else averaged(self.wear_counter, window)
-        gap = self.counter + met - self.disc[beneath]
-        p = cases_half_space.bounded(matrix, gap, approach, hardness)
-        below = approach - gap - (matrix @ p.ravel()).reshape(GRID.shape)
-        at_cap = p >= hardness * (1.0 - 1e-12)  # the active sets leave it by a digit
-        beyond = np.where(at_cap, np.maximum(below, 0.0), 0.0)
-        passing = np.broadcast_to(p.mean(axis=0), p.shape) if window is None else averaged(p, window)
-        self.wear_counter += of_counter * passing
-        self.disc[beneath] -= of_disc * p + beyond
-        self.wear_disc[beneath] += of_disc * p
-        self.plastic_disc[beneath] += beyond
-        return p
-
-
-@pytest.mark.parametrize("changes", [{"wear.transition_pressure": "300 MPa"}, FLAT], ids=["counter", "flat"])
-def test_cells_wear_by_the_k_of_the_pressure_that_they_see(changes: dict[str, Any], device: str) -> None:
-    """Each step is the contact of the dense matrix whose compliances are K of the pressures that it finds."""
-    study = study_of().replace(TRANSITION | {"wear.transition_pressure": "40 MPa"} | changes)
-    disc, pieces = heights(), []
-    dense = Dense(study, disc.copy())
-    with Executor(GRID, device=device) as executor:
-        contact = contact_of(study, disc, executor, periodic=True, track_fraction=SHARE)
-        for shift, window in ((3, 3), (7, 4), (9, 1), (22, 2), (4, 5)):
-            increment, before = window * CELL / SHARE, fields_of(contact, executor)
-            step = contact.step(shift, increment, with_pressure=True)
-            p, after = step.pressure, fields_of(contact, executor)
-            assert p is not None
-            seen = GRID.nx if "counter.radius" in changes else window
-            mean = np.array([passing(one.reshape(GRID.shape), seen).ravel() for one in np.eye(GRID.cells)])
-            pressures = (mean @ p.ravel()).reshape(GRID.shape), p
-            lends = [
-                share * increment * np.interp(q, *law.over_pressure)
-                for share, q, law in zip((1.0, SHARE), pressures, study.wear_laws, strict=True)
-            ]
-            beneath = (np.arange(GRID.nx) + shift) % ROWS
-            gap = dense.counter + passing(before["wear_counter"], seen) - before["disc"][beneath]
-            matrix = dense.elastic + np.diag(lends[1].ravel()) + mean.T @ np.diag(lends[0].ravel()) @ mean
-            other = cases_half_space.bounded(matrix, gap, step.row["approach"], study.hardness)
-            assert_allclose(p, other, atol=1e-8 * study.hardness)
-            for body, rows, lent, q in zip(
-                ("counter", "disc"), (..., beneath), lends, pressures, strict=True
-            ):
-                worn = (after[f"wear_{body}"] - before[f"wear_{body}"])[rows]
-                assert_allclose(worn, lent * q, rtol=1e-10, atol=1e-16)
-            ends = study.wear_laws[0].over_pressure[0]
-            pieces.append([np.histogram(q, [1e-9, *ends, np.inf])[0] for q in pressures])
-    assert np.max(pieces, axis=(0, 1)).min() > 0  # mild, between and severe
-    assert np.max(pieces, axis=0)[:, 1].min() > 0  # K of both bodies changes with the pressure
-
-
-@pytest.mark.parametrize("load", ["4 N", "12 N"])
-def test_volumes_of_a_flat_are_those_of_k_of_its_pressure(load: str) -> None:
-    """V = K(p) F L, with p of load over area."""
-    study = study_of(contact__load=load).replace(
-        TRANSITION | FLAT | {"wear.transition_pressure": "40 MPa", "contact.hardness": "900 MPa"}
-    )
-    with Executor(GRID) as executor:
-        contact = contact_of(study, np.zeros((ROWS, GRID.ny)), executor, periodic=True, track_fraction=SHARE)
-        steps = [contact.step(3, increment) for increment in (0.1, 1.0, 0.3)]
-    for body, law in zip(("counter", "disc"), study.wear_laws, strict=True):
-        k = np.interp(study.contact.load / GRID.area, *law.over_pressure)
-        expected = k * study.contact.load * 1.4
-        assert steps[-1].row[f"wear_volume_{body}"] == pytest.approx(expected, rel=1e-10)
-
-
-def passing(p: FloatArray, window: int) -> FloatArray:
-    """Mean of what passes a cell: over a window, or over the line."""
-    return averaged(p, window) if window < GRID.nx else np.broadcast_to(p.mean(axis=0), p.shape)
-
-
-def averaged(p: FloatArray, window: int) -> FloatArray:
-    """Mean over the places of a window that moves by as many cells, at midpoints of its cells or between."""
-    half = window // 2
-    padded = np.pad(p, ((half + 1, half + 1), (0, 0)), mode="symmetric")
-    cumulative = np.cumsum(np.vstack([np.zeros((1, p.shape[1])), padded]), axis=0)
-
-    def integral(edge: FloatArray) -> FloatArray:
-        low = np.floor(edge).astype(int)
-        return np.asarray(cumulative[low] + (edge - low)[:, None] * (cumulative[low + 1] - cumulative[low]))
-
-    middle = np.arange(p.shape[0]) + half + 1.5
-    return (integral(middle + 0.5 * window) - integral(middle - 0.5 * window)) / window
 
 
 @pytest.mark.parametrize("changes", [KEEPS, KEEPS | FLAT], ids=["counter", "flat"])

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from warpwear.grid import FloatArray
+from warpwear.laws.track import is_whole
 from warpwear.results.track import doubt_of_directions
 from warpwear.study.study import Study
 
@@ -52,13 +53,12 @@ def of_count(study: Study, count: float, when: str) -> Iterator[str]:
         area = min(area, study.blocks[0].load / study.hardness or area)
     enough = 1.0e3 * math.sqrt(area / FEW_CELLS)
     digit = 10.0 ** (math.floor(math.log10(enough)) - 1)
-    sizes = [n * digit for n in range(math.floor(enough / digit), 0, -1)]
-    parts = [[1.0e3 * side / size for side in study.grid.sides] for size in sizes]
-    whole = (size for size, of in zip(sizes, parts, strict=True) if all(abs(n - round(n)) < 1e-6 for n in of))
+    sizes = [1.0e-3 * n * digit for n in range(math.floor(enough / digit), 0, -1)]
+    whole = (size for size in sizes if all(is_whole(side / size) for side in study.grid.sides))
     yield (
         f"{when} only {count:.3g} {'cell is' if count == 1.0 else 'cells are'} in contact, so its area, "
         f"pressure and friction mean nothing: grid.cell = {1.0e3 * study.grid.cell:g} µm is too large, "
-        f"{next(whole, sizes[0]):.2g} µm would do ({FEW_CELLS} cells)."
+        f"{1.0e3 * next(whole, sizes[0]):.2g} µm would do ({FEW_CELLS} cells)."
     )
 
 
