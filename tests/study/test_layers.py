@@ -204,3 +204,14 @@ def test_a_layer_as_strong_as_the_body_has_no_column_of_its_own() -> None:
     for study, unalike in ((alike, False), (layered(BARE, COAT | {"coefficient": 0.1}), True)):
         assert study.contact_task.shears_unalike == unalike
         assert ("area_sheared" in {column.name for column in columns_of(study)}) == unalike
+
+
+def test_a_shear_strength_says_which_cells_have_another() -> None:
+    study = Study.load("coat")
+    assert study.other_shear == ", layers by their own"
+    bound = study.replace({"friction.largest_coefficient": 0.3})
+    assert bound.other_shear == ", layers by their own, at most 0.3 of the pressure of a cell"
+    film = {"thickness": "10 nm", "shear_strength": "40 MPa"}
+    plain = Study.load("v3-fine").replace({"friction.shear_strength": "172 MPa"})
+    assert plain.other_shear == ""
+    assert plain.replace({"friction.film": film}).other_shear == ", film 40 MPa"

@@ -273,7 +273,7 @@ def _energy(result: ResultFile, end: dict[str, float]) -> list[Row]:
 
 def _strength(study: Study, strength: float | None) -> Row:
     """Declare the shear strength: as given, or fitted, and whether the softer body bears it."""
-    note, limit = ", as given", study.shear_limit
+    note, limit = f"{study.other_shear}, as given", study.shear_limit
     if study.friction.fitted is not None:
         note = f", fitted to {study.friction.coefficient:g}"
         if study.block is not None:

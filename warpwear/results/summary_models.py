@@ -8,6 +8,7 @@ import numpy as np
 
 from warpwear import lazy
 from warpwear.grid import FloatArray
+from warpwear.history.distances import with_unit
 from warpwear.history.quantities import BY_NAME, MEASURES, OF_A_CYCLE
 from warpwear.laws.archard import BODIES, CALLED
 from warpwear.laws.depth_profile import DepthProfile, of_materials
@@ -379,8 +380,8 @@ def _layers_of(result: ResultFile, body: str, profile: DepthProfile) -> Row | No
         "load_share": {material.name: float(history[columns[0]][-1]) for material, columns in named},
         "volumes_over_K_less_FL": finite(worn / carried - 1.0) if carried else None,
     }
-    through = "none worn through" if first is None else f"first worn through after {shown(first)} mm"
-    through += "" if half is None else f", half of the contact after {shown(half)} mm"
+    through = "none worn through" if first is None else f"first worn through after {with_unit(first, 4)}"
+    through += "" if half is None else f", half of the contact after {with_unit(half, 4)}"
     parts = ", ".join(f"{name} {shown(volume)} mm³" for name, volume in losses.items())
     return Row(f"{CALLED[body]}'s layers", f"layers_{body}", numbers, sentence=f"{through}; lost: {parts}")
 

@@ -404,6 +404,14 @@ class Content(Programme):
         return shears_unalike(self.profiles or (), self.largest_shear)
 
     @property
+    def other_shear(self) -> str:
+        """Say, behind a shear strength, what shears cells by another one; nothing where none does."""
+        film, largest = self.friction.film, self.friction.largest_coefficient
+        own = [f", film {film.shear_strength:g} MPa"] if film else []
+        own += [", layers by their own"] if shears_unalike(self.profiles or ()) else []
+        return "".join([*own, f", at most {largest:g} of the pressure of a cell"] if largest else own)
+
+    @property
     def largest_shear(self) -> float:
         """Largest shear of a cell over its pressure and the bodies' strength [1/MPa]; infinite without."""
         largest, strength = self.friction.largest_coefficient, self.friction.shear_strength

@@ -95,8 +95,7 @@ class FigureData:
         if friction.fitted == "coulomb":
             return f"constant, {friction.coefficient:g}, an input"
         if friction.shear_strength is not None:
-            film = f", film {friction.film.shear_strength:g} MPa" if friction.film else ""
-            return f"shear strength {friction.shear_strength:g} MPa{film}, as given"
+            return f"shear strength {friction.shear_strength:g} MPa{study.other_shear}, as given"
         at_end = friction.calibrate == "end"
         if study.lap is None:
             return f"calibrated to {friction.coefficient:g} at the {'end' if at_end else 'start'}"

@@ -218,10 +218,8 @@ class TwoScaleModel(Model):
         pressure = self.patches.on_domain(self._executor.to_numpy(self._pressure)) if with_pressure else None
         wears.wear(self._pressure, visited=self.patches.count, gradient=self._pressure)
         search = sharing.search.values
-        numbers = {
-            "evaluations": search["evaluations"],
-            "approach": (search["common_base"], search["bracket"][0]),
-        }
+        approach = search["common_base"], search["bracket"][0]
+        numbers = {"evaluations": search["evaluations"], "approach": approach}
         worn = wears.worn(np.arange(self.patches.count), increment, **numbers)
         return self._ledger.enter_worn(worn, increment, removals, pressure)
 

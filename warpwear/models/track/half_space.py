@@ -102,9 +102,8 @@ class SlidingHalfSpace:
         law: dict[str, Any] = {"boundary": task.boundary, "hardness": task.hardness}
         self._half_space = WindowedHalfSpace(executor, modulus=task.modulus, **law)
         #: What the study adds to a step.
-        self.features = Features.of(
-            task, executor, self.state.fields, periodic=periodic, track_fraction=track_fraction
-        )
+        site: Any = {"periodic": periodic, "track_fraction": track_fraction}
+        self.features = Features.of(task, executor, self.state.fields, **site)
         #: That which the next step asks: until a cell can reach another material, none of materials.
         self._asked, self._unreached = self.features, self.features.without("materials")
         #: The gap, and a mean along x.
@@ -290,10 +289,8 @@ class SlidingHalfSpace:
     def _caps(self) -> dict[str, Any]:
         """Parts of the hardness that cells bear, and the least of them."""
         task, ratio = self.task, self._asked.cells.cap_ratio
-        return {
-            "cap_ratio": ratio,
-            "least_cap_ratio": 1.0 if ratio is None else task.least_hardness / task.hardness,
-        }
+        least = 1.0 if ratio is None else task.least_hardness / task.hardness
+        return {"cap_ratio": ratio, "least_cap_ratio": least}
 
     def _static_area(self, solver: WindowedHalfSpace) -> float:
         """Return the area [mm²] of a contact on the last gap, without the compliance that wear lends it."""
